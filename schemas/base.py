@@ -1,0 +1,29 @@
+"""The base of every model, and the error that speaks to the user."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class Frozen(BaseModel):
+    """A model that does not change after it was made, and refuses fields it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Unusable(Exception):
+    """Input that cannot be used.
+
+    The text is one sentence for the person at the bench: the file, the field, the value and
+    the way out. The command line prints it and exits with 2.
+    """
+
+
+def first_fault(error: ValidationError) -> str:
+    """The first fault of a validation error as «field.path: what is wrong (value)»."""
+    fault = error.errors(include_url=False)[0]
+    place = ".".join(str(part) for part in fault["loc"]) or "document"
+    message = fault["msg"].removeprefix("Value error, ")
+    return f"{place}: {message} (found {str(fault.get('input'))[:60]!r})"

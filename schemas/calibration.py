@@ -1,0 +1,93 @@
+"""What a calibration gives: values, uncertainties, what is missing and why."""
+
+from typing import Literal
+
+from pydantic import Field, computed_field
+
+from schemas.base import Finite, Frozen
+from schemas.recording import Axis, Kind, Up
+
+Method = Literal["jjf2003", "joint", "jjf1536"]
+Elements = dict[str, Finite | None]
+
+
+class Remark(Frozen):
+    """Something the reader of a result must know, as a sentence in both languages.
+
+    `blocks_pass`: a condition of the specification is not met, so no unit may pass on it.
+    """
+
+    code: str
+    en: str
+    zh: str
+    segments: tuple[str, ...] = ()
+    blocks_pass: bool = False
+
+
+class Item(Frozen):
+    """One calibration item. Elements: the axis that reads, then the input axis.
+
+    `u` is the standard uncertainty, `U` = k·u. An element that the recording cannot determine
+    is null in every dictionary.
+    """
+
+    unit: str
+    clause: str
+    value: Elements
+    u: Elements
+    U: Elements
+    k: Finite = 2.0
+    uncertainty_kind: Literal["type A"] = "type A"
+    readings: tuple[str, ...] = Field(
+        default=(), description="readings of the specification taken (tasks.items.readings)"
+    )
+    value_without_earth_rotation: Elements | None = None
+    value_model: Elements | None = Field(
+        default=None, description="the same with the sign of model (2)"
+    )
+
+
+class SegmentUsed(Frozen):
+    """A segment as it was used: found or labelled, and what was left out of its means."""
+
+    name: str
+    kind: Kind
+    t_start: Finite
+    t_end: Finite
+    origin: Literal["label", "found"]
+    up: Up | None = None
+    axis: Axis | None = None
+    rate_deg_s: Finite | None = None
+    rows: int
+    rows_left_out: int = 0
+
+
+class EnvironmentSeen(Frozen):
+    """Smallest and largest air temperature (°C) and humidity (%RH) during the run."""
+
+    temperature_degc: tuple[Finite, Finite] | None = None
+    humidity_percent: tuple[Finite, Finite] | None = None
+
+
+class Calibration(Frozen):
+    """The result of one method on one recording (format `mimu-calibration/1`)."""
+
+    format: Literal["mimu-calibration/1"] = "mimu-calibration/1"
+    recording_id: str
+    run: str
+    digest: str
+    method: Method
+    code_version: str
+    procedure: str
+    settings: dict[str, Finite | str | None]
+    items: dict[str, Item]
+    unavailable: dict[str, str]
+    unavailable_zh: dict[str, str] = {}
+    remarks: tuple[Remark, ...] = ()
+    segments: tuple[SegmentUsed, ...] = ()
+    environment: EnvironmentSeen = EnvironmentSeen()
+
+    @computed_field
+    def warnings(self) -> list[str]:
+        """The remarks as plain English sentences."""
+        return [remark.en for remark in self.remarks]

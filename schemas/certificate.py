@@ -1,0 +1,62 @@
+"""A certificate: who, for whom, with what, and the result it prints (clause 8 of JJF 2003)."""
+
+from datetime import date
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.base import Frozen
+from schemas.calibration import Calibration
+from schemas.recording import Manifest
+from schemas.station import Equipment
+from schemas.tolerance import Decision
+
+State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
+
+
+class Party(Frozen):
+    """A laboratory or a client."""
+
+    name: str
+    name_zh: str
+    address: str
+    address_zh: str
+
+
+class Laboratory(Frozen):
+    """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home)."""
+
+    format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
+    party: Party
+    certificate_prefix: str = "MIMU"
+    equipment: tuple[Equipment, ...] = ()
+    operator: str | None = None
+    checker: str | None = None
+    issuer: str | None = None
+    issuer_title: str | None = None
+    issuer_title_zh: str | None = None
+
+
+class Order(Frozen):
+    """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back."""
+
+    format: Literal["mimu-order/1"] = "mimu-order/1"
+    client: Party
+    received: date
+    interval_months: int = Field(default=12, gt=0, le=120)
+
+
+class Certificate(Frozen):
+    """Everything the certificate prints; the PDF is made from this and nothing else."""
+
+    format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
+    number: str
+    state: State
+    calibrated_on: date
+    issued_on: date
+    due: date
+    laboratory: Laboratory | None
+    order: Order | None
+    manifest: Manifest
+    calibration: Calibration
+    decision: Decision

@@ -1,0 +1,160 @@
+"""A recording: its manifest (format `mimu-recording/1`) and its streams as arrays."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from schemas.base import Finite
+
+FORMAT = "mimu-recording/1"
+AXES = ("x", "y", "z")
+GYRO = ("gyro_x", "gyro_y", "gyro_z")
+ACCEL = ("accel_x", "accel_y", "accel_z")
+ANGLE = ("angle_x", "angle_y", "angle_z")
+TRIADS = (GYRO, ACCEL)
+STREAMS = ("imu", "table", "reference", "environment")
+
+Axis = Literal["x", "y", "z"]
+Up = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+Kind = Literal["static", "rate", "rotation", "settle", "transition"]
+Standard = Literal["JJF 2003-2022", "JJF 1536-2015", "other"]
+Vector = tuple[Finite, Finite, Finite]
+
+
+class Received(BaseModel):
+    """Frozen, but keeps fields it does not know: what others wrote must not be lost."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+
+class Unit(Received):
+    """The unit under test."""
+
+    manufacturer: str
+    model: str
+    serial: str
+
+
+class TableAxis(Received):
+    """One axis of the turntable; `direction` is in the frame of the axis before it."""
+
+    name: str = Field(min_length=1)
+    direction: Vector
+
+    @field_validator("direction")
+    @classmethod
+    def _not_zero(cls, direction: Vector) -> Vector:
+        if not any(direction):
+            raise ValueError("a table axis needs a direction that is not zero")
+        return direction
+
+
+class Mount(Received):
+    """Attitude of the unit on the payload: R_n_body = R_n_payload · R(mount)."""
+
+    quaternion_wxyz: tuple[Finite, Finite, Finite, Finite] = (1.0, 0.0, 0.0, 0.0)
+
+    @field_validator("quaternion_wxyz")
+    @classmethod
+    def _of_unit_length(
+        cls, quaternion: tuple[float, float, float, float]
+    ) -> tuple[float, float, float, float]:
+        if abs(np.linalg.norm(quaternion) - 1.0) > 1e-3:
+            raise ValueError("a mount quaternion has length 1")
+        return quaternion
+
+
+class Station(Received):
+    """Where it was recorded. What is null is unknown, and nothing assumes a value."""
+
+    id: str
+    latitude_deg: float | None = Field(default=None, ge=-90, le=90)
+    gravity_m_s2: float | None = Field(default=None, gt=9.7, lt=9.9)
+    heading_deg: Finite | None = None
+    table_axes: tuple[TableAxis, ...] | None = None
+
+
+class Segment(Received):
+    """A stretch of the recording with a label; times in s on the recording's time base."""
+
+    name: str
+    kind: Kind
+    t_start: Finite
+    t_end: Finite
+    item: str | None = None
+    up: Up | None = None
+    turn_deg: Finite | None = None
+    axis: Axis | None = None
+    rate_deg_s: Finite | None = None
+    angle_deg: Finite | None = None
+    mount: Mount | None = None
+
+    @model_validator(mode="after")
+    def _says_what_its_kind_needs(self) -> Self:
+        if self.t_end < self.t_start:
+            raise ValueError(f"segment {self.name} ends before it starts")
+        if self.kind == "rate" and (self.axis is None or self.rate_deg_s is None):
+            raise ValueError(f"segment {self.name} of kind rate needs axis and rate_deg_s")
+        if self.kind == "rotation" and (self.axis is None or self.angle_deg is None):
+            raise ValueError(f"segment {self.name} of kind rotation needs axis and angle_deg")
+        return self
+
+
+class Manifest(Received):
+    """`manifest.json`: who, where, how, and what each stretch is."""
+
+    format: Literal["mimu-recording/1"] = FORMAT
+    recording_id: str = Field(min_length=1)
+    standard: Standard = "other"
+    unit: Unit
+    station: Station
+    mount: Mount = Mount()
+    streams: Mapping[str, str] = {}
+    segments: tuple[Segment, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Stream:
+    """One time base and its columns.
+
+    t: (n,) s, float64, strictly rising, whole nanoseconds.
+    columns: name -> (n,) float64 in the units of `mimu-recording/1`; NaN where a triad was
+        not recorded.
+    """
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def stack(self, names: tuple[str, ...]) -> np.ndarray:
+        """The named columns side by side, (n, len(names)); NaN columns for absent ones."""
+        missing = np.full(len(self.t), np.nan)
+        return np.column_stack([self.columns.get(name, missing) for name in names])
+
+    def rows(self, t_start: float, t_end: float) -> slice:
+        """The rows with t_start ≤ t < t_end."""
+        start, stop = np.searchsorted(self.t, (t_start, t_end))
+        return slice(int(start), int(stop))
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A whole recording in memory. `digest` is the SHA-256 of its content (storage.raw)."""
+
+    manifest: Manifest
+    imu: Stream
+    table: Stream | None = None
+    reference: Stream | None = None
+    environment: Stream | None = None
+    digest: str = ""
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def streams(self) -> dict[str, Stream]:
+        """The streams that are present, by name."""
+        every = {name: getattr(self, name) for name in STREAMS}
+        return {name: stream for name, stream in every.items() if stream is not None}
