@@ -13,7 +13,7 @@ class Frozen(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class Unusable(Exception):
+class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the program)
     """Input that cannot be used.
 
     The text is one sentence for the person at the bench: the file, the field, the value and

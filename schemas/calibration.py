@@ -82,7 +82,7 @@ class Calibration(Frozen):
     settings: dict[str, Finite | str | None]
     items: dict[str, Item]
     unavailable: dict[str, str]
-    unavailable_zh: dict[str, str] = {}
+    unavailable_zh: dict[str, str] = Field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
     segments: tuple[SegmentUsed, ...] = ()
     environment: EnvironmentSeen = EnvironmentSeen()

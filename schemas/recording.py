@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 
 from schemas.base import Finite
 
-FORMAT = "mimu-recording/1"
+FORMAT: Literal["mimu-recording/1"] = "mimu-recording/1"
 AXES = ("x", "y", "z")
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
@@ -106,7 +106,7 @@ class Segment(Received):
 class Manifest(Received):
     """`manifest.json`: who, where, how, and what each stretch is."""
 
-    format: Literal["mimu-recording/1"] = FORMAT
+    format: Literal["mimu-recording/1"]
     recording_id: str = Field(min_length=1)
     standard: Standard = "other"
     unit: Unit
