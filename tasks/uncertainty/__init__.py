@@ -1,0 +1,1 @@
+"""Uncertainty of a result: how it is evaluated and how it is written down."""

@@ -1,0 +1,114 @@
+"""Writing down a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
+
+The expanded uncertainty keeps two significant digits and is rounded up, so that the certificate
+never states less than was found; the value is rounded half-even (GB/T 8170) to the same place.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Context, Decimal
+
+SIGNIFICANT = 2  # digits of an expanded uncertainty
+PLAIN_PLACES = 6  # more decimal places than these are written as ×10ⁿ
+ALONE = 6  # significant digits of a value that has no uncertainty
+MINUS = "−"
+
+_EXACT = Context(prec=60)
+_CLEAN = Context(prec=12, rounding=ROUND_HALF_EVEN)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of results that shares one power of ten.
+
+    exponent: every text is in units of 10^exponent; values, uncertainties: a text for each
+    row, None where the number is null or not finite.
+    """
+
+    exponent: int
+    values: tuple[str | None, ...]
+    uncertainties: tuple[str | None, ...]
+
+
+def round_up(uncertainty: float) -> Decimal:
+    """An expanded uncertainty (≥ 0, finite) rounded up to two significant digits.
+
+    The twelfth digit is settled first: 3 × 1.1e-4 is 3.3000000000000004e-4 in binary and stays
+    3.3e-4. Raises ValueError for a negative or non-finite number.
+    """
+    if not math.isfinite(uncertainty) or uncertainty < 0:
+        raise ValueError(f"an expanded uncertainty is a finite number ≥ 0, not {uncertainty!r}")
+    clean = _CLEAN.create_decimal(repr(float(uncertainty)))
+    place = Decimal((0, (1,), clean.adjusted() - SIGNIFICANT + 1))
+    rounded = clean.quantize(place, ROUND_CEILING, _EXACT)
+    # 9.96e-4 goes up to 10.0e-4, which has one digit too many.
+    return rounded.quantize(
+        Decimal((0, (1,), rounded.adjusted() - SIGNIFICANT + 1)), context=_EXACT
+    )
+
+
+def round_like(value: float, uncertainty: Decimal) -> Decimal:
+    """A finite value rounded half-even to the last place of a rounded uncertainty."""
+    return _quantized(Decimal(repr(float(value))), _place(uncertainty))
+
+
+def column(values: Sequence[float | None], uncertainties: Sequence[float | None]) -> Column:
+    """Values and their expanded uncertainties as the texts of one column of a table.
+
+    Each value is rounded to the place of its own uncertainty; the power of ten is one for the
+    whole column: 0 where plain decimals do, otherwise a multiple of three. A value without an
+    uncertainty (None, 0 or not finite) is given with six significant digits.
+    """
+    pairs = [_rounded(*pair) for pair in zip(values, uncertainties, strict=True)]
+    exponent = _exponent(pairs)
+    return Column(
+        exponent,
+        tuple(text(value, exponent) for value, _ in pairs),
+        tuple(text(uncertainty, exponent) for _, uncertainty in pairs),
+    )
+
+
+def text(number: Decimal | None, exponent: int = 0) -> str | None:
+    """A number in units of 10^exponent, in plain decimals, with a real minus sign."""
+    if number is None:
+        return None
+    return format(number.scaleb(-exponent, _EXACT), "f").replace("-", MINUS)
+
+
+def _rounded(
+    value: float | None, uncertainty: float | None
+) -> tuple[Decimal | None, Decimal | None]:
+    U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty)
+    if value is None or not math.isfinite(value):
+        return None, U
+    return (round_like(value, U) if U else _alone(value)), U
+
+
+def _alone(value: float) -> Decimal:
+    number = Decimal(repr(float(value)))
+    return _quantized(number, max(number.adjusted() - ALONE + 1, _place(number)))
+
+
+def _quantized(number: Decimal, place: int) -> Decimal:
+    """Half-even to 10^place; a zero has no sign."""
+    rounded = number.quantize(Decimal((0, (1,), place)), ROUND_HALF_EVEN, _EXACT)
+    return rounded if rounded else abs(rounded)
+
+
+def _place(number: Decimal) -> int:
+    place = number.as_tuple().exponent
+    assert isinstance(place, int)  # only NaN and infinity have a letter here
+    return place
+
+
+def _exponent(pairs: Sequence[tuple[Decimal | None, Decimal | None]]) -> int:
+    numbers = [number for pair in pairs for number in pair if number is not None and number != 0]
+    if not numbers:
+        return 0
+    places = [_place(number) for number in numbers]
+    if max(places) <= 0 and min(places) >= -PLAIN_PLACES:
+        return 0
+    largest = max(number.adjusted() for number in numbers)
+    # Above the coarsest last place, or a zero that is not significant would be written.
+    return max(largest // 3 * 3, -(-max(places) // 3) * 3)
