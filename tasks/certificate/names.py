@@ -1,0 +1,128 @@
+"""The calibration items as they are printed: names in both languages, symbols, units.
+
+Elements of an item: the axis that reads, then the input axis. Names and order are those of
+Appendix B of JJF 2003-2022 and of Appendix C of JJF 1536-2015.
+"""
+
+from dataclasses import dataclass
+
+from schemas.recording import AXES
+
+MATRIX = tuple(reads + given for reads in AXES for given in AXES)
+OFF_DIAGONAL = tuple(e for e in MATRIX if e[0] != e[1])
+APPENDIX_B = ("yx", "zx", "xy", "zy", "xz", "yz")
+
+UNITS = {"deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°"}
+
+
+@dataclass(frozen=True)
+class ItemName:
+    """How an item and its elements are called.
+
+    In `element_*`, {r} is the axis that reads and {i} the input axis; the symbol is `letter`
+    with the subscript `sub` and the element.
+    """
+
+    zh: str
+    en: str
+    letter: str
+    sub: str
+    element_zh: str
+    element_en: str
+    elements: tuple[str, ...]
+    unit: str
+
+    def of(self, element: str) -> tuple[str, str]:
+        """The name of one element, Chinese and English."""
+        reads, given = element[0].upper(), element[-1].upper()
+        return (
+            self.element_zh.format(r=reads, i=given),
+            self.element_en.format(r=reads, i=given),
+        )
+
+    def subscript(self, element: str) -> str:
+        """What stands under the letter: gxx for a diagonal coefficient given as x."""
+        return self.sub.format(e=element, twice=element * 2)
+
+
+ITEMS = {
+    "gyro_scale_factor": ItemName(
+        "陀螺标度因数", "Gyro scale factor", "K", "g{twice}",
+        "{r} 轴陀螺标度因数", "Scale factor of the {r} gyro", AXES, "1"),
+    "gyro_fit_offset": ItemName(
+        "陀螺拟合零偏", "Gyro fit offset", "b", "{e}",
+        "{r} 轴陀螺拟合零偏", "Fit offset of the {r} gyro", AXES, "deg/s"),
+    "gyro_bias": ItemName(
+        "陀螺零偏", "Gyro bias", "B", "g{e}",
+        "{r} 轴陀螺零偏", "Bias of the {r} gyro", AXES, "deg/s"),
+    "gyro_cross_coupling": ItemName(
+        "陀螺交叉耦合系数", "Gyro cross coupling coefficient", "K", "g{e}",
+        "{i} 轴对 {r} 轴交叉耦合系数", "Cross coupling of the {i} axis onto the {r} gyro",
+        APPENDIX_B, "1"),
+    "gyro_g_sensitivity": ItemName(
+        "陀螺加速度敏感系数", "Gyro g-sensitivity", "g", "{e}",
+        "{i} 轴加速度对 {r} 轴陀螺", "{i} acceleration onto the {r} gyro", MATRIX, "(deg/s)/g"),
+    "accel_scale_factor": ItemName(
+        "加速度计标度因数", "Accelerometer scale factor", "K", "a{twice}",
+        "{r} 轴加速度计标度因数", "Scale factor of the {r} accelerometer", AXES, "1"),
+    "accel_bias": ItemName(
+        "加速度计偏值", "Accelerometer bias", "B", "a{e}",
+        "{r} 轴加速度计偏值", "Bias of the {r} accelerometer", AXES, "m/s2"),
+    "accel_cross_coupling": ItemName(
+        "加速度计交叉耦合系数", "Accelerometer cross coupling coefficient", "K", "a{e}",
+        "{i} 轴对 {r} 轴交叉耦合系数",
+        "Cross coupling of the {i} axis onto the {r} accelerometer", APPENDIX_B, "1"),
+    "accel_rate_sensitivity": ItemName(
+        "加速度计角速度灵敏系数", "Accelerometer rate sensitivity", "p", "{e}",
+        "{i} 轴角速度对 {r} 轴加速度计", "{i} rate onto the {r} accelerometer",
+        OFF_DIAGONAL, "m"),
+    "ahrs_scale_factor": ItemName(
+        "标度因数", "Scale factor", "K", "{e}",
+        "{r} 轴标度因数", "Scale factor of the {r} axis", AXES, "1"),
+    "ahrs_zero_offset": ItemName(
+        "零偏", "Zero offset", "B", "{e}",
+        "{r} 轴零偏", "Zero offset of the {r} axis", AXES, "deg/s"),
+    "ahrs_misalignment": ItemName(
+        "失准角", "Misalignment angle", "L", "{e}",
+        "{r} 轴对 {i} 轴失准角", "Misalignment of the {r} axis to the {i} axis",
+        OFF_DIAGONAL, "deg"),
+}  # fmt: skip
+
+QUANTITIES = {
+    "value": ("条款给出的值", "the value by the clause"),
+    "value_without_earth_rotation": (
+        "扣除地球自转后的值",
+        "the value with Earth's rotation removed",
+    ),
+    "value_model": ("符号按模型式(2)的值", "the value with the sign of model (2)"),
+}
+
+# Which item has a second value beside the one by its clause.
+SECOND_VALUE = {
+    "gyro_g_sensitivity": "value_without_earth_rotation",
+    "accel_rate_sensitivity": "value_model",
+}
+
+RULES = {
+    "simple_acceptance": (
+        "简单接受：测得值在允许限内即为符合，不另留保护带；不确定度列于值旁",
+        "simple acceptance: a measured value inside its limits conforms, without a guard band; "
+        "its uncertainty stands beside it",
+    ),
+}
+
+VERDICTS = {
+    "pass": ("合格", "pass"),
+    "fail": ("不合格", "fail"),
+    "inconclusive": ("无法判定", "inconclusive"),
+}
+
+
+def item_name(item: str) -> tuple[str, str]:
+    """The name of an item, Chinese and English; its key where it is not of a specification."""
+    return (ITEMS[item].zh, ITEMS[item].en) if item in ITEMS else (item, item)
+
+
+def unit_text(unit: str) -> str:
+    """A unit as it is printed."""
+    return UNITS.get(unit, unit)

@@ -1,0 +1,189 @@
+"""The verdict: what passes, what fails, what nobody can say."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration, Item, Remark
+from schemas.tolerance import Decision, Limit, Tolerance
+from tasks.conformity import decide
+
+BIAS = {"x": 0.01, "y": -0.02, "z": 0.03}
+
+
+def item(value: dict[str, float | None], unit: str = "deg/s", **more: Any) -> Item:
+    U = {element: None if v is None else 0.001 for element, v in value.items()}
+    return Item(unit=unit, clause="7.2.2", value=value, u=U, U=U, **more)
+
+
+def calibration(
+    items: dict[str, Item], unavailable: dict[str, str] | None = None, **more: Any
+) -> Calibration:
+    return Calibration(
+        recording_id="r", run="run1", digest="d", method="jjf2003", code_version="0",
+        procedure="p", settings={}, items=items, unavailable=unavailable or {}, **more,
+    )  # fmt: skip
+
+
+def tolerance(*limits: Limit) -> Tolerance:
+    return Tolerance(manufacturer="m", model="m", document="Q/1", limits=limits)
+
+
+def bias_limit(**changes: Any) -> Limit:
+    limit: dict[str, Any] = {"item": "gyro_bias", "unit": "deg/s", "lower": -0.05, "upper": 0.05}
+    return Limit(**(limit | changes))
+
+
+def verdict_of(value: dict[str, float | None], **limit: Any) -> str:
+    return decide(calibration({"gyro_bias": item(value)}), tolerance(bias_limit(**limit))).verdict
+
+
+def test_inside_every_limit_passes_without_reasons() -> None:
+    decision = decide(calibration({"gyro_bias": item(BIAS)}), tolerance(bias_limit()))
+    assert decision.verdict == "pass"
+    assert [made.verdict for made in decision.limits] == ["pass"] * 3
+    assert (decision.reasons, decision.document) == ((), "Q/1")
+    assert decision.rule == "simple_acceptance"
+
+
+def test_one_element_outside_fails_and_is_named_in_both_languages() -> None:
+    decision = decide(
+        calibration({"gyro_bias": item(BIAS | {"y": -0.06})}), tolerance(bias_limit())
+    )
+    assert decision.verdict == "fail"
+    assert [made.verdict for made in decision.limits] == ["pass", "fail", "pass"]
+    assert decision.reasons == ("Gyro bias (y): −0.06 °/s is outside −0.05 … 0.05 °/s",)
+    assert decision.reasons_zh == ("陀螺零偏（y）：−0.06 °/s 超出 −0.05 … 0.05 °/s",)
+
+
+def test_a_value_on_its_limit_is_accepted() -> None:
+    assert verdict_of({"x": 0.05, "y": -0.05, "z": 0.0}) == "pass"
+
+
+def test_an_upper_limit_alone_limits_the_magnitude() -> None:
+    assert verdict_of(BIAS, lower=None) == "pass"
+    assert verdict_of(BIAS | {"x": -0.06}, lower=None) == "fail"
+
+
+def test_a_lower_limit_alone_leaves_the_top_open() -> None:
+    assert verdict_of({"x": 9.0, "y": 0.0, "z": 0.0}, upper=None) == "pass"
+
+
+@pytest.mark.parametrize("missing", [None, math.nan, math.inf])
+def test_a_missing_or_non_finite_element_is_inconclusive(missing: float | None) -> None:
+    broken = item(BIAS).model_copy(update={"value": BIAS | {"z": missing}})
+    decision = decide(calibration({}).model_copy(update={"items": {"gyro_bias": broken}}),
+                      tolerance(bias_limit()))  # fmt: skip
+    assert decision.verdict == "inconclusive"
+    assert decision.limits[2].value is None
+    assert decision.reasons == ("Gyro bias (z) not determined: no cause was given",)
+
+
+def test_an_element_left_out_of_the_result_is_inconclusive() -> None:
+    assert verdict_of({"x": 0.01, "y": 0.01}) == "inconclusive"
+
+
+def test_a_value_without_uncertainty_is_inconclusive() -> None:
+    bare = item(BIAS).model_copy(update={"U": BIAS | {"x": None}})
+    assert decide(calibration({"gyro_bias": bare}), tolerance(bias_limit())).verdict == (
+        "inconclusive"
+    )
+
+
+def test_an_unavailable_item_is_inconclusive_with_its_reason() -> None:
+    result = calibration(
+        {}, {"gyro_bias": "only 5 of 12 positions"}, unavailable_zh={"gyro_bias": "仅有5个位置"}
+    )
+    decision = decide(result, tolerance(bias_limit()))
+    assert decision.verdict == "inconclusive"
+    assert [made.element for made in decision.limits] == ["x", "y", "z"]
+    assert decision.reasons == ("Gyro bias (x, y, z) not determined: only 5 of 12 positions",)
+    assert decision.reasons_zh == ("陀螺零偏（x, y, z）未得：仅有5个位置",)
+
+
+def test_an_item_called_unavailable_does_not_pass_on_the_numbers_it_has() -> None:
+    result = calibration({"gyro_bias": item(BIAS)}, {"gyro_bias": "table fault"})
+    assert decide(result, tolerance(bias_limit())).verdict == "inconclusive"
+
+
+def test_a_foreign_unavailable_item_is_inconclusive_too() -> None:
+    result = calibration({"gyro_bias": item(BIAS)}, {"odd": "not seen"})
+    limits = tolerance(bias_limit(), Limit(item="odd", unit="1", upper=1.0))
+    assert decide(result, limits).verdict == "inconclusive"
+
+
+def test_a_failure_outweighs_what_is_missing() -> None:
+    assert verdict_of({"x": 1.0, "y": None, "z": 0.0}) == "fail"
+
+
+def test_only_listed_elements_are_limited() -> None:
+    assert verdict_of({"x": 0.01, "y": None, "z": 9.0}, elements=("x",)) == "pass"
+
+
+def test_a_remark_that_blocks_a_pass_makes_it_inconclusive() -> None:
+    warm = Remark(code="temperature", en="It was 31 °C.", zh="温度为31 °C。", blocks_pass=True)
+    result = calibration({"gyro_bias": item(BIAS)}, remarks=(warm,))
+    decision = decide(result, tolerance(bias_limit()))
+    assert decision.verdict == "inconclusive"
+    assert (decision.reasons, decision.reasons_zh) == (("It was 31 °C.",), ("温度为31 °C。",))
+
+
+def test_no_tolerance_is_inconclusive() -> None:
+    decision = decide(calibration({"gyro_bias": item(BIAS)}), None)
+    assert (decision.verdict, decision.document, decision.limits) == ("inconclusive", None, ())
+    assert len(decision.reasons) == len(decision.reasons_zh) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "names"),
+    [
+        (bias_limit(unit="rad/s"), "'rad/s'"),
+        (bias_limit(item="gyro_bais"), "gyro_bais"),
+        (bias_limit(elements=("x", "w")), "'w'"),
+        (bias_limit(elements=()), "x, y, z"),
+        (bias_limit(applied_to="value_model"), "value_model"),
+        (bias_limit(lower=None, upper=-1.0), "cannot be negative"),
+    ],
+)
+def test_a_limit_that_does_not_fit_the_result_is_refused(limit: Limit, names: str) -> None:
+    with pytest.raises(Unusable, match=names):
+        decide(calibration({"gyro_bias": item(BIAS)}), tolerance(limit))
+
+
+def g_sensitivity(**limit: Any) -> Decision:
+    g = {a + b: 0.012 for a in "xyz" for b in "xyz"}
+    earth = {element: value - 0.003 for element, value in g.items()}
+    result = item(g, unit="(deg/s)/g", value_without_earth_rotation=earth)
+    limited = Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", upper=0.01, **limit)
+    return decide(calibration({"gyro_g_sensitivity": result}), tolerance(limited))
+
+
+def test_a_g_sensitivity_limit_says_which_quantity_it_applies_to() -> None:
+    assert g_sensitivity().verdict == "fail"
+    corrected = g_sensitivity(applied_to="value_without_earth_rotation")
+    assert corrected.verdict == "pass"
+    assert corrected.limits[0].applied_to == "value_without_earth_rotation"
+    assert corrected.limits[0].value == pytest.approx(0.009)
+
+
+def test_a_quantity_that_could_not_be_computed_is_inconclusive() -> None:
+    result = item({a + b: 0.001 for a in "xyz" for b in "xyz"}, unit="(deg/s)/g")
+    limit = Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", upper=0.01,
+                  applied_to="value_without_earth_rotation")  # fmt: skip
+    decision = decide(calibration({"gyro_g_sensitivity": result}), tolerance(limit))
+    assert decision.verdict == "inconclusive"
+
+
+@given(st.dictionaries(st.sampled_from("xyz"), st.none() | st.floats(-0.1, 0.1)), st.booleans())
+def test_a_pass_needs_every_element_inside_and_nothing_against_it(
+    value: dict[str, float | None], blocked: bool
+) -> None:
+    remarks = (Remark(code="c", en="e", zh="z", blocks_pass=blocked),)
+    result = calibration({"gyro_bias": item(value)}, remarks=remarks)
+    passed = decide(result, tolerance(bias_limit())).verdict == "pass"
+    inside = [v is not None and abs(v) <= 0.05 for v in map(value.get, "xyz")]
+    assert passed == (all(inside) and not blocked)
