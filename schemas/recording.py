@@ -10,7 +10,6 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from schemas.base import Finite
 
 FORMAT: Literal["mimu-recording/1"] = "mimu-recording/1"
-AXES = ("x", "y", "z")
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
 ACCEL = ("accel_x", "accel_y", "accel_z")
 ANGLE = ("angle_x", "angle_y", "angle_z")
@@ -18,6 +17,7 @@ TRIADS = (GYRO, ACCEL)
 STREAMS = ("imu", "table", "reference", "environment")
 
 Axis = Literal["x", "y", "z"]
+AXES: tuple[Axis, Axis, Axis] = ("x", "y", "z")
 Up = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Kind = Literal["static", "rate", "rotation", "settle", "transition"]
 Standard = Literal["JJF 2003-2022", "JJF 1536-2015", "other"]
@@ -133,8 +133,15 @@ class Stream:
 
     def stack(self, names: tuple[str, ...]) -> np.ndarray:
         """The named columns side by side, (n, len(names)); NaN columns for absent ones."""
-        missing = np.full(len(self.t), np.nan)
-        return np.column_stack([self.columns.get(name, missing) for name in names])
+        return self.stack_rows(names, slice(0, len(self.t)))
+
+    def stack_rows(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
+        """The same for some of the rows only."""
+        stacked = np.full((rows.stop - rows.start, len(names)), np.nan)
+        for column, name in enumerate(names):
+            if name in self.columns:
+                stacked[:, column] = self.columns[name][rows]
+        return stacked
 
     def rows(self, t_start: float, t_end: float) -> slice:
         """The rows with t_start ≤ t < t_end."""

@@ -1,0 +1,1 @@
+"""What is done: estimation, uncertainty, decisions, certificates, stations, and their stages."""

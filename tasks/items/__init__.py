@@ -1,0 +1,1 @@
+"""The calibration items of the specifications, clause by clause, to the letter."""

@@ -1,0 +1,286 @@
+"""7.2.2 and 7.2.4: biases, g-sensitivity, accelerometer scale factor and cross coupling."""
+
+from collections.abc import Callable, Iterator, Mapping
+
+import numpy as np
+
+from schemas.calibration import Item, Remark
+from schemas.recording import AXES, Recording
+from tasks.items.evidence import UPS, Evidence
+from tasks.items.linear import solve
+from tasks.items.parts import (
+    MATRIX,
+    OFF_DIAGONAL,
+    Estimate,
+    Part,
+    elements,
+    excess_scatter,
+    make_item,
+)
+from tasks.motion.table import EARTH_RATE
+from tasks.segments.summarise import CHANNELS, SegmentMean
+
+CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
+CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
+DEG = float(np.degrees(1.0))
+
+
+def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
+    """Transposed Ā of 7.2.2.2: a row (aₓ, a_y, a_z, 1) in local g for each position."""
+    rows = np.zeros((len(ups), 4))
+    for row, up in enumerate(ups):
+        rows[row, AXES.index(up[1])] = 1.0 if up[0] == "+" else -1.0
+        rows[row, 3] = 1.0
+    return rows
+
+
+def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray | None) -> Part:
+    """All items of the twelve positions; `gyro_k` (3, 3) scales Earth's rotation if known."""
+    gyro = _positions(evidence, lambda segment: segment.has_gyro)
+    accel = _positions(evidence, lambda segment: segment.has_accel)
+    parts = (
+        _gyro_part(recording, evidence, gyro, gyro_k),
+        _accel_part(recording, evidence, accel),
+    )
+    remarks = tuple(_position_remarks(evidence, {**accel, **gyro}))
+    return Part(
+        {name: item for part in parts for name, item in part.items.items()},
+        {name: reason for part in parts for name, reason in part.unavailable.items()},
+        (*remarks, *parts[0].remarks, *parts[1].remarks),
+    )
+
+
+def _positions(
+    evidence: Evidence, serves: Callable[[SegmentMean], bool]
+) -> dict[str, tuple[int, ...]]:
+    """The positions with at least one usable rest, by axis up, in the order of the clause."""
+    usable = {
+        up: tuple(i for i in evidence.positions[up] if serves(evidence.segments[i])) for up in UPS
+    }
+    return {up: indices for up, indices in usable.items() if indices}
+
+
+def _averages(evidence: Evidence, positions: dict[str, tuple[int, ...]]) -> np.ndarray:
+    """Operator (positions, segments) that gives U_i: each heading counts once (7.2.2.1 a)."""
+    operator = np.zeros((len(positions), len(evidence.segments)))
+    for row, indices in enumerate(positions.values()):
+        headings: dict[float | None, list[int]] = {}
+        for i in indices:
+            headings.setdefault(evidence.segments[i].segment.turn_deg, []).append(i)
+        for same in headings.values():
+            operator[row, same] = 1.0 / len(headings) / len(same)
+    return operator
+
+
+def is_paired(evidence: Evidence, indices: tuple[int, ...]) -> bool:
+    """Whether a position was held at two headings 180° apart, as 7.2.2.1 a) asks."""
+    turns = {evidence.segments[i].segment.turn_deg for i in indices}
+    known = [turn for turn in turns if turn is not None]
+    return any(abs((a - b) % 360 - 180) < 1 for a in known for b in known)
+
+
+def _estimate(
+    evidence: Evidence, positions: dict[str, tuple[int, ...]], first: int
+) -> tuple[Estimate, tuple[Remark, ...]]:
+    """Eq. (7), (10): (3, 4) matrix and bias column for channels first, first+1, first+2."""
+    design = input_matrix(tuple(positions))
+    solution, averages = solve(design), _averages(evidence, positions)
+    value, u = np.full((3, 4), np.nan), np.full((3, 4), np.nan)
+    remarks = []
+    for i in range(3):
+        used = averages.any(axis=0)
+        weights = averages[:, used]
+        readings = weights @ evidence.means[used, first + i]
+        covariance = weights @ evidence.covariance(first + i)[np.ix_(used, used)] @ weights.T
+        factor = excess_scatter(solution, design, readings, covariance)
+        value[i] = solution.of(readings)
+        u[i] = factor * solution.uncertainty(covariance)
+        if factor > 1.0:
+            remarks.append(_scatter_remark(CHANNELS[first + i], factor))
+    return Estimate(value, u), tuple(remarks)
+
+
+def _gyro_part(
+    recording: Recording,
+    evidence: Evidence,
+    positions: dict[str, tuple[int, ...]],
+    gyro_k: np.ndarray | None,
+) -> Part:
+    if not positions:
+        reason = _no_rest("gyro")
+        empty = Estimate(np.full((3, 4), np.nan), np.full((3, 4), np.nan))
+        items = _gyro_items(empty, np.full((3, 3), np.nan))
+        return Part(items, dict.fromkeys(items, reason))
+    estimate, remarks = _estimate(evidence, positions, 0)
+    still, why_not = _without_earth(recording, evidence, positions, estimate.value, gyro_k)
+    items = _gyro_items(estimate, still)
+    unavailable = _undetermined(items, positions)
+    if why_not:
+        before = unavailable.get("gyro_g_sensitivity")
+        unavailable["gyro_g_sensitivity"] = _joined(before, why_not)
+    return Part(items, unavailable, (*_earth_remarks(recording), *remarks))
+
+
+def _gyro_items(estimate: Estimate, still: np.ndarray) -> dict[str, Item]:
+    """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
+    sensitivity = Estimate(DEG * estimate.value[:, :3], DEG * estimate.u[:, :3])
+    bias = Estimate(DEG * estimate.value[:, 3], DEG * estimate.u[:, 3])
+    readings = ("jjf2003.positions", "jjf2003.input_matrix")
+    sensitivity_item = make_item(
+        sensitivity, "(deg/s)/g", CLAUSE_GYRO, MATRIX, (*readings, "jjf2003.g_earth")
+    )
+    return {
+        "gyro_bias": make_item(bias, "deg/s", CLAUSE_GYRO, readings=readings),
+        "gyro_g_sensitivity": sensitivity_item.model_copy(
+            update={"value_without_earth_rotation": elements(DEG * still)}
+        ),
+    }
+
+
+def _without_earth(
+    recording: Recording,
+    evidence: Evidence,
+    positions: dict[str, tuple[int, ...]],
+    value: np.ndarray,
+    gyro_k: np.ndarray | None,
+) -> tuple[np.ndarray, tuple[str, str] | None]:
+    """G (3, 3) with the vertical part of Earth's rotation removed, and why elements are null.
+
+    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in
+    positions held at two headings 180° apart; in others it is not known, and reaches the gyros
+    that are not vertical.
+    """
+    latitude = recording.manifest.station.latitude_deg
+    still = value[:, :3].copy()
+    if latitude is None:
+        why = (
+            "without Earth rotation: the latitude is not told",
+            "扣除地球自转的值：未给出纬度",
+        )
+        return np.full((3, 3), np.nan), why
+    k = np.eye(3) if gyro_k is None else gyro_k
+    still -= k * EARTH_RATE * np.sin(np.radians(latitude))
+    single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
+    for axis in {AXES.index(up[1]) for up in single}:
+        others = [i for i in range(3) if i != axis]
+        still[others, axis] = np.nan
+    if not single:
+        return still, None
+    return still, (
+        f"without Earth rotation, off the diagonal: {', '.join(single)} held at one heading only, "
+        "so its horizontal part is not known",
+        f"扣除地球自转的非对角元：{', '.join(single)} 仅在一个方位测量，水平分量未知",
+    )
+
+
+def _accel_part(
+    recording: Recording, evidence: Evidence, positions: dict[str, tuple[int, ...]]
+) -> Part:
+    gravity = recording.manifest.station.gravity_m_s2
+    if not positions:
+        empty = Estimate(np.full((3, 4), np.nan), np.full((3, 4), np.nan))
+        items = _accel_items(empty, None)
+        return Part(items, dict.fromkeys(items, _no_rest("accel")))
+    estimate, remarks = _estimate(evidence, positions, 3)
+    items = _accel_items(estimate, gravity)
+    unavailable = _undetermined(items, positions)
+    if gravity is None:
+        why = ("the local gravity is not told", "未给出当地重力加速度")
+        for name in ("accel_scale_factor", "accel_cross_coupling"):
+            unavailable[name] = _joined(unavailable.get(name), why)
+    return Part(items, unavailable, remarks)
+
+
+def _accel_items(estimate: Estimate, gravity: float | None) -> dict[str, Item]:
+    """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
+    g = float("nan") if gravity is None else gravity
+    matrix = Estimate(estimate.value[:, :3] / g, estimate.u[:, :3] / g)
+    diagonal = Estimate(np.diag(matrix.value), np.diag(matrix.u))
+    bias = Estimate(estimate.value[:, 3], estimate.u[:, 3])
+    readings = ("jjf2003.positions", "jjf2003.input_matrix")
+    return {
+        "accel_scale_factor": make_item(diagonal, "1", CLAUSE_ACCEL, readings=readings),
+        "accel_cross_coupling": make_item(
+            matrix, "1", CLAUSE_ACCEL, OFF_DIAGONAL, (*readings, "jjf2003.k_azx")
+        ),
+        "accel_bias": make_item(bias, "m/s2", CLAUSE_ACCEL, readings=readings),
+    }
+
+
+def _undetermined(
+    items: Mapping[str, Item], positions: dict[str, tuple[int, ...]]
+) -> dict[str, tuple[str, str]]:
+    """Why elements of these items are null: the positions that would determine them."""
+    absent = ", ".join(up for up in UPS if up not in positions)
+    reasons = {}
+    for name, item in items.items():
+        null = [element for element, value in item.value.items() if value is None]
+        if null:
+            reasons[name] = (
+                f"{', '.join(null)}: no rest with {absent} up",
+                f"{', '.join(null)}：缺少 {absent} 朝天的静止位置",
+            )
+    return reasons
+
+
+def _no_rest(triad: str) -> tuple[str, str]:
+    return (
+        f"no rest with an axis up or down in which the {triad} triad was recorded",
+        f"没有记录了 {triad} 三轴且有轴朝天或朝地的静止位置",
+    )
+
+
+def _joined(before: tuple[str, str] | None, more: tuple[str, str]) -> tuple[str, str]:
+    if before is None:
+        return more
+    return f"{before[0]}; {more[0]}", f"{before[1]}；{more[1]}"
+
+
+def _position_remarks(
+    evidence: Evidence, positions: dict[str, tuple[int, ...]]
+) -> Iterator[Remark]:
+    """Conditions of 7.2.2.1 a): six axes up, each at two headings."""
+    absent = [up for up in UPS if up not in positions]
+    if absent:
+        yield Remark(
+            code="positions_missing",
+            en=f"No usable rest with {', '.join(absent)} up; 7.2.2.1 asks for all six.",
+            zh=f"缺少 {', '.join(absent)} 朝天的可用静止位置；7.2.2.1 要求六个方向齐全。",
+            blocks_pass=True,
+        )
+    single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
+    if single:
+        yield Remark(
+            code="one_heading",
+            en=f"{', '.join(single)} up: not held at two headings 180° apart as 7.2.2.1 asks; the "
+            "horizontal part of Earth's rotation and of the table's tilt does not cancel.",
+            zh=f"{', '.join(single)} 朝天：未按 7.2.2.1 在相差 180° 的两个方位测量，"
+            "地球自转及转台倾斜的水平分量未抵消。",
+            blocks_pass=True,
+        )
+
+
+def _earth_remarks(recording: Recording) -> tuple[Remark, ...]:
+    """Says what Earth's rotation does to the diagonal by eq. (7), in numbers where known."""
+    latitude = recording.manifest.station.latitude_deg
+    if latitude is None:
+        return ()
+    rate = DEG * EARTH_RATE * np.sin(np.radians(latitude))
+    return (
+        Remark(
+            code="earth_rotation",
+            en=f"By eq. (7) the diagonal of the g-sensitivity contains Earth's rotation, "
+            f"{rate:.5f} (deg/s)/g at {latitude:g}° latitude; the value without it stands beside.",
+            zh=f"按式(7)，g 敏感系数对角元含地球自转 {rate:.5f} (°/s)/g（纬度 {latitude:g}°）；"
+            "旁列扣除后的值。",
+        ),
+    )
+
+
+def _scatter_remark(channel: str, factor: float) -> Remark:
+    return Remark(
+        code="excess_scatter",
+        en=f"{channel}: the positions disagree with the model {factor:.1f} times more than the "
+        "noise explains; the uncertainty was enlarged by as much.",
+        zh=f"{channel}：各位置与模型的偏差为噪声的 {factor:.1f} 倍，不确定度已按此放大。",
+    )

@@ -1,0 +1,87 @@
+"""What one clause contributes to a calibration, and how elements become an item."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import chi2
+
+from schemas.calibration import Elements, Item, Remark
+from schemas.recording import AXES
+from tasks.items.linear import Solution
+
+K_FACTOR = 2.0  # both specifications expand with k = 2
+EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
+
+OFF_DIAGONAL = tuple((i, j) for i in range(3) for j in range(3) if i != j)
+MATRIX = tuple((i, j) for i in range(3) for j in range(3))
+
+
+@dataclass(frozen=True)
+class Part:
+    """Items of a clause, reasons for what is missing (English, Chinese), and remarks."""
+
+    items: dict[str, Item] = field(default_factory=dict)
+    unavailable: dict[str, tuple[str, str]] = field(default_factory=dict)
+    remarks: tuple[Remark, ...] = ()
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A (3, 3) matrix or (3,) vector of values in SI units with standard uncertainties."""
+
+    value: np.ndarray
+    u: np.ndarray
+
+    def scaled(self, factor: float) -> "Estimate":
+        return Estimate(self.value * factor, self.u * abs(factor))
+
+
+def elements(values: np.ndarray, which: tuple[tuple[int, int], ...] | None = None) -> Elements:
+    """Named elements of a (3,) vector (x, y, z) or a (3, 3) matrix (xy: x reads, y is input).
+
+    Not a number becomes null.
+    """
+    named: dict[str, float]
+    if values.ndim == 1:
+        named = dict(zip(AXES, values, strict=True))
+    else:
+        named = {AXES[i] + AXES[j]: values[i, j] for i, j in which or MATRIX}
+    return {name: float(value) if np.isfinite(value) else None for name, value in named.items()}
+
+
+def make_item(
+    estimate: Estimate,
+    unit: str,
+    clause: str,
+    which: tuple[tuple[int, int], ...] | None = None,
+    readings: tuple[str, ...] = (),
+) -> Item:
+    """An item from its estimate."""
+    u = np.where(np.isfinite(estimate.value), estimate.u, np.nan)
+    return Item(
+        unit=unit,
+        clause=clause,
+        value=elements(estimate.value, which),
+        u=elements(u, which),
+        U=elements(K_FACTOR * u, which),
+        k=K_FACTOR,
+        readings=readings,
+    )
+
+
+def excess_scatter(
+    solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
+) -> float:
+    """Factor by which residuals exceed what the noise explains (Birge ratio), 1 if they do not.
+
+    The residuals' own covariance follows from the readings' covariance; a ratio counts only
+    when noise alone would reach it in fewer than one case of a hundred.
+    """
+    maker = np.eye(len(readings)) - design @ solution.operator
+    degrees = len(readings) - np.linalg.matrix_rank(design)
+    if degrees < 1 or not np.isfinite(readings).all():
+        return 1.0
+    residuals = maker @ readings
+    spread = maker @ covariance @ maker.T
+    square = float(residuals @ np.linalg.pinv(spread, rcond=1e-6, hermitian=True) @ residuals)
+    return float(np.sqrt(square / degrees)) if chi2.sf(square, degrees) < EXCESS_LEVEL else 1.0

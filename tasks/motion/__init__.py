@@ -1,0 +1,1 @@
+"""What the unit went through, from the table's encoders."""

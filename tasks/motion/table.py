@@ -1,0 +1,53 @@
+"""The table's motion as the unit on it feels it.
+
+Frames as in `mimu-recording/1`: R_n_payload = Rz(−heading)·R(dir₁, angle₁)·R(dir₂, angle₂)…;
+R_n_body = R_n_payload·R(mount).
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from schemas.recording import Manifest, Recording, Segment
+
+EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
+
+
+def mount_of(manifest: Manifest, segment: Segment) -> Rotation:
+    """Attitude of the unit on the payload: the segment's own mount, else the recording's."""
+    mount = segment.mount or manifest.mount
+    return Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True)
+
+
+def axis_in_body(manifest: Manifest, segment: Segment, angles: np.ndarray, axis: int) -> np.ndarray:
+    """Direction of one table axis in the body frame, (3,), at the given axis angles (rad)."""
+    directions = [np.array(each.direction) for each in manifest.station.table_axes or ()]
+    directions = [each / np.linalg.norm(each) for each in directions]
+    inner = Rotation.identity()
+    for direction, angle in zip(directions[axis + 1 :], angles[axis + 1 :], strict=True):
+        inner = inner * Rotation.from_rotvec(direction * angle)
+    return (inner * mount_of(manifest, segment)).inv().apply(directions[axis])
+
+
+def mean_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """Mean body rate (3,) rad/s that the encoders say, or None where there is no table stream.
+
+    The angle turned between the first and the last encoder sample of the segment, divided by
+    the time between them. One axis turns at a time; with several, each at the mean attitude of
+    those inside it.
+    """
+    axes = recording.manifest.station.table_axes
+    if recording.table is None or not axes:
+        return None
+    rows = recording.table.rows(segment.t_start, segment.t_end)
+    if rows.stop - rows.start < 2:
+        return None
+    t = recording.table.t[rows]
+    angles = recording.table.stack_rows(tuple(f"{axis.name}_angle" for axis in axes), rows)
+    rates = (angles[-1] - angles[0]) / (t[-1] - t[0])
+    attitude = angles.mean(axis=0)
+    turning = np.flatnonzero(rates)
+    body = (
+        rates[axis] * axis_in_body(recording.manifest, segment, attitude, int(axis))
+        for axis in turning
+    )
+    return sum(body, start=np.zeros(3))

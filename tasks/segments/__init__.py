@@ -1,0 +1,1 @@
+"""Stretches of a recording: found, checked, and summarised to means."""

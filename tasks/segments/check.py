@@ -1,0 +1,247 @@
+"""Checks of segments against gravity, the table, their own samples and the specification.
+
+Every check gives remarks that name the segment, the channel and the number. A remark with
+`blocks_pass` is a condition of the specification that is not met.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.calibration import Remark
+from schemas.recording import AXES, Recording
+from tasks.motion.table import mean_rate
+from tasks.segments.find import up_of
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    CHANNELS,
+    GYRO_COLUMNS,
+    LONGEST_BURST,
+    SegmentMean,
+)
+
+DWELL = 30.0  # s: 7.2.1.1 d), 7.2.2.1 a), 7.2.5.1
+STEADINESS = 5e-4  # 0.05 % rate stability of Table 1
+GYRO_DISAGREES = 0.05  # a gyro's scale factor is not off by 5 %: the rate was another
+STUCK_SECONDS = 2.0
+TEMPERATURE_LIMITS = (15.0, 25.0)  # °C, clause 6.1
+HUMIDITY_LIMITS = (20.0, 85.0)  # %RH, clause 6.1
+
+
+def check_segments(recording: Recording, segments: tuple[SegmentMean, ...]) -> tuple[Remark, ...]:
+    """Every remark on every segment, in the order of the segments."""
+    remarks: list[Remark] = []
+    for segment in segments:
+        for check in (_position, _rate, _corrupted, _stuck, _lost, _environment):
+            remarks.extend(check(recording, segment))
+    return (*remarks, *_short(segments))
+
+
+def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """A labelled position that gravity contradicts."""
+    label = segment.segment.up
+    if segment.segment.kind != "static" or label is None or not segment.has_accel:
+        return
+    accel = segment.mean[ACCEL_COLUMNS]
+    shown = up_of(accel)
+    if shown == label:
+        return
+    name, axis = segment.segment.name, AXES.index(label[1])
+    seen = shown or "no axis within 10°"
+    seen_zh = shown or "10° 以内无任何轴"
+    yield Remark(
+        code="position_contradicted",
+        en=f"{name}: labelled {label} up, but accel_{label[1]} reads {accel[axis]:+.3f} m/s²: "
+        f"gravity shows {seen} up, and that was used.",
+        zh=f"{name}：标注 {label} 朝天，但 accel_{label[1]} 读数为 {accel[axis]:+.3f} m/s²："
+        f"重力显示朝天轴为 {seen_zh}，已按重力取用。",
+        segments=(name,),
+        blocks_pass=True,
+    )
+
+
+def _rate(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """A rate that the encoders contradict, or where there are none, the gyro itself."""
+    label = segment.segment
+    if label.kind != "rate" or label.axis is None or label.rate_deg_s is None:
+        return
+    axis = AXES.index(label.axis)
+    body = mean_rate(recording, label)
+    if body is not None:
+        seen, tolerance, witness, witness_zh = body[axis], STEADINESS, "the table", "转台"
+        taken, taken_zh = "the table's rate was used", "已按转台速率取用"
+    elif segment.has_gyro:
+        seen, tolerance = segment.mean[axis], GYRO_DISAGREES
+        witness, witness_zh = f"gyro_{label.axis}", f"gyro_{label.axis}"
+        taken, taken_zh = "it was left out", "未取用"
+    else:
+        return
+    shown = float(np.degrees(seen))
+    if abs(shown - label.rate_deg_s) <= max(tolerance * abs(label.rate_deg_s), 0.01):
+        return
+    if body is None and abs(shown - label.rate_deg_s) <= 2.0:
+        return  # a gyro bias of up to 2 °/s is no other rate
+    yield Remark(
+        code="rate_contradicted",
+        en=f"{label.name}: labelled {label.rate_deg_s:+g} deg/s about {label.axis}, but "
+        f"{witness} shows {shown:+.4f} deg/s: {taken}.",
+        zh=f"{label.name}：标注绕 {label.axis} 轴 {label.rate_deg_s:+g} °/s，但{witness_zh}显示 "
+        f"{shown:+.4f} °/s：{taken_zh}。",
+        segments=(label.name,),
+        blocks_pass=True,
+    )
+
+
+def _corrupted(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """Rows that were left out of the mean."""
+    if segment.left_out == 0:
+        return
+    name = segment.segment.name
+    counts = ", ".join(
+        f"{CHANNELS[channel]} {segment.far_rows[channel]}"
+        for channel in np.flatnonzero(segment.far_rows)
+    )
+    burst = segment.longest_burst > LONGEST_BURST
+    disturbed = f"; {segment.longest_burst} of them in a row: it was disturbed" if burst else ""
+    disturbed_zh = f"；其中连续 {segment.longest_burst} 行：该段受到扰动" if burst else ""
+    yield Remark(
+        code="disturbed" if burst else "corrupted_rows",
+        en=f"{name}: {segment.left_out} of {segment.rows} rows far from the rest ({counts}) were "
+        f"left out of the mean{disturbed}.",
+        zh=f"{name}：{segment.rows} 行中有 {segment.left_out} 行远离其余数据（{counts}），"
+        f"未计入均值{disturbed_zh}。",
+        segments=(name,),
+        blocks_pass=burst,
+    )
+
+
+def _stuck(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """A channel that stood still where noise should have moved it."""
+    if segment.segment.kind == "rotation":
+        return
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    values = recording.imu.stack_rows(CHANNELS, rows)
+    if len(values) < 3:
+        return
+    interval = segment.seconds / segment.rows
+    shortest = max(20, round(STUCK_SECONDS / interval))
+    name = segment.segment.name
+    for channel in np.flatnonzero(np.isfinite(segment.mean)):
+        start, length = _longest_repeat(values[:, channel])
+        if length < min(shortest, len(values)):
+            continue
+        at, held = recording.imu.t[rows.start + start], values[start, channel]
+        yield Remark(
+            code="stuck",
+            en=f"{name}: {CHANNELS[channel]} stood still at {held:.6g} for {length} rows from "
+            f"t = {at:.2f} s.",
+            zh=f"{name}：{CHANNELS[channel]} 自 t = {at:.2f} s 起连续 {length} 行停在 {held:.6g}。",
+            segments=(name,),
+            blocks_pass=True,
+        )
+
+
+def _longest_repeat(values: np.ndarray) -> tuple[int, int]:
+    """First row and length of the longest run of one and the same value."""
+    changes = np.flatnonzero(np.diff(values)) + 1
+    edges = np.concatenate(([0], changes, [len(values)]))
+    lengths = np.diff(edges)
+    longest = int(lengths.argmax())
+    return int(edges[longest]), int(lengths[longest])
+
+
+def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """Samples missing between two time stamps."""
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    steps = np.diff(recording.imu.t[rows])
+    if len(steps) < 2:
+        return
+    interval = float(np.median(steps))
+    gaps = steps > 1.5 * interval
+    if not gaps.any():
+        return
+    lost = int(np.round(steps[gaps] / interval - 1).sum())
+    worst = int(steps.argmax())
+    name, at = segment.segment.name, recording.imu.t[rows.start + worst]
+    yield Remark(
+        code="lost_samples",
+        en=f"{name}: {lost} samples lost in {int(gaps.sum())} gaps, the longest "
+        f"{steps[worst]:.3f} s at t = {at:.2f} s.",
+        zh=f"{name}：{int(gaps.sum())} 处间断共丢失 {lost} 个采样，最长 {steps[worst]:.3f} s，"
+        f"位于 t = {at:.2f} s。",
+        segments=(name,),
+        blocks_pass=lost > 0.01 * segment.rows,
+    )
+
+
+def _short(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Every segment that lasts less than the 30 s that each point must last."""
+    held = [segment for segment in segments if segment.segment.kind != "rotation"]
+    short = {s.segment.name: _lasts(s) for s in held if _lasts(s) < DWELL - 1e-6}
+    if not short:
+        return
+    listed = ", ".join(f"{name} {lasts:.1f} s" for name, lasts in short.items())
+    yield Remark(
+        code="short_dwell",
+        en=f"{len(short)} of {len(held)} segments last less than the {DWELL:.0f} s that 7.2 asks "
+        f"for at each point: {listed}.",
+        zh=f"{len(held)} 段中有 {len(short)} 段短于 7.2 要求的每点 {DWELL:.0f} s：{listed}。",
+        segments=tuple(short),
+        blocks_pass=True,
+    )
+
+
+def _lasts(segment: SegmentMean) -> float:
+    """How long a segment lasts (s): its samples, and up to two intervals that its label adds."""
+    interval = segment.seconds / segment.rows
+    asked = segment.segment.t_end - segment.segment.t_start
+    return max(segment.seconds, min(asked, segment.seconds + 2 * interval))
+
+
+def _environment(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """Air temperature and humidity outside clause 6.1 during the segment."""
+    if recording.environment is None:
+        return
+    limits = {
+        "temperature": (TEMPERATURE_LIMITS, "°C", "air temperature", "环境温度"),
+        "humidity": (HUMIDITY_LIMITS, "%RH", "relative humidity", "相对湿度"),
+    }
+    rows = recording.environment.rows(segment.t_start, segment.t_end)
+    for column, ((low, high), unit, english, chinese) in limits.items():
+        values = recording.environment.columns.get(column, np.empty(0))[rows]
+        if not len(values) or (values.min() >= low and values.max() <= high):
+            continue
+        name = segment.segment.name
+        worst = values.max() if values.max() > high else values.min()
+        yield Remark(
+            code="environment",
+            en=f"{name}: {english} {worst:.1f} {unit} is outside {low:g} to {high:g} {unit} "
+            "(clause 6.1).",
+            zh=f"{name}：{chinese} {worst:.1f} {unit} 超出 {low:g}~{high:g} {unit}（6.1）。",
+            segments=(name,),
+            blocks_pass=True,
+        )
+
+
+def wrong_rate_unit(recording: Recording, segments: tuple[SegmentMean, ...]) -> str | None:
+    """What is wrong with the unit of the rates, as a sentence, or None.
+
+    If in most rate segments the gyro reads 57.3 times more or less than the label, either the
+    labels are not in °/s or the gyro columns are not in rad/s: nothing may be computed.
+    """
+    ratios = []
+    for segment in segments:
+        label = segment.segment
+        if label.kind == "rate" and label.axis and label.rate_deg_s and segment.has_gyro:
+            read = np.degrees(segment.mean[GYRO_COLUMNS])[AXES.index(label.axis)]
+            ratios.append((abs(read / label.rate_deg_s), label.name, read, label.rate_deg_s))
+    for factor in (np.degrees(1.0), np.radians(1.0)):
+        off = [each for each in ratios if abs(each[0] / factor - 1) < 0.1]
+        if ratios and len(off) > len(ratios) / 2:
+            _, name, read, label_rate = off[0]
+            return (
+                f"rate_deg_s of {len(off)} segments is in the wrong unit: {name} says "
+                f"{label_rate:g} deg/s and the gyro columns read {read:.4g} deg/s, a factor of "
+                "57.3; write rate_deg_s in deg/s and the gyro columns in rad/s"
+            )
+    return None

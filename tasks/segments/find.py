@@ -1,0 +1,124 @@
+"""Rests and steady turns found from the data, for recordings that carry no labels."""
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Segment, Stream, Up
+from tasks.motion.table import mean_rate
+
+WINDOW = 0.5  # s over which quiet is judged
+SHORTEST = 1.0  # s: a rest shorter than this is the turning point of a movement
+MARGIN = 0.25  # s left off at both ends, where a movement may still fade
+ENCODER_STEP = np.radians(0.0025)  # rad: a coarser encoder is judged by its own step
+ROUNDING = 1e-6  # rad: smaller differences are arithmetic, not encoder steps
+QUIET = 8.0  # standard deviations above the quietest tenth that are still rest
+ALIGNED = np.cos(np.radians(10.0))  # a labelled axis points up within this, biases included
+PLACED = np.cos(np.radians(3.0))  # an axis that nobody labelled was put upright within this
+TURNING_RATE = np.radians(5.0)  # rad/s above the usual reading: a steady turn, not a rest
+GRAVITY_LIKE = (8.0, 12.0)  # m/s²: biases of a poor unit included
+RESTING_RATE = np.radians(1.0)  # rad/s of the table below which it rests
+
+
+def find_segments(recording: Recording) -> tuple[Segment, ...]:
+    """Every rest, and with a table stream every steady turn, in the order of time.
+
+    With a table stream its encoders say where it rests or turns steadily; without one a rest is
+    where gyro and accelerometers shake no more than in the quietest tenth of the recording. A
+    rest gets `up` where an accelerometer points up or down within 3°: a fixture put it there.
+    """
+    imu, table = recording.imu, recording.table
+    quiet = _quiet_rows(imu) if table is None else _steady_rows(recording.manifest, imu.t, table)
+    offset = np.median(recording.imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
+    found: list[Segment] = []
+    for start, stop in _stretches(recording.imu.t, quiet):
+        segment = _classified(recording, start, stop, len(found) + 1, offset)
+        if segment is not None:
+            found.append(segment)
+    return tuple(found)
+
+
+def _quiet_rows(imu: Stream) -> np.ndarray:
+    """(n,) bool: no channel moves more than in the recording's quietest tenth."""
+    interval = float(np.median(np.diff(imu.t)))
+    window = max(3, round(WINDOW / interval))
+    quiet = np.ones(len(imu), bool)
+    for names in (GYRO, ACCEL):
+        values = imu.stack(names)
+        if not np.isfinite(values).all():
+            values = np.where(np.isfinite(values), values, 0.0)
+        shake = np.sqrt(_moving_variance(values, window).sum(axis=1))
+        floor = np.quantile(shake[shake > 0], 0.1) if (shake > 0).any() else 0.0
+        quiet &= shake <= QUIET * floor
+    return quiet
+
+
+def _steady_rows(manifest: Manifest, t: np.ndarray, table: Stream) -> np.ndarray:
+    """(n,) bool: within the window around each time every table axis keeps its rate."""
+    steady = np.ones(len(t), bool)
+    for axis in manifest.station.table_axes or ():
+        angle = table.columns[f"{axis.name}_angle"]
+        steps = np.abs(np.diff(angle))
+        step = steps[steps > ROUNDING].min(initial=np.inf)
+        tolerance = 4 * max(ENCODER_STEP, step) if np.isfinite(step) else ENCODER_STEP
+        before, here, after = (
+            np.interp(t + shift, table.t, angle) for shift in (-WINDOW / 2, 0.0, WINDOW / 2)
+        )
+        steady &= np.abs(after - 2 * here + before) <= tolerance
+    return steady
+
+
+def _moving_variance(values: np.ndarray, window: int) -> np.ndarray:
+    centred = values - values.mean(axis=0)
+    mean = uniform_filter1d(centred, window, axis=0)
+    square = uniform_filter1d(centred**2, window, axis=0)
+    return np.maximum(square - mean**2, 0.0)
+
+
+def _stretches(t: np.ndarray, flags: np.ndarray) -> list[tuple[float, float]]:
+    """Start and end (s) of the runs of True that last long enough, margins taken off."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
+    runs = ((float(t[a]) + MARGIN, float(t[b - 1]) - MARGIN) for a, b in edges.reshape(-1, 2))
+    return [(start, stop) for start, stop in runs if stop - start >= SHORTEST]
+
+
+def _classified(
+    recording: Recording, start: float, stop: float, number: int, offset: np.ndarray
+) -> Segment | None:
+    """The stretch as a segment: a rest, or a steady turn that the encoders confirm.
+
+    offset: (3,) what the gyro reads in most quiet rows, rad/s.
+    """
+    name = f"found_{number:03d}"
+    rest = Segment(name=name, kind="static", t_start=start, t_end=stop)
+    rate = mean_rate(recording, rest)
+    if rate is None or np.linalg.norm(rate) < RESTING_RATE:
+        gyro = recording.imu.stack_rows(GYRO, recording.imu.rows(start, stop)).mean(axis=0)
+        if rate is None and np.linalg.norm(gyro - offset) > TURNING_RATE:
+            return None  # it turns, and nobody recorded how fast
+        return rest.model_copy(update={"up": _up_axis(recording.imu, rest)})
+    axis = int(np.abs(rate).argmax())
+    if abs(rate[axis]) < ALIGNED * np.linalg.norm(rate):
+        return None
+    return rest.model_copy(
+        update={"kind": "rate", "axis": AXES[axis], "rate_deg_s": float(np.degrees(rate[axis]))}
+    )
+
+
+def _up_axis(imu: Stream, segment: Segment) -> Up | None:
+    """The axis that points up in a rest that nobody labelled; it must be within 3°."""
+    accel = imu.stack_rows(ACCEL, imu.rows(segment.t_start, segment.t_end))
+    return up_of(np.median(accel, axis=0), PLACED) if len(accel) else None
+
+
+def up_of(accel: np.ndarray, within: float = ALIGNED) -> Up | None:
+    """The axis along which a (3,) mean specific force lies, with its sign.
+
+    within: cosine of the largest angle, 10° unless told.
+
+    None where no axis does, or where what is read is not gravity at all.
+    """
+    axis, size = int(np.abs(accel).argmax()), float(np.linalg.norm(accel))
+    if not GRAVITY_LIKE[0] < size < GRAVITY_LIKE[1] or abs(accel[axis]) < within * size:
+        return None
+    sign = "+" if accel[axis] > 0 else "-"
+    return f"{sign}{AXES[axis]}"  # type: ignore[return-value]
