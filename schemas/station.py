@@ -106,6 +106,7 @@ class UnitLink(Frozen):
     """How the unit under test talks: a URL that pyserial opens, and the size of its counts."""
 
     url: str
+    baudrate: int = Field(default=460800, gt=0)
     gyro_lsb_rad_s: Finite = Field(gt=0)
     accel_lsb_m_s2: Finite = Field(gt=0)
     rate_hz: Finite = Field(gt=0)

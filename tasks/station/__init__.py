@@ -1,0 +1,1 @@
+"""A station and what is done with it: table, chamber, unit, and the sequence of a run."""

@@ -1,0 +1,51 @@
+"""Station time against the wall: how fast the station runs, and what time it is there."""
+
+from collections import deque
+
+WINDOW = 200
+
+
+class StationClock:
+    """Readings of the station's time, each with the wall time (time.monotonic) it was taken at.
+
+    The station of a laboratory runs at speed 1; a virtual one may run faster, and not evenly.
+    """
+
+    def __init__(self) -> None:
+        self._readings: deque[tuple[float, float]] = deque(maxlen=WINDOW)
+        self._moved_wall_s = 0.0
+
+    def seen(self, station_s: float, wall_s: float) -> None:
+        """Take a reading in."""
+        if not self._readings or station_s != self.station_s:
+            self._moved_wall_s = wall_s
+        self._readings.append((station_s, wall_s))
+
+    @property
+    def station_s(self) -> float:
+        """The last station time read, s."""
+        return self._readings[-1][0]
+
+    @property
+    def speed(self) -> float:
+        """Station seconds in a wall second over the last readings; 1 until it is known."""
+        if len(self._readings) < 2:
+            return 1.0
+        (station_0, wall_0), (station_1, wall_1) = self._readings[0], self._readings[-1]
+        if station_1 <= station_0 or wall_1 <= wall_0:
+            return 1.0
+        return (station_1 - station_0) / (wall_1 - wall_0)
+
+    def at(self, wall_s: float) -> float:
+        """The station time at a wall time near the last reading, s."""
+        station, wall = self._readings[-1]
+        return station + (wall_s - wall) * self.speed
+
+    def wall(self, station_s: float, least: float, most: float) -> float:
+        """How long a stretch of station time takes on the wall, s, kept within least and most."""
+        return min(max(station_s / self.speed, least), most)
+
+    @property
+    def stands_still_s(self) -> float:
+        """Wall time between the last reading and the one at which station time last moved, s."""
+        return self._readings[-1][1] - self._moved_wall_s

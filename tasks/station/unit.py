@@ -1,0 +1,126 @@
+"""The unit under test on its serial line: a thread that reads, and frames to take."""
+
+import queue
+import threading
+import time
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.station import UnitLink
+from tasks.station.frames import FRAME, find_frames
+
+SILENCE_S = 3.0
+READ_BYTES = 4096
+READ_TIMEOUT_S = 0.05
+
+
+class Unit:
+    """Reads a unit from `with` to the end of the block; `take` gives what has come.
+
+    Raises Unusable where the line cannot be opened, breaks, carries no whole frame for
+    SILENCE_S of wall time, or where the unit starts its clock anew.
+    """
+
+    def __init__(self, link: UnitLink) -> None:
+        self.link = link
+        self.bad_frames = 0
+        self.arrived_s = 0.0
+        self._rest = b""
+        self._bytes_since = 0
+        self._last_stamp = -1
+        self._chunks: queue.SimpleQueue[tuple[float, bytes]] = queue.SimpleQueue()
+        self._broken: str | None = None
+        self._done = threading.Event()
+
+    def __enter__(self) -> Self:
+        import serial
+
+        try:
+            self._port: Any = serial.serial_for_url(
+                self.link.url, baudrate=self.link.baudrate, timeout=READ_TIMEOUT_S
+            )
+        except (serial.SerialException, OSError, ValueError) as error:
+            raise Unusable(
+                f"the unit's line {self.link.url} cannot be opened ({error}): check the cable and "
+                f"unit_link.url of the station file"
+            ) from error
+        self.arrived_s = time.monotonic()
+        self._thread = threading.Thread(target=self._read, name="unit", daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._done.set()
+        self._thread.join()
+        self._port.close()
+
+    def take(self) -> np.ndarray:
+        """The frames that came since the last call, FRAME records (n,); may be none.
+
+        `arrived_s` is then the wall time (time.monotonic) at which the last of them came.
+        """
+        data, wall_s = self._received()
+        found = find_frames(self._rest + data)
+        self._rest = found.rest
+        self.bad_frames += found.bad
+        self._bytes_since = 0 if len(found.frames) else self._bytes_since + len(data)
+        if len(found.frames):
+            self.arrived_s = wall_s
+            self._check_stamps(found.frames["stamp"])
+        elif time.monotonic() - self.arrived_s > SILENCE_S:
+            raise Unusable(self._silence())
+        elif self._broken:
+            raise Unusable(self._broken)
+        return found.frames if len(found.frames) else np.empty(0, FRAME)
+
+    def _received(self) -> tuple[bytes, float]:
+        chunks = []
+        wall_s = 0.0
+        while not self._chunks.empty():
+            wall_s, chunk = self._chunks.get_nowait()
+            chunks.append(chunk)
+        return b"".join(chunks), wall_s
+
+    def _check_stamps(self, stamps: np.ndarray) -> None:
+        before = np.concatenate([[self._last_stamp], stamps[:-1].astype(np.int64)])
+        back = np.flatnonzero(stamps.astype(np.int64) <= before)
+        if len(back):
+            raise Unusable(
+                f"the unit's time stamp went back from {before[back[0]] / 1e6:.6f} s to "
+                f"{stamps[back[0]] / 1e6:.6f} s, as after a restart: check its supply and "
+                f"start again"
+            )
+        self._last_stamp = int(stamps[-1])
+
+    def _silence(self) -> str:
+        if self._bytes_since:
+            return (
+                f"the unit on {self.link.url} has sent {self._bytes_since} bytes and no whole "
+                f"frame for {SILENCE_S:g} s: check its frame layout, its baud rate and the cable"
+            )
+        return (
+            f"the unit on {self.link.url} has sent nothing for {SILENCE_S:g} s: check its supply "
+            f"and the cable"
+        )
+
+    def _read(self) -> None:
+        import serial
+
+        while not self._done.is_set():
+            try:
+                chunk = self._port.read(READ_BYTES)
+            except (serial.SerialException, OSError) as error:
+                self._broken = (
+                    f"the unit's line {self.link.url} broke ({error}): check the unit and the cable"
+                )
+                return
+            if chunk:
+                self._chunks.put((time.monotonic(), chunk))
