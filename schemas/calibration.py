@@ -1,8 +1,8 @@
 """What a calibration gives: values, uncertainties, what is missing and why."""
 
-from typing import Literal
+from typing import Any, Literal
 
-from pydantic import Field, computed_field
+from pydantic import Field, computed_field, model_validator
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Axis, Kind, Up
@@ -87,7 +87,16 @@ class Calibration(Frozen):
     segments: tuple[SegmentUsed, ...] = ()
     environment: EnvironmentSeen = EnvironmentSeen()
 
-    @computed_field
+    @model_validator(mode="before")
+    @classmethod
+    def _without_computed(cls, document: Any) -> Any:
+        """A document that was written out carries `warnings`, which are made anew."""
+        if isinstance(document, dict):
+            return {name: value for name, value in document.items() if name != "warnings"}
+        return document
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
     def warnings(self) -> list[str]:
         """The remarks as plain English sentences."""
         return [remark.en for remark in self.remarks]
