@@ -1,0 +1,150 @@
+"""What a recording must fulfil before anything is computed from it, wherever it came from."""
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Segment, Stream
+
+LONGEST = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
+REFERENCE = ("qw", "qx", "qy", "qz")
+PLACE = ("px", "py", "pz")
+ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")
+
+
+def known_columns(name: str, manifest: Manifest) -> tuple[str, ...]:
+    """The columns, beside t, that `mimu-recording/1` knows in a stream."""
+    if name == "table":
+        axes = manifest.station.table_axes or ()
+        return tuple(f"{axis.name}_{what}" for axis in axes for what in ("angle", "rate"))
+    return {
+        "imu": (*GYRO, *ACCEL, "temperature", *ANGLE),
+        "reference": REFERENCE + PLACE,
+        "environment": ENVIRONMENT,
+    }[name]
+
+
+def required_columns(name: str, manifest: Manifest, present: set[str]) -> tuple[str, ...]:
+    """The columns that must be there, given those that are; a triad comes whole."""
+    if name == "table":
+        axes = manifest.station.table_axes or ()
+        return tuple(f"{axis.name}_angle" for axis in axes)
+    if name == "reference":
+        return REFERENCE + (PLACE if present & set(PLACE) else ())
+    if name == "environment":
+        return ()
+    begun = [triad for triad in (GYRO, ACCEL, ANGLE) if present & set(triad)]
+    needed = begun if set(ANGLE) <= present else [GYRO, ACCEL, *begun]
+    return tuple(dict.fromkeys(column for triad in needed for column in triad))
+
+
+def check_columns(where: str, name: str, manifest: Manifest, present: set[str]) -> None:
+    """Raises Unusable when a stream lacks a column, or a table its axes."""
+    if name == "table" and not manifest.station.table_axes:
+        raise Unusable(
+            f"{where}: the recording has a table stream, but station.table_axes in the manifest "
+            "is null; describe the table's axes there, or leave the stream out."
+        )
+    for column in required_columns(name, manifest, present):
+        if column not in present:
+            raise Unusable(
+                f"{where}: column {column} is missing; add it under this name "
+                f"(found: {', '.join(sorted(present)) or 'none that is known'})."
+            )
+
+
+def check_stream(where: str, name: str, stream: Stream) -> None:
+    """Raises Unusable for time that does not rise and for values that are no numbers."""
+    if not len(stream):
+        raise Unusable(f"{where}: there is no row of data; record again, or leave the stream out.")
+    _check_time(where, stream.t)
+    triads = {column: triad for triad in TRIADS for column in triad} if name == "imu" else {}
+    for column, values in stream.columns.items():
+        wrong = ~np.isfinite(values)
+        if wrong.any() and column in triads:
+            wrong &= ~_absent(stream, triads[column])
+        if wrong.any():
+            row = int(wrong.argmax())
+            raise Unusable(
+                f"{where}: column {column}, row {row + 1}: the value is {_said(values[row])}; "
+                f"{_way_out(column in triads)}."
+            )
+    measured = name != "imu" or ANGLE[0] in stream.columns
+    if not measured and all(_absent(stream, triad).all() for triad in TRIADS):
+        raise Unusable(
+            f"{where}: columns gyro_* and accel_* are null in all {len(stream)} rows; "
+            "a recording needs at least one of them."
+        )
+
+
+def _check_time(where: str, t: np.ndarray) -> None:
+    wrong = ~np.isfinite(t)
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: the value is {_said(t[row])}; "
+            "every row needs a time in seconds."
+        )
+    if np.abs(t).max() > LONGEST:
+        row = int((np.abs(t) > LONGEST).argmax())
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: {t[row]!r} s is more than 26 days; "
+            "let the time start near zero."
+        )
+    stands = np.diff(t) <= 0
+    if stands.any():
+        row = int(stands.argmax()) + 1
+        runs = "runs backwards" if t[row] < t[row - 1] else "stands still"
+        raise Unusable(
+            f"{where}: column t, row {row + 1}: the time {runs} ({float(t[row])!r} s after "
+            f"{float(t[row - 1])!r} s); sort the rows and remove repeated ones."
+        )
+
+
+def _absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
+    """(n,) where a triad was not recorded: all three of its columns are NaN."""
+    absent = np.ones(len(stream), dtype=bool)
+    for column in triad:
+        if column in stream.columns:
+            absent &= np.isnan(stream.columns[column])
+    return absent
+
+
+def _said(value: float) -> str:
+    return "null or NaN" if np.isnan(value) else str(value)
+
+
+def _way_out(in_triad: bool) -> str:
+    if in_triad:
+        return "give a number there, or null in all three columns of the triad"
+    return "give a number there, or remove the row"
+
+
+def check_triads_serve_items(manifest: Manifest, imu: Stream) -> None:
+    """Raises Unusable when no segment of an item has the triad that the item is measured with.
+
+    Rates and turns need the gyro (or an AHRS's angle), rests any triad, rate sensitivity the
+    accelerometer. An item counts as served when one of its segments is, and segments outside
+    the data do not count: a recording that was cut off stays usable.
+    """
+    items: dict[str, list[Segment]] = {}
+    for segment in manifest.segments or ():
+        if segment.item is not None and segment.kind in ("static", "rate", "rotation"):
+            items.setdefault(segment.item, []).append(segment)
+    has = {"gyro_*": ~_absent(imu, GYRO), "accel_*": ~_absent(imu, ACCEL)}
+    if ANGLE[0] in imu.columns:
+        has["angle_*"] = np.ones(len(imu), dtype=bool)
+    for item, segments in items.items():
+        moving = [segment for segment in segments if segment.kind != "static"]
+        if item == "rate_sensitivity":
+            serving = ["accel_*"]
+        elif moving:
+            segments, serving = moving, [name for name in has if name != "accel_*"]
+        else:
+            serving = list(has)
+        rows = [imu.rows(segment.t_start, segment.t_end) for segment in segments]
+        rows = [part for part in rows if part.start < part.stop]
+        if rows and not any(has[name][part].any() for name in serving for part in rows):
+            raise Unusable(
+                f"Item {item} cannot be measured: {' and '.join(serving)} are null in all of its "
+                f"{len(rows)} segments; record them there, or remove the item's label."
+            )

@@ -1,0 +1,101 @@
+"""One stream file, Parquet or CSV, as columns of numbers."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from schemas.base import Unusable
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
+
+
+class Table:
+    """The columns of a file; they become numbers when they are asked for."""
+
+    def __init__(self, path: Path, table: "pa.Table") -> None:
+        self._path = path
+        self._table = table
+        self._names: list[str] = [name.strip() for name in table.column_names]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._names
+
+    def numbers(self, name: str) -> np.ndarray:
+        """A column as (n,) float64, NaN where it is null; raises Unusable for what is no number."""
+        import pyarrow as pa
+        import pyarrow.compute as pc
+
+        if self._names.count(name) > 1:
+            raise Unusable(f"{self._path}: column {name} is there twice; keep one of them.")
+        column = self._table.column(self._names.index(name))
+        kind = column.type
+        if pa.types.is_string(kind) and self._path.suffix.lower() == ".csv":
+            column = pc.utf8_trim_whitespace(column)
+            column = pc.if_else(pc.is_in(column, pa.array(NULLS)), None, column)
+        elif not _is_number(kind):
+            raise Unusable(
+                f"{self._path}: column {name} holds {kind}, not numbers; "
+                "write it as float64 (t in seconds)."
+            )
+        try:
+            column = pc.cast(column, pa.float64(), safe=False)
+        except pa.ArrowInvalid as error:
+            raise self._not_a_number(name, column) from error
+        return column.to_numpy()
+
+    def _not_a_number(self, name: str, column: "pa.ChunkedArray") -> Unusable:
+        for row, value in enumerate(column.to_pylist(), start=1):
+            try:
+                float("0" if value is None else value)
+            except ValueError:
+                return Unusable(
+                    f"{self._path}: column {name}, row {row}: {value[:40]!r} is not a number; "
+                    "write a number with a decimal point, or leave it empty for null."
+                )
+        return Unusable(f"{self._path}: column {name} is not all numbers; write it as numbers.")
+
+
+def _is_number(kind: "pa.DataType") -> bool:
+    """A column without any value has the type null, and counts."""
+    from pyarrow.types import is_decimal, is_floating, is_integer, is_null
+
+    return is_integer(kind) or is_floating(kind) or is_decimal(kind) or is_null(kind)
+
+
+def read_table(path: Path) -> Table:
+    """Reads a Parquet or CSV file; raises Unusable for one that is empty or not what it says."""
+    import pyarrow as pa
+
+    if not path.stat().st_size:
+        raise Unusable(f"{path} is empty; export it again, or take its stream out.")
+    try:
+        table = _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
+    except (pa.ArrowException, OSError, ValueError) as error:
+        said = str(error).splitlines()[0].rstrip(".")
+        kind = path.suffix[1:]
+        raise Unusable(f"{path} cannot be read as {kind} ({said}); export it again.") from error
+    if not table.num_rows:
+        raise Unusable(f"{path} has no row of data; export it again, or take its stream out.")
+    return Table(path, table)
+
+
+def _read_parquet(path: Path) -> "pa.Table":
+    import pyarrow.parquet as pq
+
+    return pq.ParquetFile(path).read()
+
+
+def _read_csv(path: Path) -> "pa.Table":
+    """Everything as text at first, so that a value that is no number can be named."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    with path.open("rb") as file:
+        header = csv.open_csv(file, parse_options=csv.ParseOptions()).schema
+    text = {name: pa.string() for name in header.names}
+    options = csv.ConvertOptions(column_types=text, strings_can_be_null=False)
+    return csv.read_csv(path, convert_options=options)
