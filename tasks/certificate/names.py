@@ -8,19 +8,26 @@ from dataclasses import dataclass
 
 from schemas.recording import AXES
 
+Pair = tuple[str, str]  # Chinese, English
+
 MATRIX = tuple(reads + given for reads in AXES for given in AXES)
 OFF_DIAGONAL = tuple(e for e in MATRIX if e[0] != e[1])
 APPENDIX_B = ("yx", "zx", "xy", "zy", "xz", "yz")
 
 UNITS = {"deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°"}
+ANGLES = {
+    "X": ("航向角", "heading angle"),
+    "Y": ("俯仰角", "pitch angle"),
+    "Z": ("横滚角", "roll angle"),
+}
 
 
 @dataclass(frozen=True)
 class ItemName:
     """How an item and its elements are called.
 
-    In `element_*`, {r} is the axis that reads and {i} the input axis; the symbol is `letter`
-    with the subscript `sub` and the element.
+    In `element_*`, {r} is the axis that reads, {i} the input axis and {angle} the attitude
+    angle of the axis; the symbol is `letter` with the subscript `sub` and the element.
     """
 
     zh: str
@@ -32,12 +39,13 @@ class ItemName:
     elements: tuple[str, ...]
     unit: str
 
-    def of(self, element: str) -> tuple[str, str]:
+    def of(self, element: str) -> Pair:
         """The name of one element, Chinese and English."""
         reads, given = element[0].upper(), element[-1].upper()
+        angle_zh, angle_en = ANGLES.get(reads, (reads, reads))
         return (
-            self.element_zh.format(r=reads, i=given),
-            self.element_en.format(r=reads, i=given),
+            self.element_zh.format(r=reads, i=given, angle=angle_zh),
+            self.element_en.format(r=reads, i=given, angle=angle_en),
         )
 
     def subscript(self, element: str) -> str:
@@ -57,7 +65,7 @@ ITEMS = {
         "{r} 轴陀螺零偏", "Bias of the {r} gyro", AXES, "deg/s"),
     "gyro_cross_coupling": ItemName(
         "陀螺交叉耦合系数", "Gyro cross coupling coefficient", "K", "g{e}",
-        "{i} 轴对 {r} 轴交叉耦合系数", "Cross coupling of the {i} axis onto the {r} gyro",
+        "{i} 轴对 {r} 轴交叉耦合系数", "Coupling of the {i} axis onto the {r} gyro",
         APPENDIX_B, "1"),
     "gyro_g_sensitivity": ItemName(
         "陀螺加速度敏感系数", "Gyro g-sensitivity", "g", "{e}",
@@ -71,7 +79,7 @@ ITEMS = {
     "accel_cross_coupling": ItemName(
         "加速度计交叉耦合系数", "Accelerometer cross coupling coefficient", "K", "a{e}",
         "{i} 轴对 {r} 轴交叉耦合系数",
-        "Cross coupling of the {i} axis onto the {r} accelerometer", APPENDIX_B, "1"),
+        "Coupling of the {i} axis onto the {r} accelerometer", APPENDIX_B, "1"),
     "accel_rate_sensitivity": ItemName(
         "加速度计角速度灵敏系数", "Accelerometer rate sensitivity", "p", "{e}",
         "{i} 轴角速度对 {r} 轴加速度计", "{i} rate onto the {r} accelerometer",
@@ -81,7 +89,7 @@ ITEMS = {
         "{r} 轴标度因数", "Scale factor of the {r} axis", AXES, "1"),
     "ahrs_zero_offset": ItemName(
         "零偏", "Zero offset", "B", "{e}",
-        "{r} 轴零偏", "Zero offset of the {r} axis", AXES, "deg/s"),
+        "{angle}零偏", "Zero offset of the {angle}", AXES, "deg/s"),
     "ahrs_misalignment": ItemName(
         "失准角", "Misalignment angle", "L", "{e}",
         "{r} 轴对 {i} 轴失准角", "Misalignment of the {r} axis to the {i} axis",
@@ -118,7 +126,7 @@ VERDICTS = {
 }
 
 
-def item_name(item: str) -> tuple[str, str]:
+def item_name(item: str) -> Pair:
     """The name of an item, Chinese and English; its key where it is not of a specification."""
     return (ITEMS[item].zh, ITEMS[item].en) if item in ITEMS else (item, item)
 

@@ -1,0 +1,56 @@
+"""What the appendices with the certificate's inner pages lay down: order, columns, sentences.
+
+Appendix B of JJF 2003-2022 and Appendix C of JJF 1536-2015. A pair is (Chinese, English).
+"""
+
+from tasks.certificate.names import Pair
+
+SECTIONS = {
+    "JJF 2003-2022": (
+        (("标度因数", "Scale factors"),
+         ("gyro_scale_factor", "accel_scale_factor", "gyro_fit_offset")),
+        (("零偏", "Biases"), ("gyro_bias", "accel_bias")),
+        (("陀螺交叉耦合系数", "Gyro cross coupling coefficients"), ("gyro_cross_coupling",)),
+        (("加速度计交叉耦合系数", "Accelerometer cross coupling coefficients"),
+         ("accel_cross_coupling",)),
+        (("陀螺加速度敏感系数 (g)", "Gyro g-sensitivity (g)"), ("gyro_g_sensitivity",)),
+        (("加速度计角速度灵敏系数 (p)", "Accelerometer rate sensitivity (p)"),
+         ("accel_rate_sensitivity",)),
+    ),
+    "JJF 1536-2015": (
+        (("标度因数", "Scale factors"), ("ahrs_scale_factor",)),
+        (("零偏", "Zero offsets"), ("ahrs_zero_offset",)),
+        (("失准角", "Misalignment angles"), ("ahrs_misalignment",)),
+    ),
+}  # fmt: skip
+OTHER = ("其他结果", "Other results")
+
+COLUMNS = {
+    "gyro_g_sensitivity": (
+        ("(a) 按式(7)", "(a) by eq. (7)"),
+        ("(b) 扣除地球自转", "(b) without Earth rotation"),
+    ),
+    "accel_rate_sensitivity": (
+        ("(a) 式(12)、(13)的符号", "(a) sign of eq. (12), (13)"),
+        ("(b) 模型式(2)的符号", "(b) sign of model (2)"),
+    ),
+}
+ONE_COLUMN = (("测得值", "Value"),)
+
+SENTENCES: dict[str, tuple[Pair, ...]] = {
+    "gyro_fit_offset": (
+        ("拟合零偏 b 由式(4)得到，仅供参考，不作判定；陀螺零偏见第 2 项。",
+         "The fit offset b of eq. (4) is given for information and is not decided on; "
+         "the gyro bias stands in section 2."),
+    ),
+    "gyro_g_sensitivity": (
+        ("g 为当地重力加速度。首下标为敏感轴，次下标为输入轴。",
+         "g is the local gravity. First index: the axis that reads; second: the input axis."),
+    ),
+    "accel_rate_sensitivity": (
+        ("单位 m 即 (m/s²)/(rad/s)²。(a) 为静止减转动，与模型式(2)中 p 的符号相反；"
+         "补偿时应使用 (b)。p 的值仅对本次安装位置有效。",
+         "The unit m is m/s² per (rad/s)². (a) is rest minus turning, the negative of p in model "
+         "(2); compensate with (b). The values of p hold for this mounting position."),
+    ),
+}  # fmt: skip

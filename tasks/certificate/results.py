@@ -1,0 +1,215 @@
+"""The results as rows: Appendix B of JJF 2003-2022, Appendix C of JJF 1536-2015.
+
+A pair is (Chinese, English). Numbers are texts by JJF 1059.1, in units of 10^exponent.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+
+from schemas.calibration import Calibration, Item
+from schemas.tolerance import Decision, LimitDecision
+from tasks.certificate.appendix import COLUMNS, ONE_COLUMN, OTHER, SECTIONS, SENTENCES
+from tasks.certificate.names import (
+    ITEMS,
+    MATRIX,
+    OFF_DIAGONAL,
+    QUANTITIES,
+    SECOND_VALUE,
+    ItemName,
+    Pair,
+    item_name,
+    unit_text,
+)
+from tasks.certificate.notes import identifiers
+from tasks.uncertainty.rounding import column, text
+
+
+@dataclass(frozen=True)
+class Row:
+    """One element: name, symbol, value, second value, U, limits and verdicts; None: no number."""
+
+    name: Pair
+    letter: str
+    sub: str
+    value: str | None
+    second: str | None
+    U: str | None
+    limits: tuple[str, ...]
+    verdicts: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A coefficient matrix as Appendix B shows it; rows: the axis that reads."""
+
+    letter: str
+    caption: Pair | None
+    cells: tuple[tuple[str | None, ...], ...]
+
+
+@dataclass(frozen=True)
+class Group:
+    """One item: its heading, unit and rows, and what has to be said about it."""
+
+    title: Pair
+    clause: str
+    k: str
+    kind: str
+    unit: str
+    exponent: int
+    columns: tuple[Pair, ...]
+    rows: tuple[Row, ...]
+    matrices: tuple[Matrix, ...]
+    readings: tuple[str, ...]
+    sentences: tuple[Pair, ...]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A numbered section of the appendix."""
+
+    title: Pair
+    groups: tuple[Group, ...]
+
+
+def sections(
+    calibration: Calibration, decision: Decision, specification: str
+) -> tuple[Section, ...]:
+    """Every section of the specification's appendix, also where nothing was determined."""
+    order = SECTIONS[specification]
+    known = {item for _, items in order for item in items}
+    others = tuple(name for name in calibration.items if name not in known)
+    every = (*order, (OTHER, others)) if others else order
+    return tuple(
+        Section(title, tuple(_group(calibration, decision, name) for name in items))
+        for title, items in every
+    )
+
+
+def _group(calibration: Calibration, decision: Decision, name: str) -> Group:
+    item = calibration.items.get(name)
+    elements = _elements(item, name)
+    exponent, values, seconds, U = _numbers(item, name, elements)
+    limits = [made for made in decision.limits if made.item == name]
+    shorts = identifiers(calibration)
+    rows = tuple(
+        _row(name, element, exponent, limits, values[i], seconds[i], U[i])
+        for i, element in enumerate(elements)
+    )
+    columns = COLUMNS.get(name, ONE_COLUMN)
+    return Group(
+        title=item_name(name),
+        clause=item.clause if item else "",
+        k=f"{item.k:g}" if item else "",
+        kind=item.uncertainty_kind if item else "",
+        unit=unit_text(item.unit if item else ITEMS[name].unit),
+        exponent=exponent,
+        columns=columns,
+        rows=rows,
+        matrices=_matrices(name, elements, columns, values, seconds),
+        readings=tuple(shorts[reading] for reading in item.readings) if item else (),
+        sentences=(*SENTENCES.get(name, ()), *_applied(limits), *_missing(calibration, name)),
+    )
+
+
+def _elements(item: Item | None, name: str) -> tuple[str, ...]:
+    named = ITEMS[name].elements if name in ITEMS else ()
+    return tuple(dict.fromkeys((*named, *(item.value if item else ()))))
+
+
+def _numbers(
+    item: Item | None, name: str, elements: tuple[str, ...]
+) -> tuple[int, Sequence[str | None], Sequence[str | None], Sequence[str | None]]:
+    """Exponent, values, second values and U; both values share one column of texts."""
+    if item is None:
+        nothing = (None,) * len(elements)
+        return 0, nothing, nothing, nothing
+    second = getattr(item, SECOND_VALUE[name]) if name in SECOND_VALUE else None
+    numbers = [(source or {}).get(e) for source in (item.value, second) for e in elements]
+    made = column(numbers, [item.U.get(e) for e in elements] * 2)
+    half = len(elements)
+    return made.exponent, made.values[:half], made.values[half:], made.uncertainties[:half]
+
+
+def _row(
+    name: str,
+    element: str,
+    exponent: int,
+    limits: list[LimitDecision],
+    value: str | None,
+    second: str | None,
+    U: str | None,
+) -> Row:
+    printed: ItemName | None = ITEMS.get(name)
+    mine = [made for made in limits if made.element == element]
+    return Row(
+        name=printed.of(element) if printed else (element, element),
+        letter=printed.letter if printed else "",
+        sub=printed.subscript(element) if printed else "",
+        value=value,
+        second=second,
+        U=U,
+        limits=tuple(_limit(made, exponent) for made in mine),
+        verdicts=tuple(made.verdict for made in mine),
+    )
+
+
+def _limit(made: LimitDecision, exponent: int) -> str:
+    """Limits as printed; (a), (b) name the column where an item has two values."""
+    lower, upper = _plain(made.lower, exponent), _plain(made.upper, exponent)
+    if made.lower is None:
+        wanted = f"±{upper}"  # an upper limit alone limits the magnitude
+    elif made.upper is None:
+        wanted = f"≥ {lower}"
+    else:
+        wanted = f"±{upper}" if made.lower == -made.upper else f"{lower} … {upper}"
+    if made.item not in SECOND_VALUE:
+        return wanted
+    return f"({'a' if made.applied_to == 'value' else 'b'}) {wanted}"
+
+
+def _plain(number: float | None, exponent: int) -> str | None:
+    return None if number is None else text(Decimal(repr(number)).normalize(), exponent)
+
+
+def _applied(limits: list[LimitDecision]) -> list[Pair]:
+    if not limits or limits[0].item not in SECOND_VALUE:
+        return []
+    names = [QUANTITIES[quantity] for quantity in dict.fromkeys(m.applied_to for m in limits)]
+    zh, en = "；".join(zh for zh, _ in names), "; ".join(en for _, en in names)
+    return [(f"允许限适用于：{zh}。", f"The limits are applied to: {en}.")]
+
+
+def _missing(calibration: Calibration, name: str) -> list[Pair]:
+    """Why an element, or the whole item, has no number."""
+    item = calibration.items.get(name)
+    said = []
+    if name in calibration.unavailable:
+        why = calibration.unavailable[name]
+        said.append((calibration.unavailable_zh.get(name) or why, why))
+    elif item is None:
+        said.append(("本次校准未包含此项", "this item is not part of this calibration"))
+    elif any(item.value.get(element) is None for element in _elements(item, name)):
+        said.append(("未说明原因", "no cause was given"))
+    if item and name in SECOND_VALUE and getattr(item, SECOND_VALUE[name]) is None:
+        said.append(("(b) 未能计算", "(b) could not be computed"))
+    return [(f"未得：{zh}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said]
+
+
+def _matrices(
+    name: str,
+    elements: tuple[str, ...],
+    columns: tuple[Pair, ...],
+    values: Sequence[str | None],
+    seconds: Sequence[str | None],
+) -> tuple[Matrix, ...]:
+    if name not in SECOND_VALUE or set(elements) not in (set(MATRIX), set(OFF_DIAGONAL)):
+        return ()
+    diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
+    made = []
+    for caption, numbers in zip(columns, (values, seconds), strict=True):
+        cells = diagonal | dict(zip(elements, numbers, strict=True))
+        grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
+        made.append(Matrix(ITEMS[name].letter, caption, grid))
+    return tuple(made)
