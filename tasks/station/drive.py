@@ -1,0 +1,197 @@
+"""The table brought through a procedure, stretch by stretch, while the feeds run."""
+
+import asyncio
+from dataclasses import dataclass
+from typing import Literal
+
+from schemas.base import Unusable
+from schemas.procedure import Procedure
+from tasks.station.clock import StationClock
+from tasks.station.findings import Finding
+from tasks.station.labels import Labels
+from tasks.station.legs import Leg
+from tasks.station.progress import Tracker
+from tasks.station.ramps import move_s, nearest_turn, rate_change_s
+from tasks.station.recorder import Recorder
+from tasks.station.table import AxisState, Table, TableState, check
+
+STILL_S = 5.0  # wall time a station's clock may stand still
+PATIENCE_S = 20.0  # station time beyond twice the computed duration
+POLL_STATION_S = 0.25
+CATCH_UP_S = 3.0
+STEP_S = 0.02
+
+# How near a reading has to be before «settled» is believed: the bit may still be that of the
+# goal before. Whether the rate is right to the specification is for the encoders to say.
+NEAR_DEG = 0.1
+NEAR_RATE = (0.05, 0.5)  # relative, deg/s
+REST_DEG_S = 0.05
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where an axis is to settle: an angle (deg), a rate (deg/s), or rest."""
+
+    axis: int
+    kind: Literal["angle", "rate", "rest"]
+    value: float = 0.0
+
+    def is_reached(self, axis: AxisState) -> bool:
+        if self.kind == "rest":
+            return not axis.has("moving") and abs(axis.rate_deg_s) < REST_DEG_S
+        if self.kind == "angle":
+            return axis.has("settled") and abs(axis.angle_deg - self.value) < NEAR_DEG
+        relative, absolute = NEAR_RATE
+        near = relative * abs(self.value) + absolute
+        return axis.has("settled") and abs(axis.rate_deg_s - self.value) < near
+
+    def text(self) -> str:
+        unit = {"angle": "deg", "rate": "deg/s"}.get(self.kind)
+        return f"at {self.value:g} {unit}" if unit else "at rest"
+
+
+class Driver:
+    """One run of a procedure on a table. `leg` raises Unusable where the table fails."""
+
+    def __init__(
+        self,
+        table: Table,
+        clock: StationClock,
+        procedure: Procedure,
+        recorder: Recorder,
+        labels: Labels,
+        tracker: Tracker,
+    ) -> None:
+        self._table = table
+        self._clock = clock
+        self._procedure = procedure
+        self._recorder = recorder
+        self._labels = labels
+        self._tracker = tracker
+        self._spinning: Leg | None = None
+
+    async def run(self, legs: tuple[Leg, ...]) -> None:
+        """Warm-up, every stretch, and the table left at rest with all data in."""
+        self._tracker.begin("warm-up", self._procedure.warm_up_s)
+        warm_s = self._clock.station_s + self._procedure.warm_up_s
+        await self._wait_until(warm_s)
+        self._labels.cover("warm", "settle", warm_s)
+        for leg in legs:
+            self._tracker.begin(leg.text, leg.planned_s)
+            await self._leg(leg)
+        self._tracker.begin("stopping the table", 0.0)
+        await self._catch_up(self._labels.segments[-1].t_end)
+        await self._table.leave()
+        self._tracker.end()
+
+    async def _leg(self, leg: Leg) -> None:
+        settled_s = await self._bring(leg)
+        t_start = round(settled_s + self._procedure.settle_s, 6)
+        await self._wait_until(t_start)
+        self._labels.cover("move" if leg.spin_axis is None else "ramp", "transition", settled_s)
+        self._labels.cover("settle", "settle", t_start)
+        segment = leg.segment(t_start)
+        await self._wait_until(segment.t_end, settled=True)
+        spin_axis = None if leg.spin_axis is None else self._table.names[leg.spin_axis]
+        self._recorder.finish(segment, spin_axis)
+
+    async def _bring(self, leg: Leg) -> float:
+        """Bring the table to where a stretch wants it; the station time at which it settled."""
+        same_run = (
+            self._spinning is not None
+            and self._spinning.spin_axis == leg.spin_axis
+            and self._spinning.angles_deg == leg.angles_deg
+        )
+        if self._spinning is not None and not same_run:
+            await self._stop_spinning(self._spinning)
+        if not same_run:
+            await self._go_to(leg)
+        if leg.spin_axis is not None:
+            await self._spin(leg)
+        return self._clock.station_s
+
+    async def _stop_spinning(self, leg: Leg) -> None:
+        axis = leg.spin_axis or 0
+        duration_s = rate_change_s(leg.rate_deg_s, self._procedure.acceleration_deg_s2)
+        await self._table.ramp_to_rest(axis)
+        await self._settled((Goal(axis, "rest"),), duration_s)
+        self._spinning = None
+
+    async def _go_to(self, leg: Leg) -> None:
+        rate, acceleration = self._procedure.move_rate_deg_s, self._procedure.acceleration_deg_s2
+        state = await self._watch()
+        goals = tuple(
+            Goal(number, "angle", nearest_turn(axis.angle_deg, angle))
+            for number, (axis, angle) in enumerate(zip(state.axes, leg.angles_deg, strict=True))
+        )
+        for goal in goals:
+            await self._table.go_to(goal.axis, goal.value, rate, acceleration)
+        farthest = max(abs(goal.value - state.axes[goal.axis].angle_deg) for goal in goals)
+        await self._settled(goals, move_s(farthest, rate, acceleration))
+
+    async def _spin(self, leg: Leg) -> None:
+        axis, acceleration = leg.spin_axis or 0, self._procedure.acceleration_deg_s2
+        before = self._spinning.rate_deg_s if self._spinning else 0.0
+        self._spinning = leg
+        await self._table.hold_rate(axis, leg.rate_deg_s, acceleration)
+        duration_s = rate_change_s(leg.rate_deg_s - before, acceleration)
+        await self._settled((Goal(axis, "rate", leg.rate_deg_s),), duration_s)
+
+    async def _settled(self, goals: tuple[Goal, ...], duration_s: float) -> None:
+        """Wait until the goals are reached, for twice the computed duration and PATIENCE_S."""
+        limit_s = 2 * duration_s + PATIENCE_S
+        began_s = self._clock.station_s
+        while True:
+            state = await self._watch()
+            late = [goal for goal in goals if not goal.is_reached(state.axes[goal.axis])]
+            if not late:
+                return
+            if state.station_s - began_s > limit_s:
+                raise Unusable(self._lateness(late[0], state, limit_s))
+            await asyncio.sleep(self._clock.wall(POLL_STATION_S, 0.005, 0.1))
+
+    def _lateness(self, goal: Goal, state: TableState, limit_s: float) -> str:
+        axis = state.axes[goal.axis]
+        return (
+            f"axis {self._table.names[goal.axis]} of the table has not settled {goal.text()} "
+            f"within {limit_s:.0f} s (angle {axis.angle_deg:.4f} deg, rate "
+            f"{axis.rate_deg_s:.4f} deg/s): check its load, its balance and its servo"
+        )
+
+    async def _wait_until(self, station_s: float, settled: bool = False) -> None:
+        """Wait for a station time; with `settled`, say which axes were not settled meanwhile."""
+        while self._clock.station_s < station_s:
+            left_s = station_s - self._clock.station_s
+            await asyncio.sleep(self._clock.wall(left_s, 0.002, 0.1))
+            state = await self._watch()
+            for name, axis in zip(self._table.names, state.axes, strict=True):
+                if settled and state.station_s < station_s and not axis.has("settled"):
+                    at = state.station_s
+                    self._recorder.findings.append(Finding("table_unsettled", at, at, 1.0, name))
+
+    async def _catch_up(self, station_s: float) -> None:
+        """Wait for the last data; a unit that is silent by now says so itself."""
+        for _ in range(round(CATCH_UP_S / STEP_S)):
+            self._recorder.flush(final=True)
+            if self._recorder.has_passed(station_s):
+                return
+            await asyncio.sleep(STEP_S)
+
+    async def _watch(self) -> TableState:
+        """Read the table, and raise Unusable if it has failed."""
+        before_s = self._clock.station_s
+        state = await self._table.state()
+        self._clock.seen(state.station_s, state.wall_s)
+        check(state, self._table.names)
+        if state.station_s < before_s:
+            raise Unusable(
+                f"the station's clock went back from {before_s:.3f} s to {state.station_s:.3f} s, "
+                f"as after a restart: start the run again"
+            )
+        if self._clock.stands_still_s > STILL_S:
+            raise Unusable(
+                f"the station's clock has stood at {state.station_s:.3f} s for {STILL_S:g} s: "
+                f"restart the controller"
+            )
+        self._tracker.tick()
+        return state

@@ -1,0 +1,174 @@
+"""The three flows of a run: each gathers what comes, and gives it as a stream when asked."""
+
+import asyncio
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from schemas.procedure import EnvironmentLimits
+from schemas.recording import Stream
+from schemas.station import CAPTURE_SAMPLES
+from tasks.station.chamber import COLUMNS, Climate, read_climate
+from tasks.station.clock import StationClock
+from tasks.station.findings import Finding
+from tasks.station.frames import FRAME, lost_between, to_stream
+from tasks.station.modbus import Link
+from tasks.station.table import Block, Table
+from tasks.station.unit import Unit
+
+Say = Callable[[Finding], None]
+CLOCK_OFF_S = 0.5
+CLOCK_WALL_S = 0.02  # what a busy machine may delay a frame by, on the wall
+SHIFT_TAKES = 3
+
+
+class EncoderFeed:
+    """Captured encoder angles, contiguous: a gap in the numbers is said and never bridged."""
+
+    def __init__(self, table: Table, clock: StationClock, say: Say) -> None:
+        self._table = table
+        self._clock = clock
+        self._say = say
+        self._blocks: list[Block] = []
+
+    async def run(self) -> None:
+        """Fetch blocks for ever, as fast as they fill."""
+        period_s = self._table.period_us / 1e6
+        wanted = math.floor(self._clock.station_s / period_s)
+        while True:
+            block = await self._table.captured(wanted)
+            count = len(block.counts)
+            if count:
+                self._note_gap(wanted, block.first)
+                self._blocks.append(block)
+                wanted = block.first + count
+            if count < CAPTURE_SAMPLES:
+                fill_s = period_s * (CAPTURE_SAMPLES - 4)
+                await asyncio.sleep(self._clock.wall(fill_s, 0.001, 0.2))
+
+    def take(self) -> Stream:
+        """Angles in rad, columns <axis>_angle, over station time."""
+        blocks, self._blocks = self._blocks, []
+        numbers = [np.arange(len(block.counts)) + block.first for block in blocks]
+        ticks = np.concatenate(numbers) if blocks else np.empty(0, np.int64)
+        counts = np.concatenate([block.counts for block in blocks]) if blocks else None
+        turns = self._table.counts_per_turn
+        return Stream(
+            t=ticks * self._table.period_us / 1e6,
+            columns={
+                f"{name}_angle": np.empty(0)
+                if counts is None
+                else counts[:, axis] * (2 * np.pi / turns[axis])
+                for axis, name in enumerate(self._table.names)
+            },
+        )
+
+    def _note_gap(self, wanted: int, first: int) -> None:
+        if first > wanted:
+            period_s = self._table.period_us / 1e6
+            span = (wanted * period_s, first * period_s)
+            self._say(Finding("encoder_gap", *span, amount=first - wanted))
+
+
+class ClimateFeed:
+    """The chamber, about once a station second, held against the procedure's limits."""
+
+    def __init__(
+        self, link: Link, clock: StationClock, limits: EnvironmentLimits, say: Say
+    ) -> None:
+        self._link = link
+        self._clock = clock
+        self._limits = limits
+        self._say = say
+        self._last_s = -math.inf
+        self._readings: list[Climate] = []
+
+    async def run(self) -> None:
+        """Read for ever."""
+        while True:
+            climate = await read_climate(self._link)
+            if climate.t > self._last_s:
+                self._last_s = climate.t
+                self._readings.append(climate)
+                self._compare(climate)
+            await asyncio.sleep(self._clock.wall(1.0, 0.01, 1.0))
+
+    def take(self) -> Stream:
+        """Temperature, humidity, supply voltage and pressure over station time."""
+        readings, self._readings = self._readings, []
+        values = np.array([reading.values for reading in readings]).reshape(-1, len(COLUMNS))
+        return Stream(
+            t=np.array([reading.t for reading in readings]),
+            columns=dict(zip(COLUMNS, values.T, strict=True)),
+        )
+
+    def _compare(self, climate: Climate) -> None:
+        ranges = (
+            ("air_temperature", climate.values[0], self._limits.temperature_degc),
+            ("air_humidity", climate.values[1], self._limits.humidity_percent),
+        )
+        for code, value, (low, high) in ranges:
+            if not low <= value <= high:
+                self._say(Finding(code, climate.t, climate.t, value))
+
+
+class UnitFeed:
+    """The unit's samples over its own time stamps, moved only if its clock is not the station's.
+
+    `shift_s` is by how much they were moved: 0 unless the first stamps disagree with station
+    time by more than CLOCK_OFF_S (and by more than the delay of the line can explain).
+    """
+
+    def __init__(self, unit: Unit, clock: StationClock, say: Say) -> None:
+        self.shift_s = 0.0
+        self.lost_samples = 0
+        self._unit = unit
+        self._clock = clock
+        self._say = say
+        self._differences: list[float] = []
+        self._decided = False
+        self._held = np.empty(0, FRAME)
+        self._last = np.empty(0, FRAME)
+
+    def take(self, final: bool = False) -> Stream:
+        """What came since; nothing while the first stamps are still being compared."""
+        bad_before = self._unit.bad_frames
+        frames = self._unit.take()
+        self._note_bad(self._unit.bad_frames - bad_before)
+        if not self._decided:
+            self._compare(frames)
+            frames = self._held = np.concatenate([self._held, frames])
+            self._decided = final or len(self._differences) >= SHIFT_TAKES
+            if not self._decided:
+                return to_stream(frames[:0], self._unit.link)
+            self._settle_shift()
+        stream = to_stream(frames, self._unit.link, round(self.shift_s * 1e6))
+        self._note_lost(np.concatenate([self._last, frames]))
+        if len(frames):
+            self._last = frames[-1:]
+        return stream
+
+    def _compare(self, frames: np.ndarray) -> None:
+        if len(frames):
+            station_s = self._clock.at(self._unit.arrived_s)
+            self._differences.append(station_s - frames["stamp"][-1] / 1e6)
+
+    def _settle_shift(self) -> None:
+        """The delay of the line makes every difference too large, so the least is the best."""
+        if self._differences:
+            best = min(self._differences)
+            if abs(best) > CLOCK_OFF_S + CLOCK_WALL_S * self._clock.speed:
+                self.shift_s = round(best, 6)
+
+    def _note_lost(self, frames: np.ndarray) -> None:
+        lost = lost_between(frames["counter"])
+        for place in np.flatnonzero(lost):
+            before, after = frames["stamp"][place : place + 2] / 1e6 + self.shift_s
+            self.lost_samples += int(lost[place])
+            self._say(Finding("unit_lost_samples", before, after, int(lost[place])))
+
+    def _note_bad(self, bad: int) -> None:
+        if bad:
+            at = self._clock.station_s
+            self._say(Finding("unit_bad_frames", at, at, bad))

@@ -1,0 +1,50 @@
+"""The labels of a run as it grows, and the manifest that carries them."""
+
+from datetime import UTC, datetime
+from typing import Literal
+
+from schemas.procedure import Procedure
+from schemas.recording import Manifest, Segment
+from schemas.station import StationFile
+
+
+class Labels:
+    """Segments without holes between them, from the beginning of the run on."""
+
+    def __init__(
+        self, station: StationFile, procedure: Procedure, recording_id: str, t_start: float
+    ) -> None:
+        self.segments: list[Segment] = []
+        self.extra: dict[str, object] = {
+            "procedure": procedure.name,
+            "recorded_at": datetime.now(UTC).isoformat(timespec="seconds"),
+            "equipment": [item.model_dump(mode="json") for item in station.equipment],
+            "unit_link": station.unit_link.model_dump(mode="json", exclude={"url", "baudrate"}),
+        }
+        self._station = station
+        self._procedure = procedure
+        self._recording_id = recording_id
+        self._until = t_start
+
+    def cover(self, name: str, kind: Literal["settle", "transition"], t_end: float) -> None:
+        """Label what lies between the last segment and a time (s)."""
+        if t_end > self._until:
+            numbered = f"{name}{len(self.segments):03d}"
+            self.add(Segment(name=numbered, kind=kind, t_start=self._until, t_end=t_end))
+
+    def add(self, segment: Segment) -> None:
+        self.segments.append(segment)
+        self._until = segment.t_end
+
+    def manifest(self) -> Manifest:
+        """The manifest with the segments finished so far."""
+        return Manifest(
+            format="mimu-recording/1",
+            recording_id=self._recording_id,
+            standard=self._procedure.standard,
+            unit=self._station.unit,
+            station=self._station.station,
+            mount=self._station.mount,
+            segments=tuple(self.segments),
+            **self.extra,  # type: ignore[arg-type]
+        )

@@ -1,0 +1,59 @@
+"""How far a run has come."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tasks.station.clock import StationClock
+
+REPORT_EVERY_S = 0.1
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What happens now, planned station seconds done and in all, wall seconds left."""
+
+    now: str
+    station_s_done: float
+    station_s_total: float
+    wall_s_left: float
+
+
+class Tracker:
+    """Counts planned time: a stretch counts for what was planned, however long it takes."""
+
+    def __init__(
+        self, report: Callable[[Progress], None], clock: StationClock, total_s: float
+    ) -> None:
+        self.now = ""
+        self._report = report
+        self._clock = clock
+        self._total_s = total_s
+        self._done_s = 0.0
+        self._planned_s = 0.0
+        self._began_s = 0.0
+        self._reported_wall_s = 0.0
+
+    def begin(self, now: str, planned_s: float) -> None:
+        """A stretch begins; the one before it is done."""
+        self._done_s += self._planned_s
+        self._planned_s = planned_s
+        self._began_s = self._clock.station_s
+        self.now = now
+        self._reported_wall_s = 0.0
+        self.tick()
+
+    def tick(self) -> None:
+        """Report, unless it was reported just now."""
+        wall_s = time.monotonic()
+        if wall_s - self._reported_wall_s < REPORT_EVERY_S:
+            return
+        self._reported_wall_s = wall_s
+        within_s = min(self._clock.station_s - self._began_s, self._planned_s)
+        done_s = self._done_s + within_s
+        left_s = (self._total_s - done_s) / self._clock.speed
+        self._report(Progress(self.now, done_s, self._total_s, left_s))
+
+    def end(self) -> None:
+        """Everything is done."""
+        self._report(Progress("done", self._total_s, self._total_s, 0.0))

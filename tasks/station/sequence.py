@@ -1,0 +1,134 @@
+"""A run of a procedure on a station, real or virtual, from start to end."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from schemas.base import Unusable
+from schemas.calibration import Remark
+from schemas.procedure import Procedure
+from schemas.recording import Manifest
+from schemas.station import StationFile
+from tasks.station.chamber import read_climate
+from tasks.station.clock import StationClock
+from tasks.station.drive import Driver
+from tasks.station.findings import MEASURED, remarks_on
+from tasks.station.labels import Labels
+from tasks.station.legs import legs_of
+from tasks.station.modbus import Link
+from tasks.station.progress import Progress, Tracker
+from tasks.station.recorder import Recorder, Sink
+from tasks.station.suits import check_suits
+from tasks.station.table import Table
+from tasks.station.unit import Unit
+
+LEAVE_S = 5.0
+
+
+@dataclass(frozen=True)
+class Acquired:
+    """What a run gave beside the streams, which are in the sink."""
+
+    manifest: Manifest
+    warnings: tuple[Remark, ...]
+    bad_frames: int
+    lost_samples: int
+
+
+def acquire(
+    station: StationFile,
+    procedure: Procedure,
+    sink: Sink,
+    report: Callable[[Progress], None],
+    *,
+    recording_id: str,
+) -> Acquired:
+    """Run a procedure on a station and write what it gives to the sink as it comes.
+
+    Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles
+    (rad, `<axis>_angle`) and environment over station time. The manifest is written after
+    every finished segment.
+
+    Raises Unusable, with one sentence, where procedure and station do not suit each other,
+    where the station does not answer, and where something fails on the way; what was recorded
+    until then is in the sink. Whatever ends the run, the table is told to stop.
+    """
+    check_suits(procedure, station)
+    return asyncio.run(_acquire(station, procedure, sink, report, recording_id))
+
+
+async def _acquire(
+    station: StationFile,
+    procedure: Procedure,
+    sink: Sink,
+    report: Callable[[Progress], None],
+    recording_id: str,
+) -> Acquired:
+    link = Link(station.modbus_host, station.modbus_port)
+    names = tuple(axis.name for axis in station.station.table_axes or ())
+    legs = legs_of(procedure)
+    try:
+        table = await Table.find(link, names)
+        await read_climate(link)  # a chamber that is missing is found before anything moves
+        clock = StationClock()
+        state = await table.state()
+        clock.seen(state.station_s, state.wall_s)
+        labels = Labels(station, procedure, recording_id, state.station_s)
+        total_s = procedure.warm_up_s + sum(leg.planned_s for leg in legs)
+        tracker = Tracker(report, clock, total_s)
+        with Unit(station.unit_link) as unit:
+            recorder = Recorder(table, unit, clock, procedure.environment, sink, labels)
+            recorder.begin()
+            driver = Driver(table, clock, procedure, recorder, labels, tracker)
+            try:
+                await _first_to_end(
+                    driver.run(legs),
+                    recorder.encoders.run(),
+                    recorder.climate.run(),
+                    recorder.run(),
+                )
+            except Unusable as cause:
+                raise Unusable(_stopped(tracker.now, cause, labels)) from cause
+            finally:
+                await _leave(table, recorder)
+            warnings = remarks_on(recorder.findings, labels.segments, procedure.environment)
+            return Acquired(
+                manifest=labels.manifest(),
+                warnings=warnings,
+                bad_frames=unit.bad_frames,
+                lost_samples=recorder.unit.lost_samples,
+            )
+    finally:
+        link.close()
+
+
+async def _first_to_end(*work: Coroutine[Any, Any, None]) -> None:
+    """Run all side by side until one ends or fails; then the others are cancelled."""
+    tasks = [asyncio.ensure_future(each) for each in work]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in done:
+            task.result()
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _leave(table: Table, recorder: Recorder) -> None:
+    """Stop the table as well as it can be, and write what is still on its way."""
+    with suppress(Unusable, OSError, TimeoutError):
+        await asyncio.wait_for(table.leave(), LEAVE_S)
+    with suppress(Unusable):
+        recorder.flush(final=True)
+    recorder.write_manifest()
+
+
+def _stopped(now: str, cause: Unusable, labels: Labels) -> str:
+    measured = sum(segment.kind in MEASURED for segment in labels.segments)
+    return (
+        f"the run stopped during «{now}»: {cause}; what was recorded until then is kept, with "
+        f"{measured} finished segments"
+    )
