@@ -27,12 +27,12 @@ OTHER = ("其他结果", "Other results")
 
 COLUMNS = {
     "gyro_g_sensitivity": (
-        ("(a) 按式(7)", "(a) by eq. (7)"),
-        ("(b) 扣除地球自转", "(b) without Earth rotation"),
+        ("(a) 式(7)", "(a) by eq. (7)"),
+        ("(b) 扣除地球自转", "(b) less Earth's rotation"),
     ),
     "accel_rate_sensitivity": (
-        ("(a) 式(12)、(13)的符号", "(a) sign of eq. (12), (13)"),
-        ("(b) 模型式(2)的符号", "(b) sign of model (2)"),
+        ("(a) 式(12)、(13)", "(a) by eq. (12), (13)"),
+        ("(b) 模型式(2)符号", "(b) sign of model (2)"),
     ),
 }
 ONE_COLUMN = (("测得值", "Value"),)

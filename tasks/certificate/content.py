@@ -41,6 +41,10 @@ WATERMARKS = {
     "amended": ("已更改", "AMENDED"),
     "withdrawn": ("已撤销", "WITHDRAWN"),
 }
+MARKS = (
+    "“—”：未规定允许限；“未得”：未能得到该值，原因见表下",
+    "—: no limit is laid down; not determined: no value, the reason stands under the table",
+)
 NOT_ISSUED = ("尚未签发", "not yet issued")
 
 
@@ -217,6 +221,7 @@ def _conformity(certificate: Certificate) -> tuple[Field, ...]:
     return (
         Field(("判定依据", "Limits from"), _given(decision.document)),
         Field(("判定规则", "Decision rule"), rule),
+        Field(("记号", "Marks"), MARKS),
         Field(("结论", "Verdict"), VERDICTS[decision.verdict]),
     )
 

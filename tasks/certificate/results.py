@@ -41,7 +41,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Matrix:
-    """A coefficient matrix as Appendix B shows it; rows: the axis that reads."""
+    """A coefficient matrix as Appendix B of JJF 2003-2022 shows it; rows: the axis that reads."""
 
     letter: str
     caption: Pair | None
@@ -204,11 +204,14 @@ def _matrices(
     values: Sequence[str | None],
     seconds: Sequence[str | None],
 ) -> tuple[Matrix, ...]:
+    """The matrix of each value that has numbers; a diagonal that is not an element is 0."""
     if name not in SECOND_VALUE or set(elements) not in (set(MATRIX), set(OFF_DIAGONAL)):
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     made = []
     for caption, numbers in zip(columns, (values, seconds), strict=True):
+        if not any(numbers):
+            continue
         cells = diagonal | dict(zip(elements, numbers, strict=True))
         grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
         made.append(Matrix(ITEMS[name].letter, caption, grid))

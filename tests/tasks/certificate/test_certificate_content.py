@@ -1,0 +1,231 @@
+"""What the certificate says, before it is laid out."""
+
+from dataclasses import asdict
+from typing import Any, get_args
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sample_certificate import AXES, calibration, certificate, item, items, manifest, tolerance
+
+from schemas.calibration import Calibration, EnvironmentSeen, Item, Method, Remark
+from schemas.certificate import State
+from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
+from tasks.certificate.content import METHODS, SPECIFICATIONS, WATERMARKS, content, literal
+from tasks.certificate.names import QUANTITIES, RULES, VERDICTS
+from tasks.certificate.notes import BASIS, KINDS
+from tasks.certificate.results import Group
+from tasks.conformity import decide
+
+
+def group(result: Calibration, title: str) -> Group:
+    made = content(certificate(result))
+    return next(g for section in made.sections for g in section.groups if g.title[1] == title)
+
+
+def texts(said: Any) -> list[str]:
+    if isinstance(said, dict):
+        return [text for value in said.values() for text in texts(value)]
+    if isinstance(said, list | tuple):
+        return [text for value in said for text in texts(value)]
+    return [said] if isinstance(said, str) else []
+
+
+@pytest.mark.parametrize(
+    ("said", "table"),
+    [
+        (State, WATERMARKS),
+        (Method, METHODS),
+        (Method, SPECIFICATIONS),
+        (Method, BASIS),
+        (Verdict, VERDICTS),
+        (Quantity, QUANTITIES),
+        (Item.model_fields["uncertainty_kind"].annotation, KINDS),
+        (Tolerance.model_fields["rule"].annotation, RULES),
+    ],
+)
+def test_everything_that_can_be_said_has_its_words(said: Any, table: dict[str, Any]) -> None:
+    assert set(get_args(said)) == set(table)
+
+
+def test_results_stand_in_the_order_of_appendix_b() -> None:
+    titles = [section.title[0] for section in content(certificate()).sections]
+    assert titles == [
+        "标度因数", "零偏", "陀螺交叉耦合系数", "加速度计交叉耦合系数",
+        "陀螺加速度敏感系数 (g)", "加速度计角速度灵敏系数 (p)",
+    ]  # fmt: skip
+
+
+def test_all_six_gyro_cross_couplings_have_their_names_of_appendix_b() -> None:
+    rows = group(calibration(), "Gyro cross coupling coefficient").rows
+    assert [(row.name[0], row.letter + row.sub) for row in rows] == [
+        ("X 轴对 Y 轴交叉耦合系数", "Kgyx"),
+        ("X 轴对 Z 轴交叉耦合系数", "Kgzx"),
+        ("Y 轴对 X 轴交叉耦合系数", "Kgxy"),
+        ("Y 轴对 Z 轴交叉耦合系数", "Kgzy"),
+        ("Z 轴对 X 轴交叉耦合系数", "Kgxz"),
+        ("Z 轴对 Y 轴交叉耦合系数", "Kgyz"),
+    ]
+
+
+def test_values_and_uncertainties_share_their_last_place() -> None:
+    row = group(calibration(), "Gyro bias").rows[1]
+    assert (row.value, row.U, row.limits) == ("−0.03194", "0.00035", ("±0.05",))
+
+
+def test_small_coefficients_and_their_limits_share_one_power_of_ten() -> None:
+    given = items()
+    p = given["accel_rate_sensitivity"]
+    given["accel_rate_sensitivity"] = p.model_copy(
+        update={"value": {e: 1e-5 for e in p.value}, "U": {e: 1.3e-7 for e in p.U}}
+    )
+    result = calibration(items=given)
+    limit = Limit(item="accel_rate_sensitivity", unit="m", upper=5e-5)
+    made = content(certificate(result, decide(result, tolerance(limits=(limit,)))))
+    rate = made.sections[5].groups[0]
+    assert rate.exponent == -3
+    assert (rate.rows[0].value, rate.rows[0].U) == ("0.01000", "0.00013")
+    assert rate.rows[0].limits == ("(a) ±0.05",)
+
+
+def test_g_sensitivity_gives_both_values_and_says_which_one_is_limited() -> None:
+    g = group(calibration(), "Gyro g-sensitivity")
+    assert (g.rows[0].value, g.rows[0].second, g.rows[0].limits) == (
+        "0.00951", "0.00683", ("(b) ±0.01",)
+    )  # fmt: skip
+    assert g.sentences[-1] == (
+        "允许限适用于：扣除地球自转后的值。",
+        "The limits are applied to: the value with Earth's rotation removed.",
+    )
+    assert g.matrices[0].cells[1] == ("0.00118", "0.00742", "−0.00305")
+
+
+def test_rate_sensitivity_gives_both_signs_and_a_zero_diagonal() -> None:
+    p = group(calibration(), "Accelerometer rate sensitivity")
+    assert (p.unit, p.exponent, p.rows[1].value, p.rows[1].second) == (
+        "m", -3, "19.9400", "−19.9400"
+    )  # fmt: skip
+    assert p.matrices[0].cells[0] == ("0", "−0.0231", "19.9400")
+    assert any("m/s² per (rad/s)²" in en for _, en in p.sentences)
+
+
+def test_a_null_element_says_why_in_both_languages() -> None:
+    given = items()
+    given["gyro_bias"] = item("deg/s", "7.2.2", AXES, [0.01, None, 0.02], 1e-4)
+    result = calibration(
+        items=given, unavailable={"gyro_bias": "gyro y is null"},
+        unavailable_zh={"gyro_bias": "Y 轴陀螺无数据"},
+    )  # fmt: skip
+    bias = group(result, "Gyro bias")
+    assert (bias.rows[1].value, bias.rows[1].U, bias.rows[1].verdicts) == (
+        None, None, ("inconclusive",)
+    )  # fmt: skip
+    assert bias.sentences == (("未得：Y 轴陀螺无数据。", "Not determined: gyro y is null."),)
+
+
+def test_an_item_that_was_not_estimated_keeps_its_place_and_its_reason() -> None:
+    given = items()
+    del given["gyro_g_sensitivity"], given["accel_rate_sensitivity"]
+    result = calibration(items=given, unavailable={"gyro_g_sensitivity": "no positions"})
+    made = content(certificate(result, decide(result, None)))
+    g, p = made.sections[4].groups[0], made.sections[5].groups[0]
+    assert [row.value for row in g.rows] == [None] * 9
+    assert g.matrices == ()
+    assert ("未得：no positions。", "Not determined: no positions.") in g.sentences
+    assert p.sentences[-1] == (
+        "未得：本次校准未包含此项。",
+        "Not determined: this item is not part of this calibration.",
+    )
+
+
+def test_an_item_of_no_specification_is_printed_too() -> None:
+    result = calibration(items=items() | {"lever_arm": item("m", "", ["x"], [0.0123], 1e-4)})
+    other = content(certificate(result)).sections[-1]
+    assert other.title == ("其他结果", "Other results")
+    assert other.groups[0].rows[0].value == "0.01230"
+
+
+def test_readings_are_numbered_once_and_cited_where_they_were_taken() -> None:
+    made = content(certificate())
+    shorts = [short for short, _, _ in made.readings]
+    assert shorts == [f"R{n}" for n in range(1, 10)]
+    assert group(calibration(), "Gyro g-sensitivity").readings == ("R5", "R3")
+
+
+def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
+    scale = item("1", "7.2.1", AXES, [1.0, 1.0, 1.0], 1e-5, readings=("nobody.knows",))
+    result = calibration(items={"gyro_scale_factor": scale})
+    made = content(certificate(result, decide(result, None)))
+    assert made.readings[0][:2] == ("R1", "nobody.knows")
+
+
+def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
+    zh, en = content(certificate()).uncertainty[1]
+    assert "type A only" in en
+    assert "are not in it" in en
+    assert "转台、参考标准和数据采集系统引入的分量未包含在内" in zh
+
+
+def test_remarks_that_block_a_pass_say_so() -> None:
+    remark = Remark(
+        code="c", en="Too warm.", zh="温度过高。", segments=("a", "b"), blocks_pass=True
+    )
+    made = content(certificate(calibration(remarks=(remark,))))
+    assert made.verdict == "inconclusive"
+    assert made.remarks == (
+        ("温度过高。 [a, b]本条影响判定：不得判为合格。", "Too warm. [a, b] This prevents a pass."),
+    )
+
+
+@pytest.mark.parametrize("state", ["draft", "checked"])
+def test_what_is_not_issued_has_a_watermark_and_no_date_of_issue(state: State) -> None:
+    made = content(certificate(state=state))
+    assert made.watermark is not None
+    assert made.signatures[-1].date == ("尚未签发", "not yet issued")
+    assert content(certificate()).watermark is None
+
+
+def test_nothing_is_left_blank_when_nothing_is_given() -> None:
+    result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
+    bare = certificate(
+        result, decide(result, None), laboratory=None, order=None, state="draft",
+        manifest=manifest(manufacturer="", model=" \t", serial="\x07"),
+    )  # fmt: skip
+    made = content(bare)
+    for fields in (made.front, made.conformity, made.trace):
+        assert all(text.strip() for field in fields for text in (*field.label, *field.value))
+    said = asdict(made)
+    for part in ("laboratory", "laboratory_address", "signatures", "standards"):
+        assert all(text.strip() for text in texts(said[part]))
+        assert "未提供" in texts(said[part])
+    unit = {field.label[1]: field.value for field in made.front}
+    assert unit["Serial number"] == unit["Model"] == ("未提供", "not given")
+    assert made.environment[0][1] == ("未提供", "not given")
+
+
+def test_jjf_1536_has_its_own_items_and_conditions() -> None:
+    offset = item("deg/s", "JJF 1536-2015, 7.2", AXES, [0.001, -0.002, 0.0005], 1e-5)
+    result = calibration(method="jjf1536", items={"ahrs_zero_offset": offset})
+    made = content(certificate(result, decide(result, None)))
+    assert [section.title[0] for section in made.sections] == ["标度因数", "零偏", "失准角"]
+    assert made.sections[1].groups[0].rows[0].name == (
+        "航向角零偏", "Zero offset of the heading angle"
+    )  # fmt: skip
+    assert made.environment[0][2] == "(20 ± 3) °C"
+    assert made.statement[1].endswith("clauses 7.2.")
+
+
+@given(st.text(max_size=60))
+def test_literal_keeps_every_printable_character(text: str) -> None:
+    kept = literal(text)
+    assert all(c.isprintable() for c in kept)
+    assert [c for c in kept if c != " "] == [c for c in text if c.isprintable() and c != " "]
+
+
+def test_every_sentence_is_there_in_two_languages() -> None:
+    made = asdict(content(certificate()))
+    chinese = [any("\u4e00" <= c <= "\u9fff" for c in text) for text in texts(made)]
+    assert sum(chinese) > 100
+    for zh, en in (*made["uncertainty"], *made["remarks"], made["statement"]):
+        assert any("\u4e00" <= c <= "\u9fff" for c in zh)
+        assert not any("\u4e00" <= c <= "\u9fff" for c in en)

@@ -1,0 +1,240 @@
+"""The certificate as it lies on the table: every item of clause 8, nothing clipped."""
+
+import io
+import re
+from datetime import date
+from typing import Any
+
+import pypdf
+import pypdfium2
+import pytest
+from sample_certificate import (
+    AXES,
+    calibration,
+    certificate,
+    item,
+    items,
+    laboratory,
+    manifest,
+    order,
+)
+
+from schemas.base import Unusable
+from schemas.calibration import EnvironmentSeen
+from schemas.certificate import Certificate, Party
+from schemas.station import Equipment
+from tasks.certificate.pdf import render
+from tasks.conformity import decide
+
+POINT = 72 / 25.4  # points in a millimetre
+SIDE_MM, TOP_MM, BOTTOM_MM = 21, 9, 9
+NASTY = r'#set text(red) *b* $x^2$ @ref <lab> `c` "q" \n [ ] { } // /* _i_ ~ -- \u{41} &amp; 惯组'
+
+
+def pages(pdf: bytes) -> list[str]:
+    reader = pypdf.PdfReader(io.BytesIO(pdf))
+    return [re.sub(r"\s+", "", page.extract_text()) for page in reader.pages]
+
+
+def squeezed(text: str) -> str:
+    return re.sub(r"\s+", "", text)
+
+
+def boxes(page: pypdfium2.PdfPage) -> list[tuple[float, float, float, float]]:
+    """(left, bottom, right, top) of every run of text, in points."""
+    text = page.get_textpage()
+    return [text.get_rect(n) for n in range(text.count_rects())]
+
+
+def assert_nothing_is_clipped(pdf: bytes) -> None:
+    for page in pypdfium2.PdfDocument(pdf):
+        width, height = page.get_size()
+        for left, bottom, right, top in boxes(page):
+            assert left >= SIDE_MM * POINT - 1
+            assert right <= width - SIDE_MM * POINT + 1
+            assert bottom >= BOTTOM_MM * POINT
+            assert top <= height - TOP_MM * POINT
+
+
+def assert_nothing_overlaps(pdf: bytes) -> None:
+    for page in pypdfium2.PdfDocument(pdf):
+        runs = boxes(page)
+        for n, (left, bottom, right, top) in enumerate(runs):
+            for other in runs[n + 1 :]:
+                wide = min(right, other[2]) - max(left, other[0])
+                high = min(top, other[3]) - max(bottom, other[1])
+                assert wide < 1.5 or high < 1.5, (page, runs[n], other)
+
+
+def bare() -> Certificate:
+    result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
+    return certificate(result, decide(result, None), laboratory=None, order=None)
+
+
+def failed() -> Certificate:
+    bias = item("deg/s", "7.2.2", AXES, [0.2, None, -0.01], 1e-4)
+    return certificate(
+        calibration(
+            items=items() | {"gyro_bias": bias},
+            unavailable={"gyro_bias": "gyro y was not recorded"},
+            unavailable_zh={"gyro_bias": "未记录 Y 轴陀螺"},
+        )
+    )
+
+
+def stretched(text: str) -> Certificate:
+    party = Party(name=text, name_zh=text, address=text, address_zh=text)
+    standard = Equipment(
+        name=text, name_zh=text, serial=text, accuracy=text, certificate=text, valid_until=text
+    )
+    return certificate(
+        laboratory=laboratory(
+            party=party, equipment=(standard,), operator=text, checker=text, issuer=text,
+            issuer_title=text, issuer_title_zh=text,
+        ),
+        order=order().model_copy(update={"client": party}),
+        manifest=manifest(manufacturer=text, model=text, serial=text),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def issued() -> str:
+    return "".join(pages(render(certificate())))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("校准证书", "Calibration Certificate"),  # a
+        ("示例惯性计量测试研究所", "Example Institute of Inertial Metrology"),  # b
+        ("北京市海淀区学院路12号（100191）", "12 Xueyuan Road, Haidian District"),
+        ("证书编号", "Certificate No.", "MIMU-2026-0042"),  # c
+        ("校准专用章", "Calibration stamp"),  # d
+        ("送校单位", "Client", "样例导航技术有限公司", "Sample Navigation Ltd."),  # e
+        ("送校单位地址", "Address of the client", "88 Keji South Road"),
+        (
+            "被校对象名称",
+            "Object",
+            "微惯性测量组合（MIMU）",
+            "Micro inertial measurement unit",
+        ),  # f
+        ("制造厂", "Manufacturer", "北京示例惯性科技有限公司"),
+        ("型号规格", "Model", "MU-300", "编号", "Serial number", "SN-2026-00417"),
+        ("接收日期", "Date of receipt", "2026-11-16"),  # g
+        ("校准日期", "Date of calibration", "2026-11-19"),
+        ("所用测量标准", "Measurement standards used", "三轴位置速率转台", "TT3-0417"),  # h
+        ("准确度/等级", "Accuracy", "JL-2026-01873", "有效期至", "Valid until", "2027-03-14"),
+        ("环境条件", "Environmental conditions", "19.6 °C … 20.9 °C", "(20 ± 5) °C"),  # i
+        ("相对湿度", "Relative humidity", "41.3 % … 47.9 %", "20 % … 85 %"),
+        ("校准结果", "Results of the calibration", "测量不确定度说明"),  # j
+        ("Statement of uncertainty", "type A only"),
+        ("签发人", "Issued by", "张伟", "职务", "Title", "技术负责人", "Technical director"),  # k
+        ("签发日期", "Date of issue", "2026-11-21"),
+        ("校准员", "Operator", "李明", "核验员", "Checked by", "王芳"),  # l
+        ("建议复校日期", "Recalibration due", "2027-11-19"),
+        ("校准依据", "Basis of the calibration", "JJF 2003—2022", "JJF 2003-2022"),
+        ("符合性判定", "Statement of conformity", "Q/SL 3-2026, Table 2", "simple acceptance"),
+        ("合格", "pass", "说明", "Remarks", "对规范条文的理解", "Readings of the specification"),
+        ("溯源信息", "Provenance of the result", "0.1.0+4d6c767", "jjf2003-full"),
+        ("4f9c1a7e20b3d5586b1f0c9a7e64d28135fb0e9c1d27a4863e5f90b2c7d81a46",),
+    ],
+)
+def test_every_item_of_clause_8_is_printed_in_both_languages(
+    issued: str, words: tuple[str, ...]
+) -> None:
+    for word in words:
+        assert squeezed(word) in issued
+
+
+def test_all_six_gyro_cross_couplings_are_printed(issued: str) -> None:
+    for axes in ("YX", "ZX", "XY", "ZY", "XZ", "YZ"):
+        reads, given = axes
+        assert f"{given}轴对{reads}轴交叉耦合系数(Kg{axes.lower()})" in issued
+        assert f"Couplingofthe{given}axisontothe{reads}gyro" in issued
+
+
+def test_numbers_are_printed_as_they_were_rounded(issued: str) -> None:
+    for number in ("1.00041", "0.00013", "−0.03194", "0.00683", "19.9400", "−30.0200", "10−3m"):
+        assert number in issued
+
+
+def test_every_page_says_which_of_how_many_it_is() -> None:
+    said = pages(render(certificate()))
+    for n, text in enumerate(said, start=1):
+        assert f"第{n}页共{len(said)}页" in text
+        assert f"Page{n}of{len(said)}" in text
+        assert "MIMU-2026-0042" in text
+
+
+def test_the_same_certificate_gives_the_same_bytes() -> None:
+    assert render(certificate()) == render(certificate())
+    assert render(certificate()) != render(certificate(issued_on=date(2026, 11, 22)))
+
+
+def test_it_is_a_pdf_a_3b_of_the_day_of_issue() -> None:
+    reader = pypdf.PdfReader(io.BytesIO(render(certificate())))
+    xmp = reader.xmp_metadata
+    assert xmp is not None
+    assert (xmp.pdfaid_part, xmp.pdfaid_conformance) == ("3", "B")
+    assert reader.metadata is not None
+    assert str(reader.metadata.creation_date).startswith("2026-11-21 00:00")
+
+
+def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
+    said = "".join(pages(render(failed())))
+    for word in ("不合格", "fail", "陀螺零偏（x）", "is outside −0.05 … 0.05 °/s", "未得：未记录"):
+        assert squeezed(word) in said
+    assert squeezed("Not determined: gyro y was not recorded.") in said
+
+
+def test_a_unit_without_limits_is_inconclusive_with_its_reason() -> None:
+    said = "".join(pages(render(bare())))
+    for word in ("无法判定", "inconclusive", "未提供该型号的允许限", "no limits were given"):
+        assert squeezed(word) in said
+    assert said.count("未提供") > 15
+    assert said.count("notgiven") > 15
+
+
+def test_a_draft_is_marked_on_every_page() -> None:
+    for text in pages(render(certificate(state="draft"))):
+        assert "草稿" in text
+        assert "DRAFT" in text
+
+
+@pytest.mark.parametrize("made", [certificate, failed, bare])
+def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
+    pdf = render(made())
+    assert_nothing_is_clipped(pdf)
+    assert_nothing_overlaps(pdf)
+
+
+@pytest.mark.parametrize("text", ["长" * 180, "W" * 180, "very long name " * 14, NASTY * 2])
+def test_long_texts_wrap_inside_the_page(text: str) -> None:
+    pdf = render(stretched(text))
+    assert_nothing_is_clipped(pdf)
+    assert_nothing_overlaps(pdf)
+    assert "".join(pages(pdf)).count(squeezed(text)) > 3
+
+
+@pytest.mark.parametrize(
+    "text", [NASTY, "*x*", "#", "$", "@a", "<b>", "\\", '"', "'", "= h", "- l"]
+)
+def test_the_users_text_comes_out_as_it_was_written(text: str) -> None:
+    made = certificate(
+        order=order().model_copy(
+            update={"client": Party(name=f"[{text}]", name_zh="", address=text, address_zh="")}
+        ),
+        manifest=manifest(model=f"[{text}]"),
+    )
+    assert pages(render(made))[0].count(squeezed(f"[{text}]")) == 2
+
+
+@pytest.mark.parametrize("character", ["😀", "𓀀"])
+def test_a_character_without_a_glyph_is_refused_in_one_sentence(character: str) -> None:
+    with pytest.raises(Unusable, match=r"MIMU-2026-0042 cannot be printed"):
+        render(certificate(manifest=manifest(serial=f"A{character}B")))
+
+
+def test_control_characters_do_not_stop_a_certificate() -> None:
+    said = pages(render(certificate(manifest=manifest(serial="A\x00\x07\n\u202eB"))))
+    assert "AB" in said[0]
