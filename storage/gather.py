@@ -1,7 +1,7 @@
 """The messages of an MCAP file gathered by topic, as arrays in the order of their stamps."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ STAMP = ("sec", "nanosec")
 class Topic:
     """All messages of one topic.
 
-    stamps: (n,) int64 ns, strictly rising; numbers: field -> (n, count), of a covariance only
+    stamps: (n,) int64 ns, strictly rising; numbers: field -> (count, n), of a covariance only
     the first number, which says whether there is a measurement.
     """
 
@@ -28,25 +28,14 @@ class Topic:
     texts: Texts
 
 
-@dataclass
-class _Pieces:
-    """What has been read of a topic so far."""
+@dataclass(frozen=True)
+class _Decoded:
+    """A batch of messages, decoded: as many topics as it has layouts, or why it could not be."""
 
-    kind: str
-    stamps: list[np.ndarray] = field(default_factory=list)
-    numbers: list[dict[str, np.ndarray]] = field(default_factory=list)
-    texts: list[Texts] = field(default_factory=list)
+    name: str = ""
+    parts: tuple[Topic, ...] = ()
     fault: str = ""
-
-    def add(self, batch: Batch) -> None:
-        try:
-            for rows, view, texts in decode(self.kind, batch.block):
-                names = view.dtype.names or ()
-                self.stamps.append(_stamps(view) if STAMP[0] in names else batch.log_times[rows])
-                self.numbers.append({n: _kept(n, view[n]) for n in names if n not in STAMP})
-                self.texts.append(texts)
-        except MalformedError as error:
-            self.fault = self.fault or str(error)
+    lost: str = ""
 
 
 class Gathered:
@@ -54,10 +43,11 @@ class Gathered:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._pieces: dict[str, _Pieces] = {}
+        self._parts: dict[str, list[Topic]] = {}
+        self._faults: dict[str, str] = {}
         self._lost = ""
         try:
-            self.contents = scan(path, self._take)
+            self.contents = scan(path, _decoded, self._keep)
         except (ValueError, OSError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise Unusable(
@@ -71,10 +61,10 @@ class Gathered:
 
     def of_kind(self, kind: str) -> list[str]:
         """The names of the topics with messages of a type."""
-        return sorted(name for name, pieces in self._pieces.items() if pieces.kind == kind)
+        return sorted(name for name, parts in self._parts.items() if parts[0].kind == kind)
 
     def __contains__(self, name: str) -> bool:
-        return name in self._pieces
+        return name in self._parts
 
     def described(self) -> str:
         """The topics in the file with their types, for a sentence."""
@@ -84,34 +74,54 @@ class Gathered:
 
     def topic(self, name: str) -> Topic:
         """A topic whole; raises Unusable for messages that do not fit together."""
-        pieces = self._pieces[name]
+        parts = self._parts[name]
         where = f"{self.path}, topic {name}"
-        if pieces.fault:
-            raise Unusable(f"{where}: a message is {pieces.fault}; record it as ROS 2 CDR.")
-        names = {texts.get("name") for texts in pieces.texts}
-        if len(names) > 1 or len({tuple(n) for n in pieces.numbers}) > 1:
+        if name in self._faults:
+            raise Unusable(f"{where}: a message is {self._faults[name]}; record it as ROS 2 CDR.")
+        if len({(part.texts.get("name"), tuple(part.numbers)) for part in parts}) > 1:
             raise Unusable(
                 f"{where}: the messages do not all carry the same fields and joints; "
                 "split them into topics that do."
             )
-        stamps = np.concatenate(pieces.stamps)
+        stamps = np.concatenate([part.stamps for part in parts])
         numbers = {
-            n: np.concatenate([piece[n] for piece in pieces.numbers]) for n in pieces.numbers[0]
+            n: np.concatenate([part.numbers[n] for part in parts], axis=1) for n in parts[0].numbers
         }
         if (np.diff(stamps) <= 0).any():
             order = np.argsort(stamps, kind="stable")
-            stamps, numbers = stamps[order], {n: v[order] for n, v in numbers.items()}
+            stamps, numbers = stamps[order], {n: v[:, order] for n, v in numbers.items()}
             _check_single(where, stamps)
-        return Topic(pieces.kind, stamps, numbers, pieces.texts[0])
+        return Topic(parts[0].kind, stamps, numbers, parts[0].texts)
 
-    def _take(self, contents: Contents, batch: Batch) -> None:
-        channel = contents.channels.get(batch.channel)
-        if channel is None:
-            self._lost = f"channel {batch.channel} is not described"
-            return
-        kind = _kind(contents, channel.schema_id)
-        if kind in FIELDS and channel.message_encoding == "cdr":
-            self._pieces.setdefault(channel.topic, _Pieces(kind)).add(batch)
+    def _keep(self, decoded: _Decoded) -> None:
+        self._lost = self._lost or decoded.lost
+        if decoded.fault:
+            self._faults.setdefault(decoded.name, decoded.fault)
+        if decoded.parts:
+            self._parts.setdefault(decoded.name, []).extend(decoded.parts)
+
+
+def _decoded(contents: Contents, batch: Batch) -> _Decoded:
+    channel = contents.channels.get(batch.channel)
+    if channel is None:
+        return _Decoded(lost=f"channel {batch.channel} is not described")
+    kind = _kind(contents, channel.schema_id)
+    if kind not in FIELDS or channel.message_encoding != "cdr":
+        return _Decoded()
+    try:
+        parts = [
+            _part(kind, batch.log_times[rows], view, texts)
+            for rows, view, texts in decode(kind, batch.block)
+        ]
+    except MalformedError as error:
+        return _Decoded(channel.topic, fault=str(error))
+    return _Decoded(channel.topic, tuple(parts))
+
+
+def _part(kind: str, log_times: np.ndarray, view: np.ndarray, texts: Texts) -> Topic:
+    names = view.dtype.names or ()
+    stamps = _stamps(view) if STAMP[0] in names else log_times
+    return Topic(kind, stamps, {n: _kept(n, view[n]) for n in names if n not in STAMP}, texts)
 
 
 def _kind(contents: Contents, schema_id: int) -> str:
@@ -128,7 +138,8 @@ def _stamps(view: np.ndarray) -> np.ndarray:
 
 
 def _kept(name: str, values: np.ndarray) -> np.ndarray:
-    return (values[:, :1] if name.endswith("covariance") else values).astype(np.float64)
+    values = values[:, :1] if name.endswith("covariance") else values
+    return values.T.astype(np.float64, order="C")
 
 
 def _check_single(where: str, stamps: np.ndarray) -> None:

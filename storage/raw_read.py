@@ -125,7 +125,7 @@ def _our_streams(file: Gathered, imu: Topic, salvage: bool) -> dict[str, Timed]:
         pose = file.topic(REFERENCE_TOPIC)
         timed["reference"] = pose.stamps, pose_columns(pose.numbers)
     air = [
-        (topic.stamps, {scalar.column: scalar.from_ros(topic.numbers[scalar.field][:, 0])})
+        (topic.stamps, {scalar.column: scalar.from_ros(topic.numbers[scalar.field][0])})
         for scalar in ENVIRONMENT
         if scalar.topic in file
         for topic in [file.topic(scalar.topic)]
@@ -163,7 +163,7 @@ def _foreign_streams(
     warm = {name: file.topic(name) for name in file.of_kind(TEMPERATURE)}
     own = [name for name, topic in warm.items() if np.array_equal(topic.stamps, imu.stamps)]
     if len(own) == 1:
-        columns["temperature"] = warm[own[0]].numbers["temperature"][:, 0]
+        columns["temperature"] = warm[own[0]].numbers["temperature"][0]
     left_out += [name for name in warm if own != [name]]
     timed = {"imu": (imu.stamps, columns)}
     joints = file.of_kind(JOINTS)

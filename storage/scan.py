@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import zstandard
@@ -25,7 +26,7 @@ CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the com
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
 FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
 
-Buffer = bytes | mmap.mmap
+Piece = TypeVar("Piece")
 
 
 @dataclass(frozen=True)
@@ -68,9 +69,12 @@ class _Opened:
     fault: str = ""
 
 
-def scan(path: Path, take: Callable[[Contents, Batch], None]) -> Contents:
-    """Reads a file whole, giving each batch of messages to `take` in the order of the file.
+def scan(
+    path: Path, decode: Callable[[Contents, Batch], Piece], keep: Callable[[Piece], None]
+) -> Contents:
+    """Reads a file whole; each batch of messages goes through `decode`, and then to `keep`.
 
+    `decode` may run in several threads; `keep` gets its results in the order of the file.
     Damage is not raised but said in `damage`, and what can be read behind it is read. Raises
     ValueError for a file that does not begin like MCAP.
     """
@@ -83,28 +87,34 @@ def scan(path: Path, take: Callable[[Contents, Batch], None]) -> Contents:
     ):
         if data[: len(MAGIC)] != MAGIC:
             raise ValueError("is not an MCAP file")
-        return _scan(data, pool, take)
+        contents = Contents()
+        chunks = _chunks(data, contents)
+
+        def pieces(place: tuple[int, int]) -> tuple[str, list[Piece]]:
+            opened = _open(data, *place)
+            for opcode, body in opened.introduced:
+                _learn(contents, opcode, body)
+            return opened.fault, [decode(contents, batch) for batch in opened.batches]
+
+        # Without a summary, a channel is known only after the chunk that introduces it.
+        run = pool.map if contents.channels else map
+        while group := list(islice(chunks, AHEAD)):
+            for fault, decoded in run(pieces, group):
+                contents.damage = contents.damage or fault
+                for piece in decoded:
+                    keep(piece)
+        return contents
 
 
-def _scan(
-    data: mmap.mmap, pool: ThreadPoolExecutor, take: Callable[[Contents, Batch], None]
-) -> Contents:
-    contents = Contents()
+def _chunks(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int]]:
+    """The places of the chunks; learns whatever else the file has at its top level."""
     chunks: list[tuple[int, int]] = []
     for opcode, start, stop in _records(data, contents):
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             chunks.append((start, stop))
         else:
             _learn(contents, opcode, data[start + RECORD.size : stop])
-    rest = iter(_merged(data, chunks))
-    while group := list(islice(rest, AHEAD)):
-        for opened in pool.map(lambda place: _open(data, *place), group):
-            contents.damage = contents.damage or opened.fault
-            for opcode, body in opened.introduced:
-                _learn(contents, opcode, body)
-            for batch in opened.batches:
-                take(contents, batch)
-    return contents
+    return _merged(data, chunks)
 
 
 def _learn(contents: Contents, opcode: int, body: bytes) -> None:

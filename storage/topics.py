@@ -135,18 +135,22 @@ def axes_of(stream: Stream) -> tuple[str, ...]:
 
 
 def triad_columns(numbers: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The six columns of Imu messages, with NaN where covariance[0] = -1."""
+    """The six columns of Imu messages, with NaN where covariance[0] = -1.
+
+    As in all that follows, numbers: field -> (count, n).
+    """
     columns: dict[str, np.ndarray] = {}
     for triad, field in TRIAD_FIELDS:
-        values = np.where(numbers[f"{field}_covariance"][:, :1] == -1.0, np.nan, numbers[field])
-        columns |= named(triad, values)
+        absent = numbers[f"{field}_covariance"][:1] == -1.0
+        values = numbers[field]
+        columns |= named(triad, np.where(absent, np.nan, values) if absent.any() else values)
     return columns
 
 
 def joint_columns(axes: tuple[str, ...], numbers: Mapping[str, np.ndarray]) -> dict:
     """The columns of JointState messages; what is NaN in every row is absent."""
     columns = named(tuple(f"{axis}_angle" for axis in axes), numbers["position"])
-    rates = numbers.get("velocity", np.empty((len(numbers["position"]), 0)))
+    rates = numbers.get("velocity", np.empty((0, 0)))
     return columns | present(named(tuple(f"{axis}_rate" for axis in axes), rates))
 
 
@@ -161,8 +165,8 @@ def present(columns: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def named(names: tuple[str, ...], values: np.ndarray) -> dict[str, np.ndarray]:
-    """The columns of a (n, k) array by name, each contiguous; fewer where k is smaller."""
-    return {n: np.ascontiguousarray(v) for n, v in zip(names, values.T, strict=False)}
+    """The rows of a (k, n) array by name; fewer where k is smaller."""
+    return dict(zip(names, values, strict=False))
 
 
 def _covariance(absent: np.ndarray) -> np.ndarray:
