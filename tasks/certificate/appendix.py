@@ -27,11 +27,11 @@ OTHER = ("其他结果", "Other results")
 
 COLUMNS = {
     "gyro_g_sensitivity": (
-        ("(a) 式(7)", "(a) by eq. (7)"),
-        ("(b) 扣除地球自转", "(b) less Earth's rotation"),
+        ("(a) 式(7)", "(a) as eq. (7)"),
+        ("(b) 扣除地球自转", "(b) less Earth's rate"),
     ),
     "accel_rate_sensitivity": (
-        ("(a) 式(12)、(13)", "(a) by eq. (12), (13)"),
+        ("(a) 式(12)、(13)", "(a) as eq. (12), (13)"),
         ("(b) 模型式(2)符号", "(b) sign of model (2)"),
     ),
 }

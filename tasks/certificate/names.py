@@ -119,6 +119,8 @@ RULES = {
     ),
 }
 
+KINDS = {"type A": ("A 类", "type A")}
+
 VERDICTS = {
     "pass": ("合格", "pass"),
     "fail": ("不合格", "fail"),

@@ -30,7 +30,7 @@ ROUNDING = (
     "item. By JJF 1059.1, U has two significant digits and is rounded up; the value is rounded to "
     "the same last place.",
 )
-KINDS = {
+CONTENTS_OF_U = {
     "type A": (
         "本证书的不确定度仅为 A 类评定（type A），由本次运行数据的分散性得到。"
         "转台、参考标准和数据采集系统引入的分量未包含在内；"
@@ -56,7 +56,7 @@ def basis(calibration: Calibration, specification: str) -> Pair:
 def uncertainty(calibration: Calibration) -> tuple[Pair, ...]:
     """What U is, how it was rounded, and what is not in it."""
     kinds = dict.fromkeys(item.uncertainty_kind for item in calibration.items.values())
-    return (ROUNDING, *(KINDS[kind] for kind in kinds))
+    return (ROUNDING, *(CONTENTS_OF_U[kind] for kind in kinds))
 
 
 def identifiers(calibration: Calibration) -> dict[str, str]:

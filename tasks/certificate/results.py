@@ -12,6 +12,7 @@ from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.appendix import COLUMNS, ONE_COLUMN, OTHER, SECTIONS, SENTENCES
 from tasks.certificate.names import (
     ITEMS,
+    KINDS,
     MATRIX,
     OFF_DIAGONAL,
     QUANTITIES,
@@ -55,7 +56,7 @@ class Group:
     title: Pair
     clause: str
     k: str
-    kind: str
+    kind: Pair | None
     unit: str
     exponent: int
     columns: tuple[Pair, ...]
@@ -102,7 +103,7 @@ def _group(calibration: Calibration, decision: Decision, name: str) -> Group:
         title=item_name(name),
         clause=item.clause if item else "",
         k=f"{item.k:g}" if item else "",
-        kind=item.uncertainty_kind if item else "",
+        kind=KINDS[item.uncertainty_kind] if item else None,
         unit=unit_text(item.unit if item else ITEMS[name].unit),
         exponent=exponent,
         columns=columns,

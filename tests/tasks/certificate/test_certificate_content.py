@@ -12,8 +12,8 @@ from schemas.calibration import Calibration, EnvironmentSeen, Item, Method, Rema
 from schemas.certificate import State
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
 from tasks.certificate.content import METHODS, SPECIFICATIONS, WATERMARKS, content, literal
-from tasks.certificate.names import QUANTITIES, RULES, VERDICTS
-from tasks.certificate.notes import BASIS, KINDS
+from tasks.certificate.names import KINDS, QUANTITIES, RULES, VERDICTS
+from tasks.certificate.notes import BASIS, CONTENTS_OF_U
 from tasks.certificate.results import Group
 from tasks.conformity import decide
 
@@ -41,6 +41,7 @@ def texts(said: Any) -> list[str]:
         (Verdict, VERDICTS),
         (Quantity, QUANTITIES),
         (Item.model_fields["uncertainty_kind"].annotation, KINDS),
+        (Item.model_fields["uncertainty_kind"].annotation, CONTENTS_OF_U),
         (Tolerance.model_fields["rule"].annotation, RULES),
     ],
 )

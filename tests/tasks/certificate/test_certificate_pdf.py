@@ -20,7 +20,7 @@ from sample_certificate import (
 )
 
 from schemas.base import Unusable
-from schemas.calibration import EnvironmentSeen
+from schemas.calibration import EnvironmentSeen, Remark
 from schemas.certificate import Certificate, Party
 from schemas.station import Equipment
 from tasks.certificate.pdf import render
@@ -201,7 +201,24 @@ def test_a_draft_is_marked_on_every_page() -> None:
         assert "DRAFT" in text
 
 
-@pytest.mark.parametrize("made", [certificate, failed, bare])
+def attitude_unit() -> Certificate:
+    offset = item("deg/s", "7.2", AXES, [0.001, -0.002, 0.0005], 1e-5)
+    result = calibration(method="jjf1536", items={"ahrs_zero_offset": offset})
+    return certificate(result, decide(result, None))
+
+
+def wordy() -> Certificate:
+    """A remark and a reason longer than a page, and an item of a hundred elements."""
+    many = item("1", "", [f"e{n}" for n in range(100)], [0.001 * n for n in range(100)], 1e-5)
+    long = "It went on and on. " * 400
+    remark = Remark(code="c", en=long, zh="说来话长。" * 400, segments=("rate_x_+300",) * 80)
+    result = calibration(
+        method="joint", items={"odd": many}, remarks=(remark,), unavailable={"gyro_bias": long}
+    )
+    return certificate(result, decide(result, None))
+
+
+@pytest.mark.parametrize("made", [certificate, failed, bare, attitude_unit, wordy])
 def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
     pdf = render(made())
     assert_nothing_is_clipped(pdf)
