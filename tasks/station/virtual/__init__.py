@@ -1,0 +1,1 @@
+"""A station that stands for reality: kinematics, filters, clocks and counts, and no model term."""

@@ -1,0 +1,59 @@
+"""What the body on the table goes through: rigid rotation on a turning Earth."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from tasks.station.virtual import quaternions
+from tasks.station.virtual.config import EARTH_RATE_RAD_S, STEP_S, VirtualStation
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def _earth_turn(latitude_deg: float) -> np.ndarray:
+    """Rotation of East-North-Up in inertial space during one step, (4, 1)."""
+    latitude = np.radians(latitude_deg)
+    axis = np.array([0.0, np.cos(latitude), np.sin(latitude)])
+    return quaternions.about(axis, np.array([EARTH_RATE_RAD_S * STEP_S]))
+
+
+class Body:
+    """Follows the table's angles; what it gives is one step behind what it got."""
+
+    def __init__(self, config: VirtualStation) -> None:
+        directions = [np.array(axis.direction) for axis in config.table.axes]
+        self._directions = [each / np.linalg.norm(each) for each in directions]
+        self._base = quaternions.about(-UP, np.radians([config.heading_deg]))
+        mount = Rotation.from_quat(config.mount.quaternion_wxyz, scalar_first=True)
+        self._mount = mount.as_quat(scalar_first=True)[:, None]
+        self._earth = _earth_turn(config.latitude_deg)
+        self._gravity = config.gravity_m_s2
+        start = self.attitude(np.zeros((1, len(directions))))
+        self._attitude = start
+        self._rate = self._rates(np.hstack([start, start]))
+
+    def attitude(self, angles: np.ndarray) -> np.ndarray:
+        """R_n_body at the axes' angles (n, axes), as quaternions (4, n)."""
+        q = self._base
+        for direction, angle in zip(self._directions, angles.T, strict=True):
+            q = quaternions.product(q, quaternions.about(direction, angle))
+        return quaternions.product(q, self._mount)
+
+    def _rates(self, attitudes: np.ndarray) -> np.ndarray:
+        """Inertial rate (3, n−1) between attitudes (4, n): the exact mean over each step."""
+        back = quaternions.conjugate(attitudes[:, :-1])
+        turn = quaternions.product(quaternions.product(back, self._earth), attitudes[:, 1:])
+        return quaternions.rotation_vector(turn) / STEP_S
+
+    def follow(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Takes the angles (n, axes) after the next n steps; tells of the times one step before.
+
+        Returns inertial body rate (rad/s), angular acceleration (rad/s²) and the specific force
+        of a point at rest at the axes' intersection (m/s²), each (3, n) in the body frame. Rate
+        and acceleration are those of the middle of two steps, so they are where the time is.
+        """
+        attitudes = np.hstack([self._attitude, self.attitude(angles)])
+        rates = np.hstack([self._rate, self._rates(attitudes)])
+        self._attitude, self._rate = attitudes[:, -1:], rates[:, -1:]
+        up = quaternions.up_seen_from(attitudes[:, :-1])
+        middle = 0.5 * (rates[:, 1:] + rates[:, :-1])
+        return middle, np.diff(rates, axis=1) / STEP_S, up * self._gravity

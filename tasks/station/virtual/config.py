@@ -1,0 +1,111 @@
+"""A virtual station as settings, and the truth it keeps from the program under test."""
+
+from typing import Any
+
+from pydantic import Field
+
+from schemas.base import Finite, Frozen
+from schemas.recording import Mount, Station, TableAxis, Unit
+from schemas.station import Equipment
+from tasks.station.virtual.unit import UnitTruth, draw_unit
+
+STEP_S = 1e-3  # of the plant, station time
+STEP_US = 1000
+EARTH_RATE_RAD_S = 7.292115e-5  # WGS 84
+
+THREE_AXES = (
+    TableAxis(name="outer", direction=(0.0, 0.0, 1.0)),
+    TableAxis(name="middle", direction=(1.0, 0.0, 0.0)),
+    TableAxis(name="inner", direction=(0.0, 0.0, 1.0)),
+)
+
+
+class TableDesign(Frozen):
+    """The turntable: axes outer first, encoders, servo, and what it can do at most."""
+
+    axes: tuple[TableAxis, ...] = Field(default=THREE_AXES, min_length=1, max_length=5)
+    counts_per_turn: int = Field(default=3_600_000, gt=0)
+    servo_hz: Finite = Field(default=8.0, gt=0, lt=100)
+    servo_damping: Finite = Field(default=0.7, gt=0)
+    most_rate_deg_s: Finite = Field(default=1000.0, gt=0)
+    most_acceleration_deg_s2: Finite = Field(default=2000.0, gt=0)
+
+
+class Air(Frozen):
+    """What the chamber keeps."""
+
+    temperature_degc: Finite = 20.0
+    humidity_percent: Finite = 45.0
+    supply_v: Finite = 5.0
+    pressure_hpa: Finite = 1005.0
+
+
+class VirtualStation(Frozen):
+    """Everything that is so at the station, whether the program knows it or not."""
+
+    id: str = "VIRTUAL-1"
+    latitude_deg: Finite = Field(default=39.9, ge=-90, le=90)
+    gravity_m_s2: Finite = Field(default=9.8015, gt=9.7, lt=9.9)
+    heading_deg: Finite = 0.0
+    table: TableDesign = TableDesign()
+    air: Air = Air()
+    mount: Mount = Mount()
+    unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
+
+
+def station_part(config: VirtualStation, speed: float) -> Station:
+    """The manifest's station part; `clock_speed` is station time over wall time."""
+    told = {
+        "id": config.id,
+        "latitude_deg": config.latitude_deg,
+        "gravity_m_s2": config.gravity_m_s2,
+        "heading_deg": config.heading_deg,
+        "table_axes": config.table.axes,
+        "clock_speed": speed,
+    }
+    return Station.model_validate(told)
+
+
+def unit_identity(config: VirtualStation) -> Unit:
+    """The name plate of the unit under test."""
+    return Unit(manufacturer="Virtual", model="V-MIMU", serial=f"V{config.unit.seed:05d}")
+
+
+def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
+    """The measurement standards, with made-up numbers that say so."""
+    axes = len(config.table.axes)
+    return (
+        Equipment(
+            name=f"{axes}-axis position and rate turntable (virtual)",
+            name_zh=f"{axes} 轴位置速率转台（虚拟）",
+            serial="VIRTUAL-T1",
+            accuracy="angle 2″, rate 1×10⁻⁴",
+            certificate="virtual, not traceable",
+            valid_until="2099-12-31",
+        ),
+        Equipment(
+            name="Temperature chamber (virtual)",
+            name_zh="温度试验箱（虚拟）",
+            serial="VIRTUAL-C1",
+            accuracy="0.5 °C, 3 %RH",
+            certificate="virtual, not traceable",
+            valid_until="2099-12-31",
+        ),
+    )
+
+
+def truth(config: VirtualStation) -> dict[str, Any]:
+    """What a calibration of this unit should find, as JSON: SI units, model (1) and (2)."""
+    unit = config.unit
+    return {
+        "Kg": unit.gyro.scale,
+        "Bg": unit.gyro.bias,
+        "G": unit.g_sensitivity,
+        "Ka": unit.accel.scale,
+        "Ba": unit.accel.bias,
+        "P": unit.rate_sensitivity_m.tolist(),
+        "places_m": unit.places_m,
+        "unit": unit.model_dump(mode="json"),
+        "station": config.model_dump(mode="json", exclude={"unit"}),
+        "earth_rate_rad_s": EARTH_RATE_RAD_S,
+    }

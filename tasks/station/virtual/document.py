@@ -1,0 +1,135 @@
+"""deploy/station.md: `python -m tasks.station.virtual.document > deploy/station.md`."""
+
+import struct
+from collections.abc import Iterable
+
+from schemas.station import (
+    AXIS_BASE,
+    AXIS_REGISTERS,
+    AXIS_STATUS,
+    AXIS_STRIDE,
+    CAPTURE_REGISTERS,
+    CAPTURE_SAMPLES,
+    CHAMBER_DEVICE,
+    CHAMBER_REGISTERS,
+    COMMANDS,
+    FRAME_BYTES,
+    FRAME_FORMAT,
+    FRAME_SYNC,
+    MODES,
+    TABLE_DEVICE,
+    TABLE_REGISTERS,
+    TABLE_STATUS,
+    Register,
+)
+from tasks.station.virtual.faults import FAULTS
+
+FRAME_FIELDS = (
+    ("H", "sync", f"{FRAME_SYNC:#06x}"),
+    ("I", "counter", "counts frames from 0 and turns over at 2³²"),
+    ("Q", "time stamp", "µs since the unit's power-on, on the unit's own clock"),
+    ("3i", "gyro x, y, z", "counts of `unit_link.gyro_lsb_rad_s`"),
+    ("3i", "accelerometer x, y, z", "counts of `unit_link.accel_lsb_m_s2`"),
+    ("h", "temperature", "0.01 °C, the unit's own sensor"),
+    ("H", "check", "CRC-16/XMODEM (polynomial 0x1021, start 0) over all bytes before it"),
+)
+KINDS = {
+    "H": "uint16",
+    "I": "uint32",
+    "Q": "uint64",
+    "i": "int32",
+    "h": "int16",
+}
+
+HEAD = """\
+# The station's protocol
+
+Printed by `python -m tasks.station.virtual.document` from `schemas/station.py`; do not edit.
+The virtual station speaks it, and a controller that speaks it can be used as it is.
+"""
+
+BEHAVIOUR = """\
+## How the table behaves
+
+- Writing `mode` takes the targets as they stand and sets the axis going; a target written alone
+  waits for the next `mode`. A write covers whole writable registers: one that does not, or that
+  touches another address, is refused with exception 2, a value that means nothing with
+  exception 3, and then nothing of it is taken.
+- `settled` is set when the axis has been within 2″ of its target angle, or within 1e-4 of its
+  target rate, for 0.5 s of station time. In mode `off` it is never set.
+- `fault`, `emergency_stop` and `interlock` ramp every axis to rest. Until command `reset` a new
+  `mode` is accepted, falls back to `stop`, and the bit stays.
+- `watchdog`: when no request came for that long (wall time), every axis ramps to rest and the bit
+  is set until `reset`. It does not forbid a new motion. Any request to either device counts.
+- The encoders are captured at whole multiples of `capture_period` and kept for at least 60 s of
+  station time. Write `capture_from`, then read the block from `capture_count` on (or both at once
+  with function 23).
+- The encoder count turns over at ±2³¹.
+- Station time is the time of everything here but the watchdog. The virtual station runs it at
+  `station.clock_speed` × wall time, or slower where the machine cannot keep up.
+"""
+
+
+def _rows(registers: Iterable[Register]) -> list[str]:
+    lines = [
+        "| address | words | name | type | unit | access | meaning |",
+        "|---:|---:|---|---|---|---|---|",
+    ]
+    for each in registers:
+        access = "read, write" if each.writable else "read"
+        lines.append(
+            f"| {each.address} | {each.words} | `{each.name}` | {each.type} | {each.unit} "
+            f"| {access} | {each.meaning} |"
+        )
+    return lines
+
+
+def _bits(title: str, values: dict[str, int]) -> str:
+    return f"{title}: " + ", ".join(f"{value} `{name}`" for name, value in values.items()) + "."
+
+
+def _frame_rows() -> list[str]:
+    lines = ["| byte | field | type | content |", "|---:|---|---|---|"]
+    offset = 0
+    for code, name, content in FRAME_FIELDS:
+        many = f"{code[:-1]} × " if len(code) > 1 else ""
+        lines.append(f"| {offset} | {name} | {many}{KINDS[code[-1]]} | {content} |")
+        offset += struct.calcsize(f"<{code}")
+    return lines
+
+
+def text() -> str:
+    """The whole document, Markdown."""
+    last = CAPTURE_REGISTERS[-1].address + 6 * CAPTURE_SAMPLES - 1
+    lines = [
+        HEAD,
+        f"## Device {TABLE_DEVICE}, the table (Modbus/TCP, holding registers, high word first)\n",
+        *_rows(TABLE_REGISTERS),
+        "",
+        _bits("Bits of `status`", TABLE_STATUS),
+        _bits("Values of `command`", COMMANDS),
+        "",
+        f"### Axis i, outer first: address {AXIS_BASE} + {AXIS_STRIDE}·i + offset\n",
+        *_rows(AXIS_REGISTERS),
+        "",
+        _bits("Values of `mode`", MODES),
+        _bits("Bits of an axis's `status`", AXIS_STATUS),
+        "",
+        f"### Captured encoders: addresses {CAPTURE_REGISTERS[0].address} to {last}\n",
+        *_rows(CAPTURE_REGISTERS),
+        "",
+        f"## Device {CHAMBER_DEVICE}, the chamber\n",
+        *_rows(CHAMBER_REGISTERS),
+        "",
+        BEHAVIOUR,
+        f"## The unit's frame: `{FRAME_FORMAT}`, little-endian, {FRAME_BYTES} bytes\n",
+        *_frame_rows(),
+        "",
+        "## Faults of the virtual station\n",
+        "`NAME` or `NAME@SECONDS` of station time: " + ", ".join(f"`{n}`" for n in FAULTS) + ".",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(text(), end="")

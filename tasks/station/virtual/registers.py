@@ -1,0 +1,199 @@
+"""The register map over the virtual table and chamber: words out, orders in."""
+
+import math
+import struct
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from schemas.station import (
+    AXIS_BASE,
+    AXIS_REGISTERS,
+    AXIS_STRIDE,
+    CAPTURE_REGISTERS,
+    CAPTURE_SAMPLES,
+    CHAMBER_REGISTERS,
+    COMMANDS,
+    MODES,
+    TABLE_REGISTERS,
+    Register,
+)
+from tasks.station.virtual.config import STEP_US
+from tasks.station.virtual.reality import Reality
+from tasks.station.virtual.table import CAPTURE_STEPS, DEGREE
+
+TABLE_WORDS = CAPTURE_REGISTERS[-1].address + 2 * 3 * CAPTURE_SAMPLES
+CHAMBER_WORDS = CHAMBER_REGISTERS[-1].address + CHAMBER_REGISTERS[-1].words
+IDENT = 0x4D54
+MAP_VERSION = 1
+CODES = {"uint16": ">H", "uint32": ">I", "int32": ">i", "uint64": ">Q", "float32": ">f"}
+
+Value = float | int
+# Address of the first word, the register, its axis (None for the table itself), in map order.
+Place = tuple[int, Register, int | None]
+
+
+def to_words(register: Register, value: Value) -> list[int]:
+    """A value as words, high word first; counts turn over at the size of the register."""
+    code = CODES[register.type]
+    if register.type == "int32":
+        value = (int(value) + 2**31) % 2**32 - 2**31
+    data = struct.pack(code, value if register.type == "float32" else int(value))
+    return list(struct.unpack(f">{register.words}H", data))
+
+
+def from_words(register: Register, words: list[int]) -> Value:
+    """The value in the words of a register."""
+    value: Value = struct.unpack(CODES[register.type], struct.pack(f">{register.words}H", *words))[
+        0
+    ]
+    return value
+
+
+class Refused(Exception):  # noqa: N818 (the controller refuses; the server answers with a code)
+    """A write that the controller does not take."""
+
+
+class BadAddress(Refused):
+    """To a register that is not writable, or only to a part of one."""
+
+
+class BadValue(Refused):
+    """Of a value that means nothing here."""
+
+
+class TableRegisters:
+    """What device 1 reads and takes."""
+
+    def __init__(self, reality: Reality) -> None:
+        self._reality = reality
+        self._table = reality.table
+        self.watchdog_ms = 0
+        self._capture_from = 0
+        axes = range(len(reality.table.drives))
+        self._places: tuple[Place, ...] = (
+            *((register.address, register, None) for register in TABLE_REGISTERS),
+            *((AXIS_BASE + AXIS_STRIDE * axis + register.address, register, axis)
+              for axis in axes for register in AXIS_REGISTERS),
+            *((register.address, register, None) for register in CAPTURE_REGISTERS[:-1]),
+        )  # fmt: skip
+
+    def words(self) -> list[int]:
+        """All words of the device as they are now."""
+        image = [0] * TABLE_WORDS
+        groups: dict[int | None, Mapping[str, Value]] = {
+            axis: self._axis(axis) for axis in range(len(self._table.drives))
+        }
+        first, counts = self._block()
+        groups[None] = self._head() | {
+            "capture_from": self._capture_from,
+            "capture_count": len(counts),
+            "capture_first": first,
+        }
+        for address, register, axis in self._places:
+            value = groups[axis][register.name]
+            image[address : address + register.words] = to_words(register, value)
+        samples = counts.astype(">i4").tobytes()
+        start = CAPTURE_REGISTERS[-1].address
+        image[start : start + len(samples) // 2] = np.frombuffer(samples, ">u2").tolist()
+        return image
+
+    def _head(self) -> dict[str, Value]:
+        return {
+            "ident": IDENT,
+            "map_version": MAP_VERSION,
+            "axes": len(self._table.drives),
+            "status": self._table.status(),
+            "station_time": self._table.steps * STEP_US,
+            "watchdog": self.watchdog_ms,
+            "command": 0,
+            "capture_period": CAPTURE_STEPS * STEP_US,
+        }
+
+    def _axis(self, axis: int) -> dict[str, Value]:
+        drive = self._table.drives[axis]
+        return {
+            "mode": drive.mode,
+            "status": self._table.axis_status(axis),
+            "target_angle": drive.target_angle / DEGREE,
+            "target_rate": drive.target_rate / DEGREE,
+            "acceleration_limit": drive.acceleration / DEGREE,
+            "angle": int(self._table.counts(self._table.angle[axis])),
+            "rate": self._table.rate[axis] / DEGREE,
+            "counts_per_turn": self._table.design.counts_per_turn,
+        }
+
+    def _block(self) -> tuple[int, np.ndarray]:
+        most = min(CAPTURE_SAMPLES, 3 * CAPTURE_SAMPLES // len(self._table.drives))
+        return self._table.capture(self._capture_from, most)
+
+    def write(self, address: int, words: list[int]) -> None:
+        """Takes words from an address on: whole writable registers, each with a sane value.
+
+        Raises BadAddress or BadValue, and then nothing has changed. A mode is taken last, so
+        that it goes toward the targets of the same write.
+        """
+        orders = list(self._orders(address, words))
+        for register, axis, value in orders:
+            self._check(register.name, axis, value)
+        for register, axis, value in sorted(orders, key=lambda order: order[0].name == "mode"):
+            if axis is None:
+                self._take(register.name, int(value))
+            else:
+                self._take_axis(register.name, axis, value)
+
+    def _orders(
+        self, address: int, words: list[int]
+    ) -> Iterable[tuple[Register, int | None, Value]]:
+        places = {start: (register, axis) for start, register, axis in self._places}
+        offset = 0
+        while offset < len(words):
+            register, axis = places.get(address + offset, (None, None))
+            end = offset + (register.words if register else 0)
+            if register is None or not register.writable or end > len(words):
+                raise BadAddress
+            yield register, axis, from_words(register, words[offset:end])
+            offset = end
+
+    def _check(self, name: str, axis: int | None, value: Value) -> None:
+        design = self._table.design
+        sane = {
+            "command": value in COMMANDS.values(),
+            "mode": value in MODES.values(),
+            "target_rate": abs(value) <= design.most_rate_deg_s,
+            "acceleration_limit": 0 < value <= design.most_acceleration_deg_s2,
+        }
+        if not math.isfinite(value) or not sane.get(name, True):
+            raise BadValue
+
+    def _take(self, name: str, value: int) -> None:
+        if name == "watchdog":
+            self.watchdog_ms = value
+        elif name == "capture_from":
+            self._capture_from = value
+        elif value == COMMANDS["reset"]:
+            self._table.reset()
+        else:
+            self._table.stop()
+
+    def _take_axis(self, name: str, axis: int, value: Value) -> None:
+        if name == "mode":
+            self._table.order(axis, int(value))
+            return
+        fields = {"acceleration_limit": "acceleration"}
+        setattr(self._table.drives[axis], fields.get(name, name), value * DEGREE)
+
+
+def chamber_words(reality: Reality) -> list[int]:
+    """All words of device 2 as they are now."""
+    air = reality.config.air
+    values: dict[str, Value] = {
+        "temperature": reality.air_degc,
+        "humidity": air.humidity_percent,
+        "supply_voltage": air.supply_v,
+        "pressure": air.pressure_hpa,
+        "station_time": reality.table.steps * STEP_US,
+    }
+    return [
+        word for register in CHAMBER_REGISTERS for word in to_words(register, values[register.name])
+    ]

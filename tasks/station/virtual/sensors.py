@@ -1,0 +1,144 @@
+"""The unit under test: from rate and specific force to counts on its own clock."""
+
+import numpy as np
+from scipy import signal
+
+from tasks.station.virtual.config import STEP_S
+from tasks.station.virtual.unit import TriadTruth, UnitTruth
+
+FLICKER_TIMES_S = (1.0, 10.0, 100.0, 1000.0)
+
+
+class LowPass:
+    """Second order, three channels, at the plant's rate."""
+
+    def __init__(self, bandwidth_hz: float) -> None:
+        self._sections = signal.butter(2, bandwidth_hz, fs=1.0 / STEP_S)
+        self._state: np.ndarray | None = None
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Filters (3, n), going on from the last call; it begins at rest on the first value."""
+        if self._state is None:
+            self._state = signal.lfilter_zi(*self._sections) * values[:, :1]
+        filtered, self._state = signal.lfilter(*self._sections, values, axis=1, zi=self._state)
+        return filtered
+
+
+class Noise:
+    """White noise and relaxations from 1 s to 1000 s, which together fall like 1/f: 6 channels."""
+
+    def __init__(self, unit: UnitTruth) -> None:
+        self._rng = np.random.default_rng(np.random.SeedSequence((unit.seed, 1)))
+        triads = (unit.gyro, unit.accel)
+        self._white = np.repeat([each.white * np.sqrt(unit.rate_hz) for each in triads], 3)
+        self._flicker = np.repeat([each.flicker for each in triads], 3)
+        self._keep = np.exp(-1.0 / (unit.rate_hz * np.array(FLICKER_TIMES_S)))
+        self._state = self._rng.standard_normal((len(FLICKER_TIMES_S), 6))
+
+    def draw(self, samples: int) -> np.ndarray:
+        """The next samples, (samples, 6); the same however they are cut into calls."""
+        drawn = self._rng.standard_normal((samples, 1 + len(FLICKER_TIMES_S), 6))
+        total = drawn[:, 0] * self._white
+        for row, keep in enumerate(self._keep):
+            kicks = drawn[:, row + 1] * np.sqrt(1.0 - keep**2)
+            start = keep * self._state[row][None]
+            slow, last = signal.lfilter([1.0], [1.0, -keep], kicks, axis=0, zi=start)
+            self._state[row] = last[0] / keep
+            total += slow * self._flicker
+        return total
+
+
+class Thermometer:
+    """The unit's inside warms toward the air plus its own heat."""
+
+    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
+        self._unit = unit
+        self._seen = (0.0, air_degc)
+
+    def read(self, t: np.ndarray, air_degc: float) -> np.ndarray:
+        """Temperature (n,) degC at station times t (s) behind the last ones, the air held."""
+        since, started = self._seen
+        goal = air_degc + self._unit.self_heating_k
+        degc = goal + (started - goal) * np.exp(-(t - since) / self._unit.heating_time_s)
+        self._seen = (float(t[-1]), float(degc[-1]))
+        return degc
+
+
+def _to_counts(triad: TriadTruth, values: np.ndarray) -> np.ndarray:
+    clipped = np.clip(values, -triad.full_scale, triad.full_scale)
+    return np.rint(clipped / triad.lsb).astype(np.int32)
+
+
+class UnitUnderTest:
+    """Takes the plant's motion, gives samples at the unit's own times."""
+
+    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
+        self._unit = unit
+        self._gyro = LowPass(unit.gyro.bandwidth_hz)
+        self._accel = LowPass(unit.accel.bandwidth_hz)
+        self._noise = Noise(unit)
+        self._thermometer = Thermometer(unit, air_degc)
+        self._rows = np.array(unit.accel.scale)
+        self._places = np.array(unit.places_m)
+        self._last = np.empty((6, 0))
+        self._step = 0  # of the first value that comes next
+        self._number = 0  # of the sample that comes next
+
+    def sense(
+        self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray, air_degc: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The next plant steps (3, n) each to samples.
+
+        Returns their numbers (m,), unit time in µs (m,), counts (m, 6) and degC (m,).
+        """
+        felt = np.vstack([self._gyro(self._turn(rate, gravity)),
+                          self._accel(self._force(rate, angular, gravity))])  # fmt: skip
+        numbers = self._due(self._step + felt.shape[1] - 1)
+        t = self._station_time(numbers)
+        values = self._at(t, felt)
+        self._step += felt.shape[1]
+        if not len(numbers):
+            return numbers, numbers.astype(np.uint64), np.empty((0, 6), np.int32), t
+        self._number = int(numbers[-1]) + 1
+        degc = self._thermometer.read(t, air_degc)
+        values += self._noise.draw(len(numbers)) + self._bias(degc)
+        gyro = _to_counts(self._unit.gyro, values[:, :3])
+        accel = _to_counts(self._unit.accel, values[:, 3:])
+        stamps = np.rint(numbers / self._unit.rate_hz * 1e6).astype(np.uint64)
+        return numbers, stamps, np.hstack([gyro, accel]), degc
+
+    def _turn(self, rate: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+        unit = self._unit
+        return np.array(unit.gyro.scale) @ rate + np.array(unit.g_sensitivity) @ gravity
+
+    def _force(self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+        """Each accelerometer's row k at its own place r: k·(f + α×r + ω×(ω×r))."""
+        k, r = self._rows, self._places
+        inward = (k @ rate) * (r @ rate) - np.sum(k * r, axis=1)[:, None] * np.sum(rate**2, axis=0)
+        return k @ gravity + np.cross(r, k) @ angular + inward
+
+    def _bias(self, degc: np.ndarray) -> np.ndarray:
+        gyro, accel = self._unit.gyro, self._unit.accel
+        slope = np.hstack([gyro.bias_per_kelvin, accel.bias_per_kelvin])
+        away = (degc - self._unit.settled_degc)[:, None]
+        return np.hstack([gyro.bias, accel.bias]) + away * slope
+
+    def _station_time(self, numbers: np.ndarray) -> np.ndarray:
+        interval = 1.0 / (self._unit.rate_hz * (1.0 + self._unit.clock_skew))
+        return self._unit.clock_offset_s + numbers * interval
+
+    def _due(self, last_step: int) -> np.ndarray:
+        """Numbers of the samples taken up to a step."""
+        since = last_step * STEP_S - self._unit.clock_offset_s
+        rate = self._unit.rate_hz * (1.0 + self._unit.clock_skew)
+        return np.arange(self._number, int(np.floor(since * rate + 1e-6)) + 1)
+
+    def _at(self, t: np.ndarray, felt: np.ndarray) -> np.ndarray:
+        """The filtered values at the sample times, (m, 6), straight between the steps."""
+        held = np.hstack([self._last, felt])
+        place = t / STEP_S - (self._step - self._last.shape[1])
+        left = np.clip(np.floor(place + 1e-6).astype(int), 0, held.shape[1] - 1)
+        right = np.minimum(left + 1, held.shape[1] - 1)
+        part = np.clip(place - left, 0.0, 1.0)
+        self._last = felt[:, -1:]
+        return (held[:, left] * (1.0 - part) + held[:, right] * part).T

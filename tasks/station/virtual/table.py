@@ -1,0 +1,165 @@
+"""The turntable: drives that follow profiles through a servo, encoders, safety."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import signal
+
+from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
+from tasks.station.virtual.config import STEP_S, TableDesign
+from tasks.station.virtual.profile import Profile, to_angle, to_rate
+
+DEGREE = np.pi / 180.0
+CAPTURE_STEPS = 10
+CAPTURE_KEPT = 8192  # 82 s
+SETTLED_AFTER_S = 0.5
+ANGLE_TOLERANCE = 2.0 / 3600.0 * DEGREE
+RATE_TOLERANCE = 1e-4  # of the rate, and of 1 °/s below it
+MOVING = 0.001 * DEGREE
+# A ramp that turns from +a to −a makes the servo overshoot by 2 × 4.6 % of a.
+OVERSHOOT = 1.1
+HUNTING_HZ = 3.0
+
+
+@dataclass
+class Drive:
+    """One axis as its controller has it, SI."""
+
+    profile: Profile
+    mode: int = MODES["off"]
+    target_angle: float = 0.0
+    target_rate: float = 10.0 * DEGREE
+    acceleration: float = 100.0 * DEGREE
+    goal: float = 0.0
+    off_goal: float = field(default=0.0)  # station time when it was last out of tolerance
+
+
+def _standing() -> Profile:
+    return to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
+
+
+class Table:
+    """The table's state at `steps` milliseconds after it was switched on."""
+
+    def __init__(self, design: TableDesign) -> None:
+        axes = len(design.axes)
+        self.design = design
+        self.drives = [Drive(_standing()) for _ in range(axes)]
+        self.steps = 0
+        self.angle = np.zeros(axes)
+        self.rate = np.zeros(axes)
+        self.trips: frozenset[str] = frozenset()
+        self.rate_factor = 1.0
+        self.hunting_rad = 0.0
+        self.captured = np.zeros((CAPTURE_KEPT, axes), dtype=np.int64)
+        omega = 2.0 * np.pi * design.servo_hz
+        damping = 2.0 * design.servo_damping * omega
+        # How far an axis lags behind its profile, from the mean rate asked in each step: exact
+        # for the profile drawn straight between the steps.
+        lag = ([1.0, damping], [1.0, damping, omega**2])
+        b, a, _ = signal.cont2discrete(lag, STEP_S, method="zoh")
+        self._lag = (b.ravel()[1:], a)
+        self._lag_state = np.zeros((2, axes))
+
+    @property
+    def now(self) -> float:
+        """Station time, s."""
+        return self.steps * STEP_S
+
+    def order(self, axis: int, mode: int) -> None:
+        """Sets an axis going toward its targets; a tripped table only ramps to rest."""
+        drive = self.drives[axis]
+        drive.mode = MODES["stop"] if self.refuses else mode
+        drive.off_goal = self.now
+        (angle,), (rate,) = drive.profile.at(np.array([self.now]))
+        state, limit = (self.now, float(angle), float(rate)), drive.acceleration / OVERSHOOT
+        speed = abs(drive.target_rate) * self.rate_factor
+        if drive.mode == MODES["angle"] and speed > 0:
+            drive.goal = drive.target_angle
+            drive.profile = to_angle(*state, drive.goal, speed, limit)
+        else:
+            turning = drive.mode == MODES["rate"]
+            drive.goal = drive.target_rate * self.rate_factor if turning else 0.0
+            drive.profile = to_rate(*state, drive.goal, limit)
+
+    def stop(self) -> None:
+        """Ramps every axis to rest."""
+        for axis in range(len(self.drives)):
+            self.order(axis, MODES["stop"])
+
+    def trip(self, names: Iterable[str]) -> None:
+        """Latches safety bits and stops; they stay until `reset`."""
+        self.trips |= frozenset(names)
+        self.stop()
+
+    def reset(self) -> None:
+        """Clears the safety bits."""
+        self.trips = frozenset()
+
+    @property
+    def refuses(self) -> bool:
+        """Whether a safety bit forbids motion; the watchdog stops it, but forbids nothing."""
+        return bool(self.trips & AXIS_STATUS.keys())
+
+    def advance(self, steps: int) -> np.ndarray:
+        """Moves on and returns the axes' angles after each step, (steps, axes) rad."""
+        t = (self.steps + np.arange(steps + 1)) * STEP_S
+        asked = np.column_stack([drive.profile.at(t)[0] for drive in self.drives])
+        mean_rates = np.diff(asked, axis=0) / STEP_S
+        lag, self._lag_state = signal.lfilter(*self._lag, mean_rates, axis=0, zi=self._lag_state)
+        t, angles = t[1:], asked[1:] - lag
+        if self.hunting_rad:
+            angles += self.hunting_rad * np.sin(2.0 * np.pi * HUNTING_HZ * t)[:, None]
+        turned = np.diff(angles, axis=0, prepend=self.angle[None]) / STEP_S
+        self._judge(t, angles, turned)
+        self._capture(angles)
+        self.steps += steps
+        self.angle, self.rate = angles[-1], turned[-1]
+        return angles
+
+    def _judge(self, t: np.ndarray, angles: np.ndarray, rates: np.ndarray) -> None:
+        for drive, angle, rate in zip(self.drives, angles.T, rates.T, strict=True):
+            if drive.mode == MODES["angle"]:
+                wrong = np.abs(angle - drive.target_angle) >= ANGLE_TOLERANCE
+            else:
+                allowed = RATE_TOLERANCE * max(abs(drive.goal), DEGREE)
+                wrong = np.abs(rate - drive.goal) >= allowed
+            if wrong.any():
+                drive.off_goal = float(t[wrong][-1])
+
+    def _capture(self, angles: np.ndarray) -> None:
+        numbers = np.arange(self.steps + 1, self.steps + 1 + len(angles))
+        due = numbers % CAPTURE_STEPS == 0
+        self.captured[numbers[due] // CAPTURE_STEPS % CAPTURE_KEPT] = self.counts(angles[due])
+
+    def counts(self, angles: np.ndarray) -> np.ndarray:
+        """What the encoders say at the angles (rad), any shape, int64."""
+        return np.rint(angles / (2.0 * np.pi) * self.design.counts_per_turn).astype(np.int64)
+
+    def capture(self, first: int, most: int) -> tuple[int, np.ndarray]:
+        """Up to `most` captured samples from number `first` on, or from the oldest kept.
+
+        Returns the number of the first one and the counts (n, axes).
+        """
+        newest = self.steps // CAPTURE_STEPS
+        first = max(first, newest - CAPTURE_KEPT + 1)
+        numbers = np.arange(first, min(first + most, newest + 1))
+        return first, self.captured[numbers % CAPTURE_KEPT]
+
+    def axis_status(self, axis: int) -> int:
+        """Bits of AXIS_STATUS."""
+        drive = self.drives[axis]
+        holds = drive.mode != MODES["off"] and self.now - drive.off_goal >= SETTLED_AFTER_S
+        bits = {
+            "ready": not self.refuses,
+            "moving": abs(self.rate[axis]) > MOVING,
+            "settled": holds,
+            **dict.fromkeys(self.trips, True),
+        }
+        return sum(AXIS_STATUS.get(name, 0) for name, is_so in bits.items() if is_so)
+
+    def status(self) -> int:
+        """Bits of TABLE_STATUS."""
+        ready = 0 if self.refuses else TABLE_STATUS["ready"]
+        return ready | sum(TABLE_STATUS[name] for name in self.trips)
