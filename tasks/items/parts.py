@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from schemas.calibration import Elements, Item, Remark
 from schemas.recording import AXES
@@ -84,4 +84,4 @@ def excess_scatter(
     residuals = maker @ readings
     spread = maker @ covariance @ maker.T
     square = float(residuals @ np.linalg.pinv(spread, rcond=1e-6, hermitian=True) @ residuals)
-    return float(np.sqrt(square / degrees)) if chi2.sf(square, degrees) < EXCESS_LEVEL else 1.0
+    return float(np.sqrt(square / degrees)) if chdtrc(degrees, square) < EXCESS_LEVEL else 1.0

@@ -1,0 +1,29 @@
+# Everything happens in .venv; `make setup` is made by every other target first.
+PYTHON ?= python3
+BIN := .venv/bin
+SETUP := .venv/.done
+
+.PHONY: setup demo test bench lock clean
+
+setup: $(SETUP)
+
+$(SETUP): requirements.txt pyproject.toml
+	@PYTHON=$(PYTHON) bash deploy/setup.sh
+	@touch $@
+
+demo: setup
+	@$(BIN)/mimucal demo
+
+test: setup
+	@bash deploy/test.sh
+
+bench: setup
+	@$(BIN)/python -m tests.bench
+
+# Pin again, after a change of the dependencies in pyproject.toml (needs uv).
+lock:
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 \
+	  --generate-hashes --no-header --no-annotate --quiet --output-file requirements.txt
+
+clean:
+	rm -rf .venv *.egg-info .pytest_cache .ruff_cache .mypy_cache .hypothesis

@@ -1,0 +1,76 @@
+"""The main job, whole, on this machine: station, acquisition, items, verdict, certificate."""
+
+import json
+import time
+from importlib.resources import files
+from typing import Any
+
+from flows import orders
+from flows.printing import print_calibration, print_rows, print_verdict
+from flows.progress import working
+from storage.home import Home, home
+from tasks.stages.certify import Issued
+from tasks.stages.remind import due_within
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.process import running
+from tasks.station.virtual.unit import draw_unit
+DAYS_AHEAD = 400  # the demonstration's unit is due in a year
+
+
+def run_demo(*, speed: float, seed: int, as_json: bool) -> None:
+    """Run the line once on a virtual station and print the paths of everything it made."""
+    began = time.monotonic()
+    folder = home()
+    orders.prepare(folder)
+    place = folder.path / "demo"
+    place.mkdir(parents=True, exist_ok=True)
+    config = VirtualStation(unit=draw_unit(seed))
+    with working("starting Prefect"):
+        from flows import line
+    with running(config, speed, truth_path=place / "truth.json") as station:
+        station_file = place / "station.json"
+        station_file.write_text(station.model_dump_json(indent=1), encoding="utf-8")
+        issued = line.run_now(line.produce, station=str(station_file), **_papers())
+    made = _made(issued, folder)
+    made["seconds"] = round(time.monotonic() - began, 1)
+    if as_json:
+        print(json.dumps(made, ensure_ascii=False, indent=1))
+        return
+    _print(issued, made)
+
+
+def _papers() -> dict[str, str]:
+    papers = files("flows") / "demo_papers"
+    return {name: str(papers / f"{name}.toml") for name in ("tolerance", "laboratory", "order")}
+
+
+def _made(issued: Issued, folder: Home) -> dict[str, Any]:
+    """What the demonstration made, as one JSON document."""
+    certificate, calibration = issued.certificate, issued.certificate.calibration
+    due = due_within(folder, DAYS_AHEAD)
+    return {
+        "format": "mimu-demo/1",
+        "run": calibration.run,
+        "verdict": certificate.decision.verdict,
+        "certificate": certificate.number,
+        "due": certificate.due.isoformat(),
+        "reminders": [{"unit": d.unit, "due": d.due.isoformat()} for d in due],
+        "paths": {
+            "raw": str(folder.raw / f"{calibration.digest}.mcap"),
+            "columns": str(folder.columns / calibration.digest),
+            "certificate": str(issued.pdf),
+            "record": str(issued.record),
+            "station": str(folder.path / "demo" / "station.json"),
+            "truth": str(folder.path / "demo" / "truth.json"),
+        },
+    }
+
+
+def _print(issued: Issued, made: dict[str, Any]) -> None:
+    print_calibration(issued.certificate.calibration)
+    print_verdict(issued)
+    reminders = [(each["unit"], each["due"]) for each in made["reminders"]]
+    print_rows("Recalibration", ("unit", "due"), reminders)
+    for name, path in made["paths"].items():
+        print(f"{name:<12} {path}")
+    print(f"{made['seconds']} s")

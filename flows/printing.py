@@ -1,0 +1,81 @@
+"""What the command line prints for a person, on standard output."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.table import Table
+
+from schemas.calibration import Calibration, Item
+from schemas.tolerance import Verdict
+from tasks.certificate.names import item_name, unit_text
+from tasks.uncertainty.rounding import column
+
+if TYPE_CHECKING:
+    from tasks.stages.certify import Issued
+
+COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
+
+
+def print_json(document: Any) -> None:
+    """One JSON document on standard output."""
+    print(json.dumps(document, ensure_ascii=False, indent=1))
+
+
+def print_calibration(calibration: Calibration) -> None:
+    """A table of every item, then what is unavailable and what the reader must know."""
+    console = Console()
+    table = Table(title=f"{calibration.recording_id} · {calibration.procedure}")
+    for name, justify in (("item", "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
+                          ("unit", "left")):  # fmt: skip
+        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    for name, item in calibration.items.items():
+        _add_item(table, item_name(name)[1], item)
+    console.print(table)
+    for name, reason in calibration.unavailable.items():
+        console.print(f"[yellow]not determined[/] {item_name(name)[1]}: {reason}", highlight=False)
+    for remark in calibration.remarks:
+        mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
+        console.print(f"{mark} ", end="")
+        console.print(remark.en, highlight=False, markup=False)
+
+
+def _add_item(table: Table, name: str, item: Item) -> None:
+    texts = column(list(item.value.values()), list(item.U.values()))
+    power = f"×10^{texts.exponent} " if texts.exponent else ""
+    rows = zip(item.value, texts.values, texts.uncertainties, strict=True)
+    for row, (element, value, expanded) in enumerate(rows):
+        table.add_row(
+            name if row == 0 else "",
+            element,
+            value or "–",
+            expanded or "–",
+            power + unit_text(item.unit),
+            end_section=row == len(item.value) - 1,
+        )
+
+
+def print_rows(title: str, columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
+    """A plain table."""
+    table = Table(title=title)
+    for name in columns:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)
+
+
+def verdict_text(verdict: Verdict) -> str:
+    return f"[bold {COLOURS[verdict]}]{verdict}[/]"
+
+
+def print_verdict(issued: "Issued") -> None:
+    """The verdict, why, when the unit is due again, and where the certificate lies."""
+    certificate, console = issued.certificate, Console()
+    verdict = certificate.decision.verdict
+    console.print(f"{certificate.number}: {verdict_text(verdict)} ({certificate.state})")
+    for reason in certificate.decision.reasons:
+        console.print(f"  {reason}", highlight=False, markup=False)
+    console.print(f"recalibration due {certificate.due}", highlight=False)
+    print(issued.pdf)
+    print(issued.record)

@@ -1,0 +1,61 @@
+"""Progress of long work on standard error: what happens now, and how long it will take."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+if TYPE_CHECKING:
+    from tasks.station.sequence import Progress as StationProgress
+
+
+def stderr() -> Console:
+    return Console(stderr=True)
+
+
+@contextmanager
+def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
+    """A bar over the station seconds of an acquisition; yields the function that moves it."""
+    with Progress(
+        TextColumn("{task.description:<28}"),
+        BarColumn(),
+        TextColumn("{task.completed:5.0f} of {task.total:.0f} s station time"),
+        TextColumn("{task.fields[left]}"),
+        console=stderr(),
+    ) as bar:
+        shown = bar.add_task("connecting", total=1.0, left="")
+
+        def report(progress: "StationProgress") -> None:
+            bar.update(
+                shown,
+                description=progress.now,
+                completed=progress.station_s_done,
+                total=progress.station_s_total,
+                left=f"{progress.wall_s_left:4.0f} s left",
+            )
+
+        yield report
+
+
+@contextmanager
+def working(description: str) -> Iterator[None]:
+    """A spinner with the time elapsed, for work whose end is not known beforehand."""
+    with Progress(
+        SpinnerColumn(), TextColumn(description), TimeElapsedColumn(),
+        console=stderr(), transient=True,
+    ) as bar:  # fmt: skip
+        bar.add_task(description, total=None)
+        yield
+
+
+@contextmanager
+def counting(description: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar over counted things; yields the function (done, total) that moves it."""
+    with Progress(
+        TextColumn(description), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f}"),
+        console=stderr(), transient=True,
+    ) as bar:  # fmt: skip
+        shown = bar.add_task(description, total=1)
+        yield lambda done, total: bar.update(shown, completed=done, total=total)

@@ -1,0 +1,114 @@
+"""What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from storage.exchange import read_folder
+
+SHARED = Path(__file__).parents[1] / ".." / "shared" / "data"
+GRAVITY = 9.8
+AXES = "xyz"
+RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The folder of the recordings beside the project."""
+    return SHARED
+
+
+@pytest.fixture(scope="session")
+def real() -> Callable[[str], Recording]:
+    """Reads a recording of other people's hardware by its folder name."""
+    return lambda name: read_folder(SHARED / "real" / name)
+
+
+@pytest.fixture(scope="session")
+def plant() -> Callable[[str], Recording]:
+    """Reads a simulated recording by its folder name."""
+    return lambda name: read_folder(SHARED / "plant" / name)
+
+
+def unit_errors(**changes: Any) -> dict[str, np.ndarray]:
+    """An ideal unit's K, B, G, Ka, Ba, P, with the named ones replaced."""
+    ideal = {
+        "Kg": np.eye(3), "Bg": np.zeros(3), "G": np.zeros((3, 3)),
+        "Ka": np.eye(3), "Ba": np.zeros(3), "P": np.zeros((3, 3)),
+    }  # fmt: skip
+    return ideal | changes
+
+
+def _stretch(rate: np.ndarray, force: np.ndarray, unit: dict[str, np.ndarray]) -> np.ndarray:
+    """Six constant readings of models (1) and (2), written out row by row."""
+    gyro = unit["Kg"] @ rate + unit["Bg"] + unit["G"] @ force
+    accel = unit["Ka"] @ force + unit["Ba"] + unit["P"] @ rate**2
+    return np.concatenate([gyro, accel])
+
+
+@pytest.fixture(scope="session")
+def ideal_run() -> Callable[..., Recording]:
+    """Builds a JJF 2003 run of a unit whose readings follow models (1) and (2) exactly.
+
+    Ten seconds at 20 Hz a point, an alternating count of ±1e-9 so that nothing stands still.
+    """
+
+    def build(dwell: float = 30.0, noise: float = 1e-9, **changes: Any) -> Recording:
+        unit, rate_hz = unit_errors(**changes), 10.0
+        rows, segments, t = [], [], 0.0
+        count = round(dwell * rate_hz)
+        flip = noise * (-1.0) ** np.arange(count)[:, None]
+
+        def hold(label: dict[str, Any], rate: np.ndarray, force: np.ndarray) -> None:
+            nonlocal t
+            rows.append(_stretch(rate, force, unit) + flip)
+            segments.append({**label, "t_start": t, "t_end": t + dwell})
+            t = round(t + dwell, 6)
+
+        for i in range(3):
+            for sign, mark in ((1, "+"), (-1, "-")):
+                up = np.eye(3)[i] * sign
+                for turn in (0, 180):
+                    label = {
+                        "name": f"position_{mark}{AXES[i]}_{turn:03d}",
+                        "kind": "static",
+                        "item": "twelve_position",
+                        "up": mark + AXES[i],
+                        "turn_deg": turn,
+                    }
+                    hold(label, np.zeros(3), up * GRAVITY)
+        for j in range(3):
+            up = np.eye(3)[j]
+            rest = {"kind": "static", "item": "rate_sensitivity", "up": "+" + AXES[j]}
+            hold({"name": f"rest_{AXES[j]}", **rest}, np.zeros(3), up * GRAVITY)
+            for rate in RATES:
+                label = {
+                    "name": f"rate_{AXES[j]}_{rate:+.0f}",
+                    "kind": "rate",
+                    "axis": AXES[j],
+                    "item": "scale_factor",
+                    "up": "+" + AXES[j],
+                    "rate_deg_s": rate,
+                }
+                hold(label, up * np.radians(rate), up * GRAVITY)
+            hold({"name": f"rest2_{AXES[j]}", **rest}, np.zeros(3), up * GRAVITY)
+        values = np.concatenate(rows)
+        manifest = Manifest.model_validate({
+            "format": "mimu-recording/1", "recording_id": "ideal", "standard": "JJF 2003-2022",
+            "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
+            "station": {"id": "test", "latitude_deg": 0.0, "gravity_m_s2": GRAVITY},
+            "segments": segments,
+        })  # fmt: skip
+        columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
+        times = np.round(np.arange(len(values)) / rate_hz, 9)
+        air = np.arange(0.0, t, 1.0)
+        environment = Stream(
+            air, {"temperature": np.full(len(air), 20.0), "humidity": np.full(len(air), 50.0)}
+        )
+        return Recording(manifest, Stream(times, columns), environment=environment, digest="0" * 64)
+
+    return build
