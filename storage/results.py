@@ -1,0 +1,118 @@
+"""Results in the store: each new one supersedes the older of its run and method, and says why."""
+
+import hashlib
+from datetime import UTC, datetime
+
+import sqlalchemy as sql
+from pydantic import ValidationError
+
+from schemas.base import Frozen, Unusable, first_fault
+from schemas.calibration import Calibration, Method
+from storage import catalog
+from storage.home import Home
+from storage.runs import Run
+
+SHORT = 12  # hex digits in a result's id
+CIRCUMSTANCES = ("code_version", "procedure", "settings", "segments")
+
+
+class Result(Frozen):
+    """A result as it is kept, with its place in the row of results of its run and method."""
+
+    id: str
+    run: str
+    method: Method
+    code_version: str
+    made_at: datetime
+    supersedes: str | None
+    why: str | None
+    calibration: Calibration
+
+
+def save_result(calibration: Calibration, home: Home, *, why: str | None = None) -> str:
+    """Keeps a result and gives its id; the same as the latest again is the latest.
+
+    One that supersedes another says why: `why`, or what is different about how it was made.
+    Raises Unusable for a run that is not in the store.
+    """
+    with catalog.changing(home) as connection:
+        return add_result(connection, calibration, why)
+
+
+def add_result(connection: sql.Connection, calibration: Calibration, why: str | None) -> str:
+    """`save_result` within a transaction; one writer at a time for each run."""
+    _lock_run(connection, calibration)
+    document = calibration.model_dump_json()
+    latest = connection.execute(_latest(calibration.run, calibration.method)).one_or_none()
+    if latest is not None and latest.document == document:
+        return str(latest.id)
+    before = None if latest is None else str(latest.id)
+    result = "c" + hashlib.sha256(f"{before}\n{document}".encode()).hexdigest()[:SHORT]
+    row = {
+        "id": result,
+        "run": calibration.run,
+        "method": calibration.method,
+        "code_version": calibration.code_version,
+        "made_at": datetime.now(UTC),
+        "document": document,
+        "supersedes": before,
+        "why": why if latest is None else why or _why(latest, calibration),
+    }
+    connection.execute(sql.insert(catalog.results).values(row))
+    return result
+
+
+def latest_result(run: Run, method: Method, home: Home) -> Calibration | None:
+    """The result that no other supersedes, or None where the method has given none."""
+    found = catalog.rows(home, _latest(run.id, method))
+    return calibration_of(found[0]) if found else None
+
+
+def results(run: Run, home: Home) -> list[Result]:
+    """Every result of a run, the oldest first."""
+    table = catalog.results.c
+    statement = sql.select(catalog.results).where(table.run == run.id).order_by(table.made_at)
+    names = [name for name in Result.model_fields if name in table]
+    return [
+        Result(calibration=calibration_of(row), **{name: row._mapping[name] for name in names})
+        for row in catalog.rows(home, statement)
+    ]
+
+
+def calibration_of(row: sql.Row) -> Calibration:
+    """The document in a row of results; raises Unusable when it is none."""
+    try:
+        return Calibration.model_validate_json(row.document)
+    except ValidationError as error:
+        raise Unusable(
+            f"The document of result {row.id} cannot be read ({first_fault(error)}); "
+            f"calibrate run {row.run} again."
+        ) from error
+
+
+def _latest(run: str, method: Method) -> sql.Select:
+    table, newer = catalog.results, catalog.results.alias("newer")
+    superseded = sql.exists().where(newer.c.supersedes == table.c.id)
+    return sql.select(table).where(table.c.run == run, table.c.method == method, ~superseded)
+
+
+def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:
+    run = catalog.runs.c
+    mine = sql.select(run.id).where(run.id == calibration.run, run.digest == calibration.digest)
+    if connection.execute(mine.with_for_update()).one_or_none() is None:
+        raise Unusable(
+            f"Run {calibration.run} of recording {calibration.recording_id} is not in the store "
+            "with this content; import the recording first."
+        )
+
+
+def _why(latest: sql.Row, calibration: Calibration) -> str:
+    """What is different about how the new result was made."""
+    try:
+        before = calibration_of(latest)
+    except Unusable:
+        return "the document before cannot be read any more"
+    differs = [n for n in CIRCUMSTANCES if getattr(before, n) != getattr(calibration, n)]
+    if "code_version" in differs:
+        differs[0] = f"code_version ({before.code_version} to {calibration.code_version})"
+    return f"made with another {', '.join(differs)}" if differs else "other values, made the same"

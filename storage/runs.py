@@ -1,0 +1,195 @@
+"""Recordings in the store: taken in once, known by their content, read as columns."""
+
+import shutil
+from contextlib import suppress
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import sqlalchemy as sql
+
+from schemas.base import Frozen, Unusable
+from schemas.recording import Recording, Unit
+from storage import catalog, sources
+from storage.columns import read_columns, write_columns
+from storage.content import fingerprint
+from storage.home import Home, writing_to
+from storage.raw import as_raw, read_mcap, write_mcap
+
+SHORT = 12  # hex digits of the digest in a run's id
+
+
+class Run(Frozen):
+    """A recording in the store. `seconds`: from its first row to its last one."""
+
+    id: str
+    digest: str
+    recording_id: str
+    manufacturer: str
+    model: str
+    serial: str
+    standard: str
+    taken_in_at: datetime
+    seconds: float
+    rows: int
+
+
+def keep(
+    recording: Recording, home: Home, *, source: Path | None = None, manifest: Path | None = None
+) -> Run:
+    """Takes a recording into the store: raw MCAP, columns, and last its row in the catalogue.
+
+    The same content again is the same run, whoever brings it at the same time; files of it
+    that went missing are written again. `source` (and the manifest that went before its own)
+    is remembered for `known`. Raises Unusable when the home cannot be written.
+    """
+    seen = source and sources.fingerprint(source, manifest=manifest)
+    recording = as_raw(recording)
+    recording = replace(recording, digest=fingerprint(recording))
+    raw = raw_path(recording.digest, home)
+    if not raw.exists():
+        with writing_to(raw) as draft:
+            write_mcap(recording, draft)
+    _write_columns(recording, home)
+    with catalog.changing(home) as connection:
+        run = _add(connection, recording)
+        if seen:
+            catalog.add_new(
+                connection, catalog.sources, fingerprint=seen, run=run, path=str(source)
+            )
+    return _one(home, catalog.runs.c.id == run)
+
+
+def known(path: Path, home: Home, *, manifest: Path | None = None) -> Run | None:
+    """The run that a source became, if its bytes were taken in before; else None."""
+    seen = catalog.sources.c.fingerprint == sources.fingerprint(path, manifest=manifest)
+    found = catalog.rows(home, sql.select(catalog.sources.c.run).where(seen))
+    if not found or not raw_path((run := find(found[0].run, home)).digest, home).exists():
+        return None
+    return run
+
+
+def load(run: Run, home: Home) -> Recording:
+    """A run's recording, from its columns; if they are missing or damaged, from raw.
+
+    Then the columns are made again. Raises Unusable when raw is missing or damaged as well.
+    """
+    folder = home.columns / run.digest
+    with suppress(Unusable):
+        recording = read_columns(folder)
+        if fingerprint(recording) == run.digest:
+            return recording
+    recording = _load_raw(run, home)
+    shutil.rmtree(folder, ignore_errors=True)
+    with suppress(Unusable):  # a home that only reads still gives the recording
+        _write_columns(recording, home)
+    return recording
+
+
+def find(reference: str, home: Home) -> Run:
+    """The run with this id, digest or recording_id, or the only one that begins so.
+
+    Raises Unusable for none and for several.
+    """
+    table = catalog.runs.c
+    begins = [column.startswith(reference, autoescape=True) for column in (table.id, table.digest)]
+    for meant in (
+        sql.or_(table.id == reference, table.digest == reference),
+        table.recording_id == reference,
+        sql.or_(*begins),
+    ):
+        found = _runs(home, meant) if reference else []
+        if len(found) > 1:
+            raise Unusable(
+                f"{reference!r} means {len(found)} runs ({', '.join(run.id for run in found[:4])}"
+                f"{', …' if len(found) > 4 else ''}); give the id of one, as `mimucal runs` "
+                "lists them."
+            )
+        if found:
+            return found[0]
+    raise Unusable(f"There is no run {reference!r} in {home.path}; `mimucal runs` lists them.")
+
+
+def runs(home: Home) -> list[Run]:
+    """Every run, in the order in which they came in."""
+    return _runs(home, sql.true())
+
+
+def raw_path(digest: str, home: Home) -> Path:
+    """Where the raw recording of a digest is kept."""
+    return home.raw / f"{digest}.mcap"
+
+
+def unit_id(connection: sql.Connection, unit: Unit) -> int:
+    """The unit's key in the catalogue, new if it must be."""
+    said = {name: getattr(unit, name) for name in ("manufacturer", "model", "serial")}
+    catalog.add_new(connection, catalog.units, **said)
+    same = [catalog.units.c[name] == value for name, value in said.items()]
+    return int(connection.execute(sql.select(catalog.units.c.id).where(*same)).scalar_one())
+
+
+def _add(connection: sql.Connection, recording: Recording) -> str:
+    manifest, t = recording.manifest, recording.imu.t
+    run = f"r{recording.digest[:SHORT]}"
+    catalog.add_new(
+        connection,
+        catalog.runs,
+        id=run,
+        digest=recording.digest,
+        recording_id=manifest.recording_id,
+        unit=unit_id(connection, manifest.unit),
+        standard=manifest.standard,
+        taken_in_at=datetime.now(UTC),
+        seconds=float(t[-1] - t[0]),
+        rows=len(t),
+    )
+    return run
+
+
+def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
+    unit, run = catalog.units.c, catalog.runs.c
+    of_run = [run[name] for name in Run.model_fields if name in run]
+    statement = (
+        sql.select(*of_run, unit.manufacturer, unit.model, unit.serial)
+        .join_from(catalog.runs, catalog.units)
+        .where(which)
+        .order_by(run.taken_in_at, run.id)
+    )
+    return [Run.model_validate(dict(row._mapping)) for row in catalog.rows(home, statement)]
+
+
+def _one(home: Home, which: sql.ColumnElement[bool]) -> Run:
+    (run,) = _runs(home, which)
+    return run
+
+
+def _write_columns(recording: Recording, home: Home) -> None:
+    folder = home.columns / recording.digest
+    if folder.exists():
+        return
+    try:
+        write_columns(recording, folder)
+    except FileExistsError:
+        return  # somebody else was faster with the same content
+    except OSError as error:
+        raise Unusable(
+            f"{folder} cannot be written ({error.strerror or error}); make room or give rights "
+            "there, or let MIMUCAL_HOME name a folder that can be written."
+        ) from error
+
+
+def _load_raw(run: Run, home: Home) -> Recording:
+    path = raw_path(run.digest, home)
+    if not path.exists():
+        raise Unusable(
+            f"The raw recording {path} of run {run.id} is missing; import {run.recording_id} "
+            "again from its source."
+        )
+    recording = read_mcap(path)
+    if recording.digest != run.digest:
+        raise Unusable(
+            f"The raw recording {path} is not what was taken in (digest "
+            f"{recording.digest[:SHORT]}); move it away and import {run.recording_id} again "
+            "from its source."
+        )
+    return recording

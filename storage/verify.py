@@ -1,0 +1,173 @@
+"""Whether everything that is kept is still what it was when it was taken in."""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from pathlib import Path
+
+import sqlalchemy as sql
+
+from schemas.base import Frozen, Unusable
+from storage import catalog
+from storage.certificates import Entry, certificate_of, certificates
+from storage.columns import read_columns
+from storage.content import fingerprint
+from storage.home import Home
+from storage.raw import read_mcap
+from storage.results import calibration_of
+from storage.runs import Run, raw_path, runs
+from storage.sources import read
+
+DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
+UNKNOWN = "import it if it is a recording that you want, else move it away"
+
+Progress = Callable[[int, int], None]
+
+
+class Fault(Frozen):
+    """What is wrong with what; `why` ends with the way out."""
+
+    what: str
+    why: str
+
+
+Check = Callable[[], Iterable[Fault]]
+
+
+def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Fault]]:
+    """Reads everything in the store again; gives how many things were checked, and the faults.
+
+    Raw recordings and columns against their digest, results as documents of a run, PDFs and
+    records against the SHA-256 kept at issue, and files that the catalogue does not know.
+    `progress(done, total)` is called after each.
+    """
+    return _carry_out(list(_checks(home)), progress)
+
+
+def verify_path(path: Path, progress: Progress | None = None) -> tuple[int, list[Fault]]:
+    """Reads one recording, folder or MCAP, in full; gives 1 and its faults."""
+    return _carry_out([partial(_readable, path)], progress)
+
+
+def _carry_out(checks: list[Check], progress: Progress | None) -> tuple[int, list[Fault]]:
+    faults: list[Fault] = []
+    for done, check in enumerate(checks, start=1):
+        faults += check()
+        if progress is not None:
+            progress(done, len(checks))
+    return len(checks), faults
+
+
+def _checks(home: Home) -> Iterator[Check]:
+    kept, register = runs(home), certificates(home)
+    for run in kept:
+        yield partial(_raw, run, home)
+        if (home.columns / run.digest).exists():  # missing columns are made again when needed
+            yield partial(_columns, run, home)
+    for row in catalog.rows(home, sql.select(catalog.results)):
+        yield partial(_result, row, {run.id: run.digest for run in kept})
+    for entry in register:
+        yield partial(_unchanged, home.path / entry.pdf, entry.pdf_sha256)
+        yield partial(_unchanged, home.path / entry.record, entry.record_sha256)
+        yield partial(_record, entry, home)
+    for stray in _strays(home, kept, register):
+        yield partial(iter, (stray,))
+
+
+def _readable(path: Path) -> Iterator[Fault]:
+    try:
+        read(path)
+    except Unusable as error:
+        yield Fault(what=str(path), why=str(error))
+
+
+def _raw(run: Run, home: Home) -> Iterator[Fault]:
+    path = raw_path(run.digest, home)
+    again = f"import {run.recording_id} again from its source"
+    if not path.exists():
+        yield Fault(what=str(path), why=f"the raw recording of run {run.id} is missing; {again}")
+        return
+    try:
+        found = read_mcap(path).digest
+    except Unusable as error:
+        yield Fault(what=str(path), why=f"{error} Move the file away and {again}.")
+        return
+    if found != run.digest:
+        yield Fault(
+            what=str(path),
+            why=f"the content has the digest {found}, not that of run {run.id}; move the file "
+            f"away and {again}",
+        )
+
+
+def _columns(run: Run, home: Home) -> Iterator[Fault]:
+    folder = home.columns / run.digest
+    try:
+        same = fingerprint(read_columns(folder)) == run.digest
+    except Unusable:
+        same = False
+    if not same:
+        yield Fault(
+            what=str(folder),
+            why=f"the columns are not those of run {run.id}; delete the folder, and they are made "
+            "again from raw when they are needed",
+        )
+
+
+def _result(row: sql.Row, digests: dict[str, str]) -> Iterator[Fault]:
+    what = f"result {row.id}"
+    try:
+        calibration = calibration_of(row)
+    except Unusable as error:
+        yield Fault(what=what, why=str(error))
+        return
+    if calibration.run != row.run or digests.get(row.run) != calibration.digest:
+        yield Fault(
+            what=what,
+            why=f"it speaks of run {calibration.run} with digest {calibration.digest}, which is "
+            f"not what run {row.run} holds; calibrate run {row.run} again",
+        )
+
+
+def _unchanged(path: Path, expected: str) -> Iterator[Fault]:
+    try:
+        with path.open("rb") as opened:
+            found = hashlib.file_digest(opened, "sha256").hexdigest()
+    except OSError as error:
+        yield Fault(what=str(path), why=f"{error.strerror}; bring it back from a backup")
+        return
+    if found != expected:
+        yield Fault(
+            what=str(path), why="it was changed after it was kept; bring it back from a backup"
+        )
+
+
+def _record(entry: Entry, home: Home) -> Iterator[Fault]:
+    """Whether the record says what the register says."""
+    try:
+        record = certificate_of(entry.number, home)
+    except Unusable as error:
+        yield Fault(what=f"certificate {entry.number}", why=str(error))
+        return
+    said = (record.number, record.state, record.decision.verdict, record.due)
+    if said != (entry.number, entry.state, entry.verdict, entry.due):
+        yield Fault(
+            what=f"certificate {entry.number}",
+            why="the register and the record differ in number, state, verdict or due date; "
+            "believe the record, and bring the catalogue back from a backup",
+        )
+
+
+def _strays(home: Home, kept: list[Run], register: list[Entry]) -> Iterator[Fault]:
+    known = {raw_path(run.digest, home) for run in kept}
+    known |= {home.columns / run.digest for run in kept}
+    known |= {home.path / name for entry in register for name in (entry.pdf, entry.record)}
+    for folder in (home.raw, home.columns, home.certificates):
+        for path in sorted(folder.glob("*")):
+            if path in known:
+                continue
+            if not path.name.startswith("."):
+                yield Fault(what=str(path), why=f"the catalogue does not know it; {UNKNOWN}")
+            elif time.time() - path.stat().st_mtime > DRAFT_AGE_S:
+                yield Fault(what=str(path), why="left by what was broken off; delete it")
