@@ -176,6 +176,8 @@ def encode(kind: str, numbers: Mapping[str, np.ndarray], texts: Texts) -> np.nda
     block = np.tile(np.frombuffer(blank, dtype=np.uint8), (rows, 1))
     view = block.view(_walk(kind, blank).numbers)[:, 0]
     for name, values in numbers.items():
+        if len(values) != rows:
+            raise ValueError(f"{name} has {len(values)} rows, the fields before it {rows}")
         view[name] = values
     return block
 

@@ -87,7 +87,7 @@ def _check_time(where: str, t: np.ndarray) -> None:
     if np.abs(t).max() > LONGEST:
         row = int((np.abs(t) > LONGEST).argmax())
         raise Unusable(
-            f"{where}: column t, row {row + 1}: {t[row]!r} s is more than 26 days; "
+            f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days; "
             "let the time start near zero."
         )
     stands = np.diff(t) <= 0

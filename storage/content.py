@@ -4,7 +4,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NoReturn
 
 import numpy as np
 from pydantic import ValidationError
@@ -25,11 +24,10 @@ def nanoseconds(t: np.ndarray) -> np.ndarray:
 def manifest_of(text: bytes | str, where: str) -> Manifest:
     """The manifest in a JSON text; raises Unusable naming `where` and the first fault."""
     try:
-        fields = json.loads(
-            text.decode("utf-8-sig") if isinstance(text, bytes) else text, parse_constant=_no_number
-        )
-    except UnicodeDecodeError as error:
-        raise Unusable(f"{where} is not UTF-8 (byte {error.start}); save it as UTF-8.") from error
+        fields = json.loads(text.decode("utf-8-sig") if isinstance(text, bytes) else text)
+        json.dumps(fields, allow_nan=False, ensure_ascii=False).encode()  # as it will be kept
+    except UnicodeError as error:
+        raise Unusable(f"{where} is not UTF-8 text ({error}); save it as UTF-8.") from error
     except (ValueError, RecursionError) as error:
         raise Unusable(f"{where} is not JSON ({error}); correct it there.") from error
     if not isinstance(fields, dict):
@@ -41,10 +39,6 @@ def manifest_of(text: bytes | str, where: str) -> Manifest:
         return Manifest.model_validate(fields)
     except ValidationError as error:
         raise Unusable(f"{where}: {first_fault(error)}; correct it there.") from error
-
-
-def _no_number(text: str) -> NoReturn:
-    raise ValueError(f"{text} is not a JSON number")
 
 
 def as_raw(recording: Recording) -> Recording:

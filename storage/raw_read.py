@@ -132,7 +132,10 @@ def _our_streams(file: Gathered, imu: Topic, salvage: bool) -> dict[str, Timed]:
     ]
     if air:
         timed["environment"] = _side_by_side(file, air, salvage)
-    return {name: (stamps, columns) for name, (stamps, columns) in timed.items() if len(stamps)}
+    timed = {name: (stamps, columns) for name, (stamps, columns) in timed.items() if len(stamps)}
+    if "imu" not in timed:
+        raise Unusable(f"{file.path}: no reading of the unit is whole; nothing can be salvaged.")
+    return timed
 
 
 def _side_by_side(file: Gathered, parts: list[Timed], salvage: bool) -> Timed:

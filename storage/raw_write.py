@@ -48,7 +48,8 @@ class RawWriter:
         self._out = path.open("xb")
         self._container = Container(self._out)
         self._given: list[tuple[str, Stream]] = []
-        self._lock = threading.Lock()
+        self._giving = threading.Lock()  # held for a moment only: acquisition never waits
+        self._writing = threading.Lock()
         self._done = threading.Event()
         self._fault: BaseException | None = None
         self._thread = threading.Thread(target=self._keep_flushing, daemon=True)
@@ -73,7 +74,7 @@ class RawWriter:
     def manifest(self, manifest: Manifest) -> None:
         """Writes the manifest as it is known now; the last one counts."""
         self._flush()
-        with self._lock:
+        with self._writing:
             _put_manifest(self._container, manifest, 0)
             self._container.flush()
 
@@ -103,7 +104,8 @@ class RawWriter:
     def _give(self, name: str, stream: Stream) -> None:
         if self._fault is not None:
             raise self._fault
-        with self._lock:
+        _check_after_zero(name, stream)
+        with self._giving:
             self._given.append((name, stream))
 
     def _keep_flushing(self) -> None:
@@ -117,8 +119,9 @@ class RawWriter:
     def _flush(self) -> None:
         if self._fault is not None:
             raise self._fault
-        with self._lock:
-            given, self._given = self._given, []
+        with self._writing:
+            with self._giving:
+                given, self._given = self._given, []
             for name, stream in _joined(given):
                 _put(self._container, name, stream, 0)
             if given:
@@ -127,11 +130,6 @@ class RawWriter:
 
 def _put(container: Container, name: str, stream: Stream, origin: int) -> None:
     stamps = nanoseconds(stream.t) + origin
-    if stamps.size and stamps.min() < 0:
-        raise Unusable(
-            f"The {name} stream has a time of {stream.t.min()} s, and a raw recording knows no "
-            "time before zero; count from the start of the recording."
-        )
     clock = {
         "sec": (stamps // NANO)[:, None],
         "nanosec": (stamps % NANO)[:, None],
@@ -140,6 +138,14 @@ def _put(container: Container, name: str, stream: Stream, origin: int) -> None:
         numbers = dict(batch.numbers) | (clock if batch.texts else {})
         container.messages(
             batch.topic, batch.kind, stamps, encode(batch.kind, numbers, batch.texts)
+        )
+
+
+def _check_after_zero(name: str, stream: Stream) -> None:
+    if len(stream) and stream.t.min() < 0:
+        raise Unusable(
+            f"The {name} stream has a time of {stream.t.min()} s, and a raw recording knows no "
+            "time before zero; count from the start of the recording."
         )
 
 

@@ -24,6 +24,7 @@ THREADS = 2
 AHEAD = 16  # chunks that are open at the same time
 CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
+TOLD = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
 
 Piece = TypeVar("Piece")
@@ -112,7 +113,7 @@ def _chunks(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int]]:
     for opcode, start, stop in _records(data, contents):
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             chunks.append((start, stop))
-        else:
+        elif opcode in TOLD:
             _learn(contents, opcode, data[start + RECORD.size : stop])
     return _merged(data, chunks)
 
