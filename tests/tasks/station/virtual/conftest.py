@@ -1,8 +1,12 @@
 """A real client for the virtual station: pymodbus, by the register map."""
 
+import binascii
+import struct
+import time
 from collections.abc import Callable, Iterator
 
 import pytest
+import serial
 from pymodbus.client import ModbusTcpClient
 
 from schemas.station import (
@@ -86,3 +90,42 @@ def consoles() -> Iterator[Callable[[StationFile], Console]]:
     yield connect
     for console in opened:
         console.client.close()
+
+
+FRAME = struct.Struct("<HIQ3i3ihH")  # written here once more, to judge what comes
+
+
+def frames_heard(station: StationFile, seconds: float) -> bytes:
+    """What comes over the unit's line for a while of wall time."""
+    line = serial.serial_for_url(station.unit_link.url, timeout=0.05)
+    try:
+        end = time.monotonic() + seconds
+        heard = b""
+        while time.monotonic() < end:
+            heard += line.read(42)
+        return heard
+    finally:
+        line.close()
+
+
+def whole_frames(heard: bytes) -> list[tuple[int, ...]]:
+    """Fields of the frames whose check holds, in order."""
+    found, at = [], 0
+    while at + FRAME.size <= len(heard):
+        fields = FRAME.unpack_from(heard, at)
+        if fields[0] == 0x55AA and binascii.crc_hqx(heard[at : at + 40], 0) == fields[-1]:
+            found.append(fields)
+            at += FRAME.size
+        else:
+            at += 1
+    return found
+
+
+@pytest.fixture
+def hear() -> Callable[[StationFile, float], bytes]:
+    return frames_heard
+
+
+@pytest.fixture
+def whole() -> Callable[[bytes], list[tuple[int, ...]]]:
+    return whole_frames
