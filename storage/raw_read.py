@@ -42,16 +42,16 @@ def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = F
     file = Gathered(path)
     imu_topic = _imu_topic(file)
     imu = file.topic(imu_topic)
-    manifest, origin = _manifest(file, manifest)
-    ours = _is_ours(file)
+    said = _said(file)
     if file.damage and not salvage:
-        raise Unusable(_cut_off(file, imu.stamps - _origin(origin, [imu.stamps])))
-    if ours:
+        raise Unusable(_cut_off(file, imu.stamps - _origin(said, [imu.stamps])))
+    manifest = manifest or _manifest(file, said, salvage)
+    if said:
         timed = _our_streams(file, imu, salvage)
         left_out: tuple[str, ...] = ()
     else:
         timed, left_out = _foreign_streams(file, imu, manifest)
-    origin = _origin(origin, [stamps for stamps, _ in timed.values()])
+    origin = _origin(said, [stamps for stamps, _ in timed.values()])
     streams = {
         name: Stream((stamps - origin) / 1e9, columns) for name, (stamps, columns) in timed.items()
     }
@@ -76,29 +76,29 @@ def _imu_topic(file: Gathered) -> str:
     )
 
 
-def _is_ours(file: Gathered) -> bool:
-    return any(record.name == FORMAT for record in file.contents.metadata)
+def _said(file: Gathered) -> list[dict[str, str]]:
+    """What this program wrote into the file about the recording; nothing in a foreign bag."""
+    return [record.metadata for record in file.contents.metadata if record.name == FORMAT]
 
 
-def _manifest(file: Gathered, given: Manifest | None) -> tuple[Manifest, int | None]:
-    """The manifest that counts, and the stamp in ns of time zero where the file says it."""
-    kept = [record.metadata for record in file.contents.metadata if record.name == FORMAT]
-    where = f"{file.path}, metadata {FORMAT}"
-    if not kept:
-        unit = Unit(manufacturer="-", model="-", serial="-")
-        made = Manifest(
-            format=FORMAT, recording_id=file.path.stem, unit=unit, station=Station(id="unknown")
-        )
-        return given or made, None
-    origin = kept[-1].get("origin_ns", "0")
-    if not origin.isdecimal():
-        raise Unusable(f"{where}: origin_ns is {origin!r}, not a whole number of nanoseconds.")
-    return given or manifest_of(kept[-1].get("manifest", ""), where), int(origin)
+def _manifest(file: Gathered, said: list[dict[str, str]], salvage: bool) -> Manifest:
+    """The last manifest in the file; in a damaged file the last that is whole."""
+    for metadata in reversed(said):
+        try:
+            return manifest_of(metadata.get("manifest", ""), f"{file.path}, metadata {FORMAT}")
+        except Unusable:
+            if not salvage:
+                raise
+    unit = Unit(manufacturer="-", model="-", serial="-")
+    station = Station(id="unknown")
+    return Manifest(format=FORMAT, recording_id=file.path.stem, unit=unit, station=station)
 
 
-def _origin(said: int | None, stamps: list[np.ndarray]) -> int:
-    if said is not None:
-        return said
+def _origin(said: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
+    """The stamp in ns of time zero: as the file says, or the earliest if stamps are epochs."""
+    if said:
+        origin = said[-1].get("origin_ns", "0")
+        return int(origin) if origin.isdecimal() else 0
     earliest = min(int(times[0]) for times in stamps)
     return earliest if earliest > LONGEST * NANO else 0
 

@@ -21,6 +21,7 @@ from mcap.records import Channel, Metadata, Schema
 from storage.container import MAGIC, MESSAGE, RECORD
 
 THREADS = 2
+RUN = 2**24  # bytes of messages outside of chunks that are taken together
 AHEAD = 16  # chunks that are open at the same time
 CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
@@ -154,7 +155,7 @@ def _merged(data: mmap.mmap, places: list[tuple[int, int]]) -> Iterator[tuple[in
     run: tuple[int, int] | None = None
     for start, stop in places:
         loose = data[start] == Opcode.MESSAGE
-        if run and loose and run[1] == start:
+        if run and loose and run[1] == start and stop - run[0] <= RUN:
             run = (run[0], stop)
             continue
         if run:

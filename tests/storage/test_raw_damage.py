@@ -59,6 +59,16 @@ def test_changed_manifest_is_found(long_file: Path) -> None:
         read_mcap(long_file)
 
 
+def test_last_manifest_that_is_whole_is_taken(long_file: Path) -> None:
+    data = long_file.read_bytes()
+    long_file.write_bytes(data.replace(b'{"format":"mimu', b'("format":"mimu', 1))
+    with pytest.raises(Unusable, match="damaged"):
+        read_mcap(long_file)
+    saved = read_mcap(long_file, salvage=True)
+    assert saved.manifest.recording_id == "long"
+    assert len(saved.imu) == 9006
+
+
 @pytest.mark.parametrize("content", [b"", b"not MCAP at all", b"\x89MCAP0\r\n"])
 def test_file_without_any_message_is_refused(content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "raw.mcap"
