@@ -254,27 +254,27 @@ def serve(
     serve_station(host, port, speed, tuple(fault or ()), seed, station_file, truth)
 
 
-def _ordered(order: str, **parameters: Any) -> Any:
+def _ordered(name: str, **parameters: Any) -> Any:
     """Carry out an order: as a flow run where a Prefect server is named, else right here."""
     from flows.orders import server_named
 
     if server_named():
-        return _as_flow(order, **parameters)
+        return _as_flow(name, **parameters)
     from flows import here
     from flows.progress import working
 
-    with working(f"{order} {parameters['reference']}"):
-        return getattr(here, order)(**parameters)
+    with working(f"{name} {parameters['reference']}"):
+        return getattr(here, name)(**parameters)
 
 
-def _as_flow(order: str, **parameters: Any) -> Any:
+def _as_flow(name: str, **parameters: Any) -> Any:
     from flows.orders import prepare
     from storage.home import home
 
     prepare(home())
     from flows import line
 
-    return line.run_now(getattr(line, order), **parameters)
+    return line.run_now(getattr(line, name), **parameters)
 
 
 def _print_issued(issued: Any, as_json: bool) -> None:

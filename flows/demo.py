@@ -14,6 +14,7 @@ from tasks.stages.remind import due_within
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
+
 DAYS_AHEAD = 400  # the demonstration's unit is due in a year
 
 

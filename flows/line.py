@@ -22,14 +22,14 @@ from tasks.stages.remind import due_within
 from tasks.station.sequence import Acquired
 
 
-def run_now(order: Flow[..., Any], **parameters: Any) -> Any:
+def run_now(named: Flow[..., Any], **parameters: Any) -> Any:
     """Run a flow in this process and return what it returns.
 
     Without its heartbeat, whose thread makes every synchronous flow run wait for a second
     (prefect 3.8).
     """
     with temporary_settings({PREFECT_FLOWS_HEARTBEAT_FREQUENCY: None}):
-        return order(**parameters)
+        return named(**parameters)
 
 
 def _home(folder: str | None) -> Home:
@@ -110,9 +110,7 @@ def _run(reference: str, folder: Home) -> store.Run:
     return as_tasks.take_in(path, folder)[0] if path.exists() else store.find(reference, folder)
 
 
-def _publish(
-    run: store.Run, calibration: Calibration, folder: Home, papers: Papers
-) -> Issued:
+def _publish(run: store.Run, calibration: Calibration, folder: Home, papers: Papers) -> Issued:
     _show_items(calibration)
     issued = as_tasks.publish(
         run,

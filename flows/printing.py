@@ -1,6 +1,7 @@
 """What the command line prints for a person, on standard output."""
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -17,6 +18,12 @@ if TYPE_CHECKING:
 COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
 
 
+def stdout() -> Console:
+    """Standard output; wide where it is no terminal, so that a pipe gets whole lines."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=160)
+
+
 def print_json(document: Any) -> None:
     """One JSON document on standard output."""
     print(json.dumps(document, ensure_ascii=False, indent=1))
@@ -24,7 +31,7 @@ def print_json(document: Any) -> None:
 
 def print_calibration(calibration: Calibration) -> None:
     """A table of every item, then what is unavailable and what the reader must know."""
-    console = Console()
+    console = stdout()
     table = Table(title=f"{calibration.recording_id} · {calibration.procedure}")
     for name, justify in (("item", "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
                           ("unit", "left")):  # fmt: skip
@@ -33,11 +40,11 @@ def print_calibration(calibration: Calibration) -> None:
         _add_item(table, item_name(name)[1], item)
     console.print(table)
     for name, reason in calibration.unavailable.items():
-        console.print(f"[yellow]not determined[/] {item_name(name)[1]}: {reason}", highlight=False)
+        console.print(f"[yellow]not determined[/] {item_name(name)[1]}: {reason}")
     for remark in calibration.remarks:
         mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
-        console.print(remark.en, highlight=False, markup=False)
+        console.print(remark.en, markup=False)
 
 
 def _add_item(table: Table, name: str, item: Item) -> None:
@@ -55,14 +62,15 @@ def _add_item(table: Table, name: str, item: Item) -> None:
         )
 
 
-def print_rows(title: str, columns: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
+def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     """A plain table."""
-    table = Table(title=title)
-    for name in columns:
-        table.add_column(name, overflow="fold")
+    table = Table()
+    for number, name in enumerate(columns):
+        table.add_column(name, overflow="fold", no_wrap=number == 0)
     for row in rows:
         table.add_row(*row)
-    Console().print(table)
+    print(title)
+    stdout().print(table)
 
 
 def verdict_text(verdict: Verdict) -> str:
@@ -71,11 +79,11 @@ def verdict_text(verdict: Verdict) -> str:
 
 def print_verdict(issued: "Issued") -> None:
     """The verdict, why, when the unit is due again, and where the certificate lies."""
-    certificate, console = issued.certificate, Console()
+    certificate, console = issued.certificate, stdout()
     verdict = certificate.decision.verdict
     console.print(f"{certificate.number}: {verdict_text(verdict)} ({certificate.state})")
     for reason in certificate.decision.reasons:
-        console.print(f"  {reason}", highlight=False, markup=False)
-    console.print(f"recalibration due {certificate.due}", highlight=False)
+        console.print(f"  {reason}", markup=False)
+    console.print(f"recalibration due {certificate.due}")
     print(issued.pdf)
     print(issued.record)

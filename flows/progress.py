@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from tasks.station.sequence import Progress as StationProgress
 
 
-def stderr() -> Console:
-    return Console(stderr=True)
+CONSOLE = Console(stderr=True)
 
 
 @contextmanager
@@ -23,7 +22,7 @@ def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
         BarColumn(),
         TextColumn("{task.completed:5.0f} of {task.total:.0f} s station time"),
         TextColumn("{task.fields[left]}"),
-        console=stderr(),
+        console=CONSOLE,
     ) as bar:
         shown = bar.add_task("connecting", total=1.0, left="")
 
@@ -44,7 +43,8 @@ def working(description: str) -> Iterator[None]:
     """A spinner with the time elapsed, for work whose end is not known beforehand."""
     with Progress(
         SpinnerColumn(), TextColumn(description), TimeElapsedColumn(),
-        console=stderr(), transient=True,
+        console=CONSOLE, transient=True,
+        disable=not CONSOLE.is_terminal,
     ) as bar:  # fmt: skip
         bar.add_task(description, total=None)
         yield
@@ -53,9 +53,10 @@ def working(description: str) -> Iterator[None]:
 @contextmanager
 def counting(description: str) -> Iterator[Callable[[int, int], None]]:
     """A bar over counted things; yields the function (done, total) that moves it."""
+    count = TextColumn("{task.completed:.0f} of {task.total:.0f}")
     with Progress(
-        TextColumn(description), BarColumn(), TextColumn("{task.completed:.0f} of {task.total:.0f}"),
-        console=stderr(), transient=True,
+        TextColumn(description), BarColumn(), count,
+        console=CONSOLE, transient=True, disable=not CONSOLE.is_terminal,
     ) as bar:  # fmt: skip
         shown = bar.add_task(description, total=1)
         yield lambda done, total: bar.update(shown, completed=done, total=total)

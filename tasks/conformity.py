@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
-from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict
+from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
 from tasks.certificate.names import ITEMS, SECOND_VALUE, item_name, unit_text
 from tasks.uncertainty.rounding import MINUS
 
@@ -25,7 +25,7 @@ def decide(calibration: Calibration, tolerance: Tolerance | None) -> Decision:
 
     Fail if any limited element is outside its limits; else inconclusive if a limited element
     has no value or no uncertainty, a remark blocks a pass, or there is no tolerance; else pass.
-    An upper limit alone limits the magnitude: |value| ≤ upper. Raises Unusable where the
+    A lower or an upper limit alone is one-sided. Raises Unusable where the
     tolerance does not speak of this calibration: unknown item or element, another unit.
     """
     limits = tolerance.limits if tolerance else ()
@@ -66,8 +66,8 @@ def _against(calibration: Calibration, limit: Limit) -> Iterator[LimitDecision]:
             applied_to=limit.applied_to,
             value=value,
             U=U,
-            lower=limit.lower,
-            upper=limit.upper,
+            lower=bounds(limit)[0],
+            upper=bounds(limit)[1],
             verdict=_verdict(value, U, limit, _withdrawn(calibration, limit.item)),
         )
 
@@ -75,15 +75,12 @@ def _against(calibration: Calibration, limit: Limit) -> Iterator[LimitDecision]:
 def _verdict(value: float | None, U: float | None, limit: Limit, withdrawn: bool) -> Verdict:
     if value is None or U is None or withdrawn:
         return "inconclusive"
-    lower, upper = _bounds(limit.lower, limit.upper)
+    lower, upper = _interval(*bounds(limit))
     return "pass" if lower <= value <= upper else "fail"
 
 
-def _bounds(lower: float | None, upper: float | None) -> tuple[float, float]:
-    if lower is None:
-        assert upper is not None  # schemas.tolerance.Limit has one of the two
-        return -upper, upper
-    return lower, math.inf if upper is None else upper
+def _interval(lower: float | None, upper: float | None) -> tuple[float, float]:
+    return -math.inf if lower is None else lower, math.inf if upper is None else upper
 
 
 def _check(calibration: Calibration, item: Item | None, limit: Limit) -> None:
@@ -111,11 +108,6 @@ def _check(calibration: Calibration, item: Item | None, limit: Limit) -> None:
         raise Unusable(
             f"{place} with applied_to = {limit.applied_to!r}, a quantity that this item does not "
             "have: apply the limit to 'value'."
-        )
-    if limit.lower is None and limit.upper is not None and limit.upper < 0:
-        raise Unusable(
-            f"{place} with only upper = {limit.upper}; an upper limit alone limits the magnitude "
-            "and cannot be negative: give `lower` as well."
         )
 
 
@@ -165,8 +157,11 @@ def _outside(made: LimitDecision) -> Reason:
     zh, en = item_name(made.item)
     unit = unit_text(made.unit)
     value = _text(made.value)
-    lower, upper = _bounds(made.lower, made.upper)
-    wanted = f"{_text(lower)} … {_text(upper)}" if math.isfinite(upper) else f"≥ {_text(lower)}"
+    wanted = f"{_text(made.lower)} … {_text(made.upper)}"
+    if made.lower is None:
+        wanted = f"≤ {_text(made.upper)}"
+    elif made.upper is None:
+        wanted = f"≥ {_text(made.lower)}"
     return (
         f"{en} ({made.element}): {value} {unit} is outside {wanted} {unit}",
         f"{zh}（{made.element}）：{value} {unit} 超出 {wanted} {unit}",

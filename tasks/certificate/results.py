@@ -160,7 +160,7 @@ def _limit(made: LimitDecision, exponent: int) -> str:
     """Limits as printed; (a), (b) name the column where an item has two values."""
     lower, upper = _plain(made.lower, exponent), _plain(made.upper, exponent)
     if made.lower is None:
-        wanted = f"±{upper}"  # an upper limit alone limits the magnitude
+        wanted = f"≤ {upper}"
     elif made.upper is None:
         wanted = f"≥ {lower}"
     else:

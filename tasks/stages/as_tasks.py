@@ -15,21 +15,18 @@ from sqlalchemy.exc import OperationalError
 from tasks.stages import certify, estimate, record
 
 
-def _is_passing(task_: Task[..., Any], run: TaskRun, state: State[Any]) -> bool:
-    """Whether what failed may succeed if it is tried again: a busy database."""
+def _is_busy(task_: Task[..., Any], run: TaskRun, state: State[Any]) -> bool:
+    """Whether another process held the database, so that trying again makes sense."""
     return isinstance(state.result(raise_on_failure=False), OperationalError)
 
 
-acquire_run = task(record.acquire_run, name="acquire", cache_policy=NO_CACHE)
-take_in = task(
-    record.take_in, name="take in", cache_policy=NO_CACHE,
-    retries=2, retry_delay_seconds=1, retry_condition_fn=_is_passing,
-)  # fmt: skip
-estimate_items = task(
-    estimate.estimate, name="estimate", cache_policy=NO_CACHE,
-    retries=2, retry_delay_seconds=1, retry_condition_fn=_is_passing,
-)  # fmt: skip
-publish = task(
-    certify.certify, name="decide and publish", cache_policy=NO_CACHE,
-    retries=2, retry_delay_seconds=1, retry_condition_fn=_is_passing,
-)  # fmt: skip
+acquire_run = task(name="acquire", cache_policy=NO_CACHE)(record.acquire_run)
+_again: dict[str, Any] = {
+    "cache_policy": NO_CACHE,
+    "retries": 2,
+    "retry_delay_seconds": 1,
+    "retry_condition_fn": _is_busy,
+}
+take_in = task(name="take in", **_again)(record.take_in)
+estimate_items = task(name="estimate", **_again)(estimate.estimate)
+publish = task(name="decide and publish", **_again)(certify.certify)

@@ -1,9 +1,10 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
+from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.tolerance import Tolerance
@@ -42,11 +43,16 @@ def certify(
     """
     manifest = store.load(run, home).manifest
     unit = manifest.unit
+    if tolerance and (tolerance.manufacturer, tolerance.model) != (unit.manufacturer, unit.model):
+        raise Unusable(
+            f"the limits are those of {tolerance.manufacturer} {tolerance.model}, but run {run.id} "
+            f"is of {unit.manufacturer} {unit.model}: give the limits of that model"
+        )
     tolerance = tolerance or settings.tolerance_for(unit.manufacturer, unit.model, home)
     laboratory = laboratory or settings.laboratory(home)
     today = datetime.now(UTC).date()
     months = order.interval_months if order else DEFAULT_MONTHS
-    calibrated_on = date.fromisoformat(run.taken_in_at[:10])
+    calibrated_on = run.taken_in_at.date()
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(
         number=store.reserve_number(home, prefix, today.year),

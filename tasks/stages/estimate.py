@@ -19,5 +19,5 @@ def estimate(run: Run, home: Home, method: Method = "jjf2003") -> Calibration:
         )
     recording = store.load(run, home)
     calibration = METHODS[method](recording, run=run.id, code_version=code_version())
-    store.save_result(calibration, home, why="calibrated again")
+    store.save_result(calibration, home)
     return calibration

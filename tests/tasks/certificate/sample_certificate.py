@@ -92,8 +92,8 @@ def tolerance(**changes: Any) -> Tolerance:
     limits = (
         Limit(item="gyro_scale_factor", unit="1", lower=0.997, upper=1.003),
         Limit(item="gyro_bias", unit="deg/s", lower=-0.05, upper=0.05),
-        Limit(item="gyro_cross_coupling", unit="1", upper=0.001),
-        Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", upper=0.01,
+        Limit(item="gyro_cross_coupling", unit="1", magnitude=0.001),
+        Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", magnitude=0.01,
               applied_to="value_without_earth_rotation"),
         Limit(item="accel_scale_factor", unit="1", lower=0.9995, upper=1.0005),
         Limit(item="accel_bias", unit="m/s2", lower=-0.03, upper=0.03),

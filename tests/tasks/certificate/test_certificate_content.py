@@ -81,7 +81,7 @@ def test_small_coefficients_and_their_limits_share_one_power_of_ten() -> None:
         update={"value": {e: 1e-5 for e in p.value}, "U": {e: 1.3e-7 for e in p.U}}
     )
     result = calibration(items=given)
-    limit = Limit(item="accel_rate_sensitivity", unit="m", upper=5e-5)
+    limit = Limit(item="accel_rate_sensitivity", unit="m", magnitude=5e-5)
     made = content(certificate(result, decide(result, tolerance(limits=(limit,)))))
     rate = made.sections[5].groups[0]
     assert rate.exponent == -3

@@ -1,0 +1,126 @@
+"""Each check names segment, channel and number."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from schemas.calibration import Remark
+from schemas.recording import Recording, Stream
+from tasks.items.jjf2003 import calibrate
+from tasks.segments.check import wrong_rate_unit
+from tasks.segments.summarise import summarise_all
+
+
+def remarks(recording: Recording, code: str) -> list[Remark]:
+    calibration = calibrate(recording, run="r", code_version="v")
+    return [remark for remark in calibration.remarks if remark.code == code]
+
+
+def relabelled(recording: Recording, name: str, **changes: Any) -> Recording:
+    segments = tuple(
+        s.model_copy(update=changes) if s.name == name else s for s in recording.manifest.segments
+    )
+    manifest = recording.manifest.model_copy(update={"segments": segments})
+    return replace(recording, manifest=manifest)
+
+
+def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None]) -> Recording:
+    segment = next(s for s in recording.manifest.segments if s.name == name)
+    columns = {key: values.copy() for key, values in recording.imu.columns.items()}
+    edit(columns, recording.imu.rows(segment.t_start, segment.t_end))
+    return replace(recording, imu=Stream(recording.imu.t, columns))
+
+
+def test_a_clean_run_has_no_remark_that_blocks(ideal_run) -> None:
+    calibration = calibrate(ideal_run(), run="r", code_version="v")
+    assert [r.en for r in calibration.remarks if r.blocks_pass] == []
+
+
+def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(ideal_run) -> None:
+    recording = relabelled(ideal_run(), "position_+x_000", up="-x")
+    (remark,) = remarks(recording, "position_contradicted")
+    assert remark.segments == ("position_+x_000",)
+    assert "accel_x reads +9.800" in remark.en
+    assert "+x" in remark.zh
+    assert remark.blocks_pass
+
+
+def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run) -> None:
+    recording = relabelled(ideal_run(), "rate_y_+100", rate_deg_s=150.0)
+    (remark,) = remarks(recording, "rate_contradicted")
+    assert "gyro_y shows +100.0000 deg/s" in remark.en
+    scale = calibrate(recording, run="r", code_version="v").items["gyro_scale_factor"]
+    assert scale.value["y"] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
+    recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
+    (remark,) = remarks(recording, "rate_contradicted")
+    assert "the table shows +100.0000 deg/s" in remark.en
+    honest = calibrate(plant("plant_clean"), run="r", code_version="v")
+    told = calibrate(recording, run="r", code_version="v")
+    assert told.items["gyro_scale_factor"] == honest.items["gyro_scale_factor"]
+
+
+def test_a_stuck_channel_is_named_with_its_value_and_length(plant) -> None:
+    def stick(columns: dict, rows: slice) -> None:
+        columns["gyro_z"][rows.start + 100 : rows.start + 700] = 0.25
+
+    recording = edited(plant("plant_clean"), "rest_x", stick)
+    (remark,) = remarks(recording, "stuck")
+    assert remark.segments == ("rest_x",)
+    assert "gyro_z stood still at 0.25 for 600 rows" in remark.en
+
+
+def test_lost_samples_are_counted_with_the_longest_gap(plant) -> None:
+    recording = plant("plant_clean")
+    segment = next(s for s in recording.manifest.segments if s.name == "rest_x")
+    rows = recording.imu.rows(segment.t_start, segment.t_end)
+    keep = np.ones(len(recording.imu), bool)
+    keep[rows.start + 500 : rows.start + 520] = False
+    columns = {name: values[keep] for name, values in recording.imu.columns.items()}
+    (remark,) = remarks(
+        replace(recording, imu=Stream(recording.imu.t[keep], columns)), "lost_samples"
+    )
+    assert "20 samples lost in 1 gaps" in remark.en
+
+
+def test_too_short_points_are_listed_with_their_length(ideal_run) -> None:
+    (remark,) = remarks(ideal_run(dwell=20.0), "short_dwell")
+    assert remark.blocks_pass
+    assert "position_+x_000 20.0 s" in remark.en
+
+
+def test_air_outside_clause_6_is_named_with_its_segment(ideal_run) -> None:
+    recording = ideal_run()
+    air = recording.environment
+    hot = Stream(air.t, {**air.columns, "temperature": np.where(air.t < 45, 26.0, 20.0)})
+    found = remarks(replace(recording, environment=hot), "environment")
+    assert [r.segments[0] for r in found] == ["position_+x_000", "position_+x_180"]
+    assert "26.0 °C is outside 15 to 25 °C" in found[0].en
+
+
+def test_air_that_was_not_recorded_blocks_a_pass(ideal_run) -> None:
+    (remark,) = remarks(replace(ideal_run(), environment=None), "environment_not_recorded")
+    assert remark.blocks_pass
+
+
+@pytest.mark.parametrize("factor", [np.pi / 180, 180 / np.pi])
+def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: float) -> None:
+    recording = ideal_run()
+    segments = tuple(
+        s.model_copy(update={"rate_deg_s": s.rate_deg_s * factor}) if s.kind == "rate" else s
+        for s in recording.manifest.segments
+    )
+    sentence = wrong_rate_unit(recording, summarise_all(recording, segments, "label"))
+    assert "30 segments" in sentence
+    assert "57.3" in sentence
+
+
+def test_right_units_are_not_refused(ideal_run, real) -> None:
+    for recording in (ideal_run(), real("vn200_imu0_rate_table")):
+        labels = recording.manifest.segments
+        assert wrong_rate_unit(recording, summarise_all(recording, labels, "label")) is None

@@ -1,0 +1,77 @@
+"""Means that transmission errors do not spoil."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from schemas.recording import ACCEL, GYRO, Segment, Stream
+from tasks.segments.summarise import allan_variances, summarise
+
+HELD = Segment(name="held", kind="static", t_start=0.0, t_end=30.0, up="+z")
+
+
+def stream(values: np.ndarray) -> Stream:
+    columns = dict(zip(GYRO + ACCEL, values.T, strict=True))
+    return Stream(np.round(np.arange(len(values)) * 0.01, 9), columns)
+
+
+def noise(rows: int = 3000) -> np.ndarray:
+    return np.random.default_rng(5).normal(0.0, 0.01, (rows, 6))
+
+
+def test_a_clean_segment_loses_no_row() -> None:
+    summary = summarise(stream(noise()), HELD, "label")
+    assert (summary.rows, summary.left_out) == (3000, 0)
+    assert np.allclose(summary.mean, noise().mean(axis=0))
+
+
+def test_spikes_of_any_size_are_left_out_and_counted() -> None:
+    spoiled = noise()
+    spoiled[[10, 500, 2000], 4] = (1.06e5, -9.68, 0.3)
+    summary = summarise(stream(spoiled), HELD, "label")
+    assert summary.left_out == 3
+    assert summary.far_rows.tolist() == [0, 0, 0, 0, 3, 0]
+    assert np.abs(summary.mean).max() < 0.001
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(st.integers(0, 2999), min_size=1, max_size=300, unique=True),
+    st.floats(1.0, 1e6),
+)
+def test_even_a_tenth_of_corrupted_rows_does_not_move_the_mean(
+    rows: list[int], size: float
+) -> None:
+    spoiled = noise()
+    spoiled[rows, 1] += size
+    summary = summarise(stream(spoiled), HELD, "label")
+    assert np.abs(summary.mean).max() < 0.002
+
+
+def test_a_long_disturbance_is_told_from_a_corrupted_row() -> None:
+    spoiled = noise()
+    spoiled[2900:2940, 3] += np.linspace(0.5, 2.0, 40)
+    summary = summarise(stream(spoiled), HELD, "label")
+    assert summary.longest_burst >= 40
+    assert summary.left_out >= 40
+
+
+def test_a_triad_that_was_not_recorded_is_not_a_number_and_spoils_nothing() -> None:
+    values = noise()
+    values[:, :3] = np.nan
+    summary = summarise(stream(values), HELD, "label")
+    assert not summary.has_gyro
+    assert summary.has_accel
+    assert summary.left_out == 0
+
+
+def test_a_segment_without_rows_has_no_summary() -> None:
+    late = HELD.model_copy(update={"t_start": 100.0, "t_end": 130.0})
+    assert summarise(stream(noise()), late, "label") is None
+
+
+def test_allan_variance_of_white_noise_falls_with_the_block_length() -> None:
+    values = np.random.default_rng(1).normal(0.0, 1.0, (320_000, 6))
+    variances, tau = allan_variances(values, 3200.0)
+    expected = 0.01 / tau  # unit variance at 100 Hz
+    assert np.allclose(variances[:3].mean(axis=1), expected[:3], rtol=0.3)

@@ -1,0 +1,104 @@
+"""Type A uncertainty of means of correlated samples, against simulated noise."""
+
+import numpy as np
+import pytest
+
+from schemas.recording import ACCEL, GYRO, Segment, Stream
+from tasks.segments.summarise import SegmentMean, summarise
+from tasks.uncertainty.type_a import covariance_of_means, fit_noise
+
+RATE = 20.0
+DWELL = 30.0
+
+
+def flicker(rng: np.random.Generator, rows: int, strength: float) -> np.ndarray:
+    """1/f noise (rows, 6) with S(f) = strength/f (one-sided), made in the frequency domain.
+
+    Four times as long as asked, so that it also wanders slower than what is used of it.
+    """
+    long = 4 * rows
+    frequency = np.fft.rfftfreq(long, 1 / RATE)
+    frequency[0] = np.inf
+    amplitude = np.sqrt(strength / frequency * RATE * long / 2)
+    phases = rng.normal(size=(len(frequency), 6)) + 1j * rng.normal(size=(len(frequency), 6))
+    return np.fft.irfft(amplitude[:, None] * phases / np.sqrt(2), long, axis=0)[:rows]
+
+
+def segments_of(values: np.ndarray) -> tuple[SegmentMean, ...]:
+    t = np.round(np.arange(len(values)) / RATE, 9)
+    imu = Stream(t, dict(zip(GYRO + ACCEL, values.T, strict=True)))
+    starts = np.arange(0.0, t[-1] - DWELL + 1, DWELL)
+    labels = (
+        Segment(name=f"s{i}", kind="static", t_start=s, t_end=s + DWELL)
+        for i, s in enumerate(starts)
+    )
+    return tuple(s for s in (summarise(imu, label, "label") for label in labels) if s)
+
+
+def ratio_of_contrasts(values_of, runs: int, weights_of) -> float:
+    """Rms of (weights·means) over its stated standard uncertainty, over runs × 6 channels."""
+    squares = []
+    for seed in range(runs):
+        segments = segments_of(values_of(np.random.default_rng(seed)))
+        noise = fit_noise(segments)
+        means = np.array([s.mean for s in segments])
+        weights = weights_of(len(segments))
+        for channel in range(6):
+            variance = weights @ covariance_of_means(segments, noise, channel) @ weights
+            squares.append((weights @ means[:, channel]) ** 2 / variance)
+    return float(np.sqrt(np.mean(squares)))
+
+
+def first_against_second_half(count: int) -> np.ndarray:
+    sign = np.where(np.arange(count) < count // 2, 1.0, -1.0)
+    return sign / count
+
+
+def neighbours(count: int) -> np.ndarray:
+    return (-1.0) ** np.arange(count) / count
+
+
+@pytest.mark.parametrize("weights", [first_against_second_half, neighbours])
+@pytest.mark.parametrize("drift", [0.0, 1e-4])
+def test_differences_of_means_scatter_as_stated(weights, drift: float) -> None:
+    def values(rng: np.random.Generator) -> np.ndarray:
+        rows = round(24 * DWELL * RATE)
+        white = rng.normal(0.0, 0.05, (rows, 6))
+        return white + (flicker(rng, rows, drift) if drift else 0.0)
+
+    assert 0.75 < ratio_of_contrasts(values, 60, weights) < 1.25
+
+
+def test_correlated_samples_are_not_counted_as_independent() -> None:
+    rng = np.random.default_rng(0)
+    rows = round(24 * DWELL * RATE)
+    correlated = np.zeros((rows, 6))
+    for i in range(1, rows):
+        correlated[i] = 0.95 * correlated[i - 1] + rng.normal(0.0, 0.05, 6)
+    segments = segments_of(correlated)
+    stated = np.sqrt(covariance_of_means(segments, fit_noise(segments), 0)[0, 0])
+    naive = correlated[:, 0].std() / np.sqrt(DWELL * RATE)
+    assert stated > 4 * naive  # the truth is sqrt(1.95/0.05) = 6.2 times the naive value
+    observed = np.array([s.mean for s in segments])[:, 0].std()
+    # White plus flicker is not this noise's shape: it may be overstated, never understated.
+    assert 0.8 * observed < stated < 5 * observed
+
+
+def test_white_noise_alone_gives_sigma_over_root_n() -> None:
+    rows = round(24 * DWELL * RATE)
+    segments = segments_of(np.random.default_rng(1).normal(0.0, 0.05, (rows, 6)))
+    noise, weights = fit_noise(segments), neighbours(len(segments))
+    covariances = [covariance_of_means(segments, noise, channel) for channel in range(6)]
+    stated = np.sqrt(np.median([weights @ each @ weights for each in covariances]))
+    assert stated == pytest.approx(0.05 / np.sqrt(rows), rel=0.25)
+
+
+def test_a_common_drift_cancels_in_a_difference_of_neighbours() -> None:
+    rng = np.random.default_rng(2)
+    rows = round(24 * DWELL * RATE)
+    segments = segments_of(flicker(rng, rows, 1e-4) + rng.normal(0, 1e-3, (rows, 6)))
+    covariance = covariance_of_means(segments, fit_noise(segments), 0)
+    difference = covariance[3, 3] + covariance[4, 4] - 2 * covariance[3, 4]
+    far = covariance[0, 0] + covariance[-1, -1] - 2 * covariance[0, -1]
+    assert difference < 0.6 * far
+    assert np.linalg.eigvalsh(covariance).min() > -1e-12
