@@ -158,7 +158,8 @@ def decode(kind: str, block: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarra
         part = block if len(rest) == len(block) else block[rest]
         alike = np.ones(len(part), dtype=bool)
         for fixed in form.fixed:
-            alike &= (part[:, fixed] == part[0, fixed]).all(axis=1)
+            whole = part[:, fixed].view(f"S{fixed.stop - fixed.start}")[:, 0]
+            alike &= whole == whole[0]
         if not alike.all():
             part = part[alike]
         yield rest[alike], part.view(form.numbers)[:, 0], form.texts
