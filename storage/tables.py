@@ -95,7 +95,32 @@ def _read_csv(path: Path) -> "pa.Table":
     from pyarrow import csv
 
     with path.open("rb") as file:
-        header = csv.open_csv(file, parse_options=csv.ParseOptions()).schema
+        lenient = csv.ParseOptions(invalid_row_handler=lambda row: "skip")
+        header = csv.open_csv(file, parse_options=lenient).schema
     text = {name: pa.string() for name in header.names}
     options = csv.ConvertOptions(column_types=text, strings_can_be_null=False)
-    return csv.read_csv(path, convert_options=options)
+    try:
+        return csv.read_csv(path, convert_options=options)
+    except pa.ArrowInvalid as error:
+        raise _uneven_row(path) or error from error
+
+
+def _uneven_row(path: Path) -> Unusable | None:
+    """What to say of the first row with too few or too many fields, if there is one."""
+    from pyarrow import csv
+
+    found: list[csv.InvalidRow] = []
+
+    def note(row: csv.InvalidRow) -> str:
+        found.append(row)
+        return "skip"
+
+    one_by_one = csv.ReadOptions(use_threads=False)  # or rows have no number
+    csv.read_csv(path, one_by_one, csv.ParseOptions(invalid_row_handler=note))
+    if not found:
+        return None
+    row = found[0]
+    return Unusable(
+        f"{path}: row {row.number - 1}: {row.actual_columns} fields where the header has "
+        f"{row.expected_columns}; correct the row {row.text[:60]!r}."
+    )

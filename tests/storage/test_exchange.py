@@ -238,6 +238,16 @@ def test_known_column_twice_is_refused_and_unknown_ones_are_left_out(tmp_path: P
         read_folder(folder)
 
 
+@pytest.mark.parametrize("fields", [2, 9])
+def test_row_with_another_number_of_fields_is_named(fields: int, tmp_path: Path) -> None:
+    folder = write(tmp_path / "recording")
+    lines = (folder / "imu.csv").read_text().splitlines()
+    lines[6] = ",".join(["1"] * fields)
+    (folder / "imu.csv").write_text("\n".join(lines))
+    with pytest.raises(Unusable, match=rf"imu\.csv: row 6: {fields} fields .* has 7"):
+        read_folder(folder)
+
+
 def test_column_of_times_of_day_is_refused(tmp_path: Path) -> None:
     def change(_: dict, tables: dict[str, pd.DataFrame]) -> None:
         tables["imu"]["t"] = pd.to_datetime(tables["imu"]["t"], unit="s")
