@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, cast
 
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
@@ -34,35 +34,27 @@ MOST_STEPS = 1000  # in one go: some milliseconds of computing, so that requests
 BACKLOG_BYTES = 16_000_000  # a client that reads no more is hung up on
 
 
-class Stream:
-    """The unit's serial line as a TCP socket: everyone hears what is sent from now on."""
+class Line(asyncio.Protocol):
+    """One client of the unit's stream; what it says is not heard."""
 
-    def __init__(self) -> None:
-        self._listeners: set[asyncio.StreamWriter] = set()
+    def __init__(self, listeners: set[asyncio.Transport]) -> None:
+        self._listeners = listeners
 
-    async def join(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Keeps a client until it hangs up; what it says is not heard."""
-        self._listeners.add(writer)
-        try:
-            while await reader.read(1024):
-                pass
-        except OSError:
-            pass  # it hung up hard, which is its right
-        finally:
-            self._listeners.discard(writer)
-            writer.close()
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """From now on it hears the unit."""
+        self._transport = cast(asyncio.Transport, transport)
+        self._listeners.add(self._transport)
 
-    def hang_up(self) -> None:
-        """On every client."""
-        for writer in tuple(self._listeners):
-            writer.close()
+    def connection_lost(self, _error: Exception | None) -> None:
+        """It hung up."""
+        self._listeners.discard(self._transport)
 
-    def send(self, data: bytes) -> None:
-        """To every client."""
-        for writer in tuple(self._listeners):
-            writer.write(data)
-            if writer.transport.get_write_buffer_size() > BACKLOG_BYTES:
-                writer.transport.abort()
+
+def _send(listeners: Iterable[asyncio.Transport], data: bytes) -> None:
+    for transport in tuple(listeners):
+        transport.write(data)
+        if transport.get_write_buffer_size() > BACKLOG_BYTES:
+            transport.abort()
 
 
 class Controller:
@@ -72,6 +64,7 @@ class Controller:
         self._reality = reality
         self._registers = TableRegisters(reality)
         self._heard: float | None = None
+        self._never = asyncio.Event()
 
     def devices(self) -> list[SimDevice]:
         """For pymodbus's server."""
@@ -96,7 +89,7 @@ class Controller:
     async def _answers(self) -> ExcCodes | None:
         modbus = self._reality.condition.modbus
         if modbus == "silent":
-            await asyncio.Event().wait()
+            await self._never.wait()
         self._heard = asyncio.get_running_loop().time()
         return ExcCodes.DEVICE_FAILURE if modbus == "exception" else None
 
@@ -128,7 +121,7 @@ class Controller:
 
 
 async def _keep_time(
-    reality: Reality, speed: float, controller: Controller, stream: Stream
+    reality: Reality, speed: float, controller: Controller, listeners: set[asyncio.Transport]
 ) -> None:
     """Lets station time pass at speed × wall time, slower where the machine cannot keep up."""
     loop = asyncio.get_running_loop()
@@ -139,7 +132,7 @@ async def _keep_time(
         origin += max(behind - 2 * MOST_STEPS, 0) * STEP_S / speed
         controller.watch()
         if steps > 0 and (sent := reality.advance(steps)):
-            stream.send(b"".join(sent))
+            _send(listeners, b"".join(sent))
         await asyncio.sleep(0 if behind > steps else SLICE_WALL_S)
 
 
@@ -165,12 +158,15 @@ async def serve(
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # it logs what clients do wrong
     reality = Reality(config, faults)
     reality.advance(1)  # so that the faults of second 0 hold for the first request
-    controller, stream = Controller(reality), Stream()
+    controller = Controller(reality)
+    listeners: set[asyncio.Transport] = set()
     modbus = ModbusTcpServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
     try:
-        unit = await asyncio.start_server(stream.join, host, unit_port)
+        unit = await asyncio.get_running_loop().create_server(
+            lambda: Line(listeners), host, unit_port
+        )
     except OSError as error:
         modbus.close()
         raise Unusable(
@@ -178,11 +174,12 @@ async def serve(
         ) from error
     try:
         ready(_station_file(config, speed, host, _port(modbus.transport), _port(unit)))
-        await _keep_time(reality, speed, controller, stream)
+        await _keep_time(reality, speed, controller, listeners)
     finally:
         modbus.close()
         unit.close()
-        stream.hang_up()
+        for transport in tuple(listeners):
+            transport.close()
 
 
 def _port(server: Any) -> int:

@@ -8,10 +8,12 @@ import time
 
 import numpy as np
 import pytest
+from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
 from schemas.station import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
 from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 
@@ -258,3 +260,14 @@ def test_a_station_ends_when_its_starter_dies(tmp_path):
 def test_a_speed_that_is_none_is_refused_in_one_sentence():
     with pytest.raises(Unusable, match="cannot run at speed 0"), running(VirtualStation(), 0.0):
         pass
+
+
+def test_a_station_ends_quietly_with_clients_on_the_line(consoles, capfd):
+    with running(VirtualStation(), 20.0, [Fault("modbus_silent", 2.0)]) as found:
+        host, port = found.unit_link.url.removeprefix("socket://").split(":")
+        with socket.create_connection((host, int(port))) as line:
+            assert line.recv(42)
+            console = consoles(found)
+            with pytest.raises(ModbusIOException):
+                console.wait(5.0)
+    assert capfd.readouterr().err == ""
