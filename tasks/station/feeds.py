@@ -8,7 +8,6 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream
-from schemas.station import CAPTURE_SAMPLES
 from tasks.station.chamber import COLUMNS, Climate, read_climate
 from tasks.station.clock import StationClock
 from tasks.station.findings import Finding
@@ -31,6 +30,8 @@ class EncoderFeed:
         self._clock = clock
         self._say = say
         self._blocks: list[Block] = []
+        self._read: np.ndarray | None = None
+        self._counts = np.zeros(len(table.names), np.int64)
 
     async def run(self) -> None:
         """Fetch blocks for ever, as fast as they fill."""
@@ -43,26 +44,35 @@ class EncoderFeed:
                 self._note_gap(wanted, block.first)
                 self._blocks.append(block)
                 wanted = block.first + count
-            if count < CAPTURE_SAMPLES:
-                fill_s = period_s * (CAPTURE_SAMPLES - 4)
+            if count < self._table.block_samples:
+                fill_s = period_s * (self._table.block_samples - 4)
                 await asyncio.sleep(self._clock.wall(fill_s, 0.001, 0.2))
 
     def take(self) -> Stream:
         """Angles in rad, columns <axis>_angle, over station time."""
         blocks, self._blocks = self._blocks, []
         numbers = [np.arange(len(block.counts)) + block.first for block in blocks]
-        ticks = np.concatenate(numbers) if blocks else np.empty(0, np.int64)
-        counts = np.concatenate([block.counts for block in blocks]) if blocks else None
-        turns = self._table.counts_per_turn
+        ticks = np.concatenate([np.empty(0, np.int64), *numbers])
+        counts = self._past_turnover([block.counts for block in blocks])
+        angles = counts * (2 * np.pi / np.array(self._table.counts_per_turn))
         return Stream(
             t=ticks * self._table.period_us / 1e6,
             columns={
-                f"{name}_angle": np.empty(0)
-                if counts is None
-                else counts[:, axis] * (2 * np.pi / turns[axis])
-                for axis, name in enumerate(self._table.names)
+                f"{name}_angle": angles[:, axis] for axis, name in enumerate(self._table.names)
             },
         )
+
+    def _past_turnover(self, blocks: list[np.ndarray]) -> np.ndarray:
+        """Counts that run on where the register (int32) turns over, (n, axes)."""
+        if not blocks:
+            return np.empty((0, len(self._table.names)))
+        if self._read is None:
+            self._read = self._counts = blocks[0][0]
+        read = np.concatenate([self._read[None], *blocks])
+        steps = (np.diff(read, axis=0) + 2**31) % 2**32 - 2**31
+        counts = self._counts + np.cumsum(steps, axis=0)
+        self._read, self._counts = read[-1], counts[-1]
+        return counts
 
     def _note_gap(self, wanted: int, first: int) -> None:
         if first > wanted:

@@ -25,6 +25,8 @@ from tasks.station.table import Table
 from tasks.station.unit import Unit
 
 LEAVE_S = 5.0
+CLOCK_APART_S = 0.1
+CANCEL_AGAIN_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -72,10 +74,8 @@ async def _acquire(
     try:
         table = await Table.find(link, names)
         await read_climate(link)  # a chamber that is missing is found before anything moves
-        clock = StationClock()
-        state = await table.state()
-        clock.seen(state.station_s, state.wall_s)
-        labels = Labels(station, procedure, recording_id, state.station_s)
+        clock = await _clock(table)
+        labels = Labels(station, procedure, recording_id, clock.station_s)
         total_s = procedure.warm_up_s + sum(leg.planned_s for leg in legs)
         tracker = Tracker(report, clock, total_s)
         with Unit(station.unit_link) as unit:
@@ -104,17 +104,36 @@ async def _acquire(
         link.close()
 
 
+async def _clock(table: Table) -> StationClock:
+    """A clock with two readings, so that it has an idea of the station's speed."""
+    clock = StationClock()
+    for pause_s in (CLOCK_APART_S, 0.0):
+        state = await table.state()
+        clock.seen(state.station_s, state.wall_s)
+        await asyncio.sleep(pause_s)
+    return clock
+
+
 async def _first_to_end(*work: Coroutine[Any, Any, None]) -> None:
     """Run all side by side until one ends or fails; then the others are cancelled."""
-    tasks = [asyncio.ensure_future(each) for each in work]
+    tasks = {asyncio.ensure_future(each) for each in work}
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in done:
             task.result()
     finally:
-        for task in tasks:
+        await _cancel(tasks)
+
+
+async def _cancel(tasks: set[asyncio.Task[None]]) -> None:
+    """Cancel until all have ended: in Python 3.11 asyncio.wait_for, in which pymodbus waits,
+    swallows a cancellation that arrives together with the answer."""
+    running = tasks
+    while running:
+        for task in running:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        _, running = await asyncio.wait(running, timeout=CANCEL_AGAIN_S)
+    await asyncio.gather(*tasks, return_exceptions=True)  # none goes unread
 
 
 async def _leave(table: Table, recorder: Recorder) -> None:

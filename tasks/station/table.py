@@ -79,6 +79,7 @@ class Table:
         self.names = names
         self.counts_per_turn = counts_per_turn
         self.period_us = period_us
+        self.block_samples = min(CAPTURE_SAMPLES, 3 * CAPTURE_SAMPLES // len(names))
 
     @classmethod
     async def find(cls, link: Link, names: tuple[str, ...]) -> "Table":
@@ -174,9 +175,9 @@ class Table:
             _CAPTURE["capture_from"],
             first,
             start,
-            samples - start + 2 * axes * CAPTURE_SAMPLES,
+            samples - start + 2 * axes * self.block_samples,
         )
-        count = min(words[0], CAPTURE_SAMPLES)
+        count = min(words[0], self.block_samples)
         block_first = decode(words[1:3], "uint32")
         values = decode(words[3 : 3 + 2 * axes * count], "int32") if count else []
         return Block(block_first, np.array(values, dtype=np.int64).reshape(count, axes))
