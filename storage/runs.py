@@ -34,16 +34,14 @@ class Run(Frozen):
     rows: int
 
 
-def keep(
-    recording: Recording, home: Home, *, source: Path | None = None, manifest: Path | None = None
-) -> Run:
+def keep(recording: Recording, home: Home, *, source: Path | None = None) -> Run:
     """Takes a recording into the store: raw MCAP, columns, and last its row in the catalogue.
 
     The same content again is the same run, whoever brings it at the same time; files of it
-    that went missing are written again. `source` (and the manifest that went before its own)
-    is remembered for `known`. Raises Unusable when the home cannot be written.
+    that went missing are written again. `source`, where its bytes alone say all of it, is
+    remembered for `known`. Raises Unusable when the home cannot be written.
     """
-    seen = source and sources.fingerprint(source, manifest=manifest)
+    seen = source and sources.fingerprint(source)
     recording = as_raw(recording)
     recording = replace(recording, digest=fingerprint(recording))
     raw = raw_path(recording.digest, home)
@@ -60,13 +58,14 @@ def keep(
     return _one(home, catalog.runs.c.id == run)
 
 
-def known(path: Path, home: Home, *, manifest: Path | None = None) -> Run | None:
+def known(path: Path, home: Home) -> Run | None:
     """The run that a source became, if its bytes were taken in before; else None."""
-    seen = catalog.sources.c.fingerprint == sources.fingerprint(path, manifest=manifest)
+    seen = catalog.sources.c.fingerprint == sources.fingerprint(path)
     found = catalog.rows(home, sql.select(catalog.sources.c.run).where(seen))
-    if not found or not raw_path((run := find(found[0].run, home)).digest, home).exists():
+    if not found:
         return None
-    return run
+    run = find(found[0].run, home)
+    return run if raw_path(run.digest, home).exists() else None
 
 
 def load(run: Run, home: Home) -> Recording:
@@ -74,16 +73,23 @@ def load(run: Run, home: Home) -> Recording:
 
     Then the columns are made again. Raises Unusable when raw is missing or damaged as well.
     """
-    folder = home.columns / run.digest
-    with suppress(Unusable):
-        recording = read_columns(folder)
-        if fingerprint(recording) == run.digest:
-            return recording
+    recording = from_columns(run, home)
+    if recording is not None:
+        return recording
     recording = _load_raw(run, home)
-    shutil.rmtree(folder, ignore_errors=True)
+    shutil.rmtree(home.columns / run.digest, ignore_errors=True)
     with suppress(Unusable):  # a home that only reads still gives the recording
         _write_columns(recording, home)
     return recording
+
+
+def from_columns(run: Run, home: Home) -> Recording | None:
+    """A run's recording from its columns; None unless they say exactly what came in."""
+    try:
+        recording = read_columns(home.columns / run.digest)
+        return recording if fingerprint(recording) == run.digest else None
+    except Exception:  # however they are damaged, raw has it all
+        return None
 
 
 def find(reference: str, home: Home) -> Run:

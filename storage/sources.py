@@ -35,25 +35,23 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     return read_mcap(bag, manifest=given, salvage=salvage)
 
 
-def fingerprint(path: Path, *, manifest: Path | None = None) -> str:
+def fingerprint(path: Path) -> str:
     """SHA-256 (hex) of the bytes of a source's files: the same source need not be read twice.
 
     Raises Unusable for what is no recording.
     """
     hasher = hashlib.sha256()
-    for name, file in _files(path, manifest):
+    for name, file in _files(path):
         with _open(file) as opened:
             hasher.update(f"{name}\0{hashlib.file_digest(opened, 'sha256').hexdigest()}\0".encode())
     return hasher.hexdigest()
 
 
-def _files(path: Path, manifest: Path | None) -> Iterator[tuple[str, Path]]:
+def _files(path: Path) -> Iterator[tuple[str, Path]]:
     """The files that make a source, with the names that matter: an MCAP file may be moved."""
     bag = _mcap(path)
     if bag is not None:
         yield "mcap", bag
-        if manifest is not None:
-            yield MANIFEST, manifest
         return
     for file in sorted(path.rglob("*")):
         if file.is_file() and file.suffix.lower() in KINDS:

@@ -11,12 +11,10 @@ import sqlalchemy as sql
 from schemas.base import Frozen, Unusable
 from storage import catalog
 from storage.certificates import Entry, certificate_of, certificates
-from storage.columns import read_columns
-from storage.content import fingerprint
 from storage.home import Home
 from storage.raw import read_mcap
 from storage.results import calibration_of
-from storage.runs import Run, raw_path, runs
+from storage.runs import Run, from_columns, raw_path, runs
 from storage.sources import read
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
@@ -42,21 +40,22 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
     records against the SHA-256 kept at issue, and files that the catalogue does not know.
     `progress(done, total)` is called after each.
     """
-    return _carry_out(list(_checks(home)), progress)
-
-
-def verify_path(path: Path, progress: Progress | None = None) -> tuple[int, list[Fault]]:
-    """Reads one recording, folder or MCAP, in full; gives 1 and its faults."""
-    return _carry_out([partial(_readable, path)], progress)
-
-
-def _carry_out(checks: list[Check], progress: Progress | None) -> tuple[int, list[Fault]]:
+    checks = list(_checks(home))
     faults: list[Fault] = []
     for done, check in enumerate(checks, start=1):
         faults += check()
         if progress is not None:
             progress(done, len(checks))
     return len(checks), faults
+
+
+def verify_path(path: Path) -> list[Fault]:
+    """Reads one recording, folder or MCAP, in full; gives its faults."""
+    try:
+        read(path)
+    except Unusable as error:
+        return [Fault(what=str(path), why=str(error))]
+    return []
 
 
 def _checks(home: Home) -> Iterator[Check]:
@@ -73,13 +72,6 @@ def _checks(home: Home) -> Iterator[Check]:
         yield partial(_record, entry, home)
     for stray in _strays(home, kept, register):
         yield partial(iter, (stray,))
-
-
-def _readable(path: Path) -> Iterator[Fault]:
-    try:
-        read(path)
-    except Unusable as error:
-        yield Fault(what=str(path), why=str(error))
 
 
 def _raw(run: Run, home: Home) -> Iterator[Fault]:
@@ -102,14 +94,9 @@ def _raw(run: Run, home: Home) -> Iterator[Fault]:
 
 
 def _columns(run: Run, home: Home) -> Iterator[Fault]:
-    folder = home.columns / run.digest
-    try:
-        same = fingerprint(read_columns(folder)) == run.digest
-    except Unusable:
-        same = False
-    if not same:
+    if from_columns(run, home) is None:
         yield Fault(
-            what=str(folder),
+            what=str(home.columns / run.digest),
             why=f"the columns are not those of run {run.id}; delete the folder, and they are made "
             "again from raw when they are needed",
         )

@@ -1,0 +1,106 @@
+"""The catalogue on SQLite: made when needed, migrated once, safe with several writers."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sql
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from schemas.base import Unusable
+from storage import catalog, store
+from storage.home import Home
+
+
+def test_migrations_and_tables_do_not_drift(fresh: Home) -> None:
+    with catalog.engine(fresh).connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_server_default": True})
+        assert compare_metadata(context, catalog.metadata) == []
+
+
+def test_head_is_the_newest_migration() -> None:
+    settings = Config()
+    settings.set_main_option("script_location", str(Path(catalog.__file__).parent / "migrations"))
+    assert ScriptDirectory.from_config(settings).get_heads() == [catalog.HEAD]
+
+
+def test_second_opening_needs_no_alembic(fresh: Home, at_once: Callable[..., list[str]]) -> None:
+    catalog.engine(fresh)
+    script = "store.reserve_number(home, 'A', 2026)\nprint('alembic' in sys.modules)"
+    assert at_once(script, fresh, processes=1) == ["False\n"]
+
+
+def test_catalogue_keeps_readers_going_and_foreign_keys_honest(fresh: Home) -> None:
+    with catalog.engine(fresh).connect() as connection:
+        assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
+        assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar() == 1
+        assert connection.exec_driver_sql("PRAGMA busy_timeout").scalar() == 60_000
+
+
+def test_reader_sees_the_old_state_while_a_writer_works(fresh: Home) -> None:
+    with catalog.changing(fresh) as connection:
+        row = {"manufacturer": "M", "model": "U", "serial": "1"}
+        connection.execute(sql.insert(catalog.units).values(row))
+        assert catalog.rows(fresh, sql.select(catalog.units)) == []
+    assert len(catalog.rows(fresh, sql.select(catalog.units))) == 1
+
+
+def test_change_that_fails_leaves_nothing(fresh: Home) -> None:
+    def change() -> None:
+        with catalog.changing(fresh) as connection:
+            catalog.next_number(connection, "MIMU", 2026)
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        change()
+    assert store.reserve_number(fresh, "MIMU", 2026) == "MIMU-2026-0001"
+
+
+def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
+    with (
+        pytest.raises(sql.exc.IntegrityError),
+        catalog.changing(fresh) as connection,
+    ):
+        catalog.add_new(connection, catalog.sources, fingerprint="f", run="none", path="p")
+
+
+def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
+    fresh: Home, at_once: Callable[..., list[str]]
+) -> None:
+    said = at_once("print(len(store.reserve_number(home, 'A', 2026)))", fresh, processes=4)
+    assert said == ["11\n"] * 4
+
+
+def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
+    with catalog.engine(fresh).begin() as connection:
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
+        store.runs(fresh)
+
+
+def test_catalogue_that_is_no_database_is_one_sentence(fresh: Home) -> None:
+    fresh.path.mkdir()
+    (fresh.path / "catalog.sqlite").write_text("not a database, but longer than a header " * 9)
+    with pytest.raises(Unusable, match=r"catalog\.sqlite cannot be used \(file is not a database"):
+        store.runs(fresh)
+
+
+@pytest.mark.parametrize("url", ["mysql://lab@host/db", "sqlite://", "nonsense"])
+def test_database_of_another_kind_is_refused(
+    fresh: Home, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_DATABASE", url)
+    with pytest.raises(Unusable, match=r"MIMUCAL_DATABASE.*postgresql://"):
+        store.runs(fresh)
+
+
+def test_password_of_the_database_is_not_printed(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:secret@127.0.0.1:1/mimucal")
+    with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
+        store.runs(fresh)
+    assert "secret" not in str(caught.value)

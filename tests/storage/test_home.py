@@ -1,0 +1,79 @@
+"""The home: where it is, and files that are written once."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from storage import store, verify
+from storage.home import Home, home, write_once, writing_to
+
+
+def test_home_is_where_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MIMUCAL_HOME", "somewhere")
+    assert home().path == Path.cwd() / "somewhere"
+    monkeypatch.delenv("MIMUCAL_HOME")
+    assert home().path == Path.cwd() / "mimucal-data"
+
+
+def test_catalogue_is_a_file_in_the_home_unless_the_environment_names_a_database(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert fresh.database_url == f"sqlite:///{fresh.path}/catalog.sqlite"
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab@host/mimucal")
+    assert fresh.database_url == "postgresql://lab@host/mimucal"
+
+
+def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) -> None:
+    assert store.runs(fresh) == []
+    assert store.certificates(fresh) == []
+    assert verify.verify(fresh) == (0, [])
+    with pytest.raises(Unusable, match="mimucal runs"):
+        store.find("r1", fresh)
+    assert not fresh.path.exists()
+
+
+def test_written_file_is_whole_and_read_only(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "file"
+    write_once(path, b"content")
+    assert path.read_bytes() == b"content"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o444
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_same_content_again_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    write_once(path, b"content")
+    before = path.stat().st_ino
+    write_once(path, b"content")
+    assert path.stat().st_ino == before
+
+
+def test_other_content_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    write_once(path, b"content")
+    with pytest.raises(Unusable, match="never overwritten"):
+        write_once(path, b"other")
+    assert path.read_bytes() == b"content"
+
+
+def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
+    def write() -> None:
+        with writing_to(tmp_path / "file") as draft:
+            draft.write_bytes(b"half")
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        write()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
+    fresh.path.write_text("a file stands where the folder should be")
+    with pytest.raises(Unusable, match=r"MIMUCAL_HOME") as caught:
+        write_once(fresh.raw / "file", b"content")
+    assert os.linesep not in str(caught.value)
+    with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
+        store.reserve_number(fresh, "MIMU", 2026)

@@ -1,0 +1,96 @@
+"""Results: kept once, never overwritten, each superseding the one before and saying why."""
+
+from collections.abc import Callable
+
+import pytest
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.recording import Recording
+from storage import catalog, store
+from storage.home import Home
+
+Build = Callable[..., Recording]
+Calibrate = Callable[..., Calibration]
+
+
+def test_result_comes_back_as_it_went_in(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+    run = store.keep(small(), fresh)
+    assert store.latest_result(run, "jjf2003", fresh) is None
+    store.save_result(calibrated(run), fresh)
+    assert store.latest_result(run, "jjf2003", fresh) == calibrated(run)
+    assert store.latest_result(run, "joint", fresh) is None
+
+
+def test_same_result_twice_is_one(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+    run = store.keep(small(), fresh)
+    assert store.save_result(calibrated(run), fresh) == store.save_result(calibrated(run), fresh)
+    assert len(store.results(run, fresh)) == 1
+
+
+def test_new_result_supersedes_the_older_and_says_why(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    run = store.keep(small(), fresh)
+    one = store.save_result(calibrated(run), fresh)
+    two = store.save_result(calibrated(run, 0.5, code_version="2"), fresh)
+    three = store.save_result(calibrated(run, 0.75, code_version="2"), fresh, why="table was off")
+    four = store.save_result(calibrated(run, 0.5, code_version="2"), fresh)
+    kept = store.results(run, fresh)
+    assert [result.id for result in kept] == [one, two, three, four]
+    assert [result.supersedes for result in kept] == [None, one, two, three]
+    assert [result.why for result in kept] == [
+        None,
+        "made with another code_version (1 to 2)",
+        "table was off",
+        "other values, made the same",
+    ]
+    assert store.latest_result(run, "jjf2003", fresh) == kept[3].calibration == kept[1].calibration
+
+
+def test_methods_do_not_supersede_each_other(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    run = store.keep(small(), fresh)
+    store.save_result(calibrated(run), fresh)
+    store.save_result(calibrated(run, 0.5, method="joint"), fresh)
+    assert store.latest_result(run, "jjf2003", fresh) == calibrated(run)
+    assert [result.supersedes for result in store.results(run, fresh)] == [None, None]
+
+
+def test_result_of_a_run_that_is_not_kept_is_refused(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    run = store.keep(small(), fresh)
+    for stranger in ({"run": "r0"}, {"digest": "0" * 64}):
+        with pytest.raises(Unusable, match="import the recording first"):
+            store.save_result(calibrated(run).model_copy(update=stranger), fresh)
+
+
+def test_results_saved_at_once_form_one_line(
+    fresh: Home, small: Build, calibrated: Calibrate, at_once: Callable[..., list[str]]
+) -> None:
+    run = store.keep(small(), fresh)
+    script = """
+import os
+from schemas.calibration import Calibration
+document = Calibration.model_validate_json(arguments[0])
+print(store.save_result(document.model_copy(update={"code_version": str(os.getpid())}), home))
+"""
+    at_once(script, fresh, calibrated(run).model_dump_json(), processes=3)
+    kept = store.results(run, fresh)
+    assert [result.supersedes for result in kept] == [None, kept[0].id, kept[1].id]
+
+
+def test_document_that_cannot_be_read_is_named_and_can_be_superseded(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    run = store.keep(small(), fresh)
+    one = store.save_result(calibrated(run), fresh)
+    with catalog.changing(fresh) as connection:
+        connection.execute(sql.update(catalog.results).values(document="{}"))
+    with pytest.raises(Unusable, match=f"result {one} cannot be read"):
+        store.latest_result(run, "jjf2003", fresh)
+    store.save_result(calibrated(run), fresh)
+    assert store.latest_result(run, "jjf2003", fresh) == calibrated(run)

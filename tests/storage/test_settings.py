@@ -1,0 +1,126 @@
+"""Files that the laboratory writes: read as they are meant, refused with one sentence."""
+
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.station import StationFile, UnitLink
+from storage import settings
+from storage.home import Home
+
+TOLERANCE = """
+format = "mimu-tolerance/1"
+manufacturer = "Maker"
+model = "U 1"
+document = "data sheet, edition 3"
+limits = [{item = "gyro_bias", unit = "deg/s", lower = -0.1, upper = 0.1}]
+"""
+
+PARTY = '{name = "Lab", name_zh = "实验室", address = "Street 1", address_zh = "街1号"}'
+
+
+def write(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_tolerance_is_read_from_toml_and_from_json(tmp_path: Path) -> None:
+    tolerance = settings.read_tolerance(write(tmp_path / "limits.toml", TOLERANCE))
+    assert tolerance.limits[0].upper == 0.1
+    json = write(tmp_path / "limits.json", "\ufeff" + tolerance.model_dump_json())
+    assert settings.read_tolerance(json) == tolerance
+
+
+def test_order_and_laboratory_are_read(fresh: Home) -> None:
+    order = write(fresh.path / "order.toml", f"client = {PARTY}\nreceived = 2026-11-01\n")
+    assert settings.read_order(order).received == date(2026, 11, 1)
+    assert settings.laboratory(fresh) is None
+    write(fresh.path / "laboratory.toml", f'party = {PARTY}\ncertificate_prefix = "LAB"\n')
+    laboratory = settings.laboratory(fresh)
+    assert laboratory is not None
+    assert (laboratory.party.name_zh, laboratory.certificate_prefix) == ("实验室", "LAB")
+
+
+def test_station_is_read(tmp_path: Path) -> None:
+    link = UnitLink(
+        url="socket://127.0.0.1:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100
+    )
+    station = StationFile.model_validate(
+        {
+            "modbus_host": "127.0.0.1",
+            "modbus_port": 5020,
+            "unit_link": link,
+            "station": {"id": "T1"},
+            "unit": {"manufacturer": "M", "model": "U", "serial": "1"},
+        }
+    )
+    path = write(tmp_path / "station.json", station.model_dump_json())
+    assert settings.read_station(path) == station
+
+
+def test_procedure_is_read() -> None:
+    procedure = settings.read_procedure(Path("tasks/station/procedures/jjf2003.toml"))
+    assert procedure.standard == "JJF 2003-2022"
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "says"),
+    [
+        ("a.toml", lambda text: text.replace("0.1}", '"wide"}'), r"limits\.0\.upper: .*'wide'"),
+        ("a.toml", lambda text: text.replace("document", "documnt"), r"document: Field required"),
+        ("a.toml", lambda text: text + "colour = 1\n", r"colour: Extra inputs"),
+        ("a.toml", lambda text: text.replace("0.1}", "-0.5}"), r"lower ≥ upper"),
+        ("a.toml", lambda text: text.replace("/1", "/9"), r"format: .*mimu-tolerance/9"),
+        ("a.toml", lambda text: text.replace("]", ""), r"is not TOML"),
+        ("a.json", lambda text: text, r"is not JSON"),
+        ("a.json", lambda text: "[" * 100_000, r"is not JSON"),
+        ("a.json", lambda text: "[]", r"document: .*\[\]"),
+        ("a.txt", lambda text: text, r"neither \.toml nor \.json"),
+    ],
+)
+def test_bad_file_is_one_sentence_naming_file_field_and_value(
+    tmp_path: Path, name: str, change: Callable[[str], str], says: str
+) -> None:
+    path = write(tmp_path / name, change(TOLERANCE))
+    with pytest.raises(Unusable, match=says) as caught:
+        settings.read_tolerance(path)
+    assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_file_that_is_missing_or_not_text_is_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(Unusable, match=r"none\.toml cannot be read"):
+        settings.read_tolerance(tmp_path / "none.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"a = '\xff'")
+    with pytest.raises(Unusable, match="is not UTF-8"):
+        settings.read_tolerance(tmp_path / "bytes.toml")
+
+
+def test_limits_of_a_model_are_found_whatever_the_file_is_called(fresh: Home) -> None:
+    assert settings.tolerance_for("Maker", "U 1", fresh) is None
+    write(fresh.tolerances / "any name.toml", TOLERANCE)
+    write(fresh.tolerances / "other.toml", TOLERANCE.replace("U 1", "U 2"))
+    write(fresh.tolerances / "notes.txt", "not limits")
+    for name in ("U 1", "u  1", " U 1"):
+        tolerance = settings.tolerance_for("MAKER", name, fresh)
+        assert tolerance is not None
+        assert tolerance.model == "U 1"
+    assert settings.tolerance_for("Maker", "U 3", fresh) is None
+
+
+def test_two_files_for_one_model_are_refused(fresh: Home) -> None:
+    for name in ("a.toml", "b.toml"):
+        write(fresh.tolerances / name, TOLERANCE)
+    with pytest.raises(Unusable, match=r"a\.toml and .*b\.toml both hold limits of Maker U 1"):
+        settings.tolerance_for("Maker", "U 1", fresh)
+
+
+def test_file_that_cannot_be_read_is_not_passed_over(fresh: Home) -> None:
+    write(fresh.tolerances / "a.toml", TOLERANCE)
+    write(fresh.tolerances / "b.toml", "model = ")
+    with pytest.raises(Unusable, match=r"b\.toml is not TOML"):
+        settings.tolerance_for("Maker", "U 1", fresh)

@@ -1,0 +1,280 @@
+"""Recordings in the store: taken in once, found again, never lost."""
+
+import shutil
+import stat
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage import runs as runs_module
+from storage import store
+from storage.columns import write_columns
+from storage.home import Home
+from storage.raw import digest, write_mcap
+
+Build = Callable[..., Recording]
+
+
+def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
+    recording = small()
+    run = store.keep(recording, fresh)
+    again = store.load(run, fresh)
+    assert again.digest == run.digest == digest(recording)
+    np.testing.assert_array_equal(again.imu.t, recording.imu.t)
+    for name, values in recording.imu.columns.items():
+        np.testing.assert_array_equal(again.imu.columns[name], values)
+
+
+def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
+    before = datetime.now(UTC)
+    run = store.keep(small(serial="7"), fresh)
+    assert run.id == f"r{run.digest[:12]}"
+    assert (run.manufacturer, run.model, run.serial) == ("Maker", "U", "7")
+    assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
+    assert run.seconds == pytest.approx(2.99)
+    assert before <= run.taken_in_at <= datetime.now(UTC)
+    assert store.runs(fresh) == [run]
+
+
+def test_second_import_of_same_content_is_the_same_run(fresh: Home, small: Build) -> None:
+    assert store.keep(small(), fresh) == store.keep(small(), fresh)
+    assert len(store.runs(fresh)) == 1
+    assert len(list(fresh.raw.iterdir())) == 1
+
+
+def test_digest_that_a_recording_claims_is_not_believed(fresh: Home, small: Build) -> None:
+    assert store.keep(replace(small(), digest="f" * 64), fresh).digest == digest(small())
+
+
+def test_concurrent_imports_of_the_same_content_are_one_run(
+    fresh: Home, small: Build, tmp_path: Path, at_once: Callable[..., list[str]]
+) -> None:
+    write_columns(small(), tmp_path / "source")
+    script = """
+path = Path(arguments[0])
+print(store.keep(store.read(path), home, source=path).id)
+"""
+    said = at_once(script, fresh, str(tmp_path / "source"), processes=3)
+    (run,) = store.runs(fresh)
+    assert said == [f"{run.id}\n"] * 3
+    assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
+    assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
+
+
+def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
+    run = store.keep(small(), fresh)
+    assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o444
+
+
+@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
+    fresh: Home, small: Build, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def break_off(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as broken:
+        broken.setattr(runs_module, step, break_off)
+        with pytest.raises(KeyboardInterrupt):
+            store.keep(small(), fresh)
+    assert store.runs(fresh) == []
+    assert not list(fresh.path.rglob(".*"))
+    run = store.keep(small(), fresh)
+    assert store.load(run, fresh).digest == run.digest
+
+
+def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home, small: Build) -> None:
+    fresh.path.write_text("a file stands where the folder should be")
+    with pytest.raises(Unusable, match="MIMUCAL_HOME"):
+        store.keep(small(), fresh)
+
+
+def damage_missing(folder: Path) -> None:
+    shutil.rmtree(folder)
+
+
+def damage_cut(folder: Path) -> None:
+    path = folder / "imu.parquet"
+    path.write_bytes(path.read_bytes()[:1000])
+
+
+def damage_manifest(folder: Path) -> None:
+    (folder / "manifest.json").write_text("{}")
+
+
+def damage_value(folder: Path) -> None:
+    path = folder / "imu.parquet"
+    content = bytearray(path.read_bytes())
+    content[1000] ^= 1
+    path.write_bytes(bytes(content))
+
+
+@pytest.mark.parametrize("damage", [damage_missing, damage_cut, damage_manifest, damage_value])
+def test_damaged_columns_are_made_again_from_raw(
+    fresh: Home, small: Build, damage: Callable[[Path], None]
+) -> None:
+    run = store.keep(small(), fresh)
+    damage(fresh.columns / run.digest)
+    assert digest(store.load(run, fresh)) == run.digest
+    assert runs_module.from_columns(run, fresh) is not None
+
+
+def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: Build) -> None:
+    run = store.keep(small(), fresh)
+    shutil.rmtree(fresh.columns)
+    (fresh.raw / f"{run.digest}.mcap").unlink()
+    with pytest.raises(Unusable, match=r"missing; import small again"):
+        store.load(run, fresh)
+    store.keep(small(), fresh)
+    assert store.load(run, fresh).digest == run.digest
+
+
+def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) -> None:
+    run = store.keep(small(), fresh)
+    shutil.rmtree(fresh.columns)
+    path = fresh.raw / f"{run.digest}.mcap"
+    path.unlink()
+    write_mcap(small(start=1.0), path)
+    with pytest.raises(Unusable, match="not what was taken in"):
+        store.load(run, fresh)
+
+
+def test_run_is_found_by_every_name_that_it_has(fresh: Home, small: Build) -> None:
+    run = store.keep(small(name="first"), fresh)
+    store.keep(small(start=1.0, name="second"), fresh)
+    for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
+        assert store.find(reference, fresh) == run
+
+
+def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, small: Build) -> None:
+    one, two = store.keep(small(), fresh), store.keep(small(start=1.0), fresh)
+    with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
+        store.find("small", fresh)
+    with pytest.raises(Unusable, match=r"2 runs"):
+        store.find("r", fresh)
+    for nobody in ("r%", "_", "nobody", ""):
+        with pytest.raises(Unusable, match=r"There is no run .*mimucal runs"):
+            store.find(nobody, fresh)
+
+
+def test_source_taken_in_before_is_known_by_its_bytes(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    folder, moved = tmp_path / "folder", tmp_path / "elsewhere" / "copy"
+    write_columns(small(), folder)
+    assert store.known(folder, fresh) is None
+    run = store.keep(store.read(folder), fresh, source=folder)
+    assert store.known(folder, fresh) == run
+    shutil.copytree(folder, moved)
+    assert store.known(moved, fresh) == run
+    manifest = moved / "manifest.json"
+    manifest.write_text(manifest.read_text().replace('"small"', '"large"'))
+    assert store.known(moved, fresh) is None
+
+
+def test_known_source_whose_raw_recording_is_gone_is_read_again(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    source = tmp_path / "small.mcap"
+    write_mcap(small(), source)
+    run = store.keep(store.read(source), fresh, source=source)
+    (fresh.raw / f"{run.digest}.mcap").unlink()
+    assert store.known(source, fresh) is None
+    assert store.keep(store.read(source), fresh, source=source) == run
+
+
+def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    folder, file = tmp_path / "folder", tmp_path / "small.mcap"
+    write_columns(small(), folder)
+    write_mcap(small(), file)
+    ids = {store.keep(store.read(path), fresh, source=path).id for path in (folder, file)}
+    assert len(ids) == 1
+    assert store.known(folder, fresh) == store.known(file, fresh) == store.find(*ids, fresh)
+
+
+def test_path_is_read_as_what_it_holds(small: Build, tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
+    write_mcap(small(), bag / "bag_0.mcap")
+    shutil.copy(bag / "bag_0.mcap", tmp_path / "without_a_suffix")
+    write_columns(small(), tmp_path / "folder")
+    for name in ("bag", "bag/bag_0.mcap", "without_a_suffix", "folder"):
+        assert store.read(tmp_path / name).digest == digest(small())
+
+
+def test_manifest_given_goes_before_the_one_in_the_file(small: Build, tmp_path: Path) -> None:
+    write_mcap(small(), tmp_path / "small.mcap")
+    manifest = tmp_path / "manifest.json"
+    manifest.write_text(small(name="other").manifest.model_dump_json())
+    read = store.read(tmp_path / "small.mcap", manifest=manifest)
+    assert read.manifest.recording_id == "other"
+    write_columns(small(), tmp_path / "folder")
+    with pytest.raises(Unusable, match=r"its own manifest\.json"):
+        store.read(tmp_path / "folder", manifest=manifest)
+
+
+def make_nothing(path: Path) -> None:
+    """There is no such path."""
+
+
+def make_text(path: Path) -> None:
+    path.write_text("no recording")
+
+
+def make_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def make_two_bags(path: Path) -> None:
+    path.mkdir()
+    for name in ("metadata.yaml", "a.mcap", "b.mcap"):
+        (path / name).write_text("")
+
+
+def make_bag_without_metadata(path: Path) -> None:
+    path.mkdir()
+    (path / "a.mcap").write_text("")
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (make_nothing, "cannot be read"),
+        (make_text, "is no recording"),
+        (make_folder, r"manifest\.json is missing"),
+        (make_two_bags, "holds 2 MCAP files"),
+        (make_bag_without_metadata, r"give the file .*a\.mcap itself"),
+    ],
+)
+def test_path_that_is_no_recording_is_refused(
+    fresh: Home, tmp_path: Path, make: Callable[[Path], None], says: str
+) -> None:
+    path = tmp_path / "path"
+    make(path)
+    with pytest.raises(Unusable, match=says):
+        store.read(path)
+    with pytest.raises(Unusable, match=says):
+        store.known(path, fresh)
+    assert not fresh.path.exists()
+
+
+def test_manifest_alone_points_to_its_folder(small: Build, tmp_path: Path) -> None:
+    write_columns(small(), tmp_path / "folder")
+    with pytest.raises(Unusable, match="give the folder"):
+        store.read(tmp_path / "folder" / "manifest.json")
+
+
+def test_shared_recording_is_kept_and_loaded(fresh: Home, shared: Path) -> None:
+    path = shared / "plant" / "ahrs_clean"
+    run = store.keep(store.read(path), fresh, source=path)
+    assert digest(store.load(run, fresh)) == run.digest
+    assert run.standard == "JJF 1536-2015"

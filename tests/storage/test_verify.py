@@ -1,0 +1,148 @@
+"""Whatever is changed, lost or added in the store, `verify` finds it."""
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sql
+
+from schemas.calibration import Calibration
+from schemas.certificate import Certificate
+from schemas.recording import Recording
+from storage import catalog, store
+from storage.columns import write_columns
+from storage.home import Home
+from storage.raw import write_mcap
+from storage.runs import Run
+from storage.verify import Fault, verify, verify_path
+
+Build = Callable[..., Recording]
+
+
+@pytest.fixture
+def filled(
+    fresh: Home,
+    small: Build,
+    calibrated: Callable[..., Calibration],
+    certified: Callable[..., Certificate],
+) -> Run:
+    """A run in the fresh home, with a result and a certificate A-1."""
+    recording = small()
+    run = store.keep(recording, fresh)
+    store.save_certificate(certified(recording, calibrated(run), "A-1"), b"%PDF", fresh)
+    return run
+
+
+def replace(path: Path, content: bytes) -> None:
+    path.unlink()
+    path.write_bytes(content)
+
+
+def only_fault(home: Home) -> Fault:
+    (fault,) = verify(home)[1]
+    return fault
+
+
+def test_store_as_it_was_left_has_no_fault(fresh: Home, filled: Run) -> None:
+    seen = []
+    checked, faults = verify(fresh, lambda done, total: seen.append((done, total)))
+    assert (checked, faults) == (6, [])
+    assert seen == [(n, 6) for n in range(1, 7)]
+
+
+def test_raw_recording_that_is_missing_is_found(fresh: Home, filled: Run) -> None:
+    path = fresh.raw / f"{filled.digest}.mcap"
+    path.unlink()
+    fault = only_fault(fresh)
+    assert fault.what == str(path)
+    assert "import small again" in fault.why
+
+
+@pytest.mark.parametrize("where", [0.1, 0.5, 0.9])
+def test_flipped_byte_in_a_raw_recording_is_found(fresh: Home, filled: Run, where: float) -> None:
+    path = fresh.raw / f"{filled.digest}.mcap"
+    content = bytearray(path.read_bytes())
+    content[int(where * len(content))] ^= 1
+    replace(path, bytes(content))
+    assert only_fault(fresh).what == str(path)
+
+
+def test_raw_recording_that_was_exchanged_is_found(fresh: Home, filled: Run, small: Build) -> None:
+    path = fresh.raw / f"{filled.digest}.mcap"
+    path.unlink()
+    write_mcap(small(start=1.0), path)
+    assert "not that of run" in only_fault(fresh).why
+
+
+def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
+    fresh: Home, filled: Run, small: Build
+) -> None:
+    folder = fresh.columns / filled.digest
+    shutil.rmtree(folder)
+    assert verify(fresh) == (5, [])
+    write_columns(small(start=1.0), folder)
+    assert only_fault(fresh).what == str(folder)
+
+
+def test_result_that_cannot_be_read_is_found(fresh: Home, filled: Run) -> None:
+    with catalog.changing(fresh) as connection:
+        connection.execute(sql.update(catalog.results).values(document="{}"))
+    assert only_fault(fresh).what.startswith("result c")
+
+
+def test_result_that_speaks_of_another_recording_is_found(
+    fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
+) -> None:
+    document = calibrated(filled, digest="0" * 64).model_dump_json()
+    with catalog.changing(fresh) as connection:
+        connection.execute(sql.update(catalog.results).values(document=document))
+    assert "calibrate run" in only_fault(fresh).why
+
+
+def test_certificate_that_was_changed_or_lost_is_found(fresh: Home, filled: Run) -> None:
+    pdf, record = (fresh.certificates / f"A-1{suffix}" for suffix in (".pdf", ".json"))
+    replace(pdf, b"%PDF with another verdict")
+    replace(record, record.read_bytes().replace(b'"pass"', b'"fail"'))
+    faults = verify(fresh)[1]
+    assert {fault.what for fault in faults} == {str(pdf), str(record), "certificate A-1"}
+    pdf.unlink()
+    record.unlink()
+    assert len(verify(fresh)[1]) == 3
+
+
+def test_files_that_the_catalogue_does_not_know_are_found(fresh: Home, filled: Run) -> None:
+    strays = [
+        fresh.raw / "stray.mcap",
+        fresh.columns / "stray",
+        fresh.certificates / "A-2.pdf",
+    ]
+    for path in strays:
+        path.write_bytes(b"")
+    assert [fault.what for fault in verify(fresh)[1]] == [str(path) for path in strays]
+
+
+def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, filled: Run) -> None:
+    draft = fresh.raw / ".draft.part"
+    draft.write_bytes(b"")
+    assert verify(fresh)[1] == []
+    os.utime(draft, (0, 0))
+    assert only_fault(fresh) == Fault(what=str(draft), why="left by what was broken off; delete it")
+
+
+def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Run) -> None:
+    for path in fresh.path.glob("catalog.sqlite*"):
+        path.unlink()
+    assert len(verify(fresh)[1]) == 4
+
+
+def test_path_is_verified_without_raising(small: Build, tmp_path: Path) -> None:
+    whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
+    write_mcap(small(), whole)
+    cut.write_bytes(whole.read_bytes()[:-2000])
+    assert verify_path(whole) == []
+    (fault,) = verify_path(cut)
+    assert fault.what == str(cut)
+    assert "cut off" in fault.why
+    assert len(verify_path(tmp_path / "none")) == 1
