@@ -257,7 +257,9 @@ def serve(
 def _ordered(name: str, **parameters: Any) -> Any:
     """Carry out an order: as a flow run where a Prefect server is named, else right here."""
     from flows.orders import server_named
+    from tasks.stages.estimate import check_method
 
+    check_method(parameters["method"])
     if server_named():
         return _as_flow(name, **parameters)
     from flows import here

@@ -185,7 +185,7 @@ def _unpacked(data: mmap.mmap, start: int, stop: int) -> bytes:
     if compression == "zstd":
         inside = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
     elif compression == "lz4":
-        from lz4.frame import decompress  # type: ignore[import-untyped]  # in foreign bags only
+        from lz4.frame import decompress  # in foreign bags only
 
         inside = decompress(packed)
     elif compression == "":

@@ -1,0 +1,55 @@
+"""The command line in this process, on a home of its own."""
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from flows import cli
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty home folder, named by MIMUCAL_HOME."""
+    folder = tmp_path / "home"
+    monkeypatch.setenv("MIMUCAL_HOME", str(folder))
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    monkeypatch.delenv("PREFECT_API_URL", raising=False)
+    return folder
+
+
+@pytest.fixture
+def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
+    """Runs `mimucal ARGS…`; gives code, out, err and the JSON document, if there is one."""
+
+    def run(*arguments: object) -> SimpleNamespace:
+        monkeypatch.setattr(sys, "argv", ["mimucal", *map(str, arguments)])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as leaving:
+            code = leaving.code or 0
+        printed = capsys.readouterr()
+        document = json.loads(printed.out) if "--json" in arguments and printed.out else None
+        return SimpleNamespace(code=code, out=printed.out, err=printed.err, json=document)
+
+    return run
+
+
+@pytest.fixture
+def copied(tmp_path: Path, shared: Path) -> Callable[[str], Path]:
+    """A copy of a shared recording that a test may spoil."""
+
+    def copy(name: str) -> Path:
+        source, target = shared / name, tmp_path / Path(name).name
+        target.mkdir()
+        for path in source.iterdir():
+            if path.suffix in (".json", ".parquet", ".csv"):
+                (target / path.name).write_bytes(path.read_bytes())
+        return target
+
+    return copy

@@ -1,0 +1,283 @@
+"""The command line as scripts rely on it: documents, exit codes, one sentence for bad input."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from storage.exchange import read_folder
+from storage.raw import write_mcap
+
+SMALL = "real/ferraris_session"
+
+
+def test_calibrate_of_a_path_prints_the_document_of_the_contract(mimucal, shared) -> None:
+    done = mimucal("calibrate", shared / "real/ln100_two_position", "--json")
+    assert done.code == 0
+    assert done.json["format"] == "mimu-calibration/1"
+    assert done.json["recording_id"] == "ln100_two_position"
+    assert done.json["method"] == "jjf2003"
+    item = done.json["items"]["gyro_g_sensitivity"]
+    assert item["unit"] == "(deg/s)/g"
+    assert set(item) >= {"value", "u", "U", "k", "value_without_earth_rotation"}
+    assert item["value"]["xy"] is None
+    assert done.json["unavailable"]["gyro_g_sensitivity"]
+    assert done.json["warnings"]
+    assert set(done.json["items"]["accel_rate_sensitivity"]["value_model"]) == {
+        "xy", "xz", "yx", "yz", "zx", "zy"
+    }  # fmt: skip
+
+
+def test_the_same_content_is_one_run_whichever_way_it_comes(mimucal, shared, tmp_path) -> None:
+    folder = shared / SMALL
+    first = mimucal("import", folder, "--json").json["runs"][0]
+    again = mimucal("import", folder, "--json").json["runs"][0]
+    raw = tmp_path / "copy.mcap"
+    write_mcap(read_folder(folder), raw)
+    as_mcap = mimucal("import", raw, "--json").json["runs"][0]
+    assert first["new"]
+    assert not again["new"]
+    assert not as_mcap["new"]
+    assert first["run"] == again["run"] == as_mcap["run"]
+    assert len(mimucal("runs", "--json").json["runs"]) == 1
+
+
+def test_numbers_are_the_same_to_the_last_digit_from_the_mcap_that_import_wrote(
+    mimucal, shared, home, monkeypatch, tmp_path
+) -> None:
+    path = shared / "plant/plant_clean"
+    from_folder = mimucal("calibrate", path, "--json").out
+    (raw,) = (home / "raw").glob("*.mcap")
+    copy = tmp_path / "elsewhere.mcap"
+    copy.write_bytes(raw.read_bytes())
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "another"))
+    assert mimucal("calibrate", copy, "--json").out == from_folder
+
+
+def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
+    by_path = mimucal("calibrate", shared / SMALL, "--json")
+    by_id = mimucal("calibrate", by_path.json["run"], "--json")
+    assert by_id.out == by_path.out
+
+
+def test_certify_decides_and_leaves_a_certificate_and_a_reminder(mimucal, shared, tmp_path) -> None:
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
+        "lower = 0.98\nupper = 1.02\n"
+    )
+    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance, "--json")
+    assert done.code == 0
+    assert done.json["format"] == "mimu-certificate/1"
+    assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
+    assert Path(done.json["pdf"]).read_bytes().startswith(b"%PDF")
+    assert json.loads(Path(done.json["record"]).read_text())["number"] == done.json["number"]
+    due = mimucal("remind", "--within", 370, "--json").json["due"]
+    assert [d["certificate"] for d in due] == [done.json["number"]]
+    assert mimucal("remind", "--within", 30, "--json").json["due"] == []
+    checked = mimucal("verify", "--json")
+    assert (checked.code, checked.json["faults"]) == (0, [])
+
+
+def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(mimucal, shared, tmp_path) -> None:
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 1e-6\n'
+    )
+    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance, "--json")
+    assert (done.code, done.json["verdict"]) == (0, "fail")
+
+
+def test_limits_of_another_model_are_refused(mimucal, shared, tmp_path) -> None:
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "other"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 1\n'
+    )
+    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance)
+    assert done.code == 2
+    assert "Plant other" in done.err
+
+
+def test_a_run_without_limits_is_inconclusive(mimucal, shared) -> None:
+    done = mimucal("certify", shared / SMALL, "--json")
+    assert (done.code, done.json["verdict"]) == (0, "inconclusive")
+
+
+def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared) -> None:
+    run = mimucal("calibrate", shared / SMALL, "--json").json["run"]
+    mimucal("certify", run)
+    document = mimucal("show", run, "--json").json
+    assert document["run"]["id"] == run
+    assert len(document["results"]) == 1
+    assert len(document["certificates"]) == 1
+    assert "Segments" in mimucal("show", run).out
+
+
+def test_verify_finds_a_flipped_byte_and_exits_with_1(mimucal, shared, home) -> None:
+    mimucal("import", shared / SMALL)
+    (raw,) = (home / "raw").glob("*.mcap")
+    spoiled = bytearray(raw.read_bytes())
+    spoiled[len(spoiled) // 2] ^= 1
+    raw.chmod(0o644)
+    raw.write_bytes(spoiled)
+    done = mimucal("verify", "--json")
+    assert done.code == 1
+    assert str(raw) in done.json["faults"][0]["what"]
+
+
+def drop_column(folder: Path) -> None:
+    frame = pd.read_parquet(folder / "imu.parquet").drop(columns="gyro_y")
+    frame.to_parquet(folder / "imu.parquet")
+
+
+def put(column: str, row: int, value: float) -> Callable[[Path], None]:
+    def spoil(folder: Path) -> None:
+        frame = pd.read_parquet(folder / "imu.parquet")
+        frame.loc[row, column] = value
+        frame.to_parquet(folder / "imu.parquet")
+
+    return spoil
+
+
+def null_one(folder: Path) -> None:
+    frame = pd.read_parquet(folder / "imu.parquet")
+    frame["accel_z"] = frame["accel_z"].astype(object)
+    frame.loc[7, "accel_z"] = None
+    frame["accel_z"] = frame["accel_z"].astype("Float64")
+    frame.to_parquet(folder / "imu.parquet")
+
+
+def manifest(**changes: object) -> Callable[[Path], None]:
+    def spoil(folder: Path) -> None:
+        document = json.loads((folder / "manifest.json").read_text())
+        (folder / "manifest.json").write_text(json.dumps(document | changes))
+
+    return spoil
+
+
+def wrong_unit(folder: Path) -> None:
+    document = json.loads((folder / "manifest.json").read_text())
+    for segment in document["segments"]:
+        if segment["kind"] == "rate":
+            segment["rate_deg_s"] = float(np.radians(segment["rate_deg_s"]))
+    (folder / "manifest.json").write_text(json.dumps(document))
+
+
+def no_gyro_while_turning(folder: Path) -> None:
+    document = json.loads((folder / "manifest.json").read_text())
+    frame = pd.read_parquet(folder / "imu.parquet")
+    for segment in document["segments"]:
+        if segment["kind"] == "rate":
+            inside = frame.t.between(segment["t_start"], segment["t_end"])
+            frame.loc[inside, ["gyro_x", "gyro_y", "gyro_z"]] = None
+    frame.to_parquet(folder / "imu.parquet")
+
+
+BAD = {
+    "missing column": (drop_column, ["imu.parquet", "gyro_y"]),
+    "NaN": (put("gyro_x", 4, float("nan")), ["imu.parquet", "gyro_x", "5"]),
+    "null in one column only": (null_one, ["imu.parquet", "accel_z", "8"]),
+    "time backwards": (put("t", 100, 0.5), ["imu.parquet", "101"]),
+    "unknown format": (manifest(format="mimu-recording/9"), ["manifest.json", "format"]),
+    "path leaving the folder": (
+        manifest(streams={"imu": "../imu.parquet"}),
+        ["manifest.json", "../imu.parquet"],
+    ),
+    "empty file": (lambda f: (f / "imu.parquet").write_bytes(b""), ["imu.parquet", "empty"]),
+    "JSON that is not JSON": (
+        lambda f: (f / "manifest.json").write_text("{segments: }"),
+        ["manifest.json"],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", sorted(BAD))
+def test_bad_input_is_one_sentence_exit_2_and_an_unchanged_store(
+    mimucal, copied, home, kind: str
+) -> None:
+    spoil, names = BAD[kind]
+    folder = copied(SMALL)
+    spoil(folder)
+    refused(mimucal, folder, names)
+    assert not home.exists()
+
+
+@pytest.mark.parametrize(
+    ("spoil", "names"),
+    [
+        (wrong_unit, ["rate_deg_s", "57.3", "deg/s"]),
+        (no_gyro_while_turning, ["gyro", "scale_factor", "30"]),
+    ],
+)
+def test_bad_input_of_a_whole_run_is_refused(mimucal, copied, home, spoil, names) -> None:
+    folder = copied("plant/plant_clean")
+    spoil(folder)
+    refused(mimucal, folder, names)
+    assert not list(home.rglob("*.mcap"))
+
+
+def refused(mimucal, path: Path, names: list[str]) -> None:
+    for command in ("import", "calibrate", "certify"):
+        done = mimucal(command, path)
+        assert done.code == 2, command
+        assert done.out == ""
+        sentence = done.err.strip()
+        assert "\n" not in sentence
+        assert "Traceback" not in sentence
+        assert all(name in sentence for name in names), sentence
+
+
+def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
+    mimucal, shared, tmp_path, home
+) -> None:
+    whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
+    write_mcap(read_folder(shared / "plant/plant_clean"), whole)
+    cut.write_bytes(whole.read_bytes()[: whole.stat().st_size * 2 // 3])
+    done = mimucal("import", cut)
+    assert done.code == 2
+    assert "--salvage" in done.err
+    assert not list(home.rglob("*.mcap"))
+    saved = mimucal("import", cut, "--salvage", "--json")
+    assert saved.code == 0
+    shown = mimucal("show", saved.json["runs"][0]["run"], "--json").json
+    assert 0.3 < shown["run"]["seconds"] / 1576 < 1.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("calibrate", "nothing-like-it"), "mimucal runs"),
+        (("calibrate", "x", "--method", "guess"), "--method guess"),
+        (("certify", "x", "--tolerance", "missing.toml"), "missing.toml"),
+        (("acquire", "missing.json"), "missing.json"),
+        (("verify", "missing-folder"), "missing-folder"),
+    ],
+)
+def test_what_is_not_there_is_one_sentence(mimucal, arguments, says) -> None:
+    done = mimucal(*arguments)
+    assert done.code in (1, 2)
+    assert says in done.err + done.out
+    assert "Traceback" not in done.err
+
+
+def test_help_starts_without_the_heavy_libraries() -> None:
+    code = (
+        "import sys; sys.argv = ['mimucal', '--help']\n"
+        "from flows import cli\n"
+        "try: cli.main()\n"
+        "except SystemExit: pass\n"
+        "heavy = {'prefect', 'numpy', 'pandas', 'pyarrow', 'sqlalchemy', 'typst', 'pymodbus'}\n"
+        "print('LOADED', sorted(heavy & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "LOADED []" in done.stdout
+    for later in ("explain", "reprocess", "dashboard"):
+        assert later not in done.stdout
