@@ -71,7 +71,7 @@ class Driver:
         self._spinning: Leg | None = None
 
     async def run(self, legs: tuple[Leg, ...]) -> None:
-        """Warm-up, every stretch, and the table left at rest with all data in."""
+        """Warm-up, every stretch, and the last data in."""
         self._tracker.begin("warm-up", self._procedure.warm_up_s)
         warm_s = self._clock.station_s + self._procedure.warm_up_s
         await self._wait_until(warm_s)
@@ -79,9 +79,8 @@ class Driver:
         for leg in legs:
             self._tracker.begin(leg.text, leg.planned_s)
             await self._leg(leg)
-        self._tracker.begin("stopping the table", 0.0)
+        self._tracker.begin("last data", 0.0)
         await self._catch_up(self._labels.segments[-1].t_end)
-        await self._table.leave()
         self._tracker.end()
 
     async def _leg(self, leg: Leg) -> None:

@@ -136,6 +136,7 @@ class UnitFeed:
         self._unit = unit
         self._clock = clock
         self._say = say
+        self._taken_s = clock.station_s
         self._differences: list[float] = []
         self._decided = False
         self._held = np.empty(0, FRAME)
@@ -179,6 +180,7 @@ class UnitFeed:
             self._say(Finding("unit_lost_samples", before, after, int(lost[place])))
 
     def _note_bad(self, bad: int) -> None:
+        now_s = self._clock.station_s
         if bad:
-            at = self._clock.station_s
-            self._say(Finding("unit_bad_frames", at, at, bad))
+            self._say(Finding("unit_bad_frames", self._taken_s, now_s, bad))
+        self._taken_s = now_s

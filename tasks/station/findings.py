@@ -34,7 +34,7 @@ class Wording:
 
 WORDINGS = {
     "unit_lost_samples": Wording(
-        "the unit's counter shows {total:.0f} lost samples",
+        "The unit's counter shows {total:.0f} lost samples",
         "被校单元的帧计数表明丢失 {total:.0f} 个采样",
     ),
     "unit_bad_frames": Wording(
@@ -46,29 +46,29 @@ WORDINGS = {
         "缺少 {total:.0f} 个转台编码器采样",
     ),
     "air_temperature": Wording(
-        "the air was at {low:.1f} to {high:.1f} °C where the procedure allows {limits} °C",
+        "The air was at {low:.1f} to {high:.1f} °C where the procedure allows {limits} °C",
         "环境温度为 {low:.1f}～{high:.1f} ℃，超出规程允许的 {limits} ℃",
         blocks_pass=True,
     ),
     "air_humidity": Wording(
-        "the air was at {low:.0f} to {high:.0f} %RH where the procedure allows {limits} %RH",
+        "The air was at {low:.0f} to {high:.0f} %RH where the procedure allows {limits} %RH",
         "相对湿度为 {low:.0f}～{high:.0f} %RH，超出规程允许的 {limits} %RH",
         blocks_pass=True,
     ),
     "table_unsettled": Wording(
-        "axis {subject} of the table was not settled while data were taken",
+        "Axis {subject} of the table was not settled while data were taken",
         "采集数据期间转台 {subject} 轴未稳定",
     ),
     "table_rate": Wording(
-        "the encoders show axis {subject} turning {low:+.3f} % to {high:+.3f} % off the rate asked",
+        "The encoders show axis {subject} turning {low:+.3f} % to {high:+.3f} % off the rate asked",
         "编码器表明转台 {subject} 轴的角速率与给定值相差 {low:+.3f} %～{high:+.3f} %",
     ),
     "stuck_channel": Wording(
-        "{subject} of the unit did not change by one count",
+        "Channel {subject} of the unit did not change by one count",
         "被校单元的 {subject} 输出始终不变",
     ),
     "spikes": Wording(
-        "{subject} of the unit has {total:.0f} spikes",
+        "Channel {subject} of the unit has {total:.0f} spikes",
         "被校单元的 {subject} 输出有 {total:.0f} 个野值",
     ),
 }
@@ -106,10 +106,9 @@ def _remark(
         "limits": _limits(code, limits),
     }
     wording = WORDINGS[code]
-    sentence = wording.en.format(**fields)
     return Remark(
         code=code,
-        en=f"{sentence[0].upper()}{sentence[1:]} ({_place_en(touched)}).",
+        en=f"{wording.en.format(**fields)} ({_place_en(touched)}).",
         zh=f"{wording.zh.format(**fields)}（{_place_zh(touched)}）。",
         segments=touched,
         blocks_pass=wording.blocks_pass and bool(touched),

@@ -35,9 +35,9 @@ class Found:
 def find_frames(data: bytes) -> Found:
     """Every frame with a right check sum, wherever it starts; `rest` goes before the next bytes.
 
-    A place that shows the sync word, has a wrong check sum and is not inside a good frame
-    counts as a bad frame; the search goes on at the next byte, so that garbage costs no frame
-    whose own bytes are intact.
+    A stretch of a frame's length that begins with the sync word, has a wrong check sum and
+    touches no good frame counts as a bad one. The search goes on at the next byte, so that
+    garbage costs no frame whose own bytes are intact.
     """
     if len(data) < FRAME_BYTES:
         return Found(np.empty(0, FRAME), 0, data)
@@ -48,11 +48,10 @@ def find_frames(data: bytes) -> Found:
     taken = _without_overlap(starts[good])
     frames = octets[taken[:, None] + np.arange(FRAME_BYTES)].view(FRAME)[:, 0]
     end = int(taken[-1]) + FRAME_BYTES if len(taken) else 0
-    return Found(
-        frames=frames,
-        bad=_outside(starts[~good], taken),
-        rest=data[max(end, len(data) - FRAME_BYTES + 1) :],
-    )
+    # two frames long, so that what a bad one touches is known when it is counted
+    rest_from = max(end, len(data) - 2 * FRAME_BYTES + 1, 0)
+    bad = _apart(starts[~good & (starts < rest_from)], taken)
+    return Found(frames, bad, data[rest_from:])
 
 
 def crc16(rows: np.ndarray) -> np.ndarray:
@@ -94,10 +93,13 @@ def _without_overlap(starts: np.ndarray) -> np.ndarray:
     return np.array(taken, dtype=starts.dtype)
 
 
-def _outside(places: np.ndarray, taken: np.ndarray) -> int:
-    """How many of the places lie inside none of the frames taken."""
+def _apart(places: np.ndarray, taken: np.ndarray) -> int:
+    """How many of the places are a frame's length or more from every frame taken."""
     if not len(taken):
         return len(places)
-    before = np.searchsorted(taken, places, side="right") - 1
-    inside = (before >= 0) & (places < taken[before] + FRAME_BYTES)
-    return int(np.count_nonzero(~inside))
+    after = np.searchsorted(taken, places)
+    nearest = np.minimum(
+        np.abs(places - taken[np.maximum(after - 1, 0)]),
+        np.abs(places - taken[np.minimum(after, len(taken) - 1)]),
+    )
+    return int(np.count_nonzero(nearest >= FRAME_BYTES))

@@ -89,10 +89,14 @@ async def _acquire(
                     recorder.climate.run(),
                     recorder.run(),
                 )
-            except Unusable as cause:
-                raise Unusable(_stopped(tracker.now, cause, labels)) from cause
+                await table.leave()
+            except BaseException as cause:
+                await _stop_anyhow(table)
+                if isinstance(cause, Unusable):
+                    raise Unusable(_stopped(tracker.now, cause, labels)) from cause
+                raise
             finally:
-                await _leave(table, recorder)
+                _write_rest(recorder)
             warnings = remarks_on(recorder.findings, labels.segments, procedure.environment)
             return Acquired(
                 manifest=labels.manifest(),
@@ -136,10 +140,14 @@ async def _cancel(tasks: set[asyncio.Task[None]]) -> None:
     await asyncio.gather(*tasks, return_exceptions=True)  # none goes unread
 
 
-async def _leave(table: Table, recorder: Recorder) -> None:
-    """Stop the table as well as it can be, and write what is still on its way."""
+async def _stop_anyhow(table: Table) -> None:
+    """Stop the table as well as it can be; if it cannot be reached, its watchdog stops it."""
     with suppress(Unusable, OSError, TimeoutError):
         await asyncio.wait_for(table.leave(), LEAVE_S)
+
+
+def _write_rest(recorder: Recorder) -> None:
+    """Write what is still on its way; the unit may be what failed."""
     with suppress(Unusable):
         recorder.flush(final=True)
     recorder.write_manifest()
@@ -148,6 +156,6 @@ async def _leave(table: Table, recorder: Recorder) -> None:
 def _stopped(now: str, cause: Unusable, labels: Labels) -> str:
     measured = sum(segment.kind in MEASURED for segment in labels.segments)
     return (
-        f"the run stopped during «{now}»: {cause}; what was recorded until then is kept, with "
-        f"{measured} finished segments"
+        f"the run stopped during «{now}»: {cause}; what was recorded until then is kept "
+        f"(finished segments: {measured})"
     )

@@ -63,6 +63,14 @@ def test_a_changed_byte_loses_its_frame_and_no_other(place, change):
     assert bad == (0 if place < 2 else 1)
 
 
+@given(st.lists(st.integers(1, 60), max_size=12))
+def test_bad_frames_are_counted_alike_however_the_bytes_come(pieces):
+    broken = bytearray(frame(1))
+    broken[20] ^= 1
+    noisy = (frame(0) + bytes(broken) + b"\xaa\x55\0") * 4 + frame(0)
+    assert fed(noisy, pieces)[1] == 4
+
+
 def test_sync_word_inside_a_good_frame_is_not_a_bad_frame():
     inside = frame(0x55AA55AA, counts=(0x55AA, 2, 3, 4, 5, 6))
     assert fed(inside * 3, [20, 30]) == ([0x55AA55AA] * 3, 0)
