@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from schemas.base import Unusable
 
@@ -41,7 +42,8 @@ class Home:
     @property
     def database_url(self) -> str:
         """The catalogue: MIMUCAL_DATABASE, else a SQLite file in the home."""
-        return os.environ.get("MIMUCAL_DATABASE") or f"sqlite:///{self.path / 'catalog.sqlite'}"
+        file = quote(str(self.path / "catalog.sqlite"))
+        return os.environ.get("MIMUCAL_DATABASE") or f"sqlite:///{file}"
 
 
 def home() -> Home:

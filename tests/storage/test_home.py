@@ -77,3 +77,11 @@ def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
     assert os.linesep not in str(caught.value)
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
         store.reserve_number(fresh, "MIMU", 2026)
+
+
+@pytest.mark.parametrize("name", ["with space", "100% a?b#c@d", "实验室"])
+def test_home_may_have_any_name(fresh: Home, name: str) -> None:
+    odd = Home(fresh.path / name)
+    store.reserve_number(odd, "MIMU", 2026)
+    assert (odd.path / "catalog.sqlite").is_file()
+    assert list(fresh.path.iterdir()) == [odd.path]

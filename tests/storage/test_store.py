@@ -2,6 +2,8 @@
 
 import shutil
 import stat
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -17,6 +19,7 @@ from storage import store
 from storage.columns import write_columns
 from storage.home import Home
 from storage.raw import digest, write_mcap
+from storage.verify import verify
 
 Build = Callable[..., Recording]
 
@@ -87,6 +90,32 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
     assert not list(fresh.path.rglob(".*"))
     run = store.keep(small(), fresh)
     assert store.load(run, fresh).digest == run.digest
+
+
+@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+def test_process_killed_in_an_import_leaves_a_store_that_goes_on(
+    fresh: Home, small: Build, step: str, tmp_path: Path
+) -> None:
+    write_columns(small(), tmp_path / "source")
+    script = """
+import os, sys
+from pathlib import Path
+from storage import runs, store
+from storage.home import Home
+step, home, source = sys.argv[1], Home(Path(sys.argv[2])), Path(sys.argv[3])
+whole = getattr(runs, step)
+def killed(*arguments):
+    whole(*arguments)
+    os.kill(os.getpid(), 9)
+setattr(runs, step, killed)
+store.keep(store.read(source), home)
+"""
+    command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
+    assert subprocess.run(command, check=False).returncode == -9
+    assert store.runs(fresh) == []
+    run = store.keep(small(), fresh)
+    assert store.load(run, fresh).digest == run.digest
+    assert verify(fresh) == (2, [])
 
 
 def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home, small: Build) -> None:
