@@ -105,22 +105,28 @@ def save_certificate(
 
 def certificates(home: Home) -> list[Entry]:
     """The register: every certificate in the order in which they were kept."""
-    unit, table = catalog.units.c, catalog.certificates.c
-    of_table = [table[name] for name in Entry.model_fields if name in table]
-    statement = (
-        sql.select(*of_table, unit.manufacturer, unit.model, unit.serial)
-        .join_from(catalog.certificates, catalog.units)
-        .order_by(table.kept_at, table.number)
-    )
-    return [Entry.model_validate(dict(row._mapping)) for row in catalog.rows(home, statement)]
+    return _register(home, sql.true())
 
 
 def certificate_of(number: str, home: Home) -> Certificate:
     """The record of a certificate; raises Unusable when there is none or it was damaged."""
-    for entry in certificates(home):
-        if entry.number == number:
-            return _record(home.path / entry.record)
-    raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
+    found = _register(home, catalog.certificates.c.number == number)
+    if not found:
+        raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
+    return record_of(found[0], home)
+
+
+def record_of(entry: Entry, home: Home) -> Certificate:
+    """The record that a line of the register names; raises Unusable when it was damaged."""
+    path = home.path / entry.record
+    try:
+        return Certificate.model_validate_json(path.read_bytes())
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+        ) from error
+    except ValidationError as error:
+        raise Unusable(f"{path}: {first_fault(error)}; bring it back from a backup.") from error
 
 
 def due(home: Home, until: date) -> list[Due]:
@@ -162,6 +168,18 @@ def save_reminder(number: str, channel: str, home: Home) -> None:
         )
 
 
+def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:
+    unit, table = catalog.units.c, catalog.certificates.c
+    of_table = [table[name] for name in Entry.model_fields if name in table]
+    statement = (
+        sql.select(*of_table, unit.manufacturer, unit.model, unit.serial)
+        .join_from(catalog.certificates, catalog.units)
+        .where(which)
+        .order_by(table.kept_at, table.number)
+    )
+    return [Entry.model_validate(dict(row._mapping)) for row in catalog.rows(home, statement)]
+
+
 def _check_name(text: str, what: str) -> None:
     if not re.fullmatch(r"\w[\w.-]{0,63}", text):
         raise Unusable(
@@ -194,16 +212,3 @@ def _result(connection: sql.Connection, certificate: Certificate) -> str:
     )
     found = connection.scalars(same.order_by(table.made_at.desc())).first()
     return found or add_result(connection, certificate.calibration, None)
-
-
-def _record(path: Path) -> Certificate:
-    try:
-        return Certificate.model_validate_json(path.read_bytes())
-    except OSError as error:
-        raise Unusable(
-            f"{path} cannot be read ({error.strerror}); bring it back from a backup."
-        ) from error
-    except ValidationError as error:
-        raise Unusable(
-            f"{path}: {first_fault(error)}; bring the file back from a backup."
-        ) from error

@@ -10,7 +10,7 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from storage import catalog
-from storage.certificates import Entry, certificate_of, certificates
+from storage.certificates import Entry, certificates, record_of
 from storage.home import Home
 from storage.raw import read_mcap
 from storage.results import calibration_of
@@ -64,8 +64,9 @@ def _checks(home: Home) -> Iterator[Check]:
         yield partial(_raw, run, home)
         if (home.columns / run.digest).exists():  # missing columns are made again when needed
             yield partial(_columns, run, home)
-    for row in catalog.rows(home, sql.select(catalog.results)):
-        yield partial(_result, row, {run.id: run.digest for run in kept})
+    digests = {run.id: run.digest for run in kept}
+    for (result,) in catalog.rows(home, sql.select(catalog.results.c.id)):
+        yield partial(_result, result, digests, home)
     for entry in register:
         yield partial(_unchanged, home.path / entry.pdf, entry.pdf_sha256)
         yield partial(_unchanged, home.path / entry.record, entry.record_sha256)
@@ -102,8 +103,9 @@ def _columns(run: Run, home: Home) -> Iterator[Fault]:
         )
 
 
-def _result(row: sql.Row, digests: dict[str, str]) -> Iterator[Fault]:
-    what = f"result {row.id}"
+def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[Fault]:
+    what, table = f"result {result}", catalog.results
+    (row,) = catalog.rows(home, sql.select(table).where(table.c.id == result))
     try:
         calibration = calibration_of(row)
     except Unusable as error:
@@ -133,7 +135,7 @@ def _unchanged(path: Path, expected: str) -> Iterator[Fault]:
 def _record(entry: Entry, home: Home) -> Iterator[Fault]:
     """Whether the record says what the register says."""
     try:
-        record = certificate_of(entry.number, home)
+        record = record_of(entry, home)
     except Unusable as error:
         yield Fault(what=f"certificate {entry.number}", why=str(error))
         return
