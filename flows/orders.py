@@ -2,6 +2,7 @@
 
 import os
 
+from schemas.base import Unusable
 from storage.home import Home
 
 # What is set here must be in the environment before Prefect is imported for the first time.
@@ -30,6 +31,13 @@ def prepare(home: Home) -> None:
     """
     settings = dict(QUIET)
     if not server_named():
-        settings |= EMBEDDED | {"PREFECT_HOME": str(home.path.absolute() / "prefect")}
+        place = home.path.absolute() / "prefect"
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise Unusable(
+                f"{place} cannot be made ({error.strerror}); name another folder in MIMUCAL_HOME"
+            ) from error
+        settings |= EMBEDDED | {"PREFECT_HOME": str(place)}
     for name, value in settings.items():
         os.environ.setdefault(name, value)

@@ -1,0 +1,174 @@
+"""The line as Prefect flows on a virtual station, with the embedded server; and a kill."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from schemas.station import StationFile
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.process import running
+from tasks.station.virtual.unit import draw_unit
+
+SHORT = """
+format = "mimu-procedure/1"
+name = "short"
+title = "two positions and two rates"
+title_zh = "两位置两速率"
+standard = "JJF 2003-2022"
+warm_up_s = 1.0
+settle_s = 0.5
+move_rate_deg_s = 90.0
+acceleration_deg_s2 = 120.0
+[environment]
+temperature_degc = [15.0, 25.0]
+humidity_percent = [20.0, 85.0]
+[[steps]]
+kind = "position"
+name = "position_+z_000"
+item = "twelve_position"
+up = "+z"
+turn_deg = 0
+angles_deg = [0, 0, 0]
+dwell_s = {dwell}
+[[steps]]
+kind = "position"
+name = "position_-z_000"
+item = "twelve_position"
+up = "-z"
+turn_deg = 0
+angles_deg = [0, 180, 0]
+dwell_s = {dwell}
+[[steps]]
+kind = "rate_run"
+name = "rate_z"
+item = "scale_factor"
+axis = "z"
+up = "+z"
+spin_axis = 0
+angles_deg = [0, 0, 0]
+rates_deg_s = [-90, 90]
+dwell_s = {dwell}
+"""
+
+
+@pytest.fixture(scope="module")
+def station() -> Iterator[StationFile]:
+    with running(VirtualStation(unit=draw_unit(7)), speed=30.0) as found:
+        yield found
+
+
+@pytest.fixture
+def papers(tmp_path: Path, station: StationFile) -> tuple[Path, Path]:
+    """A station file and a short procedure."""
+    station_file, procedure = tmp_path / "station.json", tmp_path / "short.toml"
+    station_file.write_text(station.model_dump_json(), encoding="utf-8")
+    procedure.write_text(SHORT.format(dwell=6.0), encoding="utf-8")
+    return station_file, procedure
+
+
+def mimucal(home: Path, *arguments: object) -> list[str]:
+    return [sys.executable, "-m", "flows.cli", *map(str, arguments)]
+
+
+def environment(home: Path) -> dict[str, str]:
+    keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    return keep | {"MIMUCAL_HOME": str(home)}
+
+
+ARTIFACTS = """
+import asyncio, json
+from prefect.client.orchestration import get_client
+async def main():
+    async with get_client() as client:
+        runs = await client.read_flow_runs()
+        artifacts = await client.read_artifacts()
+        tasks = await client.read_task_runs()
+        print(json.dumps({
+            "flows": sorted((r.name, r.state_name) for r in runs),
+            "tasks": sorted({t.name.rsplit("-", 1)[0] for t in tasks}),
+            "artifacts": sorted(a.key for a in artifacts),
+        }))
+asyncio.run(main())
+"""
+
+
+def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path, papers) -> None:
+    home, (station_file, procedure) = tmp_path / "home", papers
+    order = (
+        "from flows import orders; from storage.home import home; orders.prepare(home())\n"
+        "from flows import line\n"
+        f"issued = line.run_now(line.produce, station={str(station_file)!r}, "
+        f"procedure={str(procedure)!r})\n"
+        "print('VERDICT', issued.certificate.decision.verdict)\n" + ARTIFACTS
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", order],
+        capture_output=True, text=True, timeout=110, env=environment(home),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "VERDICT inconclusive" in done.stdout
+    seen = json.loads(done.stdout.splitlines()[-1])
+    assert [state for _, state in seen["flows"]] == ["Completed", "Completed"]
+    assert seen["tasks"] == ["acquire", "decide and publish", "estimate"]
+    assert seen["artifacts"] == ["calibration-items", "certificate"]
+    assert list((home / "certificates").glob("*.pdf"))
+
+
+def test_acquire_prints_the_run_and_the_run_can_be_calibrated(tmp_path, papers) -> None:
+    home, (station_file, procedure) = tmp_path / "home", papers
+    done = subprocess.run(
+        mimucal(home, "acquire", station_file, "--procedure", procedure, "--json"),
+        capture_output=True, text=True, timeout=110, env=environment(home),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    acquired = json.loads(done.stdout)
+    assert acquired["lost_samples"] == 0
+    calibrated = subprocess.run(
+        mimucal(home, "calibrate", acquired["run"], "--json"),
+        capture_output=True, text=True, timeout=60, env=environment(home),
+    )  # fmt: skip
+    scale = json.loads(calibrated.stdout)["items"]["gyro_scale_factor"]
+    assert scale["value"]["z"] == pytest.approx(draw_unit(7).gyro.scale[2][2], abs=2e-4)
+    assert scale["value"]["x"] is None
+
+
+def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
+    home, (station_file, procedure) = tmp_path / "home", papers
+    procedure.write_text(SHORT.format(dwell=60.0), encoding="utf-8")
+    running_line = subprocess.Popen(
+        mimucal(home, "acquire", station_file, "--procedure", procedure),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment(home),
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not (found := list((home / "acquiring").glob("*.mcap"))) or (
+        found[0].stat().st_size < 200_000
+    ):
+        assert time.monotonic() < deadline
+        assert running_line.poll() is None
+        time.sleep(0.1)
+    running_line.send_signal(signal.SIGKILL)
+    running_line.wait()
+    refused = subprocess.run(
+        mimucal(home, "import", found[0]), capture_output=True, text=True, env=environment(home)
+    )
+    assert refused.returncode == 2
+    assert "--salvage" in refused.stderr
+    saved = subprocess.run(
+        mimucal(home, "import", found[0], "--salvage", "--json"),
+        capture_output=True, text=True, env=environment(home),
+    )  # fmt: skip
+    assert saved.returncode == 0, saved.stderr
+    run = json.loads(saved.stdout)["runs"][0]["run"]
+    shown = subprocess.run(
+        mimucal(home, "show", run, "--json"), capture_output=True, text=True, env=environment(home)
+    )
+    document = json.loads(shown.stdout)
+    assert document["run"]["seconds"] > 10
+    assert document["manifest"]["unit"]["serial"] == "V00007"
