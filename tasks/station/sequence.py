@@ -24,7 +24,7 @@ from tasks.station.suits import check_suits
 from tasks.station.table import Table
 from tasks.station.unit import Unit
 
-LEAVE_S = 5.0
+LEAVE_S = 3.0
 CLOCK_APART_S = 0.1
 CANCEL_AGAIN_S = 0.1
 
@@ -58,54 +58,59 @@ def acquire(
     until then is in the sink. Whatever ends the run, the table is told to stop.
     """
     check_suits(procedure, station)
-    return asyncio.run(_acquire(station, procedure, sink, report, recording_id))
+    return asyncio.run(_acquire(_Order(station, procedure, sink, report, recording_id)))
 
 
-async def _acquire(
-    station: StationFile,
-    procedure: Procedure,
-    sink: Sink,
-    report: Callable[[Progress], None],
-    recording_id: str,
-) -> Acquired:
-    link = Link(station.modbus_host, station.modbus_port)
-    names = tuple(axis.name for axis in station.station.table_axes or ())
-    legs = legs_of(procedure)
+@dataclass(frozen=True)
+class _Order:
+    station: StationFile
+    procedure: Procedure
+    sink: Sink
+    report: Callable[[Progress], None]
+    recording_id: str
+
+
+async def _acquire(order: _Order) -> Acquired:
+    """Find everything before anything moves, then run."""
+    link = Link(order.station.modbus_host, order.station.modbus_port)
+    names = tuple(axis.name for axis in order.station.station.table_axes or ())
     try:
         table = await Table.find(link, names)
-        await read_climate(link)  # a chamber that is missing is found before anything moves
+        await read_climate(link)
         clock = await _clock(table)
-        labels = Labels(station, procedure, recording_id, clock.station_s)
-        total_s = procedure.warm_up_s + sum(leg.planned_s for leg in legs)
-        tracker = Tracker(report, clock, total_s)
-        with Unit(station.unit_link) as unit:
-            recorder = Recorder(table, unit, clock, procedure.environment, sink, labels)
-            recorder.begin()
-            driver = Driver(table, clock, procedure, recorder, labels, tracker)
-            try:
-                await _first_to_end(
-                    driver.run(legs),
-                    recorder.encoders.run(),
-                    recorder.climate.run(),
-                    recorder.run(),
-                )
-                await table.leave()
-            except BaseException as cause:
-                await _stop_anyhow(table)
-                if isinstance(cause, Unusable):
-                    raise Unusable(_stopped(tracker.now, cause, labels)) from cause
-                raise
-            finally:
-                _write_rest(recorder)
-            warnings = remarks_on(recorder.findings, labels.segments, procedure.environment)
-            return Acquired(
-                manifest=labels.manifest(),
-                warnings=warnings,
-                bad_frames=unit.bad_frames,
-                lost_samples=recorder.unit.lost_samples,
-            )
+        with Unit(order.station.unit_link) as unit:
+            return await _run(order, table, unit, clock)
     finally:
         link.close()
+
+
+async def _run(order: _Order, table: Table, unit: Unit, clock: StationClock) -> Acquired:
+    procedure, legs = order.procedure, legs_of(order.procedure)
+    labels = Labels(order.station, procedure, order.recording_id, clock.station_s)
+    total_s = procedure.warm_up_s + sum(leg.planned_s for leg in legs)
+    tracker = Tracker(order.report, clock, total_s)
+    recorder = Recorder(table, unit, clock, procedure.environment, order.sink, labels)
+    recorder.begin()
+    driver = Driver(table, clock, procedure, recorder, labels, tracker)
+    try:
+        await _first_to_end(
+            driver.run(legs), recorder.encoders.run(), recorder.climate.run(), recorder.run()
+        )
+        await table.leave()
+    except BaseException as cause:
+        await _stop_anyhow(table)
+        if isinstance(cause, Unusable):
+            raise Unusable(_stopped(tracker.now, cause, labels)) from cause
+        raise
+    finally:
+        unit.end()
+        _write_rest(recorder)
+    return Acquired(
+        manifest=labels.manifest(),
+        warnings=remarks_on(recorder.findings, labels.segments, procedure.environment),
+        bad_frames=unit.bad_frames,
+        lost_samples=recorder.unit.lost_samples,
+    )
 
 
 async def _clock(table: Table) -> StationClock:

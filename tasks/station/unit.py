@@ -58,9 +58,13 @@ class Unit:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self.end()
+        self._port.close()
+
+    def end(self) -> None:
+        """Read what is on the line now, and no more."""
         self._done.set()
         self._thread.join()
-        self._port.close()
 
     def take(self) -> np.ndarray:
         """The frames that came since the last call, FRAME records (n,); may be none.

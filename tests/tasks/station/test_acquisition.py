@@ -1,0 +1,275 @@
+"""A run on the virtual station: real sockets, another process, 20 times the wall's speed."""
+
+import asyncio
+import signal
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.procedure import Procedure
+from schemas.station import TABLE_DEVICE, TABLE_REGISTERS, StationFile
+from tasks.station.modbus import Link
+from tasks.station.progress import Progress
+from tasks.station.sequence import Acquired, acquire
+from tasks.station.table import Table, TableState
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.process import running
+
+SPEED = 20.0
+MEASURED = ["position_+x_000", "position_-x_000", "rate_x_-50", "rate_x_+100"]
+
+
+@dataclass(frozen=True)
+class Run:
+    acquired: Acquired
+    kept: Any
+    progress: list[Progress]
+    station: StationFile
+
+
+def ignore(progress: Progress) -> None:
+    pass
+
+
+def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:
+    """What the table does, by a connection of its own."""
+
+    async def read() -> tuple[TableState, int]:
+        link = Link(station.modbus_host, station.modbus_port)
+        try:
+            head = await link.read(TABLE_DEVICE, TABLE_REGISTERS)
+            axes = tuple(axis.name for axis in station.station.table_axes)
+            table = Table(link, axes, (3_600_000,) * len(axes), 10_000)
+            await asyncio.sleep(0.3)  # 6 station seconds, for the ramp
+            return await table.state(), head["watchdog"]
+        finally:
+            link.close()
+
+    return asyncio.run(read())
+
+
+@pytest.fixture(scope="module")
+def run(short: Procedure, new_sink: Any) -> Run:
+    """A run on a sound station."""
+    sink, progress = new_sink(), []
+    with running(VirtualStation(), SPEED) as station:
+        acquired = acquire(station, short, sink, progress.append, recording_id="sound")
+    return Run(acquired, sink, progress, station)
+
+
+def test_sound_station_gives_no_warning(run):
+    assert run.acquired.warnings == ()
+    assert (run.acquired.bad_frames, run.acquired.lost_samples) == (0, 0)
+
+
+def test_streams_have_no_gap(run):
+    for name in ("imu", "table"):
+        assert np.diff(run.kept.stream(name).t) == pytest.approx(0.01, abs=1e-9)
+    assert np.diff(run.kept.stream("environment").t).max() < 5.0
+
+
+def test_streams_have_the_columns_of_the_format(run):
+    table = run.kept.stream("table").columns
+    assert list(table) == ["outer_angle", "middle_angle", "inner_angle"]
+    environment = run.kept.stream("environment").columns
+    assert list(environment) == ["temperature", "humidity", "supply_voltage", "pressure"]
+    assert len(run.kept.stream("imu").columns) == 7
+
+
+def test_labels_cover_the_run_without_holes(run):
+    segments = run.acquired.manifest.segments
+    for one, other in pairwise(segments):
+        assert other.t_start == one.t_end
+    assert [s.name for s in segments if s.kind in ("static", "rate")] == MEASURED
+    for name in ("imu", "table", "environment"):
+        t = run.kept.stream(name).t
+        assert t[0] < segments[0].t_end
+        assert t[-1] >= segments[-1].t_end - 1.0
+
+
+def test_manifest_is_written_after_every_measured_segment(run):
+    finished = [
+        sum(s.kind in ("static", "rate") for s in manifest.segments)
+        for manifest in run.kept.manifests
+    ]
+    assert finished == [0, 1, 2, 3, 4, 4]
+    assert run.kept.manifests[-1] == run.acquired.manifest
+
+
+def test_manifest_tells_unit_station_procedure_and_equipment(run):
+    manifest = run.acquired.manifest
+    assert manifest.recording_id == "sound"
+    assert manifest.standard == "JJF 2003-2022"
+    assert manifest.unit == run.station.unit
+    assert manifest.station == run.station.station
+    assert manifest.model_extra["procedure"] == "jjf2003"
+    assert len(manifest.model_extra["equipment"]) == len(run.station.equipment)
+    assert "unit_clock_shift_s" not in manifest.model_extra
+
+
+def test_each_label_says_what_unit_and_encoders_did(run):
+    imu, table = run.kept.stream("imu"), run.kept.stream("table")
+    for segment in run.acquired.manifest.segments:
+        rows = imu.rows(segment.t_start, segment.t_end)
+        if segment.kind == "rate":
+            gyro = np.degrees(imu.columns["gyro_x"][rows].mean())
+            assert gyro == pytest.approx(segment.rate_deg_s, rel=0.02)
+            at = table.rows(segment.t_start, segment.t_end)
+            turned = np.degrees(table.columns["outer_angle"][at])
+            slope = np.polyfit(table.t[at], turned, 1)[0]
+            assert slope == pytest.approx(segment.rate_deg_s, rel=1e-4)
+
+
+def test_gravity_is_on_the_axis_that_a_position_says_is_up(run):
+    imu = run.kept.stream("imu")
+    up, down = (
+        imu.columns["accel_x"][imu.rows(segment.t_start, segment.t_end)].mean()
+        for segment in run.acquired.manifest.segments
+        if segment.kind == "static"
+    )
+    assert (up - down) / 2 == pytest.approx(9.8, abs=0.1)
+
+
+def test_unit_and_encoders_are_on_one_clock(run):
+    """While the table moves, the gyros' length is the encoders' rate, at the same time."""
+    imu, table = run.kept.stream("imu"), run.kept.stream("table")
+    ramp = run.acquired.manifest.segments[-3]
+    rows = imu.rows(ramp.t_start, ramp.t_end)
+    rate = np.gradient(table.columns["outer_angle"], table.t)
+    expected = np.interp(imu.t[rows], table.t, rate)
+    assert np.abs(imu.columns["gyro_x"][rows] - expected).max() < 0.1
+
+
+def test_progress_never_runs_back_and_ends_at_its_total(run):
+    done = [progress.station_s_done for progress in run.progress]
+    assert done == sorted(done)
+    assert done[-1] == run.progress[-1].station_s_total
+    assert {"warm-up", "position +x 000", "rate x +100 deg/s"} <= {p.now for p in run.progress}
+
+
+def test_table_is_left_at_rest_with_the_watchdog_off(short, kept):
+    with running(VirtualStation(), SPEED) as station:
+        acquire(station, short, kept, ignore, recording_id="left")
+        state, watchdog = table_and_watchdog(station)
+    assert [axis.rate_deg_s for axis in state.axes] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert watchdog == 0
+
+
+STOPS = {
+    "table_fault": "axis outer of the table reports fault: read the fault",
+    "emergency_stop": "axis outer of the table reports emergency_stop: .* release",
+    "interlock": "axis outer of the table reports interlock: close the guard",
+    "never_settles": r"axis \w+ of the table has not settled at -?\d+ deg(/s)? within \d+ s",
+    "modbus_silent": r"the station at 127\.0\.0\.1:\d+ does not answer",
+    "modbus_exception": r"127\.0\.0\.1:\d+ refused .* exception 4 \(device failure\)",
+    "unit_silent": r"the unit on socket://127\.0\.0\.1:\d+ has sent nothing for 3 s",
+}
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, short, kept):
+    long = short.model_copy(update={"steps": (*short.steps[:2], _long(short.steps[2]))})
+    with (
+        running(VirtualStation(), SPEED, (Fault(name, 60.0),)) as station,
+        pytest.raises(Unusable, match=STOPS[name]) as stop,
+    ):
+        acquire(station, long, kept, ignore, recording_id=name)
+    sentence = str(stop.value)
+    assert "the run stopped during «rate x " in sentence
+    assert f"is kept (finished segments: {len(kept.measured())})" in sentence
+    assert kept.measured()[:2] == MEASURED[:2]
+    for stream in ("imu", "table", "environment"):
+        assert kept.stream(stream).t[-1] > 57.0
+
+
+def _long(step: Any) -> Any:
+    return step.model_copy(update={"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0})
+
+
+WARNS = {
+    "unit_garbage": ("unit_bad_frames", "unit_lost_samples"),
+    "unit_drops": ("unit_lost_samples",),
+    "stuck_channel": ("stuck_channel",),
+    "spike": ("spikes",),
+    "chamber_hot": ("air_temperature",),
+    "table_rate_wrong": ("table_rate",),
+}
+
+
+@pytest.mark.parametrize("name", WARNS)
+def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
+    steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
+    patient = short.model_copy(update={"steps": tuple(steps)})
+    with running(VirtualStation(), SPEED, (Fault(name),)) as station:
+        acquired = acquire(station, patient, kept, ignore, recording_id=name)
+    assert {remark.code for remark in acquired.warnings} == set(WARNS[name])
+    rates = {"rate_x_-50", "rate_x_+100"}
+    for remark in acquired.warnings:
+        assert rates <= set(remark.segments)
+        assert remark.blocks_pass == (name == "chamber_hot")
+        assert "rate_x_-50" in remark.en
+        assert "rate_x_-50" in remark.zh
+    assert (acquired.lost_samples > 0) == (name in ("unit_garbage", "unit_drops"))
+    assert (acquired.bad_frames > 0) == (name == "unit_garbage")
+
+
+def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
+    def interrupt(progress: Progress) -> None:
+        if progress.now.startswith("rate"):
+            signal.raise_signal(signal.SIGINT)
+
+    with running(VirtualStation(), SPEED) as station:
+        with pytest.raises(KeyboardInterrupt):
+            acquire(station, short, kept, interrupt, recording_id="interrupted")
+        state, watchdog = table_and_watchdog(station)
+    assert [axis.rate_deg_s for axis in state.axes] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert watchdog == 0
+    assert kept.measured() == MEASURED[:2]
+    assert kept.stream("imu").t[-1] >= kept.manifests[-1].segments[-1].t_end - 0.5
+
+
+def test_unit_with_a_clock_of_its_own_is_put_on_station_time(short, kept):
+    sound = VirtualStation()
+    late = sound.unit.model_copy(update={"clock_offset_s": 4.0})
+    with running(sound.model_copy(update={"unit": late}), SPEED) as station:
+        acquired = acquire(station, short, kept, ignore, recording_id="late")
+    shift = acquired.manifest.model_extra["unit_clock_shift_s"]
+    assert shift == pytest.approx(4.0, abs=1.0)
+    assert kept.stream("imu").t[-1] >= acquired.manifest.segments[-1].t_end
+
+
+def test_failing_sink_stops_the_table(short, kept):
+    def full(stream: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    kept.imu = full
+    with running(VirtualStation(), SPEED) as station:
+        with pytest.raises(OSError, match="No space"):
+            acquire(station, short, kept, ignore, recording_id="full")
+        assert table_and_watchdog(station)[1] == 0
+
+
+def test_station_that_is_not_there_is_named(short, kept, run):
+    with pytest.raises(Unusable, match=f"127.0.0.1:{run.station.modbus_port} does not answer"):
+        acquire(run.station, short, kept, ignore, recording_id="none")
+    assert kept.pieces == {}
+    assert kept.manifests == []
+
+
+def test_unit_line_that_is_not_there_is_named(short, kept):
+    with running(VirtualStation(), SPEED) as station:
+        link = station.unit_link.model_copy(update={"url": "socket://127.0.0.1:1"})
+        with pytest.raises(Unusable, match=r"socket://127\.0\.0\.1:1 cannot be opened"):
+            acquire(
+                station.model_copy(update={"unit_link": link}),
+                short,
+                kept,
+                ignore,
+                recording_id="no line",
+            )
+    assert kept.manifests == []
