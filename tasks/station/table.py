@@ -115,8 +115,9 @@ class Table:
                 f"set counts_per_turn at the controller"
             )
         table = cls(link, names, tuple(turns), head["capture_period"])
-        if head["status"] & TABLE_STATUS["watchdog"]:
-            await table.command("reset")  # an earlier run was cut off, and the table is at rest
+        tripped = head["status"] & sum(TABLE_STATUS[bit] for bit in WAYS_OUT)
+        if tripped == TABLE_STATUS["watchdog"]:  # an earlier run was cut off; nothing is wrong
+            await table.command("reset")
         await link.write(TABLE_DEVICE, _TABLE["watchdog"], WATCHDOG_MS)
         check(await table.state(), names)
         return table

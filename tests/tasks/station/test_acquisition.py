@@ -21,6 +21,7 @@ from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.process import running
 
 SPEED = 20.0
+WATCHDOG = next(register for register in TABLE_REGISTERS if register.name == "watchdog")
 MEASURED = ["position_+x_000", "position_-x_000", "rate_x_-50", "rate_x_+100"]
 
 
@@ -241,6 +242,32 @@ def test_unit_with_a_clock_of_its_own_is_put_on_station_time(short, kept):
     shift = acquired.manifest.model_extra["unit_clock_shift_s"]
     assert shift == pytest.approx(4.0, abs=1.0)
     assert kept.stream("imu").t[-1] >= acquired.manifest.segments[-1].t_end
+
+
+async def _let_the_watchdog_bite(station: StationFile) -> None:
+    """As a run does that is killed: polls for a while, then no more."""
+    link = Link(station.modbus_host, station.modbus_port)
+    try:
+        await link.write(TABLE_DEVICE, WATCHDOG, 50)
+        await asyncio.sleep(0.3)
+    finally:
+        link.close()
+
+
+def test_run_after_one_that_was_killed_needs_no_reset(short, kept):
+    with running(VirtualStation(), SPEED) as station:
+        asyncio.run(_let_the_watchdog_bite(station))
+        acquire(station, short, kept, ignore, recording_id="after")
+    assert kept.measured() == MEASURED
+
+
+def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
+    with running(VirtualStation(), SPEED, (Fault("emergency_stop"),)) as station:
+        asyncio.run(_let_the_watchdog_bite(station))
+        for _ in range(2):
+            with pytest.raises(Unusable, match="reports emergency_stop"):
+                acquire(station, short, kept, ignore, recording_id="unsafe")
+    assert kept.manifests == []
 
 
 def test_failing_sink_stops_the_table(short, kept):
