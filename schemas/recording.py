@@ -131,17 +131,21 @@ class Stream:
     def __len__(self) -> int:
         return len(self.t)
 
+    def channels(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
+        """The named columns over some rows, (len(names), n); NaN for absent ones."""
+        gathered = np.full((len(names), rows.stop - rows.start), np.nan)
+        for channel, name in enumerate(names):
+            if name in self.columns:
+                gathered[channel] = self.columns[name][rows]
+        return gathered
+
     def stack(self, names: tuple[str, ...]) -> np.ndarray:
-        """The named columns side by side, (n, len(names)); NaN columns for absent ones."""
-        return self.stack_rows(names, slice(0, len(self.t)))
+        """The named columns side by side over all rows, (n, len(names))."""
+        return self.channels(names, slice(0, len(self.t))).T
 
     def stack_rows(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
-        """The same for some of the rows only."""
-        stacked = np.full((rows.stop - rows.start, len(names)), np.nan)
-        for column, name in enumerate(names):
-            if name in self.columns:
-                stacked[:, column] = self.columns[name][rows]
-        return stacked
+        """The named columns side by side over some rows, (n, len(names))."""
+        return self.channels(names, rows).T
 
     def rows(self, t_start: float, t_end: float) -> slice:
         """The rows with t_start ≤ t < t_end."""

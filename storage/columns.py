@@ -99,6 +99,15 @@ def _read(path: Path) -> tuple[Stream, str]:
     import pyarrow.parquet as pq
 
     table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
-    columns = {name: table.column(name).to_numpy() for name in table.column_names}
+    columns = {name: _array(table.column(name)) for name in table.column_names}
     said = (table.schema.metadata or {}).get(DIGEST, b"").decode()
     return Stream(columns.pop("t"), columns), said
+
+
+def _array(column: "pa.ChunkedArray") -> np.ndarray:
+    """A float64 column without nulls; `to_numpy` would import pandas, which takes 0.2 s."""
+    parts = [
+        np.frombuffer(chunk.buffers()[1], np.float64)[chunk.offset : chunk.offset + len(chunk)]
+        for chunk in column.chunks
+    ]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -5,27 +5,35 @@ R_n_body = R_n_payload·R(mount).
 """
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from schemas.recording import Manifest, Recording, Segment
 
 EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
 
 
-def mount_of(manifest: Manifest, segment: Segment) -> Rotation:
-    """Attitude of the unit on the payload: the segment's own mount, else the recording's."""
-    mount = segment.mount or manifest.mount
-    return Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True)
+def rotation(direction: np.ndarray, angle: float) -> np.ndarray:
+    """Matrix (3, 3) of the turn by `angle` (rad) about a unit direction (Rodrigues)."""
+    x, y, z = direction
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+
+
+def mount_of(manifest: Manifest, segment: Segment) -> np.ndarray:
+    """R(mount) (3, 3): the segment's own mount, else the recording's."""
+    quaternion = np.array((segment.mount or manifest.mount).quaternion_wxyz)
+    w, *axis = quaternion / np.linalg.norm(quaternion)
+    size = float(np.linalg.norm(axis))
+    return rotation(np.array(axis) / size, 2 * np.arctan2(size, w)) if size else np.eye(3)
 
 
 def axis_in_body(manifest: Manifest, segment: Segment, angles: np.ndarray, axis: int) -> np.ndarray:
     """Direction of one table axis in the body frame, (3,), at the given axis angles (rad)."""
     directions = [np.array(each.direction) for each in manifest.station.table_axes or ()]
     directions = [each / np.linalg.norm(each) for each in directions]
-    inner = Rotation.identity()
+    inner = np.eye(3)
     for direction, angle in zip(directions[axis + 1 :], angles[axis + 1 :], strict=True):
-        inner = inner * Rotation.from_rotvec(direction * angle)
-    return (inner * mount_of(manifest, segment)).inv().apply(directions[axis])
+        inner = inner @ rotation(direction, angle)
+    return (inner @ mount_of(manifest, segment)).T @ directions[axis]
 
 
 def mean_rate(recording: Recording, segment: Segment) -> np.ndarray | None:

@@ -120,17 +120,15 @@ def _stuck(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     if segment.segment.kind == "rotation":
         return
     rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    values = recording.imu.stack_rows(CHANNELS, rows)
-    if len(values) < 3:
-        return
     interval = segment.seconds / segment.rows
-    shortest = max(20, round(STUCK_SECONDS / interval))
+    shortest = min(max(20, round(STUCK_SECONDS / interval)), segment.rows)
     name = segment.segment.name
     for channel in np.flatnonzero(np.isfinite(segment.mean)):
-        start, length = _longest_repeat(values[:, channel])
-        if length < min(shortest, len(values)):
+        values = recording.imu.columns[CHANNELS[channel]][rows]
+        start, length = _longest_repeat(values, shortest)
+        if length < shortest:
             continue
-        at, held = recording.imu.t[rows.start + start], values[start, channel]
+        at, held = recording.imu.t[rows.start + start], values[start]
         yield Remark(
             code="stuck",
             en=f"{name}: {CHANNELS[channel]} stood still at {held:.6g} for {length} rows from "
@@ -141,8 +139,14 @@ def _stuck(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
         )
 
 
-def _longest_repeat(values: np.ndarray) -> tuple[int, int]:
-    """First row and length of the longest run of one and the same value."""
+def _longest_repeat(values: np.ndarray, shortest: int) -> tuple[int, int]:
+    """First row and length of the longest run of one value; (0, 0) if none is long enough.
+
+    A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
+    """
+    sample = values[:: max(1, shortest // 2)]
+    if len(sample) > 1 and not (sample[1:] == sample[:-1]).any():
+        return 0, 0
     changes = np.flatnonzero(np.diff(values)) + 1
     edges = np.concatenate(([0], changes, [len(values)]))
     lengths = np.diff(edges)

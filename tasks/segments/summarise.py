@@ -55,19 +55,21 @@ class SegmentMean:
         return bool(np.isfinite(self.mean[ACCEL_COLUMNS]).all())
 
 
-def far_rows(values: np.ndarray) -> np.ndarray:
-    """Which entries of each column lie far from that column's bulk, (n, c) bool.
+def far_rows(channel: np.ndarray) -> np.ndarray | None:
+    """Which entries of a channel (n,) lie far from its bulk, (n,) bool; None where none does.
 
     Centre and scale come from the median, its absolute deviation and the 2 % to 98 % range of
-    an evenly spread sample, so that a spike, or a hundred, cannot hide itself. NaN is not far.
+    an evenly spread sample, so that a spike, or a hundred, cannot hide itself. A channel that
+    was not recorded (NaN) has none.
     """
-    sample = values[:: max(1, len(values) // SAMPLE_ROWS)]
-    low, centre, high = np.quantile(sample, (0.02, 0.5, 0.98), axis=0)
-    spread = 1.4826 * np.median(np.abs(sample - centre), axis=0)
-    scale = np.maximum(spread, (high - low) / 4.1)
-    resolution = 8 * np.finfo(float).eps * np.abs(centre)
-    with np.errstate(invalid="ignore"):
-        return np.abs(values - centre) > FAR * np.maximum(scale, resolution)
+    sample = np.sort(channel[:: max(1, len(channel) // SAMPLE_ROWS)])
+    low, centre, high = (sample[int(share * (len(sample) - 1))] for share in (0.02, 0.5, 0.98))
+    spread = 1.4826 * float(np.median(np.abs(sample - centre)))
+    resolution = 8 * np.finfo(float).eps * abs(centre)
+    reach = FAR * max(spread, (high - low) / 4.1, resolution)
+    if not (channel.max() > centre + reach or channel.min() < centre - reach):
+        return None
+    return np.abs(channel - centre) > reach
 
 
 def longest_run(flags: np.ndarray) -> int:
@@ -83,20 +85,21 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
 
 
 def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances of (n, c) values at block lengths seconds/32, /16, /8, /4 and /2.
+    """Allan variances of (c, n) values at block lengths seconds/32, /16, /8, /4 and /2.
 
     Returns variances (levels, c) and block lengths (levels,) s. Fewer levels where there are
     fewer rows than blocks.
     """
-    blocks = min(BLOCKS, 1 << (len(values).bit_length() - 1))
-    size = len(values) // blocks
-    means = values[: size * blocks].reshape(blocks, size, -1).mean(axis=1)
+    count = values.shape[1]
+    blocks = min(BLOCKS, 1 << (count.bit_length() - 1))
+    size = count // blocks
+    means = values[:, : size * blocks].reshape(len(values), blocks, size).mean(axis=2)
     variances, lengths = [], []
-    while len(means) >= 2:
-        variances.append(0.5 * np.mean(np.diff(means, axis=0) ** 2, axis=0))
-        lengths.append(seconds / len(means))
-        means = 0.5 * (means[::2] + means[1::2])
-    return np.array(variances).reshape(-1, values.shape[1]), np.array(lengths)
+    while means.shape[1] >= 2:
+        variances.append(0.5 * np.mean(np.diff(means, axis=1) ** 2, axis=1))
+        lengths.append(seconds / means.shape[1])
+        means = 0.5 * (means[:, ::2] + means[:, 1::2])
+    return np.array(variances).reshape(-1, len(values)), np.array(lengths)
 
 
 def summarise(
@@ -107,10 +110,10 @@ def summarise(
     if rows.stop <= rows.start:
         return None
     t = imu.t[rows]
-    values = imu.stack_rows(CHANNELS, rows)
-    far = np.zeros(values.shape, bool) if segment.kind == "rotation" else far_rows(values)
-    corrupt = _widened(np.any(far, axis=1))
-    kept = values[~corrupt] if corrupt.any() else values
+    values = imu.channels(CHANNELS, rows)
+    far = {} if segment.kind == "rotation" else _far_by_channel(values)
+    corrupt = _widened(np.any(list(far.values()), axis=0)) if far else None
+    kept = values if corrupt is None else values[:, ~corrupt]
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
     allan, tau = allan_variances(kept, seconds)
     return SegmentMean(
@@ -119,13 +122,19 @@ def summarise(
         rows=len(t),
         t_start=float(t[0]),
         t_end=float(t[0]) + seconds,
-        mean=kept.mean(axis=0),
+        mean=kept.mean(axis=1),
         allan=allan,
         tau=tau,
-        left_out=int(corrupt.sum()),
-        far_rows=far.sum(axis=0),
-        longest_burst=longest_run(corrupt),
+        left_out=0 if corrupt is None else int(corrupt.sum()),
+        far_rows=np.array([far[c].sum() if c in far else 0 for c in range(len(CHANNELS))]),
+        longest_burst=0 if corrupt is None else longest_run(corrupt),
     )
+
+
+def _far_by_channel(values: np.ndarray) -> dict[int, np.ndarray]:
+    """The far rows of each channel that has any."""
+    found = ((channel, far_rows(row)) for channel, row in enumerate(values))
+    return {channel: far for channel, far in found if far is not None}
 
 
 def summarise_all(

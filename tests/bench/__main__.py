@@ -1,0 +1,6 @@
+"""`make bench`: every measurement, with its limit measured in the same run."""
+
+from tests.bench import bench_calibrate, bench_mcap
+
+bench_calibrate.main()
+bench_mcap.main()
