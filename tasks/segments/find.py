@@ -1,7 +1,6 @@
 """Rests and steady turns found from the data, for recordings that carry no labels."""
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Segment, Stream, Up
 from tasks.motion.table import mean_rate
@@ -68,6 +67,8 @@ def _steady_rows(manifest: Manifest, t: np.ndarray, table: Stream) -> np.ndarray
 
 
 def _moving_variance(values: np.ndarray, window: int) -> np.ndarray:
+    from scipy.ndimage import uniform_filter1d  # late: recordings with labels do not need it
+
     centred = values - values.mean(axis=0)
     mean = uniform_filter1d(centred, window, axis=0)
     square = uniform_filter1d(centred**2, window, axis=0)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.ndimage import binary_dilation
 
 from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
 
@@ -81,7 +80,11 @@ def longest_run(flags: np.ndarray) -> int:
 def _widened(corrupt: np.ndarray) -> np.ndarray:
     """A burst of far rows with its own length added on both sides, where it came and went."""
     burst = longest_run(corrupt)
-    return binary_dilation(corrupt, iterations=burst) if burst > LONGEST_BURST else corrupt
+    if burst <= LONGEST_BURST:
+        return corrupt
+    seen = np.concatenate(([0], np.cumsum(corrupt)))
+    row = np.arange(len(corrupt))
+    return seen[np.minimum(row + burst + 1, len(corrupt))] > seen[np.maximum(row - burst, 0)]
 
 
 def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:

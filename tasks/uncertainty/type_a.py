@@ -13,7 +13,6 @@ autocovariance −h·ln|τ| (S(f) = h/f).
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from tasks.segments.summarise import SegmentMean
 
@@ -90,9 +89,17 @@ def _pooled_flicker(segments: tuple[SegmentMean, ...], channel: int) -> float:
     design = np.column_stack([1.0 / tau, np.full(levels, FLICKER_ALLAN)])
     pairs = 2.0 ** np.arange(levels, 0, -1) - 1
     weight = np.sqrt(pairs) / variance.clip(min=variance.max() * 1e-6)
-    scale = (design * weight[:, None]).max(axis=0)
-    solution, _ = nnls(design * weight[:, None] / scale, variance * weight)
-    return float(solution[1] / scale[1])
+    return _second_of_two(design * weight[:, None], variance * weight)
+
+
+def _second_of_two(design: np.ndarray, target: np.ndarray) -> float:
+    """The second of two non-negative parameters of a least-squares fit."""
+    first, second = np.linalg.lstsq(design, target, rcond=None)[0]
+    if second <= 0:
+        return 0.0
+    if first >= 0:
+        return float(second)
+    return float(design[:, 1] @ target / (design[:, 1] @ design[:, 1]))
 
 
 def _white_of(segment: SegmentMean, flicker: np.ndarray) -> np.ndarray:
