@@ -1,12 +1,14 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
+from schemas.recording import Manifest
+from schemas.station import Equipment
 from schemas.tolerance import Tolerance
 from storage import settings, store
 from storage.home import Home
@@ -52,7 +54,7 @@ def certify(
     laboratory = laboratory or settings.laboratory(home)
     today = datetime.now(UTC).date()
     months = order.interval_months if order else DEFAULT_MONTHS
-    calibrated_on = run.taken_in_at.date()
+    calibrated_on = _calibrated_on(manifest, run)
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(
         number=store.reserve_number(home, prefix, today.year),
@@ -60,7 +62,7 @@ def certify(
         calibrated_on=calibrated_on,
         issued_on=today,
         due=reminders.due_date(calibrated_on, months),
-        laboratory=laboratory,
+        laboratory=_with_equipment(laboratory, manifest),
         order=order,
         manifest=manifest,
         calibration=calibration,
@@ -68,3 +70,21 @@ def certify(
     )
     pdf, record = store.save_certificate(certificate, render(certificate), home)
     return Issued(certificate, pdf, record)
+
+
+def _calibrated_on(manifest: Manifest, run: Run) -> date:
+    """The day the station recorded the run; of a recording that does not say, the day it came."""
+    recorded_at = (manifest.model_extra or {}).get("recorded_at")
+    try:
+        return datetime.fromisoformat(str(recorded_at)).date()
+    except ValueError:
+        return run.taken_in_at.date()
+
+
+def _with_equipment(laboratory: Laboratory | None, manifest: Manifest) -> Laboratory | None:
+    """The laboratory with the station's own list of standards where it has none itself."""
+    listed = (manifest.model_extra or {}).get("equipment", ())
+    if laboratory is None or laboratory.equipment or not listed:
+        return laboratory
+    equipment = tuple(Equipment.model_validate(each) for each in listed)
+    return laboratory.model_copy(update={"equipment": equipment})
