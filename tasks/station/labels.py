@@ -1,19 +1,27 @@
 """The labels of a run as it grows, and the manifest that carries them."""
 
+import math
 from datetime import UTC, datetime
 from typing import Literal
 
+import numpy as np
+
 from schemas.procedure import Procedure
-from schemas.recording import Manifest, Segment
+from schemas.recording import Manifest, Segment, Stream
 from schemas.station import StationFile
 
 
 class Labels:
-    """Segments without holes between them, from the beginning of the run on."""
+    """Segments without holes between them, from the beginning of the run on.
+
+    `segments` are over station time; the manifest and the streams of the recording count from
+    `origin_s`, the whole second of station time in which the run began.
+    """
 
     def __init__(
         self, station: StationFile, procedure: Procedure, recording_id: str, t_start: float
     ) -> None:
+        self.origin_s = math.floor(t_start)
         self.segments: list[Segment] = []
         self.extra: dict[str, object] = {
             "procedure": procedure.name,
@@ -45,6 +53,17 @@ class Labels:
             unit=self._station.unit,
             station=self._station.station,
             mount=self._station.mount,
-            segments=tuple(self.segments),
+            segments=tuple(map(self._since_start, self.segments)),
             **self.extra,  # type: ignore[arg-type]
         )
+
+    def since_start(self, stream: Stream) -> Stream:
+        """A stream over station time as the recording has it; rows before the run are dropped."""
+        t = np.round(stream.t - self.origin_s, 9)
+        kept = t >= 0
+        return Stream(t[kept], {name: values[kept] for name, values in stream.columns.items()})
+
+    def _since_start(self, segment: Segment) -> Segment:
+        moved = {name: round(getattr(segment, name) - self.origin_s, 9)
+                 for name in ("t_start", "t_end")}  # fmt: skip
+        return segment.model_copy(update=moved)

@@ -58,14 +58,14 @@ class Recorder:
         """Write what has come. The unit is last: its silence must not cost the other streams."""
         table = self.encoders.take()
         if len(table):
-            self._sink.table(table)
+            self._sink.table(self._labels.since_start(table))
             self._checks.table.append(table)
         environment = self.climate.take()
         if len(environment):
-            self._sink.environment(environment)
+            self._sink.environment(self._labels.since_start(environment))
         imu = self.unit.take(final)
         if len(imu):
-            self._sink.imu(imu)
+            self._sink.imu(self._labels.since_start(imu))
             self._checks.imu.append(imu)
         self._checks.run(self.findings.append)
 
