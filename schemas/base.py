@@ -22,8 +22,12 @@ class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the pro
 
 
 def first_fault(error: ValidationError) -> str:
-    """The first fault of a validation error as «field.path: what is wrong (value)»."""
+    """The first fault of a validation error as «field.path: what is wrong (found value)»."""
     fault = error.errors(include_url=False)[0]
     place = ".".join(str(part) for part in fault["loc"]) or "document"
+    if fault["type"] == "missing":
+        return f"{place} is missing"
     message = fault["msg"].removeprefix("Value error, ")
-    return f"{place}: {message} (found {str(fault.get('input'))[:60]!r})"
+    found = fault.get("input")
+    shown = "" if isinstance(found, dict) else f" (found {found!r})"[:80]
+    return f"{place}: {message}{shown}"

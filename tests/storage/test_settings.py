@@ -71,7 +71,7 @@ def test_procedure_is_read() -> None:
     ("name", "change", "says"),
     [
         ("a.toml", lambda text: text.replace("0.1}", '"wide"}'), r"limits\.0\.upper: .*'wide'"),
-        ("a.toml", lambda text: text.replace("document", "documnt"), r"document: Field required"),
+        ("a.toml", lambda text: text.replace("document", "documnt"), r"document is missing"),
         ("a.toml", lambda text: text + "colour = 1\n", r"colour: Extra inputs"),
         ("a.toml", lambda text: text.replace("0.1}", "-0.5}"), r"lower ≥ upper"),
         ("a.toml", lambda text: text.replace("/1", "/9"), r"format: .*mimu-tolerance/9"),
