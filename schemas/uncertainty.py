@@ -1,0 +1,83 @@
+"""The uncertainty budget of one result: what goes in, how it is weighed, what comes out."""
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PlainSerializer
+
+from schemas.base import Finite, Frozen
+
+Kind = Literal["A", "B"]
+Distribution = Literal["normal", "rectangular", "triangular", "arcsine", "t"]
+Evaluation = Literal["GUM", "as the specification's example", "Monte Carlo"]
+
+
+def _infinite_if_null(value: Any) -> Any:
+    return math.inf if value is None else value
+
+
+def _null_if_infinite(value: float) -> float | None:
+    return None if math.isinf(value) else value
+
+
+Dof = Annotated[
+    float,
+    Field(ge=1),
+    BeforeValidator(_infinite_if_null),
+    PlainSerializer(_null_if_infinite, return_type=float | None, when_used="json"),
+]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class BudgetInput(Frozen):
+    """One line of a budget: an input quantity and what it does to the result.
+
+    `u` is in the input's own unit, `contribution` = |sensitivity|·u in the result's unit.
+    `share` of the variance: cᵢ·u(xᵢ, y)/u²(y), with u(xᵢ, y) = Σⱼ cⱼ·u(xᵢ, xⱼ). Without
+    correlation it is (cᵢuᵢ)²/u²(y); with it, half of each covariance term goes to either input,
+    so that the shares always add up to 1 and one may be negative (the input compensates
+    another). Where the result has no uncertainty every share is 0.
+    """
+
+    name: str
+    name_zh: str
+    symbol: str
+    kind: Kind
+    distribution: Distribution
+    u: NotNegative
+    unit: str
+    dof: Dof = Field(default=math.inf, description="degrees of freedom; null: infinitely many")
+    sensitivity: Finite
+    contribution: NotNegative
+    share: Finite
+
+
+class Correlation(Frozen):
+    """A correlation coefficient that is not zero, between two inputs by their symbols."""
+
+    first: str
+    second: str
+    r: Annotated[float, Field(ge=-1, le=1)]
+
+
+class Budget(Frozen):
+    """The uncertainty budget of one result, in the result's unit.
+
+    U = k·u_c. `coverage_interval` is stated where it need not be value ± U (Monte Carlo); U is
+    then half its length.
+    """
+
+    result: str
+    unit: str
+    value: Finite
+    inputs: tuple[BudgetInput, ...]
+    correlations: tuple[Correlation, ...] = ()
+    u_c: NotNegative
+    dof: Dof = Field(
+        default=math.inf, description="effective degrees of freedom; null: infinitely many"
+    )
+    k: NotNegative
+    coverage_probability: Annotated[float, Field(gt=0, lt=1)]
+    U: NotNegative
+    evaluation: Evaluation = "GUM"
+    coverage_interval: tuple[Finite, Finite] | None = None

@@ -1,0 +1,164 @@
+"""Budgets by the law of propagation: for a linear combination, and for any Python function."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.uncertainty import Budget, BudgetInput, Correlation, Distribution, Kind
+from tasks.uncertainty.propagation import (
+    TWO_SIGMA,
+    checked_correlation,
+    coverage_factor,
+    effective_dof,
+    sensitivities,
+    variance_terms,
+)
+
+
+@dataclass(frozen=True)
+class InputQuantity:
+    """An input quantity X: its best estimate and standard uncertainty, in its own unit.
+
+    dof: degrees of freedom. For the distribution «t», u is s/√n and dof is n − 1.
+    sample: a name common to inputs that were observed together (see `effective_dof`).
+    """
+
+    symbol: str
+    name: str
+    name_zh: str
+    unit: str
+    u: float
+    kind: Kind
+    distribution: Distribution
+    estimate: float = 0.0
+    dof: float = math.inf
+    sample: str | None = None
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """An input quantity and its sensitivity coefficient c = ∂y/∂x (result unit per own unit)."""
+
+    quantity: InputQuantity
+    sensitivity: float
+
+    def scaled(self, factor: float) -> "Contribution":
+        """The same contribution to a result in another unit, or multiplied by a factor."""
+        return replace(self, sensitivity=self.sensitivity * factor)
+
+
+def combine(
+    result: str,
+    unit: str,
+    value: float,
+    contributions: Sequence[Contribution],
+    correlation: np.ndarray | None = None,
+    probability: float = TWO_SIGMA,
+) -> Budget:
+    """The budget of a result that is linear in its inputs, or was made linear.
+
+    u_c² = ΣΣ cᵢcⱼrᵢⱼuᵢuⱼ (GUM eq. (16)), effective degrees of freedom by Welch-Satterthwaite,
+    k from Student's t, U = k·u_c. correlation: (n, n), None: all inputs independent.
+    Raises Unusable for two inputs of one symbol, a matrix that is no correlation, or a
+    correlation for which no effective degrees of freedom are known.
+    """
+    quantities = [contribution.quantity for contribution in contributions]
+    _refuse_equal_symbols(quantities)
+    c = np.array([contribution.sensitivity for contribution in contributions], float)
+    u = np.array([quantity.u for quantity in quantities], float)
+    r = checked_correlation(correlation, len(quantities))
+    terms = variance_terms(c * u, r)
+    variance = max(float(terms.sum()), 0.0)
+    dof = effective_dof(c * u, r, [q.dof for q in quantities], [q.sample for q in quantities])
+    k, u_c = coverage_factor(dof, probability), math.sqrt(variance)
+    shares = terms / variance if variance > 0.0 else np.zeros(len(terms))
+    return Budget(
+        result=result,
+        unit=unit,
+        value=value,
+        inputs=tuple(
+            line(contribution, share)
+            for contribution, share in zip(contributions, shares, strict=True)
+        ),
+        correlations=_not_zero(quantities, r),
+        u_c=u_c,
+        dof=dof,
+        k=k,
+        coverage_probability=probability,
+        U=k * u_c,
+    )
+
+
+def combine_function(
+    result: str,
+    unit: str,
+    function: Callable[..., float],
+    quantities: Sequence[InputQuantity],
+    correlation: np.ndarray | None = None,
+    gradient: Callable[..., Sequence[float]] | None = None,
+    probability: float = TWO_SIGMA,
+) -> Budget:
+    """The budget of y = f(x₁, …, xₙ), linearised at the estimates (GUM 5.1.2, 5.2.2).
+
+    function: takes n numbers. gradient: takes the same and returns the n partial derivatives;
+    None: they are found by differences. Raises what `combine` raises.
+    """
+    x = np.array([quantity.estimate for quantity in quantities], float)
+    u = np.array([quantity.u for quantity in quantities], float)
+    c = sensitivities(function, x, u) if gradient is None else np.asarray(gradient(*x), float)
+    contributions = [Contribution(q, float(ci)) for q, ci in zip(quantities, c, strict=True)]
+    return combine(result, unit, float(function(*x)), contributions, correlation, probability)
+
+
+def repeatability(
+    operator: np.ndarray, covariance: np.ndarray, unit: str, dof: float = math.inf
+) -> Contribution:
+    """The type A line of a result that is a linear operator on segment means.
+
+    operator: (n,) weights of the means; covariance: (n, n) of the means. u = √(o·V·oᵀ) holds
+    all of their covariances, so the line is independent of the type B ones.
+    """
+    variance = float(operator @ covariance @ operator)
+    quantity = InputQuantity(
+        "u_A", "repeatability", "测量重复性", unit, math.sqrt(max(variance, 0.0)), "A", "normal",
+        dof=dof,
+    )  # fmt: skip
+    return Contribution(quantity, 1.0)
+
+
+def line(contribution: Contribution, share: float) -> BudgetInput:
+    """A contribution as the line of a budget."""
+    quantity = contribution.quantity
+    return BudgetInput(
+        name=quantity.name,
+        name_zh=quantity.name_zh,
+        symbol=quantity.symbol,
+        kind=quantity.kind,
+        distribution=quantity.distribution,
+        u=quantity.u,
+        unit=quantity.unit,
+        dof=quantity.dof,
+        sensitivity=contribution.sensitivity,
+        contribution=abs(contribution.sensitivity) * quantity.u,
+        share=share,
+    )
+
+
+def _refuse_equal_symbols(quantities: Sequence[InputQuantity]) -> None:
+    symbols = [quantity.symbol for quantity in quantities]
+    for symbol in symbols:
+        if symbols.count(symbol) > 1:
+            raise Unusable(
+                f"the budget has {symbols.count(symbol)} inputs with the symbol {symbol}; give "
+                "each its own"
+            )
+
+
+def _not_zero(quantities: Sequence[InputQuantity], r: np.ndarray) -> tuple[Correlation, ...]:
+    return tuple(
+        Correlation(first=quantities[i].symbol, second=quantities[j].symbol, r=float(r[i, j]))
+        for i, j in zip(*np.nonzero(np.triu(r, 1)), strict=True)
+    )

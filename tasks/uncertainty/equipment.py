@@ -1,0 +1,141 @@
+"""What the measuring equipment may be wrong by: Table 1 of JJF 2003-2022 and of JJF 1536-2015.
+
+The defaults are the tables' own recommendations; a laboratory's own calibration certificates
+go before them (`dataclasses.replace`). Where a table is silent the entry says «assumed».
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from tasks.uncertainty.budget import InputQuantity
+
+ARCSECOND = math.radians(1.0 / 3600.0)
+# Half-width over standard uncertainty, GUM 4.3 (JJF 1059.1 Table 3); a certificate's U has k = 2.
+DIVISORS = {
+    "normal": 2.0,
+    "rectangular": math.sqrt(3.0),
+    "triangular": math.sqrt(6.0),
+    "arcsine": math.sqrt(2.0),
+}
+LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """How far one property of the equipment may be from its stated value, and who says so.
+
+    half_width: in `unit`; for «normal» it is an expanded uncertainty with k = 2.
+    """
+
+    symbol: str
+    name: str
+    name_zh: str
+    unit: str
+    half_width: float
+    distribution: LimitShape
+    clause: str
+
+    @property
+    def u(self) -> float:
+        """Standard uncertainty, half-width over the divisor of the distribution."""
+        return self.half_width / DIVISORS[self.distribution]
+
+    def quantity(self) -> InputQuantity:
+        """The limit as an input quantity of type B, with infinitely many degrees of freedom."""
+        return InputQuantity(
+            self.symbol, self.name, self.name_zh, self.unit, self.u, "B", self.distribution
+        )
+
+
+@dataclass(frozen=True)
+class Equipment:
+    """Table, fixture and site of a calibration.
+
+    rate: relative error of the mean rate over whole turns; ripple: within a turn.
+    position, repeatability: of each table angle. axes: between the table's axes.
+    fixture: between the fixture's faces. centring: place of the unit on the table.
+    """
+
+    rate: Limit
+    ripple: Limit | None
+    position: Limit
+    repeatability: Limit | None
+    axes: Limit | None
+    fixture: Limit
+    gravity: Limit
+    latitude: Limit
+    centring: Limit
+
+    @property
+    def angles(self) -> tuple[Limit, ...]:
+        """What turns the unit by an error of its own in every position, rad."""
+        each = (self.position, self.repeatability)
+        return tuple(limit for limit in each if limit is not None)
+
+    @property
+    def squareness(self) -> tuple[Limit, ...]:
+        """What turns the unit by an error common to all positions of one mounting, rad."""
+        return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
+
+
+GRAVITY = Limit(
+    "g", "local gravity", "当地重力加速度", "m/s2", 5e-4, "rectangular",
+    "assumed: gravity from latitude and height, anomalies within 50 mGal",
+)  # fmt: skip
+LATITUDE = Limit(
+    "φ", "latitude", "纬度", "rad", math.radians(0.05), "rectangular",
+    "assumed: latitude stated to 0.1°",
+)  # fmt: skip
+CENTRING = Limit(
+    "r", "place of the unit on the table", "安装位置", "m", 1e-4, "rectangular",
+    "assumed: centred to 0.1 mm",
+)  # fmt: skip
+
+
+def _jjf2003(symbol: str, name: str, zh: str, unit: str, half_width: float, clause: str) -> Limit:
+    return Limit(symbol, name, zh, unit, half_width, "rectangular", f"JJF 2003-2022, {clause}")
+
+
+JJF2003 = Equipment(
+    rate=_jjf2003("ε1", "table rate, whole turns", "转台角速率（360°平均）", "1", 1e-5, "Table 1"),
+    ripple=_jjf2003("ε2", "table rate within a turn", "转台角速率平稳性", "1", 5e-4, "Table 1"),
+    position=_jjf2003(
+        "α1", "angular positioning", "角位置定位精度", "rad", 10 * ARCSECOND, "Table 1"
+    ),
+    repeatability=_jjf2003(
+        "α2", "repeatability of angle", "角位置测量重复性", "rad", 5 * ARCSECOND, "Table 1"
+    ),
+    axes=_jjf2003("α3", "squareness of axes", "轴线垂直度", "rad", 10 * ARCSECOND, "Table 1"),
+    fixture=_jjf2003("α4", "squareness of fixture", "夹具垂直度", "rad", 10 * ARCSECOND, "6.2"),
+    gravity=GRAVITY,
+    latitude=LATITUDE,
+    centring=CENTRING,
+)
+
+
+JJF1536_RATES = ((math.radians(10.0), 2e-4), (math.radians(1.0), 2e-3), (0.0, 2e-2))
+
+
+def jjf1536(rate: float) -> Equipment:
+    """Table 1 of JJF 1536-2015 at a nominal rate (rad/s), on which its U_rel (k = 2) depends."""
+    half_width = next(U for slowest, U in JJF1536_RATES if abs(rate) >= slowest)
+    return Equipment(
+        rate=Limit(
+            "ε1", "table rate", "转台角速率", "1", half_width, "normal", "JJF 1536-2015, Table 1"
+        ),
+        ripple=None,
+        position=Limit(
+            "α1", "table angle", "转台角位移", "rad", 10 * ARCSECOND, "normal",
+            "JJF 1536-2015, Table 1",
+        ),
+        repeatability=None,
+        axes=None,
+        fixture=Limit(
+            "α4", "squareness of fixture", "夹具垂直度", "rad", 5 * ARCSECOND, "rectangular",
+            "JJF 1536-2015, 6.2.2 b)",
+        ),
+        gravity=GRAVITY,
+        latitude=LATITUDE,
+        centring=CENTRING,
+    )  # fmt: skip

@@ -1,0 +1,228 @@
+"""Propagation of distributions by Monte Carlo: JCGM 101:2008 (JJF 1059.2-2012)."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.uncertainty import Budget
+from tasks.uncertainty.budget import InputQuantity
+from tasks.uncertainty.propagation import TWO_SIGMA, checked_correlation
+
+SMALLEST_BLOCK = 10_000  # JCGM 101, 7.9.4 b)
+MOST_TRIALS = 20_000_000  # 160 MB of results
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A coverage interval and its coverage probability."""
+
+    low: float
+    high: float
+    probability: float
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """Estimate, standard uncertainty and coverage intervals from `trials` model values.
+
+    symmetric: probabilistically symmetric interval; shortest: the shortest one. tolerance: δ
+    that estimate, u and the symmetric interval's ends have reached.
+    """
+
+    value: float
+    u: float
+    symmetric: Interval
+    shortest: Interval
+    trials: int
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Validation:
+    """Whether the GUM's interval stands beside Monte Carlo: both distances ≤ δ (clause 8.1)."""
+
+    d_low: float
+    d_high: float
+    tolerance: float
+
+    @property
+    def valid(self) -> bool:
+        return self.d_low <= self.tolerance and self.d_high <= self.tolerance
+
+
+def numerical_tolerance(u: float, digits: int) -> float:
+    """δ = ½·10ˡ where u = c·10ˡ and c has `digits` figures (7.9.2); 0 for u = 0."""
+    if u <= 0.0:
+        return 0.0
+    exponent = int(f"{u:.{digits - 1}e}".partition("e")[2])
+    return 0.5 * 10.0 ** (exponent - digits + 1)
+
+
+def monte_carlo(
+    function: Callable[..., np.ndarray],
+    quantities: Sequence[InputQuantity],
+    correlation: np.ndarray | None = None,
+    *,
+    seed: int,
+    digits: int = 2,
+    probability: float = TWO_SIGMA,
+) -> MonteCarlo:
+    """Monte Carlo in blocks until twice the standard deviation of each result is below δ (7.9.4).
+
+    function: takes n arrays (M,) and returns (M,) model values. digits: figures of u that are to
+    be reliable (1 or 2). The same seed gives the same result bit for bit.
+    Raises Unusable where correlated inputs are not normal (6.4.8), where the model gives numbers
+    that are not finite, or where 20 million trials are not enough.
+    """
+    draw = _sampler(quantities, correlation, np.random.default_rng(seed))
+    block = max(math.ceil(100.0 / (1.0 - probability)), SMALLEST_BLOCK)
+    blocks: list[np.ndarray] = []
+    figures: list[tuple[float, float, float, float]] = []
+    for values in _evaluations(function, draw, block):
+        blocks.append(values)
+        ends = symmetric_interval(np.sort(values), probability)
+        figures.append((values.mean(), values.std(ddof=1), ends.low, ends.high))
+        if len(blocks) < 2:
+            continue
+        u = _pooled_u(figures, block)
+        tolerance = numerical_tolerance(u, digits)
+        spread = np.std(figures, axis=0, ddof=1) / math.sqrt(len(figures))
+        if np.all(2.0 * spread <= tolerance):
+            return _result(np.sort(np.concatenate(blocks)), probability, tolerance)
+    raise Unusable(
+        f"Monte Carlo did not settle to {digits} digits within {MOST_TRIALS} trials; ask for fewer "
+        "digits"
+    )
+
+
+def symmetric_interval(ordered: np.ndarray, probability: float) -> Interval:
+    """The probabilistically symmetric interval of sorted model values (7.7.2)."""
+    count = _inside(len(ordered), probability)
+    first = (len(ordered) - count + 1) // 2
+    return Interval(float(ordered[first - 1]), float(ordered[first - 1 + count]), probability)
+
+
+def shortest_interval(ordered: np.ndarray, probability: float) -> Interval:
+    """The shortest interval of sorted model values (7.7.4)."""
+    count = _inside(len(ordered), probability)
+    first = int(np.argmin(ordered[count:] - ordered[:-count]))
+    return Interval(float(ordered[first]), float(ordered[first + count]), probability)
+
+
+def validate(budget: Budget, interval: Interval, digits: int = 1) -> Validation:
+    """Compare y ± U of the law of propagation with an interval found by Monte Carlo (clause 8).
+
+    The interval should be known better than δ/5 (8.2): from a run with one digit more.
+    Raises Unusable where the two have different coverage probabilities.
+    """
+    if not math.isclose(budget.coverage_probability, interval.probability, rel_tol=1e-9):
+        raise Unusable(
+            f"the budget of {budget.result} covers {budget.coverage_probability:.4f} and the Monte "
+            f"Carlo interval {interval.probability:.4f}; compare equal probabilities"
+        )
+    return Validation(
+        d_low=abs(budget.value - budget.U - interval.low),
+        d_high=abs(budget.value + budget.U - interval.high),
+        tolerance=numerical_tolerance(budget.u_c, digits),
+    )
+
+
+def with_monte_carlo(budget: Budget, found: MonteCarlo) -> Budget:
+    """The budget with value, u and interval from Monte Carlo; its lines stay the linear ones.
+
+    The interval is the probabilistically symmetric one, U half its length, k = U/u.
+    """
+    interval = found.symmetric
+    U = (interval.high - interval.low) / 2.0
+    return budget.model_copy(
+        update={
+            "value": found.value,
+            "u_c": found.u,
+            "U": U,
+            "k": U / found.u if found.u > 0.0 else 0.0,
+            "coverage_probability": interval.probability,
+            "coverage_interval": (interval.low, interval.high),
+            "evaluation": "Monte Carlo",
+        }
+    )
+
+
+def _evaluations(
+    function: Callable[..., np.ndarray], draw: Callable[[int], np.ndarray], block: int
+) -> Iterator[np.ndarray]:
+    for _ in range(MOST_TRIALS // block):
+        values = np.broadcast_to(np.asarray(function(*draw(block)), float), (block,))
+        if not np.isfinite(values).all():
+            raise Unusable(
+                "the model gives values that are not finite for some drawn inputs; their "
+                "distributions reach where the model is not defined"
+            )
+        yield values
+
+
+def _pooled_u(figures: Sequence[tuple[float, float, float, float]], block: int) -> float:
+    """Standard deviation of all values from the means and deviations of equal blocks."""
+    means, deviations = np.array(figures)[:, 0], np.array(figures)[:, 1]
+    squares = (block - 1) * (deviations**2).sum() + block * ((means - means.mean()) ** 2).sum()
+    return float(math.sqrt(squares / (block * len(figures) - 1)))
+
+
+def _result(ordered: np.ndarray, probability: float, tolerance: float) -> MonteCarlo:
+    return MonteCarlo(
+        value=float(ordered.mean()),
+        u=float(ordered.std(ddof=1)),
+        symmetric=symmetric_interval(ordered, probability),
+        shortest=shortest_interval(ordered, probability),
+        trials=len(ordered),
+        tolerance=tolerance,
+    )
+
+
+def _inside(count: int, probability: float) -> int:
+    """q of 7.7: pM, or the integer part of pM + ½."""
+    return int(probability * count + 0.5)
+
+
+def _sampler(
+    quantities: Sequence[InputQuantity], correlation: np.ndarray | None, rng: np.random.Generator
+) -> Callable[[int], np.ndarray]:
+    """A function that draws (n, M) values of the inputs, correlated ones jointly (6.4)."""
+    r = checked_correlation(correlation, len(quantities))
+    joint = [i for i, row in enumerate(r != np.eye(len(r))) if row.any()]
+    for i in joint:
+        if quantities[i].distribution != "normal":
+            raise Unusable(
+                f"{quantities[i].symbol} is correlated and {quantities[i].distribution}; only "
+                "normal inputs can be drawn jointly"
+            )
+    values, vectors = np.linalg.eigh(r[np.ix_(joint, joint)])
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+
+    def draw(trials: int) -> np.ndarray:
+        x = np.empty((len(quantities), trials))
+        for i, quantity in enumerate(quantities):
+            x[i] = _standardised(quantity, trials, rng)
+        x[joint] = root @ x[joint]
+        for i, quantity in enumerate(quantities):
+            x[i] = quantity.estimate + quantity.u * x[i]
+        return x
+
+    return draw
+
+
+def _standardised(quantity: InputQuantity, trials: int, rng: np.random.Generator) -> np.ndarray:
+    """Draws with estimate 0 and u = 1; «t» has scale 1 (6.4.9), so its deviation is larger."""
+    match quantity.distribution:
+        case "normal":
+            return rng.standard_normal(trials)
+        case "rectangular":
+            return math.sqrt(3.0) * rng.uniform(-1.0, 1.0, trials)
+        case "triangular":
+            return math.sqrt(6.0) * rng.triangular(-1.0, 0.0, 1.0, trials)
+        case "arcsine":
+            return math.sqrt(2.0) * np.sin(rng.uniform(-math.pi, math.pi, trials))
+        case "t":
+            return rng.standard_t(quantity.dof, trials)

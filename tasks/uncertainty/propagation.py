@@ -1,0 +1,141 @@
+"""The law of propagation of uncertainty, on arrays.
+
+Sources: GUM (JCGM 100:2008) 5.1.2, 5.2.2, G.4 and G.6; JJF 1059.1-2012, 4.4 and 4.5; for
+correlated inputs of finite degrees of freedom R. Willink, Metrologia 44 (2007) 340-349, 4.1.
+"""
+
+import math
+from collections.abc import Callable, Hashable, Sequence
+
+import numpy as np
+
+from schemas.base import Unusable
+
+TWO_SIGMA = math.erf(math.sqrt(2.0))  # 95.45 %: k = 2 for a normal distribution
+STEP_OF_U, STEP_OF_X = 1e-2, 1e-4  # difference steps: of the uncertainty, of the estimate
+NOISE = 1e-9  # relative rounding error allowed for in a number of degrees of freedom
+
+
+def propagate(jacobian: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Covariance (m, m) of m results from that of n inputs: J·V·Jᵀ.
+
+    jacobian: (m, n) sensitivities ∂yⱼ/∂xᵢ; covariance: (n, n). GUM eq. (13) and H.2, eq. (H.9).
+    """
+    return jacobian @ covariance @ jacobian.T
+
+
+def variance_terms(contributions: np.ndarray, correlation: np.ndarray) -> np.ndarray:
+    """cᵢuᵢ·Σⱼ rᵢⱼcⱼuⱼ for each input, (n,): they add up to u_c², GUM eq. (16).
+
+    contributions: (n,) cᵢuᵢ with its sign; correlation: (n, n).
+    """
+    return contributions * (correlation @ contributions)
+
+
+def effective_dof(
+    contributions: np.ndarray,
+    correlation: np.ndarray,
+    dof: Sequence[float],
+    samples: Sequence[Hashable | None],
+) -> float:
+    """Effective degrees of freedom, Welch-Satterthwaite: GUM eq. (G.2b).
+
+    The formula is for independent components. Inputs estimated from one sample of simultaneous
+    observations (equal names in `samples`, equal degrees of freedom, any correlation) therefore
+    count as one component, with their covariances in its variance (Willink 2007, 4.1). Inputs of
+    infinitely many degrees of freedom may be correlated with each other: they add nothing.
+    Any other correlation has no known effective degrees of freedom and is refused. GTC does the
+    same (`multiple_ureal`, `set_correlation`).
+
+    Raises Unusable for a correlation that is refused, or one sample with two numbers of degrees
+    of freedom. Without any variance the result is infinite.
+    """
+    degrees = np.asarray(dof, float)
+    places = [i if sample is None else (sample,) for i, sample in enumerate(samples)]
+    groups = {place: [i for i, p in enumerate(places) if p == place] for place in places}
+    _refuse_what_has_no_dof(correlation, degrees, places)
+    total = float(variance_terms(contributions, correlation).sum())
+    if total <= 0.0:
+        return math.inf
+    weight = 0.0
+    for place, members in groups.items():
+        if len(set(degrees[members])) > 1:
+            raise Unusable(
+                f"the inputs of sample {place} have {sorted(set(degrees[members]))} degrees of "
+                "freedom; inputs observed together have one number: give each the same"
+            )
+        block = np.ix_(members, members)
+        part = variance_terms(contributions[members], correlation[block]).sum() / total
+        weight += part**2 / degrees[members[0]]
+    return 1.0 / weight if weight > 0.0 else math.inf
+
+
+def coverage_factor(dof: float, probability: float = TWO_SIGMA) -> float:
+    """k for a coverage probability: Student's t, GUM G.3 and G.6.4.
+
+    Degrees of freedom that are not an integer are truncated to the next lower one (GUM G.4.1;
+    the other choice there, interpolation, gives a smaller k). Infinitely many give the normal
+    distribution's factor: 2 for 95.45 %.
+    """
+    from scipy.special import ndtri, stdtrit
+
+    upper = (1.0 + probability) / 2.0
+    if math.isinf(dof):
+        return round(float(ndtri(upper)), 12)
+    return float(stdtrit(max(math.floor(dof * (1.0 + NOISE)), 1), upper))
+
+
+def sensitivities(
+    function: Callable[..., float], estimates: np.ndarray, u: np.ndarray
+) -> np.ndarray:
+    """∂f/∂xᵢ at the estimates, (n,), by central differences of fourth order.
+
+    The step is a hundredth of u(xᵢ), or 1e-4 of |xᵢ| where that is more, so that neither
+    curvature nor rounding is felt. GUM 5.1.3; its numerical form (5.1.4) steps by u itself.
+    """
+    steps = np.maximum(STEP_OF_U * u, STEP_OF_X * np.abs(estimates))
+    steps[steps == 0.0] = STEP_OF_X
+    slopes = np.zeros(len(estimates))
+    for i, step in enumerate(steps):
+        values = []
+        for offset in (-2.0, -1.0, 1.0, 2.0):
+            moved = estimates.copy()
+            moved[i] += offset * step
+            values.append(float(function(*moved)))
+        slopes[i] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
+    return slopes
+
+
+def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarray:
+    """A correlation matrix (count, count); the unit matrix for None.
+
+    Raises Unusable unless it is symmetric, with ones on its diagonal and no negative variance.
+    """
+    if correlation is None:
+        return np.eye(count)
+    r = np.asarray(correlation, float)
+    if r.shape != (count, count):
+        raise Unusable(
+            f"the correlation matrix is {r.shape}; {count} inputs need {count} × {count}"
+        )
+    if not (np.allclose(r, r.T) and np.allclose(np.diag(r), 1.0)):
+        raise Unusable("the correlation matrix must be symmetric with ones on its diagonal")
+    smallest = float(np.linalg.eigvalsh(r)[0]) if count else 0.0
+    if smallest < -1e-6:
+        raise Unusable(
+            f"the correlation matrix has the eigenvalue {smallest:.3g}, so some combination would "
+            "have a negative variance; correct the coefficients"
+        )
+    return r
+
+
+def _refuse_what_has_no_dof(
+    correlation: np.ndarray, dof: np.ndarray, places: Sequence[Hashable]
+) -> None:
+    for i, j in zip(*np.nonzero(np.triu(correlation, 1)), strict=True):
+        if places[i] != places[j] and not (math.isinf(dof[i]) and math.isinf(dof[j])):
+            raise Unusable(
+                f"inputs {i + 1} and {j + 1} are correlated with {dof[i]:g} and {dof[j]:g} degrees "
+                "of freedom but not of one sample, for which no effective degrees of freedom are "
+                "known; name the sample they were observed in, or use Monte Carlo"
+            )
