@@ -20,6 +20,7 @@ Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, Axis, Axis] = ("x", "y", "z")
 Up = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Kind = Literal["static", "rate", "rotation", "settle", "transition"]
+MEASURED: tuple[Kind, ...] = ("static", "rate", "rotation")
 Standard = Literal["JJF 2003-2022", "JJF 1536-2015", "other"]
 Vector = tuple[Finite, Finite, Finite]
 

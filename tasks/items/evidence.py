@@ -5,14 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Axis, Recording, Segment, Up
-from tasks.motion.table import mean_rate
-from tasks.segments.check import GYRO_DISAGREES
-from tasks.segments.find import find_segments, up_of
+from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
+from tasks.segments.rates import turning_points
 from tasks.segments.summarise import ACCEL_COLUMNS, SegmentMean, summarise_all
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means, fit_noise
 
 UPS: tuple[Up, ...] = ("+x", "-x", "+y", "-y", "+z", "-z")
-SLOWEST_POINT = np.radians(0.05)  # rad/s: a slower «rate» is a rest
+FEWEST_ROWS = 4  # a segment with fewer has no mean worth the name
 
 
 @dataclass(frozen=True)
@@ -46,10 +45,12 @@ def gather(recording: Recording) -> Evidence:
     """Summarise a recording's segments, labelled or found, and sort them."""
     labels = recording.manifest.segments
     if labels:
-        segments = summarise_all(recording, labels, "label")
+        long_enough = tuple(s for s in labels if rows_of(recording, s) >= FEWEST_ROWS)
+        segments = summarise_all(recording, long_enough, "label")
     else:
         segments = summarise_all(recording, find_segments(recording), "found")
-    rate = np.array([_rate_about_axis(recording, segment) for segment in segments])
+    known = turning_points(recording, segments)
+    rate = np.array([known[i].rate if i in known else np.nan for i in range(len(segments))])
     up = tuple(_up(segment) for segment in segments)
     everything = range(len(segments))
     rests = [i for i in everything if segments[i].segment.kind == "static"]
@@ -70,32 +71,31 @@ def gather(recording: Recording) -> Evidence:
     )  # fmt: skip
 
 
+def rows_of(recording: Recording, segment: Segment) -> int:
+    """How many rows of the unit's stream a segment has."""
+    rows = recording.imu.rows(segment.t_start, segment.t_end)
+    return rows.stop - rows.start
+
+
 def _is_position(segment: Segment) -> bool:
     """Whether a rest belongs to 7.2.2.1: everything but the rests beside the rate runs."""
     return segment.item != "rate_sensitivity"
 
 
 def _up(segment: SegmentMean) -> Up | None:
-    """The axis up: what gravity shows, else the label; None where gravity shows no axis."""
-    found_rest = segment.origin == "found" and segment.segment.kind == "static"
-    if found_rest or not segment.has_accel or segment.segment.kind == "rotation":
-        return segment.segment.up
-    return up_of(segment.mean[ACCEL_COLUMNS])
+    """The axis up: what gravity shows, else the label; None where gravity shows no axis.
 
-
-def _rate_about_axis(recording: Recording, segment: SegmentMean) -> float:
-    """Input rate (rad/s) of a rate point: the table's, else the label's; NaN if not known.
-
-    Without encoders a label that the gyro contradicts by more than 5 % is no input.
+    While turning, only what is felt along the spin axis is gravity: a lever arm adds its own
+    acceleration across it.
     """
     label = segment.segment
-    if label.kind != "rate" or label.axis is None or label.rate_deg_s is None:
-        return float("nan")
-    axis = AXES.index(label.axis)
-    body = mean_rate(recording, label)
-    if body is not None:
-        return float(body[axis])
-    nominal = float(np.radians(label.rate_deg_s))
-    slack = max(GYRO_DISAGREES * abs(nominal), np.radians(2.0))
-    contradicted = segment.has_gyro and abs(segment.mean[axis] - nominal) > slack
-    return float("nan") if contradicted else nominal
+    found_rest = segment.origin == "found" and label.kind == "static"
+    if found_rest or not segment.has_accel or label.kind == "rotation":
+        return label.up
+    accel = segment.mean[ACCEL_COLUMNS]
+    if label.kind != "rate" or label.axis is None:
+        return up_of(accel)
+    along = accel[AXES.index(label.axis)]
+    if not GRAVITY_LIKE[0] < abs(along) < GRAVITY_LIKE[1]:
+        return None
+    return f"{'+' if along > 0 else '-'}{label.axis}"  # type: ignore[return-value]

@@ -42,8 +42,8 @@ READINGS: dict[str, Reading] = {
     "jjf2003.p_rates": Reading(
         "JJF 2003-2022, 7.2.5.1 b)",
         "The clause does not say at which rate: the largest rate of the run is taken, the mean "
-        "over both directions, against the mean of the rests before and after.",
-        "条款未规定角速率：取本次最大角速率、正反两方向的均值，与转动前后静止均值相比较。",
+        "over the directions recorded, against the mean of the rests beside it.",
+        "条款未规定角速率：取本次最大角速率、各转动方向的均值，与相邻静止均值相比较。",
     ),
     "jjf2003.p_unit": Reading(
         "JJF 2003-2022, 7.2.5.2 and Appendix B, 6",

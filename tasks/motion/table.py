@@ -51,6 +51,7 @@ def mean_rate(recording: Recording, segment: Segment) -> np.ndarray | None:
         return None
     t = recording.table.t[rows]
     angles = recording.table.stack_rows(tuple(f"{axis.name}_angle" for axis in axes), rows)
+    angles = np.unwrap(angles, axis=0)  # an encoder that starts anew each turn
     rates = (angles[-1] - angles[0]) / (t[-1] - t[0])
     attitude = angles.mean(axis=0)
     turning = np.flatnonzero(rates)

@@ -10,8 +10,8 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
-from tasks.motion.table import mean_rate
 from tasks.segments.find import up_of
+from tasks.segments.rates import TurningPoint, turning_points
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
@@ -21,8 +21,6 @@ from tasks.segments.summarise import (
 )
 
 DWELL = 30.0  # s: 7.2.1.1 d), 7.2.2.1 a), 7.2.5.1
-STEADINESS = 5e-4  # 0.05 % rate stability of Table 1
-GYRO_DISAGREES = 0.05  # a gyro's scale factor is not off by 5 %: the rate was another
 STUCK_SECONDS = 2.0
 TEMPERATURE_LIMITS = (15.0, 25.0)  # °C, clause 6.1
 HUMIDITY_LIMITS = (20.0, 85.0)  # %RH, clause 6.1
@@ -31,9 +29,12 @@ HUMIDITY_LIMITS = (20.0, 85.0)  # %RH, clause 6.1
 def check_segments(recording: Recording, segments: tuple[SegmentMean, ...]) -> tuple[Remark, ...]:
     """Every remark on every segment, in the order of the segments."""
     remarks: list[Remark] = []
-    for segment in segments:
-        for check in (_position, _rate, _corrupted, _stuck, _lost, _environment):
+    points = turning_points(recording, segments)
+    for i, segment in enumerate(segments):
+        for check in (_position, _corrupted, _stuck, _lost, _environment):
             remarks.extend(check(recording, segment))
+        if i in points:
+            remarks.extend(_rate(segment, points[i]))
     return (*remarks, *_short(segments))
 
 
@@ -47,49 +48,56 @@ def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     if shown == label:
         return
     name, axis = segment.segment.name, AXES.index(label[1])
-    seen = shown or "no axis within 10°"
-    seen_zh = shown or "10° 以内无任何轴"
+    seen, seen_zh = (
+        (f"gravity shows {shown} up, and that was used", f"重力显示 {shown} 朝天，已按重力取用")
+        if shown
+        else (
+            "no axis lies within 10° of what is read; it was left out",
+            "无任何轴在读数 10° 以内，未取用",
+        )
+    )
     yield Remark(
         code="position_contradicted",
         en=f"{name}: labelled {label} up, but accel_{label[1]} reads {accel[axis]:+.3f} m/s²: "
-        f"gravity shows {seen} up, and that was used.",
+        f"{seen}.",
         zh=f"{name}：标注 {label} 朝天，但 accel_{label[1]} 读数为 {accel[axis]:+.3f} m/s²："
-        f"重力显示朝天轴为 {seen_zh}，已按重力取用。",
+        f"{seen_zh}。",
         segments=(name,),
         blocks_pass=True,
     )
 
 
-def _rate(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
-    """A rate that the encoders contradict, or where there are none, the gyro itself."""
-    label = segment.segment
-    if label.kind != "rate" or label.axis is None or label.rate_deg_s is None:
-        return
-    axis = AXES.index(label.axis)
-    body = mean_rate(recording, label)
-    if body is not None:
-        seen, tolerance, witness, witness_zh = body[axis], STEADINESS, "the table", "转台"
-        taken, taken_zh = "the table's rate was used", "已按转台速率取用"
-    elif segment.has_gyro:
-        seen, tolerance = segment.mean[axis], GYRO_DISAGREES
-        witness, witness_zh = f"gyro_{label.axis}", f"gyro_{label.axis}"
-        taken, taken_zh = "it was left out", "未取用"
-    else:
-        return
-    shown = float(np.degrees(seen))
-    if abs(shown - label.rate_deg_s) <= max(tolerance * abs(label.rate_deg_s), 0.01):
-        return
-    if body is None and abs(shown - label.rate_deg_s) <= 2.0:
-        return  # a gyro bias of up to 2 °/s is no other rate
-    yield Remark(
-        code="rate_contradicted",
-        en=f"{label.name}: labelled {label.rate_deg_s:+g} deg/s about {label.axis}, but "
-        f"{witness} shows {shown:+.4f} deg/s: {taken}.",
-        zh=f"{label.name}：标注绕 {label.axis} 轴 {label.rate_deg_s:+g} °/s，但{witness_zh}显示 "
-        f"{shown:+.4f} °/s：{taken_zh}。",
-        segments=(label.name,),
-        blocks_pass=True,
-    )
+def _rate(segment: SegmentMean, point: TurningPoint) -> Iterator[Remark]:
+    """A rate that its witness contradicts, or that did not hold still (7.2.1.1 d)."""
+    name, axis = segment.segment.name, segment.segment.axis
+    witness, witness_zh = ("the table", "转台") if point.by_table else (f"gyro_{axis}",) * 2
+    if point.contradicted and point.shown is not None:
+        label, shown = np.degrees(point.label), np.degrees(point.shown)
+        taken, taken_zh = (
+            ("the table's rate was used", "已按转台速率取用")
+            if point.by_table
+            else ("it was left out", "未取用")
+        )
+        yield Remark(
+            code="rate_contradicted",
+            en=f"{name}: labelled {label:+g} deg/s about {axis}, but {witness} shows "
+            f"{shown:+.4f} deg/s: {taken}.",
+            zh=f"{name}：标注绕 {axis} 轴 {label:+g} °/s，但{witness_zh}显示 {shown:+.4f} °/s："
+            f"{taken_zh}。",
+            segments=(name,),
+            blocks_pass=True,
+        )
+    if point.unsteady:
+        wander = np.degrees(point.wander)
+        yield Remark(
+            code="unsteady_rate",
+            en=f"{name}: by {witness} the rate changed by {wander:.4f} deg/s during the segment; "
+            "7.2.1.1 d) asks for a steady rate (0.05 %).",
+            zh=f"{name}：{witness_zh}显示该段内角速率变化 {wander:.4f} °/s；7.2.1.1 d) 要求角速率"
+            "平稳（0.05%）。",
+            segments=(name,),
+            blocks_pass=True,
+        )
 
 
 def _corrupted(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:

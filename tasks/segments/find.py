@@ -12,9 +12,10 @@ ENCODER_STEP = np.radians(0.0025)  # rad: a coarser encoder is judged by its own
 ROUNDING = 1e-6  # rad: smaller differences are arithmetic, not encoder steps
 QUIET = 8.0  # standard deviations above the quietest tenth that are still rest
 ALIGNED = np.cos(np.radians(10.0))  # a labelled axis points up within this, biases included
+FEWEST_ROWS = 10
 PLACED = np.cos(np.radians(3.0))  # an axis that nobody labelled was put upright within this
 TURNING_RATE = np.radians(5.0)  # rad/s above the usual reading: a steady turn, not a rest
-GRAVITY_LIKE = (8.0, 12.0)  # m/s²: biases of a poor unit included
+GRAVITY_LIKE = (5.0, 15.0)  # m/s²: scale factors and biases of a poor unit included
 RESTING_RATE = np.radians(1.0)  # rad/s of the table below which it rests
 
 
@@ -26,6 +27,8 @@ def find_segments(recording: Recording) -> tuple[Segment, ...]:
     rest gets `up` where an accelerometer points up or down within 3°: a fixture put it there.
     """
     imu, table = recording.imu, recording.table
+    if len(imu) < FEWEST_ROWS:
+        return ()
     quiet = _quiet_rows(imu) if table is None else _steady_rows(recording.manifest, imu.t, table)
     offset = np.median(recording.imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
     found: list[Segment] = []

@@ -1,9 +1,11 @@
 """JJF 2003-2022, clause 7: every item that a recording allows."""
 
+from collections.abc import Iterator
+
 from schemas.base import Unusable
 from schemas.calibration import Calibration, EnvironmentSeen, Remark, SegmentUsed
-from schemas.recording import ACCEL, GYRO, Recording, Stream
-from tasks.items.evidence import Evidence, gather
+from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Stream
+from tasks.items.evidence import FEWEST_ROWS, Evidence, gather, rows_of
 from tasks.items.jjf2003.rate_sensitivity import rate_sensitivity_item
 from tasks.items.jjf2003.tumble import tumble_items
 from tasks.items.jjf2003.turning import gyro_matrix, turning_items
@@ -63,6 +65,7 @@ def _remarks(
 ) -> tuple[Remark, ...]:
     remarks = [remark for part in parts for remark in part.remarks]
     remarks.extend(check_segments(recording, evidence.segments))
+    remarks.extend(_without_rows(recording))
     recorded = recording.environment.columns if recording.environment is not None else {}
     if not {"temperature", "humidity"} <= set(recorded):
         remarks.append(
@@ -75,6 +78,22 @@ def _remarks(
             )
         )
     return tuple(remarks)
+
+
+def _without_rows(recording: Recording) -> Iterator[Remark]:
+    """Labelled segments that the recording has no rows of, or too few for a mean."""
+    measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
+    empty = {s.name: rows_of(recording, s) for s in measured}
+    empty = {name: rows for name, rows in empty.items() if rows < FEWEST_ROWS}
+    if empty:
+        listed = ", ".join(f"{name} {rows}" for name, rows in empty.items())
+        yield Remark(
+            code="without_rows",
+            en=f"{len(empty)} labelled segments have too few rows and were left out: {listed}.",
+            zh=f"{len(empty)} 个标注段的数据行过少，未取用：{listed}。",
+            segments=tuple(empty),
+            blocks_pass=True,
+        )
 
 
 def _used(evidence: Evidence, i: int) -> SegmentUsed:

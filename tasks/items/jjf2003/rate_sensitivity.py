@@ -1,7 +1,11 @@
 """7.2.5: what turning adds to the accelerometers, p by eq. (12) and (13)."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 
+from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
 from tasks.items.evidence import Evidence
 from tasks.items.parts import OFF_DIAGONAL, Estimate, Part, elements, make_item
@@ -18,75 +22,113 @@ READINGS = (
 SAME_RATE = 0.99  # points within 1 % of the largest rate count as the largest
 
 
+@dataclass(frozen=True)
+class Run:
+    """Turning at the largest rate with one axis up, and the rests with the same axis up."""
+
+    turning: tuple[int, ...]
+    rests: tuple[int, ...]
+
+
 def rate_sensitivity_item(evidence: Evidence) -> Part:
     """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
     p = Estimate(np.full((3, 3), np.nan), np.full((3, 3), np.nan))
     missing: list[tuple[str, str]] = []
+    remarks: list[Remark] = []
     for j, axis in enumerate(AXES):
-        turning, rests, why = _runs(evidence, axis)
+        runs, why = _runs(evidence, axis)
         if why is not None:
             missing.append((f"{axis}: {why[0]}", f"{axis}：{why[1]}"))
             continue
         for i in range(3):
             if i != j:
-                p.value[i, j], p.u[i, j] = _difference(evidence, i, turning, rests)
+                p.value[i, j], p.u[i, j] = _difference(evidence, i, runs)
+        remarks.extend(_one_sided(evidence, axis, runs))
     item = make_item(p, "m", CLAUSE, OFF_DIAGONAL, READINGS).model_copy(
         update={"value_model": elements(-p.value, OFF_DIAGONAL)}
     )
     name = "accel_rate_sensitivity"
     reason = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
-    return Part({name: item}, {name: reason} if missing else {})
+    return Part({name: item}, {name: reason} if missing else {}, tuple(remarks))
 
 
-def _runs(evidence: Evidence, axis: Axis) -> tuple[list[int], list[int], tuple[str, str] | None]:
-    """Points at the largest rate about a vertical axis, the rests beside them, or why not."""
+def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[Run, ...], tuple[str, str] | None]:
+    """The runs about each vertical direction of an axis that has rests, or why there are none."""
     points = [i for i in evidence.points[axis] if evidence.segments[i].has_accel]
     if not points:
-        return (
-            [],
-            [],
-            (
-                f"no turning about {axis} with the accelerometers recorded",
-                f"没有绕 {axis} 轴转动且记录了加速度计的数据",
-            ),
+        return (), (
+            f"no turning about {axis} with the accelerometers recorded",
+            f"没有绕 {axis} 轴转动且记录了加速度计的数据",
         )
     vertical = [i for i in points if (evidence.up[i] or "")[1:] == axis]
     if not vertical:
-        return (
-            [],
-            [],
-            (
-                f"the {axis} axis was not vertical while turning, or the recording does not tell",
-                f"转动时 {axis} 轴未处于竖直，或记录未说明",
-            ),
+        return (), (
+            f"gravity does not lie along {axis} while turning, or the recording does not tell",
+            f"转动时重力不沿 {axis} 轴，或记录未说明",
         )
     largest = max(abs(evidence.rate[i]) for i in vertical)
-    turning = [i for i in vertical if abs(evidence.rate[i]) >= SAME_RATE * largest]
-    up = evidence.up[turning[0]]
-    rests = [i for i in evidence.rests.get(str(up), ()) if evidence.segments[i].has_accel]
-    beside = [i for i in rests if evidence.segments[i].segment.item == "rate_sensitivity"]
-    if not rests:
-        return [], [], (f"no rest with {up} up", f"缺少 {up} 朝天的静止数据")
-    return turning, beside or rests, None
+    fast = [i for i in vertical if abs(evidence.rate[i]) >= SAME_RATE * largest]
+    runs = []
+    for up in sorted({str(evidence.up[i]) for i in fast}):
+        rests = [i for i in evidence.rests.get(up, ()) if evidence.segments[i].has_accel]
+        beside = [i for i in rests if evidence.segments[i].segment.item == "rate_sensitivity"]
+        turning = tuple(i for i in fast if evidence.up[i] == up)
+        if rests:
+            runs.append(Run(turning, tuple(beside or rests)))
+    if not runs:
+        return (), (f"no rest with {axis} up or down", f"缺少 {axis} 轴朝天或朝地的静止数据")
+    return tuple(runs), None
 
 
-def _difference(
-    evidence: Evidence, channel: int, turning: list[int], rests: list[int]
-) -> tuple[float, float]:
+def _difference(evidence: Evidence, channel: int, runs: tuple[Run, ...]) -> tuple[float, float]:
     """Rest minus turning over ω² for one accelerometer (m), and its standard uncertainty.
 
-    Each direction counts once, so that what changes its sign with the direction cancels.
+    Each run has its own rests, because gravity reads differently up and down. Each direction of
+    turning counts once, so that what changes its sign with the direction cancels.
     """
-    indices = [*rests, *turning]
-    operator = np.zeros(len(indices))
-    operator[: len(rests)] = 1.0 / len(rests)
-    directions = [[i for i in turning if evidence.rate[i] * sign > 0] for sign in (1, -1)]
-    present = [direction for direction in directions if direction]
-    squares = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in present])
-    for direction in present:
-        for i in direction:
-            operator[len(rests) + turning.index(i)] = -1.0 / len(present) / len(direction)
-    column = ACCEL_COLUMNS.start + channel
-    covariance = evidence.covariance(column)[np.ix_(indices, indices)]
-    value = operator @ evidence.means[indices, column] / squares
-    return float(value), float(np.sqrt(max(operator @ covariance @ operator, 0.0)) / squares)
+    operator = np.zeros(len(evidence.segments))
+    for run in runs:
+        directions = _directions(evidence, run)
+        square = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in directions])
+        share = 1.0 / square / len(runs)
+        for i in run.rests:
+            operator[i] += share / len(run.rests)
+        for direction in directions:
+            for i in direction:
+                operator[i] -= share / len(directions) / len(direction)
+    used = np.flatnonzero(operator)
+    weights, column = operator[used], ACCEL_COLUMNS.start + channel
+    covariance = evidence.covariance(column)[np.ix_(used, used)]
+    value = weights @ evidence.means[used, column]
+    return float(value), float(np.sqrt(max(weights @ covariance @ weights, 0.0)))
+
+
+def _directions(evidence: Evidence, run: Run) -> list[list[int]]:
+    both = [[i for i in run.turning if evidence.rate[i] * sign > 0] for sign in (1, -1)]
+    return [direction for direction in both if direction]
+
+
+def _one_sided(evidence: Evidence, axis: Axis, runs: tuple[Run, ...]) -> Iterator[Remark]:
+    """Where a run has one direction only, or rests on one side of it only."""
+    if any(len(_directions(evidence, run)) < 2 for run in runs):
+        yield Remark(
+            code="p_one_direction",
+            en=f"{axis} axis: p rests on one direction of turning; what changes its sign with the "
+            "direction does not cancel.",
+            zh=f"{axis} 轴：p 仅由一个转动方向得到，随方向变号的影响未抵消。",
+            blocks_pass=True,
+        )
+    start = [segment.t_start for segment in evidence.segments]
+    for run in runs:
+        first, last = min(start[i] for i in run.turning), max(start[i] for i in run.turning)
+        before = any(start[i] < first for i in run.rests)
+        after = any(start[i] > last for i in run.rests)
+        if not (before and after):
+            yield Remark(
+                code="p_rest_on_one_side",
+                en=f"{axis} axis: p has no rest {'after' if before else 'before'} the turning; a "
+                "drift of the accelerometers does not cancel.",
+                zh=f"{axis} 轴：p 缺少转动{'后' if before else '前'}的静止数据，"
+                "加速度计漂移未抵消。",
+                blocks_pass=True,
+            )

@@ -1,6 +1,6 @@
 """7.2.2 and 7.2.4: biases, g-sensitivity, accelerometer scale factor and cross coupling."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 
 import numpy as np
 
@@ -34,8 +34,11 @@ def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
     return rows
 
 
-def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray | None) -> Part:
-    """All items of the twelve positions; `gyro_k` (3, 3) scales Earth's rotation if known."""
+def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray) -> Part:
+    """All items of the twelve positions.
+
+    gyro_k: (3, 3) scales Earth's rotation, NaN where it is not known.
+    """
     gyro = _positions(evidence, lambda segment: segment.has_gyro)
     accel = _positions(evidence, lambda segment: segment.has_accel)
     parts = (
@@ -61,22 +64,43 @@ def _positions(
 
 
 def _averages(evidence: Evidence, positions: dict[str, tuple[int, ...]]) -> np.ndarray:
-    """Operator (positions, segments) that gives U_i: each heading counts once (7.2.2.1 a)."""
+    """Operator (positions, segments) that gives U_i, the mean over headings (7.2.2.1 a).
+
+    Every heading counts once. Where some are 180° apart, only those pairs count: a third
+    heading would bring back what the pair cancels.
+    """
     operator = np.zeros((len(positions), len(evidence.segments)))
     for row, indices in enumerate(positions.values()):
-        headings: dict[float | None, list[int]] = {}
-        for i in indices:
-            headings.setdefault(evidence.segments[i].segment.turn_deg, []).append(i)
-        for same in headings.values():
-            operator[row, same] = 1.0 / len(headings) / len(same)
+        headings = _headings(evidence, indices)
+        counted = [h for h in headings if _opposite(h, headings)] or list(headings)
+        for heading in counted:
+            same = headings[heading]
+            operator[row, same] = 1.0 / len(counted) / len(same)
     return operator
+
+
+def _headings(evidence: Evidence, indices: tuple[int, ...]) -> dict[float | None, list[int]]:
+    """The rests of a position by heading, degrees modulo 360 to the nearest one."""
+    by_heading: dict[float | None, list[int]] = {}
+    for i in indices:
+        turn = evidence.segments[i].segment.turn_deg
+        heading = None if turn is None else float(round(turn) % 360)
+        by_heading.setdefault(heading, []).append(i)
+    return by_heading
+
+
+def _opposite(heading: float | None, headings: Collection[float | None]) -> bool:
+    """Whether another heading lies 180° from this one, within 1°."""
+    if heading is None:
+        return False
+    known = [other for other in headings if other is not None]
+    return any(abs((heading - other) % 360 - 180) <= 1 for other in known)
 
 
 def is_paired(evidence: Evidence, indices: tuple[int, ...]) -> bool:
     """Whether a position was held at two headings 180° apart, as 7.2.2.1 a) asks."""
-    turns = {evidence.segments[i].segment.turn_deg for i in indices}
-    known = [turn for turn in turns if turn is not None]
-    return any(abs((a - b) % 360 - 180) < 1 for a in known for b in known)
+    headings = _headings(evidence, indices)
+    return any(_opposite(heading, headings) for heading in headings)
 
 
 def _estimate(
@@ -104,7 +128,7 @@ def _gyro_part(
     recording: Recording,
     evidence: Evidence,
     positions: dict[str, tuple[int, ...]],
-    gyro_k: np.ndarray | None,
+    gyro_k: np.ndarray,
 ) -> Part:
     if not positions:
         reason = _no_rest("gyro")
@@ -118,7 +142,7 @@ def _gyro_part(
     if why_not:
         before = unavailable.get("gyro_g_sensitivity")
         unavailable["gyro_g_sensitivity"] = _joined(before, why_not)
-    return Part(items, unavailable, (*_earth_remarks(recording), *remarks))
+    return Part(items, unavailable, (*_earth_remarks(recording, gyro_k), *remarks))
 
 
 def _gyro_items(estimate: Estimate, still: np.ndarray) -> dict[str, Item]:
@@ -142,7 +166,7 @@ def _without_earth(
     evidence: Evidence,
     positions: dict[str, tuple[int, ...]],
     value: np.ndarray,
-    gyro_k: np.ndarray | None,
+    gyro_k: np.ndarray,
 ) -> tuple[np.ndarray, tuple[str, str] | None]:
     """G (3, 3) with the vertical part of Earth's rotation removed, and why elements are null.
 
@@ -158,7 +182,7 @@ def _without_earth(
             "扣除地球自转的值：未给出纬度",
         )
         return np.full((3, 3), np.nan), why
-    k = np.eye(3) if gyro_k is None else gyro_k
+    k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3))
     still -= k * EARTH_RATE * np.sin(np.radians(latitude))
     single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
     for axis in {AXES.index(up[1]) for up in single}:
@@ -260,21 +284,25 @@ def _position_remarks(
         )
 
 
-def _earth_remarks(recording: Recording) -> tuple[Remark, ...]:
+def _earth_remarks(recording: Recording, gyro_k: np.ndarray) -> Iterator[Remark]:
     """Says what Earth's rotation does to the diagonal by eq. (7), in numbers where known."""
     latitude = recording.manifest.station.latitude_deg
     if latitude is None:
-        return ()
+        return
     rate = DEG * EARTH_RATE * np.sin(np.radians(latitude))
-    return (
-        Remark(
-            code="earth_rotation",
-            en=f"By eq. (7) the diagonal of the g-sensitivity contains Earth's rotation, "
-            f"{rate:.5f} (deg/s)/g at {latitude:g}° latitude; the value without it stands beside.",
-            zh=f"按式(7)，g 敏感系数对角元含地球自转 {rate:.5f} (°/s)/g（纬度 {latitude:g}°）；"
-            "旁列扣除后的值。",
-        ),
+    yield Remark(
+        code="earth_rotation",
+        en=f"By eq. (7) the diagonal of the g-sensitivity contains Earth's rotation, "
+        f"{rate:.5f} (deg/s)/g at {latitude:g}° latitude; the value without it stands beside.",
+        zh=f"按式(7)，g 敏感系数对角元含地球自转 {rate:.5f} (°/s)/g（纬度 {latitude:g}°）；"
+        "旁列扣除后的值。",
     )
+    if not np.isfinite(gyro_k).all():
+        yield Remark(
+            code="scale_factor_assumed",
+            en="Where this run gives no gyro scale factor, 1 was taken to remove Earth's rotation.",
+            zh="本次未得陀螺标度因数处，扣除地球自转时取 1。",
+        )
 
 
 def _scatter_remark(channel: str, factor: float) -> Remark:

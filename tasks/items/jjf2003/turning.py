@@ -58,8 +58,8 @@ def _fit_rates(
         scale.value[i, j], scale.u[i, j] = value[0], u[0]
         if i == j:
             offset.value[j], offset.u[j] = value[1], u[1]
-            if factor > 1.0:
-                remarks.append(_scatter_remark(CHANNELS[i], factor))
+        if factor > 1.0:
+            remarks.append(_scatter_remark(CHANNELS[i], AXES[j], factor))
     return remarks
 
 
@@ -152,12 +152,13 @@ def _listed(rates: np.ndarray) -> str:
     return ", ".join(f"{rate:+g}" for rate in sorted(set(rates)))
 
 
-def _scatter_remark(channel: str, factor: float) -> Remark:
+def _scatter_remark(channel: str, axis: str, factor: float) -> Remark:
     return Remark(
         code="excess_scatter",
-        en=f"{channel}: the points scatter about the line of eq. (4) {factor:.1f} times more than "
-        "the noise; the uncertainty was enlarged by as much.",
-        zh=f"{channel}：各点对式(4)直线的离散为噪声的 {factor:.1f} 倍，不确定度已按此放大。",
+        en=f"{channel}, turning about {axis}: the points scatter about the line of eq. (4) "
+        f"{factor:.1f} times more than the noise; the uncertainty was enlarged by as much.",
+        zh=f"{channel}，绕 {axis} 轴转动：各点对式(4)直线的离散为噪声的 {factor:.1f} 倍，"
+        "不确定度已按此放大。",
     )
 
 
@@ -171,12 +172,12 @@ def _by_angle_remark() -> Remark:
     )
 
 
-def gyro_matrix(part: Part) -> np.ndarray | None:
-    """K (3, 3) of a turning part, or None where an element is missing."""
+def gyro_matrix(part: Part) -> np.ndarray:
+    """K (3, 3) of a turning part, NaN where an element is missing."""
     matrix = np.full((3, 3), np.nan)
     for i, a in enumerate(AXES):
         for j, b in enumerate(AXES):
             name, key = ("gyro_scale_factor", a) if i == j else ("gyro_cross_coupling", a + b)
             value = part.items[name].value[key]
             matrix[i, j] = np.nan if value is None else value
-    return matrix if np.isfinite(matrix).all() else None
+    return matrix

@@ -1,0 +1,148 @@
+"""What rate each turning segment was really at: by the encoders, else by its label.
+
+Without encoders the gyro itself is the only witness against a label. Its readings over all
+points about an axis lie on one line (eq. (4)), whatever its scale factor; a label off that line
+is contradicted.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from schemas.recording import AXES, GYRO, Axis, Recording, Segment
+from tasks.motion.table import mean_rate
+from tasks.segments.summarise import SegmentMean
+
+STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
+OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate's
+OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
+PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
+SLOWEST_POINT = np.radians(0.05)  # rad/s: slower is a rest
+READOUT = np.radians(0.01)  # rad/s
+
+
+@dataclass(frozen=True)
+class TurningPoint:
+    """The input rate of one turning segment about its labelled axis.
+
+    rate: rad/s, NaN where the label is contradicted and nobody else tells.
+    label: rad/s. shown: rad/s, what the witness shows; None without one.
+    by_table: whether the encoders are the witness.
+    contradicted, unsteady: what the witness says of the label and of the rate's steadiness.
+    wander: rad/s, largest difference between the means of the segment's thirds.
+    """
+
+    rate: float
+    label: float
+    shown: float | None
+    by_table: bool
+    contradicted: bool
+    unsteady: bool
+    wander: float
+
+
+def turning_points(
+    recording: Recording, segments: tuple[SegmentMean, ...]
+) -> dict[int, TurningPoint]:
+    """The turning point of every segment of kind rate, by its place in `segments`."""
+    turning = {
+        i: segment
+        for i, segment in enumerate(segments)
+        if segment.segment.kind == "rate" and segment.segment.axis and segment.segment.rate_deg_s
+    }
+    by_table = {i: mean_rate(recording, segment.segment) for i, segment in turning.items()}
+    lines = {axis: _line(turning, axis) for axis in AXES}
+    points = {}
+    for i, segment in turning.items():
+        body = by_table[i]
+        if body is not None:
+            points[i] = _told_by_table(recording, segment, body)
+        else:
+            points[i] = _told_by_gyro(recording, segment, lines[_axis(segment.segment)])
+    return points
+
+
+def _axis(segment: Segment) -> Axis:
+    assert segment.axis is not None  # schemas.recording.Segment: a rate has an axis
+    return segment.axis
+
+
+def _told_by_table(recording: Recording, segment: SegmentMean, body: np.ndarray) -> TurningPoint:
+    label = float(np.radians(segment.segment.rate_deg_s or 0.0))
+    shown = float(body[AXES.index(_axis(segment.segment))])
+    thirds = [mean_rate(recording, part) for part in _thirds(segment.segment)]
+    sizes = [float(np.linalg.norm(part)) for part in thirds if part is not None]
+    wander = max(sizes) - min(sizes) if sizes else 0.0
+    steps = READOUT * 30.0 / max(segment.seconds, 1e-3)
+    return TurningPoint(
+        rate=shown if abs(shown) >= SLOWEST_POINT else float("nan"),
+        label=label,
+        shown=shown,
+        by_table=True,
+        contradicted=abs(shown - label) > max(STEADINESS * abs(label), READOUT),
+        unsteady=wander > 2 * STEADINESS * abs(shown) + steps,
+        wander=wander,
+    )
+
+
+def _told_by_gyro(
+    recording: Recording, segment: SegmentMean, line: tuple[float, float]
+) -> TurningPoint:
+    label = float(np.radians(segment.segment.rate_deg_s or 0.0))
+    if not segment.has_gyro:
+        known = label if abs(label) >= SLOWEST_POINT else float("nan")
+        return TurningPoint(known, label, None, False, False, False, 0.0)
+    axis = AXES.index(_axis(segment.segment))
+    shown, (slope, offset) = float(segment.mean[axis]), line
+    reach = max(OFF_LINE * abs(label) * slope, OFF_LINE_LEAST)
+    contradicted = abs(shown - slope * label - offset) > reach
+    wander, noise = _gyro_wander(recording, segment, axis)
+    usable = not contradicted and abs(label) >= SLOWEST_POINT
+    return TurningPoint(
+        rate=label if usable else float("nan"),
+        label=label,
+        shown=shown,
+        by_table=False,
+        contradicted=contradicted,
+        unsteady=wander > 4 * STEADINESS * abs(label) + 2 * READOUT + 6 * noise,
+        wander=wander,
+    )
+
+
+def _line(turning: dict[int, SegmentMean], axis: Axis) -> tuple[float, float]:
+    """Slope and offset (rad/s) of gyro against label about one axis, after Theil and Sen.
+
+    The identity with fewer than three points, or where no unit has such a scale factor.
+    """
+    points = [s for s in turning.values() if s.segment.axis == axis and s.has_gyro]
+    x = np.radians([s.segment.rate_deg_s or 0.0 for s in points])
+    y = np.array([s.mean[AXES.index(axis)] for s in points])
+    first, second = np.triu_indices(len(x), 1)
+    apart = np.abs(x[second] - x[first]) > SLOWEST_POINT if len(x) else np.zeros(0, bool)
+    if len(x) < 3 or not apart.any():
+        return 1.0, 0.0
+    slopes = (y[second] - y[first])[apart] / (x[second] - x[first])[apart]
+    slope = float(np.median(slopes))
+    if not PLAUSIBLE_SLOPES[0] < slope < PLAUSIBLE_SLOPES[1]:
+        return 1.0, 0.0
+    return slope, float(np.median(y - slope * x))
+
+
+def _thirds(segment: Segment) -> tuple[Segment, ...]:
+    edges = np.linspace(segment.t_start, segment.t_end, 4)
+    return tuple(
+        segment.model_copy(update={"t_start": float(a), "t_end": float(b)})
+        for a, b in pairwise(edges)
+    )
+
+
+def _gyro_wander(recording: Recording, segment: SegmentMean, axis: int) -> tuple[float, float]:
+    """Largest difference of the means of the thirds (medians: spikes do not count), and noise."""
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    values = recording.imu.columns[GYRO[axis]][rows]
+    if len(values) < 6:
+        return 0.0, 0.0
+    medians = [float(np.median(part)) for part in np.array_split(values, 3)]
+    spread = 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    return max(medians) - min(medians), spread * float(np.sqrt(4.7 / len(values)))
