@@ -10,6 +10,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from tasks.segments.conditions import Conditions
 from tasks.segments.find import up_of
 from tasks.segments.rates import TurningPoint, turning_points
 from tasks.segments.summarise import (
@@ -20,22 +21,22 @@ from tasks.segments.summarise import (
     SegmentMean,
 )
 
-DWELL = 30.0  # s: 7.2.1.1 d), 7.2.2.1 a), 7.2.5.1
 STUCK_SECONDS = 2.0
-TEMPERATURE_LIMITS = (15.0, 25.0)  # °C, clause 6.1
-HUMIDITY_LIMITS = (20.0, 85.0)  # %RH, clause 6.1
 
 
-def check_segments(recording: Recording, segments: tuple[SegmentMean, ...]) -> tuple[Remark, ...]:
+def check_segments(
+    recording: Recording, segments: tuple[SegmentMean, ...], conditions: Conditions
+) -> tuple[Remark, ...]:
     """Every remark on every segment, in the order of the segments."""
     remarks: list[Remark] = []
     points = turning_points(recording, segments)
     for i, segment in enumerate(segments):
-        for check in (_position, _corrupted, _stuck, _lost, _environment):
+        for check in (_position, _corrupted, _stuck, _lost):
             remarks.extend(check(recording, segment))
+        remarks.extend(_room(recording, segment, conditions))
         if i in points:
-            remarks.extend(_rate(segment, points[i]))
-    return (*remarks, *_short(segments))
+            remarks.extend(_rate(segment, points[i], conditions))
+    return (*remarks, *_short(segments, conditions))
 
 
 def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
@@ -67,8 +68,8 @@ def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     )
 
 
-def _rate(segment: SegmentMean, point: TurningPoint) -> Iterator[Remark]:
-    """A rate that its witness contradicts, or that did not hold still (7.2.1.1 d)."""
+def _rate(segment: SegmentMean, point: TurningPoint, conditions: Conditions) -> Iterator[Remark]:
+    """A rate that its witness contradicts, or that did not hold still."""
     name, axis = segment.segment.name, segment.segment.axis
     witness, witness_zh = ("the table", "转台") if point.by_table else (f"gyro_{axis}",) * 2
     if point.contradicted and point.shown is not None:
@@ -88,13 +89,13 @@ def _rate(segment: SegmentMean, point: TurningPoint) -> Iterator[Remark]:
             blocks_pass=True,
         )
     if point.unsteady:
-        wander = np.degrees(point.wander)
+        wander, share = np.degrees(point.wander), 100 * conditions.steadiness
         yield Remark(
             code="unsteady_rate",
             en=f"{name}: by {witness} the rate changed by {wander:.4f} deg/s during the segment; "
-            "7.2.1.1 d) asks for a steady rate (0.05 %).",
-            zh=f"{name}：{witness_zh}显示该段内角速率变化 {wander:.4f} °/s；7.2.1.1 d) 要求角速率"
-            "平稳（0.05%）。",
+            f"{conditions.steadiness_clause} asks for a steady rate ({share:g} %).",
+            zh=f"{name}：{witness_zh}显示该段内角速率变化 {wander:.4f} °/s；"
+            f"{conditions.steadiness_clause} 要求角速率平稳（{share:g}%）。",
             segments=(name,),
             blocks_pass=True,
         )
@@ -186,18 +187,19 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     )
 
 
-def _short(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
-    """Every segment that lasts less than the 30 s that each point must last."""
+def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterator[Remark]:
+    """Every segment that lasts less than each point must last."""
+    asked, clause = conditions.dwell_s, conditions.dwell_clause
     held = [segment for segment in segments if segment.segment.kind != "rotation"]
-    short = {s.segment.name: _lasts(s) for s in held if _lasts(s) < DWELL - 1e-6}
+    short = {s.segment.name: _lasts(s) for s in held if _lasts(s) < asked - 1e-6}
     if not short:
         return
     listed = ", ".join(f"{name} {lasts:.1f} s" for name, lasts in short.items())
     yield Remark(
         code="short_dwell",
-        en=f"{len(short)} of {len(held)} segments last less than the {DWELL:.0f} s that 7.2 asks "
-        f"for at each point: {listed}.",
-        zh=f"{len(held)} 段中有 {len(short)} 段短于 7.2 要求的每点 {DWELL:.0f} s：{listed}。",
+        en=f"{len(short)} of {len(held)} segments last less than the {asked:.0f} s that {clause} "
+        f"asks for at each point: {listed}.",
+        zh=f"{len(held)} 段中有 {len(short)} 段短于 {clause} 要求的每点 {asked:.0f} s：{listed}。",
         segments=tuple(short),
         blocks_pass=True,
     )
@@ -210,26 +212,26 @@ def _lasts(segment: SegmentMean) -> float:
     return max(segment.seconds, min(asked, segment.seconds + 2 * interval))
 
 
-def _environment(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
-    """Air temperature and humidity outside clause 6.1 during the segment."""
+def _room(recording: Recording, segment: SegmentMean, conditions: Conditions) -> Iterator[Remark]:
+    """Air temperature and humidity outside the specification's limits during the segment."""
     if recording.environment is None:
         return
     limits = {
-        "temperature": (TEMPERATURE_LIMITS, "°C", "air temperature", "环境温度"),
-        "humidity": (HUMIDITY_LIMITS, "%RH", "relative humidity", "相对湿度"),
+        "temperature": (conditions.temperature_degc, "°C", "air temperature", "环境温度"),
+        "humidity": (conditions.humidity_percent, "%RH", "relative humidity", "相对湿度"),
     }
     rows = recording.environment.rows(segment.t_start, segment.t_end)
     for column, ((low, high), unit, english, chinese) in limits.items():
         values = recording.environment.columns.get(column, np.empty(0))[rows]
         if not len(values) or (values.min() >= low and values.max() <= high):
             continue
-        name = segment.segment.name
+        name, clause = segment.segment.name, conditions.room_clause
         worst = values.max() if values.max() > high else values.min()
         yield Remark(
             code="environment",
             en=f"{name}: {english} {worst:.1f} {unit} is outside {low:g} to {high:g} {unit} "
-            "(clause 6.1).",
-            zh=f"{name}：{chinese} {worst:.1f} {unit} 超出 {low:g}~{high:g} {unit}（6.1）。",
+            f"(clause {clause}).",
+            zh=f"{name}：{chinese} {worst:.1f} {unit} 超出 {low:g}~{high:g} {unit}（{clause}）。",
             segments=(name,),
             blocks_pass=True,
         )

@@ -32,7 +32,7 @@ class Run:
 
 def rate_sensitivity_item(evidence: Evidence) -> Part:
     """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
-    p = Estimate(np.full((3, 3), np.nan), np.full((3, 3), np.nan))
+    value, u = np.full((3, 3), np.nan), np.full((3, 3), np.nan)
     missing: list[tuple[str, str]] = []
     remarks: list[Remark] = []
     for j, axis in enumerate(AXES):
@@ -42,10 +42,10 @@ def rate_sensitivity_item(evidence: Evidence) -> Part:
             continue
         for i in range(3):
             if i != j:
-                p.value[i, j], p.u[i, j] = _difference(evidence, i, runs)
+                value[i, j], u[i, j] = _difference(evidence, i, runs)
         remarks.extend(_one_sided(evidence, axis, runs))
-    item = make_item(p, "m", CLAUSE, OFF_DIAGONAL, READINGS).model_copy(
-        update={"value_model": elements(-p.value, OFF_DIAGONAL)}
+    item = make_item(Estimate(value, u), "m", CLAUSE, OFF_DIAGONAL, READINGS).model_copy(
+        update={"value_model": elements(-value, OFF_DIAGONAL)}
     )
     name = "accel_rate_sensitivity"
     reason = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))

@@ -109,19 +109,16 @@ def _estimate(
     """Eq. (7), (10): (3, 4) matrix and bias column for channels first, first+1, first+2."""
     design = input_matrix(tuple(positions))
     solution, averages = solve(design), _averages(evidence, positions)
-    value, u = np.full((3, 4), np.nan), np.full((3, 4), np.nan)
-    remarks = []
+    value, u, factors = np.empty((3, 4)), np.empty((3, 4)), np.ones(3)
     for i in range(3):
         used = averages.any(axis=0)
         weights = averages[:, used]
         readings = weights @ evidence.means[used, first + i]
         covariance = weights @ evidence.covariance(first + i)[np.ix_(used, used)] @ weights.T
-        factor = excess_scatter(solution, design, readings, covariance)
+        factors[i] = excess_scatter(solution, design, readings, covariance)
         value[i] = solution.of(readings)
-        u[i] = factor * solution.uncertainty(covariance)
-        if factor > 1.0:
-            remarks.append(_scatter_remark(CHANNELS[first + i], factor))
-    return Estimate(value, u), tuple(remarks)
+        u[i] = factors[i] * solution.uncertainty(covariance)
+    return Estimate(value, u), _scatter_remarks(first, factors)
 
 
 def _gyro_part(
@@ -305,10 +302,16 @@ def _earth_remarks(recording: Recording, gyro_k: np.ndarray) -> Iterator[Remark]
         )
 
 
-def _scatter_remark(channel: str, factor: float) -> Remark:
-    return Remark(
+def _scatter_remarks(first: int, factors: np.ndarray) -> tuple[Remark, ...]:
+    """One remark on the channels whose positions disagree by more than the noise."""
+    exceeding = np.flatnonzero(factors > 1.0)
+    listed = ", ".join(f"{CHANNELS[first + i]} {factors[i]:.1f}" for i in exceeding)
+    if not listed:
+        return ()
+    remark = Remark(
         code="excess_scatter",
-        en=f"{channel}: the positions disagree with the model {factor:.1f} times more than the "
-        "noise explains; the uncertainty was enlarged by as much.",
-        zh=f"{channel}：各位置与模型的偏差为噪声的 {factor:.1f} 倍，不确定度已按此放大。",
+        en=f"The positions disagree with the model more than the noise explains ({listed} times); "
+        "the uncertainties were enlarged by as much.",
+        zh=f"各位置与模型的偏差超过噪声（{listed} 倍），不确定度已按此放大。",
     )
+    return (remark,)

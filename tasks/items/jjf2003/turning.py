@@ -1,5 +1,7 @@
 """7.2.1 and 7.2.3: gyro scale factor, cross coupling and fit offset from steady turning."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from schemas.calibration import Remark
@@ -15,90 +17,100 @@ CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
 DEG = float(np.degrees(1.0))
 
 
+@dataclass(frozen=True)
+class Column:
+    """What turning about one axis gives: a column of K, and b of the axis's own gyro (rad/s)."""
+
+    scale: Estimate
+    offset: float = float("nan")
+    u_offset: float = float("nan")
+    by_angle: bool = False
+    remarks: tuple[Remark, ...] = ()
+
+
+NOTHING = Column(Estimate(np.full(3, np.nan), np.full(3, np.nan)))
+
+
 def turning_items(recording: Recording, evidence: Evidence) -> Part:
     """Scale factor matrix K (3, 3) and fit offset b (3,) of the gyro, eq. (3) to (5).
 
     Where an axis has no rate points but turns by a known angle, those give its column of K.
     """
-    scale = Estimate(np.full((3, 3), np.nan), np.full((3, 3), np.nan))
-    offset = Estimate(np.full(3, np.nan), np.full(3, np.nan))
-    remarks: list[Remark] = []
-    reasons: dict[str, tuple[str, str]] = {}
-    by_angle = False
+    columns, reasons = [], []
     for j, axis in enumerate(AXES):
         points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
         rates = np.round(np.degrees(evidence.rate[points]), 1)
+        column = NOTHING
         if len(set(rates)) >= 2:
-            remarks.extend(_fit_rates(evidence, j, points, scale, offset))
-            remarks.extend(_rate_remarks(axis, rates))
+            column = _fit_rates(evidence, j, points, _rate_remarks(axis, rates))
         elif evidence.turns[axis]:
-            by_angle = _fit_turns(recording, evidence, j, scale) or by_angle
-        if not np.isfinite(scale.value[j, j]):
-            reasons[axis] = (
-                f"{axis}: {len(set(rates))} rates about {axis}, two are needed",
-                f"{axis}：绕 {axis} 轴仅 {len(set(rates))} 个角速率，至少需 2 个",
+            column = _fit_turns(evidence, j)
+        if not np.isfinite(column.scale.value[j]):
+            reasons.append(
+                (
+                    f"{axis}: {len(set(rates))} rates about {axis}, two are needed",
+                    f"{axis}：绕 {axis} 轴仅 {len(set(rates))} 个角速率，至少需 2 个",
+                )
             )
-    if by_angle:
-        remarks.append(_by_angle_remark())
-    return _as_part(scale, offset, reasons, tuple(remarks), by_angle, recording.table is not None)
+        columns.append(column)
+    return _as_part(tuple(columns), tuple(reasons), recording.table is not None)
 
 
 def _fit_rates(
-    evidence: Evidence, j: int, points: list[int], scale: Estimate, offset: Estimate
-) -> list[Remark]:
-    """Eq. (5) for the rate points about axis j: fills column j of K and b_j."""
+    evidence: Evidence, j: int, points: list[int], remarks: tuple[Remark, ...]
+) -> Column:
+    """Eq. (5) for the rate points about axis j."""
     design = np.column_stack([evidence.rate[points], np.ones(len(points))])
     solution = solve(design)
-    remarks = []
+    value, u, factors = np.empty((3, 2)), np.empty((3, 2)), np.ones(3)
     for i in range(3):
         readings = evidence.means[points, i]
         covariance = evidence.covariance(i)[np.ix_(points, points)]
-        factor = excess_scatter(solution, design, readings, covariance)
-        value, u = solution.of(readings), factor * solution.uncertainty(covariance)
-        scale.value[i, j], scale.u[i, j] = value[0], u[0]
-        if i == j:
-            offset.value[j], offset.u[j] = value[1], u[1]
-        if factor > 1.0:
-            remarks.append(_scatter_remark(CHANNELS[i], AXES[j], factor))
-    return remarks
+        factors[i] = excess_scatter(solution, design, readings, covariance)
+        value[i], u[i] = solution.of(readings), factors[i] * solution.uncertainty(covariance)
+    return Column(
+        scale=Estimate(value[:, 0], u[:, 0]),
+        offset=float(value[j, 1]),
+        u_offset=float(u[j, 1]),
+        remarks=(*remarks, *_scatter_remarks(AXES[j], factors)),
+    )
 
 
-def _fit_turns(recording: Recording, evidence: Evidence, j: int, scale: Estimate) -> bool:
+def _fit_turns(evidence: Evidence, j: int) -> Column:
     """Column j of K from turns by a known angle: (∫ω′dt − B·T)/angle, B from the rests."""
-    rests = [
-        i
-        for i, segment in enumerate(evidence.segments)
-        if segment.segment.kind == "static" and segment.has_gyro
-    ]
+    everything = enumerate(evidence.segments)
+    rests = [i for i, s in everything if s.segment.kind == "static" and s.has_gyro]
     turns = [i for i in evidence.turns[AXES[j]] if evidence.segments[i].has_gyro]
     if not rests or not turns:
-        return False
+        return NOTHING
     indices = [*turns, *rests]
-    for i in range(3):
-        operator = np.zeros(len(indices))
-        for place, turn in enumerate(turns):
-            segment = evidence.segments[turn]
-            angle = np.radians(segment.segment.angle_deg or np.nan)
-            gain = segment.seconds / angle / len(turns)
-            operator[place] += gain
-            operator[len(turns) :] -= gain / len(rests)
-        covariance = evidence.covariance(i)[np.ix_(indices, indices)]
-        scale.value[i, j] = operator @ evidence.means[indices, i]
-        scale.u[i, j] = np.sqrt(operator @ covariance @ operator)
-    return True
+    operator = np.zeros(len(indices))
+    for place, turn in enumerate(turns):
+        segment = evidence.segments[turn]
+        angle = np.radians(segment.segment.angle_deg or np.nan)
+        gain = segment.seconds / angle / len(turns)
+        operator[place] += gain
+        operator[len(turns) :] -= gain / len(rests)
+    covariances = [evidence.covariance(i)[np.ix_(indices, indices)] for i in range(3)]
+    value = np.array([operator @ evidence.means[indices, i] for i in range(3)])
+    u = np.sqrt([operator @ covariance @ operator for covariance in covariances])
+    return Column(Estimate(value, u), by_angle=True)
 
 
 def _as_part(
-    scale: Estimate,
-    offset: Estimate,
-    reasons: dict[str, tuple[str, str]],
-    remarks: tuple[Remark, ...],
-    by_angle: bool,
-    has_table: bool,
+    columns: tuple[Column, ...], reasons: tuple[tuple[str, str], ...], has_table: bool
 ) -> Part:
-    readings = ("jjf2003.table_rate",) if has_table else ()
-    if by_angle:
-        readings = (*readings, "jjf2003.turned_angle")
+    scale = Estimate(
+        np.column_stack([column.scale.value for column in columns]),
+        np.column_stack([column.scale.u for column in columns]),
+    )
+    offset = Estimate(
+        np.array([column.offset for column in columns]),
+        np.array([column.u_offset for column in columns]),
+    )
+    by_angle = any(column.by_angle for column in columns)
+    readings: tuple[str, ...] = ("jjf2003.table_rate",) if has_table else ()
+    readings += ("jjf2003.turned_angle",) if by_angle else ()
     diagonal = Estimate(np.diag(scale.value), np.diag(scale.u))
     items = {
         "gyro_scale_factor": make_item(diagonal, "1", CLAUSE_SCALE, readings=readings),
@@ -109,19 +121,20 @@ def _as_part(
     }
     unavailable = {}
     if reasons:
-        english = "; ".join(reason for reason, _ in reasons.values())
-        chinese = "；".join(reason for _, reason in reasons.values())
-        unavailable = {name: (english, chinese) for name in list(items)[:2]}
-    if not np.isfinite(offset.value).all():
-        axes = ", ".join(a for a, v in zip(AXES, offset.value, strict=True) if not np.isfinite(v))
+        told = ("; ".join(en for en, _ in reasons), "；".join(zh for _, zh in reasons))
+        unavailable = {"gyro_scale_factor": told, "gyro_cross_coupling": told}
+    without = [a for a, b in zip(AXES, offset.value, strict=True) if not np.isfinite(b)]
+    if without:
+        listed = ", ".join(without)
         unavailable["gyro_fit_offset"] = (
-            f"{axes}: eq. (4) needs at least two held rates about the axis",
-            f"{axes}：式(4)要求绕该轴至少两个恒定角速率",
+            f"{listed}: eq. (4) needs at least two held rates about the axis",
+            f"{listed}：式(4)要求绕该轴至少两个恒定角速率",
         )
-    return Part(items, unavailable, remarks)
+    remarks = [remark for column in columns for remark in column.remarks]
+    return Part(items, unavailable, (*remarks, *([_by_angle_remark()] if by_angle else [])))
 
 
-def _rate_remarks(axis: str, rates: np.ndarray) -> list[Remark]:
+def _rate_remarks(axis: str, rates: np.ndarray) -> tuple[Remark, ...]:
     """Conditions of 7.2.1.1 c): 7 to 11 points, in both directions."""
     remarks = []
     count = len(set(rates))
@@ -145,21 +158,26 @@ def _rate_remarks(axis: str, rates: np.ndarray) -> list[Remark]:
                 blocks_pass=True,
             )
         )
-    return remarks
+    return tuple(remarks)
 
 
 def _listed(rates: np.ndarray) -> str:
     return ", ".join(f"{rate:+g}" for rate in sorted(set(rates)))
 
 
-def _scatter_remark(channel: str, axis: str, factor: float) -> Remark:
-    return Remark(
+def _scatter_remarks(axis: str, factors: np.ndarray) -> tuple[Remark, ...]:
+    """One remark on the gyros whose points lie off the line by more than the noise."""
+    listed = ", ".join(f"{CHANNELS[i]} {factors[i]:.1f}" for i in np.flatnonzero(factors > 1.0))
+    if not listed:
+        return ()
+    remark = Remark(
         code="excess_scatter",
-        en=f"{channel}, turning about {axis}: the points scatter about the line of eq. (4) "
-        f"{factor:.1f} times more than the noise; the uncertainty was enlarged by as much.",
-        zh=f"{channel}，绕 {axis} 轴转动：各点对式(4)直线的离散为噪声的 {factor:.1f} 倍，"
+        en=f"Turning about {axis}, the points scatter about the line of eq. (4) more than the "
+        f"noise explains ({listed} times); the uncertainties were enlarged by as much.",
+        zh=f"绕 {axis} 轴转动时，各点对式(4)直线的离散超过噪声（{listed} 倍），"
         "不确定度已按此放大。",
     )
+    return (remark,)
 
 
 def _by_angle_remark() -> Remark:

@@ -8,7 +8,9 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
-from tasks.items.jjf2003 import calibrate
+from tasks.items.jjf2003 import CONDITIONS, calibrate
+from tasks.items.readings import READINGS
+from tasks.station import procedures
 
 GRAVITY = 9.8
 RATE_HZ = 10.0
@@ -168,3 +170,16 @@ def test_earth_is_removed_with_scale_factor_one_only_if_that_is_said(ideal_run) 
     kept = tuple(s for s in recording.manifest.segments if s.kind != "rate")
     assert "scale_factor_assumed" in codes(result(with_segments(recording, kept)))
     assert "scale_factor_assumed" not in codes(result(recording))
+
+
+def test_the_conditions_are_those_of_the_procedure() -> None:
+    procedure = procedures.load("jjf2003")
+    assert procedure.environment.temperature_degc == CONDITIONS.temperature_degc
+    assert procedure.environment.humidity_percent == CONDITIONS.humidity_percent
+    assert min(step.dwell_s for step in procedure.steps) >= CONDITIONS.dwell_s
+
+
+def test_every_reading_that_an_item_names_is_in_the_register(ideal_run) -> None:
+    named = {name for item in result(ideal_run()).items.values() for name in item.readings}
+    assert named
+    assert named <= set(READINGS)

@@ -1,0 +1,103 @@
+"""A calibration put together from what the clauses contributed, whatever the specification."""
+
+from collections.abc import Iterator
+
+from schemas.calibration import Calibration, EnvironmentSeen, Method, Remark, SegmentUsed
+from schemas.recording import MEASURED, Recording, Stream
+from tasks.items.evidence import FEWEST_ROWS, Evidence, rows_of
+from tasks.items.parts import Part
+from tasks.segments.check import check_segments
+from tasks.segments.conditions import Conditions
+
+
+def assemble(
+    recording: Recording,
+    evidence: Evidence,
+    part: Part,
+    *,
+    method: Method,
+    procedure: str,
+    order: tuple[str, ...],
+    conditions: Conditions,
+    run: str,
+    code_version: str,
+) -> Calibration:
+    """The result of one method: items in their order, reasons, remarks, segments, room."""
+    station = recording.manifest.station
+    remarks = (
+        *part.remarks,
+        *check_segments(recording, evidence.segments, conditions),
+        *_without_rows(recording),
+        *_room_not_recorded(recording, conditions),
+    )
+    return Calibration(
+        recording_id=recording.manifest.recording_id,
+        run=run,
+        digest=recording.digest,
+        method=method,
+        code_version=code_version,
+        procedure=procedure,
+        settings={"gravity_m_s2": station.gravity_m_s2, "latitude_deg": station.latitude_deg},
+        items={name: part.items[name] for name in order},
+        unavailable={n: part.unavailable[n][0] for n in order if n in part.unavailable},
+        unavailable_zh={n: part.unavailable[n][1] for n in order if n in part.unavailable},
+        remarks=remarks,
+        segments=tuple(_used(evidence, i) for i in range(len(evidence.segments))),
+        environment=_environment_seen(recording.environment),
+    )
+
+
+def _room_not_recorded(recording: Recording, conditions: Conditions) -> Iterator[Remark]:
+    recorded = recording.environment.columns if recording.environment is not None else {}
+    if not {"temperature", "humidity"} <= set(recorded):
+        yield Remark(
+            code="environment_not_recorded",
+            en="Air temperature and humidity were not both recorded: whether clause "
+            f"{conditions.room_clause} was met is not known.",
+            zh=f"未同时记录环境温度和湿度：无法确认是否满足 {conditions.room_clause} 的环境条件。",
+            blocks_pass=True,
+        )
+
+
+def _without_rows(recording: Recording) -> Iterator[Remark]:
+    """Labelled segments that the recording has no rows of, or too few for a mean."""
+    measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
+    empty = {s.name: rows_of(recording, s) for s in measured}
+    empty = {name: rows for name, rows in empty.items() if rows < FEWEST_ROWS}
+    if empty:
+        listed = ", ".join(f"{name} {rows}" for name, rows in empty.items())
+        yield Remark(
+            code="without_rows",
+            en=f"{len(empty)} labelled segments have too few rows and were left out: {listed}.",
+            zh=f"{len(empty)} 个标注段的数据行过少，未取用：{listed}。",
+            segments=tuple(empty),
+            blocks_pass=True,
+        )
+
+
+def _used(evidence: Evidence, i: int) -> SegmentUsed:
+    summary = evidence.segments[i]
+    return SegmentUsed(
+        name=summary.segment.name,
+        kind=summary.segment.kind,
+        t_start=summary.segment.t_start,
+        t_end=summary.segment.t_end,
+        origin=summary.origin,
+        up=evidence.up[i],
+        axis=summary.segment.axis,
+        rate_deg_s=summary.segment.rate_deg_s,
+        rows=summary.rows,
+        rows_left_out=summary.left_out,
+    )
+
+
+def _environment_seen(environment: Stream | None) -> EnvironmentSeen:
+    def extent(name: str) -> tuple[float, float] | None:
+        if environment is None or name not in environment.columns:
+            return None
+        values = environment.columns[name]
+        return float(values.min()), float(values.max())
+
+    return EnvironmentSeen(
+        temperature_degc=extent("temperature"), humidity_percent=extent("humidity")
+    )

@@ -1,0 +1,20 @@
+"""What a specification asks of every point and of the room while it is measured."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Numbers of a specification and the clauses they come from.
+
+    dwell_s: least time at each point, s. steadiness: relative change of a held rate.
+    temperature_degc, humidity_percent: lowest and highest value of the room.
+    """
+
+    dwell_s: float
+    dwell_clause: str
+    steadiness: float
+    steadiness_clause: str
+    temperature_degc: tuple[float, float]
+    humidity_percent: tuple[float, float]
+    room_clause: str
