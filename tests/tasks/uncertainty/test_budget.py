@@ -1,0 +1,247 @@
+"""Budgets by the law of propagation, against the GUM's own examples and by their properties."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from schemas.base import Unusable
+from schemas.uncertainty import Budget
+from tasks.items.linear import solve
+from tasks.uncertainty.budget import (
+    Contribution,
+    InputQuantity,
+    combine,
+    combine_function,
+    repeatability,
+)
+from tasks.uncertainty.propagation import TWO_SIGMA, coverage_factor, propagate, sensitivities
+
+# GUM table H.2: simultaneous voltage (V), current (A) and phase (rad).
+READINGS = np.array(
+    [
+        [5.007, 4.994, 5.005, 4.990, 4.999],
+        [19.663e-3, 19.639e-3, 19.640e-3, 19.685e-3, 19.678e-3],
+        [1.0456, 1.0438, 1.0468, 1.0428, 1.0433],
+    ]
+)
+IMPEDANCE = {
+    "R": lambda v, i, phi: v / i * np.cos(phi),
+    "X": lambda v, i, phi: v / i * np.sin(phi),
+    "Z": lambda v, i, phi: v / i,
+}
+# GUM table H.6: thermometer reading and observed correction, °C.
+READ = np.array([21.521, 22.012, 22.512, 23.003, 23.507, 23.999, 24.513, 25.002, 25.503, 26.010,
+                 26.511])  # fmt: skip
+OBSERVED = -np.array([0.171, 0.169, 0.166, 0.159, 0.164, 0.165, 0.156, 0.157, 0.159, 0.161, 0.160])
+
+
+def quantity(
+    symbol: str, u: float, estimate: float = 0.0, dof: float = math.inf, sample: str | None = None
+) -> InputQuantity:
+    return InputQuantity(symbol, symbol, symbol, "1", u, "B", "normal", estimate, dof, sample)
+
+
+def electrical() -> tuple[list[InputQuantity], np.ndarray]:
+    means = READINGS.mean(axis=1)
+    covariance = np.cov(READINGS) / READINGS.shape[1]
+    u = np.sqrt(np.diag(covariance))
+    inputs = [
+        quantity(symbol, ui, mean, 4, "five readings")
+        for symbol, ui, mean in zip(("V", "I", "φ"), u, means, strict=True)
+    ]
+    return inputs, covariance / np.outer(u, u)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "u"), [("R", 127.732, 0.071), ("X", 219.847, 0.295), ("Z", 254.260, 0.236)]
+)
+def test_gum_h2_gives_the_published_resistance_reactance_and_impedance(
+    name: str, value: float, u: float
+) -> None:
+    inputs, correlation = electrical()
+    assert correlation[np.triu_indices(3, 1)].round(2) == pytest.approx([-0.36, 0.86, -0.65])
+    budget = combine_function(name, "Ω", IMPEDANCE[name], inputs, correlation)
+    assert round(budget.value, 3) == value
+    # For X the unrounded inputs give 0.29558, as they do in GTC; the GUM prints 0.295 for both
+    # of its ways, which is what the second way gives (the test below).
+    assert budget.u_c == pytest.approx(u, abs=0.0006)
+    assert budget.dof == pytest.approx(4)
+    assert {(c.first, c.second): round(c.r, 2) for c in budget.correlations} == {
+        ("V", "I"): -0.36,
+        ("V", "φ"): 0.86,
+        ("I", "φ"): -0.65,
+    }
+
+
+@pytest.mark.parametrize(("name", "u"), [("R", 0.071), ("X", 0.295), ("Z", 0.236)])
+def test_gum_h2_second_way_gives_the_published_scatter_of_the_single_results(
+    name: str, u: float
+) -> None:
+    singles = IMPEDANCE[name](*READINGS)
+    line = repeatability(np.full(5, 0.2), singles.var(ddof=1) * np.eye(5), "Ω", dof=4)
+    assert round(combine(name, "Ω", singles.mean(), [line]).u_c, 3) == u
+
+
+def test_gum_h2_gives_the_published_correlations_of_the_results() -> None:
+    inputs, correlation = electrical()
+    x = np.array([q.estimate for q in inputs])
+    u = np.array([q.u for q in inputs])
+    jacobian = np.array([sensitivities(f, x, u) for f in IMPEDANCE.values()])
+    covariance = propagate(jacobian, correlation * np.outer(u, u))
+    spread = np.sqrt(np.diag(covariance))
+    found = (covariance / np.outer(spread, spread))[np.triu_indices(3, 1)]
+    assert found.round(3) == pytest.approx([-0.588, -0.485, 0.993])
+
+
+def test_gum_h3_thermometer_line_gives_the_published_correction_at_30_degrees() -> None:
+    design = np.column_stack([np.ones(11), READ - 20.0])
+    line = solve(design)
+    parameters = line.of(OBSERVED)
+    residuals = OBSERVED - design @ parameters
+    variance = residuals @ residuals / 9
+    u = line.uncertainty(variance * np.eye(11))
+    covariance = propagate(line.operator, variance * np.eye(11))
+    r = covariance[0, 1] / u[0] / u[1]
+    assert [round(parameters[0], 4), round(parameters[1], 5)] == [-0.1712, 0.00218]
+    assert [round(u[0], 4), round(u[1], 5), round(math.sqrt(variance), 4)] == [
+        0.0029,
+        0.00067,
+        0.0035,
+    ]
+    assert round(r, 3) == -0.930
+    inputs = [quantity(s, u[i], parameters[i], 9, "the line") for i, s in enumerate(("y1", "y2"))]
+    budget = combine_function(
+        "b(30 °C)", "°C", lambda y1, y2: y1 + 10.0 * y2, inputs, np.array([[1, r], [r, 1]])
+    )
+    assert round(budget.value, 4) == -0.1494
+    assert round(budget.u_c, 4) == 0.0041
+    assert budget.dof == pytest.approx(9)
+
+
+def test_the_line_collapsed_to_its_repeatability_has_the_same_uncertainty() -> None:
+    design = np.column_stack([np.ones(11), READ - 20.0])
+    predict = np.array([1.0, 10.0]) @ solve(design).operator
+    line = repeatability(predict, 0.0035**2 * np.eye(11), "°C", dof=9)
+    budget = combine("b", "°C", -0.1494, [line])
+    assert round(budget.u_c, 4) == 0.0041
+    assert budget.inputs[0].kind == "A"
+    assert budget.dof == pytest.approx(9)
+
+
+def test_gum_h1_end_gauge_gives_the_published_degrees_of_freedom_and_interval() -> None:
+    nanometres = {"ls": (25.0, 18), "d": (9.7, 25.6), "δα": (2.9, 50), "δθ": (16.6, 2)}
+    lines = [Contribution(quantity(s, u, dof=dof), 1.0) for s, (u, dof) in nanometres.items()]
+    budget = combine("l", "nm", 50_000_838.0, lines, probability=0.99)
+    assert round(budget.u_c) == 32
+    assert math.floor(budget.dof) == 16
+    assert round(budget.k, 2) == 2.92
+    assert round(budget.k * round(budget.u_c)) == 93
+
+
+@pytest.mark.parametrize(
+    ("dof", "k"),  # GUM table G.2, column 95.45 %
+    [(1, 13.97), (2, 4.53), (3, 3.31), (4, 2.87), (8, 2.37), (16, 2.17), (50, 2.05), (100, 2.025)],
+)
+def test_coverage_factors_are_those_of_gum_table_g2(dof: int, k: float) -> None:
+    assert coverage_factor(dof) == pytest.approx(k, abs=0.0051)
+
+
+def test_infinite_degrees_of_freedom_give_exactly_two() -> None:
+    assert coverage_factor(math.inf) == 2.0
+
+
+def test_degrees_of_freedom_are_truncated_but_not_by_rounding_noise() -> None:
+    assert coverage_factor(16.9) == coverage_factor(16)
+    assert coverage_factor(17 * (1 - 1e-15)) == coverage_factor(17)
+
+
+def test_linear_sum_of_fully_correlated_inputs() -> None:
+    lines = [Contribution(quantity(s, 0.1), 1.0) for s in ("a", "b", "c")]
+    assert combine("sum", "1", 0.0, lines, np.ones((3, 3))).u_c == pytest.approx(0.3)
+
+
+def test_a_compensating_input_has_a_negative_share() -> None:
+    lines = [Contribution(quantity("a", 1.0), 1.0), Contribution(quantity("b", 0.3), -1.0)]
+    budget = combine("difference", "1", 0.0, lines, np.array([[1, 0.9], [0.9, 1]]))
+    assert [round(line.share, 2) for line in budget.inputs] == [1.33, -0.33]
+
+
+@given(
+    st.lists(st.tuples(st.floats(-1e3, 1e3), st.floats(1e-6, 1e3)), min_size=1, max_size=6),
+    st.integers(0, 2**32 - 1),
+)
+def test_shares_of_the_variance_add_up_to_one(pairs: list[tuple[float, float]], seed: int) -> None:
+    lines = [Contribution(quantity(f"x{i}", u), c) for i, (c, u) in enumerate(pairs)]
+    vectors = np.random.default_rng(seed).standard_normal((len(pairs), len(pairs) + 2))
+    vectors /= np.linalg.norm(vectors, axis=1)[:, None]
+    budget = combine("y", "1", 0.0, lines, vectors @ vectors.T)
+    expected = 1.0 if budget.u_c > 0 else 0.0
+    assert sum(line.share for line in budget.inputs) == pytest.approx(expected)
+    assert pytest.approx(budget.U) == budget.k * budget.u_c
+
+
+def test_numerical_sensitivities_agree_with_the_analytic_ones() -> None:
+    inputs = [quantity("a", 1e-6, 3.0), quantity("b", 0.2, -2.0), quantity("c", 0.1)]
+
+    def model(a: float, b: float, c: float) -> float:
+        return a**2 * math.exp(b) + math.sin(c)
+
+    def gradient(a: float, b: float, c: float) -> tuple[float, float, float]:
+        return 2 * a * math.exp(b), a**2 * math.exp(b), math.cos(c)
+
+    numerical = combine_function("y", "1", model, inputs)
+    analytic = combine_function("y", "1", model, inputs, gradient=gradient)
+    for found, right in zip(numerical.inputs, analytic.inputs, strict=True):
+        assert found.sensitivity == pytest.approx(right.sensitivity, rel=1e-9)
+
+
+def test_correlated_inputs_of_finite_dof_from_different_samples_are_refused() -> None:
+    r = np.array([[1.0, 0.5], [0.5, 1.0]])
+    lines = [Contribution(quantity(s, 1.0, dof=5), 1.0) for s in ("a", "b")]
+    with pytest.raises(Unusable, match="no effective degrees of freedom"):
+        combine("y", "1", 0.0, lines, r)
+
+
+def test_one_sample_has_one_number_of_degrees_of_freedom() -> None:
+    lines = [
+        Contribution(quantity(s, 1.0, dof=n, sample="s"), 1.0) for s, n in (("a", 4), ("b", 5))
+    ]
+    with pytest.raises(Unusable, match="one number"):
+        combine("y", "1", 0.0, lines)
+
+
+@pytest.mark.parametrize(
+    ("matrix", "why"),
+    [
+        ([[1.0]], "2 × 2"),
+        ([[1.0, 0.2], [0.3, 1.0]], "symmetric"),
+        ([[1.0, 1.5], [1.5, 1.0]], "negative variance"),
+    ],
+)
+def test_a_matrix_that_is_no_correlation_is_refused(matrix: list[list[float]], why: str) -> None:
+    lines = [Contribution(quantity(s, 1.0), 1.0) for s in ("a", "b")]
+    with pytest.raises(Unusable, match=why):
+        combine("y", "1", 0.0, lines, np.array(matrix))
+
+
+def test_two_inputs_with_one_symbol_are_refused() -> None:
+    with pytest.raises(Unusable, match="symbol a"):
+        combine("y", "1", 0.0, [Contribution(quantity("a", 1.0), 1.0)] * 2)
+
+
+def test_a_result_without_uncertainty_has_shares_of_zero() -> None:
+    budget = combine("y", "1", 1.0, [Contribution(quantity("a", 0.0, dof=3), 1.0)])
+    assert (budget.u_c, budget.U, budget.inputs[0].share) == (0.0, 0.0, 0.0)
+    assert math.isinf(budget.dof)
+
+
+def test_a_budget_survives_being_written_and_read_with_infinite_dof_as_null() -> None:
+    inputs, correlation = electrical()
+    budget = combine("y", "1", 0.0, [Contribution(quantity("a", 1.0), 2.0)])
+    assert '"dof":null' in budget.model_dump_json()
+    for one in (budget, combine_function("R", "Ω", IMPEDANCE["R"], inputs, correlation)):
+        assert Budget.model_validate_json(one.model_dump_json()) == one
+    assert budget.coverage_probability == TWO_SIGMA

@@ -1,0 +1,195 @@
+"""Type B: the equipment's limits as standard uncertainties, and their sensitivities."""
+
+import math
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from tasks.items.jjf2003.tumble import input_matrix
+from tasks.items.linear import solve
+from tasks.motion.table import EARTH_RATE
+from tasks.uncertainty import type_b
+from tasks.uncertainty.budget import Contribution, combine
+from tasks.uncertainty.equipment import ARCSECOND, JJF2003, Equipment, Limit, jjf1536
+
+G = 9.8015
+TENTH = math.radians(0.1)
+
+
+def alone(limit: str, u: float = 1.0) -> Equipment:
+    """Equipment of which only one limit is not zero; its standard uncertainty is u."""
+    changed = {}
+    for field in fields(Equipment):
+        known = getattr(JJF2003, field.name)
+        half = u * math.sqrt(3.0) if field.name == limit else 0.0
+        changed[field.name] = replace(known, half_width=half)
+    return Equipment(**changed)
+
+
+def u_of(contributions: tuple[Contribution, ...]) -> float:
+    return combine("y", "1", 0.0, contributions).u_c
+
+
+def seen(up: str, heading: float, field: np.ndarray) -> np.ndarray:
+    """A vector of n (E, N, U) in the unit whose axis `up` is vertical."""
+    axis, sign = "xyz".index(up[1]), 1.0 if up[0] == "+" else -1.0
+    vertical = np.eye(3)[axis] * sign
+    level = np.roll(vertical, 1)
+    east = level * math.cos(heading) + np.cross(vertical, level) * math.sin(heading)
+    return np.column_stack([east, np.cross(vertical, east), vertical]) @ field
+
+
+def scatter(field: np.ndarray, each: float, face: float) -> np.ndarray:
+    """Scatter (3, 4) of eq. (7), (10) in twelve positions with random attitude errors (rad)."""
+    rng, trials = np.random.default_rng(1), 3000
+    ups = ("+x", "-x", "+y", "-y", "+z", "-z")
+    means = []
+    for up in ups:
+        mounted = rng.normal(0.0, face, (trials, 3))
+        turns = []
+        for heading in (0.3, 0.3 + math.pi):
+            straight = seen(up, heading, field)
+            tilt = mounted + rng.normal(0.0, each, (trials, 3))
+            turns.append(straight + np.cross(tilt, straight))
+        means.append(np.mean(turns, axis=0))
+    operator = solve(input_matrix(ups)).operator
+    return np.std(np.einsum("ju,uti->tij", operator, np.array(means)), axis=0)
+
+
+@pytest.mark.parametrize(("sort", "each", "face"), [("position", 1e-4, 0), ("fixture", 0, 1e-4)])
+def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_positions(
+    sort: str, each: float, face: float
+) -> None:
+    found = scatter(np.array([0.0, 0.0, G]), each, face)
+    equipment = alone(sort, 1e-4)
+    bias = u_of(type_b.accel_bias(equipment, 1.0, G))
+    assert np.mean(found[:, 3]) == pytest.approx(bias, rel=0.05)
+    coupling = u_of(type_b.accel_cross_coupling(equipment, 1.0, 0.0, G))
+    off = np.mean(found[:, :3][~np.eye(3, dtype=bool)]) / G
+    # Independent faces average by √2; a fixture that is not square does not.
+    assert off == pytest.approx(coupling / (1.0 if each else math.sqrt(2.0)), rel=0.05)
+
+
+@pytest.mark.parametrize(("sort", "each", "face"), [("position", 1e-4, 0), ("fixture", 0, 1e-4)])
+def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
+    sort: str, each: float, face: float
+) -> None:
+    earth = EARTH_RATE * np.array([0.0, math.cos(0.7), math.sin(0.7)])
+    found = scatter(earth, each, face)
+    equipment = alone(sort, 1e-4)
+    bias = u_of(type_b.gyro_bias(equipment))
+    sensitivity = u_of(type_b.gyro_g_sensitivity(equipment))
+    assert np.max(found[:, 3]) < 1.05 * bias
+    assert np.max(found[:, :3]) < 1.05 * sensitivity
+    assert np.max(found[:, 3]) > 0.4 * bias
+    assert np.max(found[:, :3]) > 0.4 * sensitivity
+
+
+def test_standard_uncertainties_of_table_1() -> None:
+    root3 = math.sqrt(3.0)
+    assert JJF2003.rate.u == pytest.approx(1e-5 / root3)
+    assert JJF2003.ripple is not None
+    assert JJF2003.ripple.u == pytest.approx(5e-4 / root3)
+    assert [limit.u for limit in JJF2003.angles] == pytest.approx(
+        [10 * ARCSECOND / root3, 5 * ARCSECOND / root3]
+    )
+    assert [limit.u for limit in JJF2003.squareness] == pytest.approx([10 * ARCSECOND / root3] * 2)
+
+
+@pytest.mark.parametrize(("deg_s", "u"), [(0.5, 1e-2), (1.0, 1e-3), (10.0, 1e-4), (-300.0, 1e-4)])
+def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) -> None:
+    assert jjf1536(math.radians(deg_s)).rate.u == pytest.approx(u)
+    assert jjf1536(math.radians(deg_s)).position.u == pytest.approx(5 * ARCSECOND)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "divisor"),
+    [("normal", 2.0), ("rectangular", 3**0.5), ("triangular", 6**0.5), ("arcsine", 2**0.5)],
+)
+def test_half_widths_are_divided_as_the_distribution_asks(distribution, divisor) -> None:
+    limit = Limit("a", "a", "a", "1", 6.0, distribution, "clause")
+    assert limit.quantity().u == pytest.approx(6.0 / divisor)
+
+
+def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset() -> None:
+    rates = np.radians([-300.0, -100.0, -10.0, 10.0, 100.0, 300.0])
+    operator = solve(np.column_stack([rates, np.ones(6)])).operator
+    fast, slow = 1.0 + 1e-5, 1.0
+    k_true, seconds = 1.02, np.full(6, 60.0)
+    error = operator @ (k_true * rates * fast) - operator @ (k_true * rates * slow)
+    for row in range(2):
+        lines = type_b.turning_rate(alone("rate", 1e-5), k_true, operator[row], rates, seconds)
+        assert u_of(lines) == pytest.approx(abs(error[row]), abs=1e-15)
+
+
+def test_ripple_counts_fully_in_less_than_a_turn_and_fades_over_many() -> None:
+    rates, operator = np.array([0.01, 10.0]), np.array([1.0, 0.0])
+    ripple = alone("ripple")
+    slow = u_of(type_b.turning_rate(ripple, 1.0, operator, rates, np.array([10.0, 10.0])))
+    assert slow == pytest.approx(0.01)
+    fast = u_of(type_b.turning_rate(ripple, 1.0, operator[::-1], rates, np.array([10.0, 10.0])))
+    assert fast == pytest.approx(10.0 * 2.0 / 100.0)
+
+
+def test_gravity_moves_the_accelerometer_scale_factor() -> None:
+    lines = type_b.accel_scale_factor(alone("gravity", 1e-3), 1.01, G)
+    assert u_of(lines) == pytest.approx(1.01 * 1e-3 / G)
+
+
+def test_latitude_counts_only_where_earth_rotation_was_removed() -> None:
+    equipment, latitude = alone("latitude", TENTH), math.radians(39.9)
+    assert u_of(type_b.gyro_g_sensitivity(equipment, 1.0)) == 0.0
+    removed = u_of(type_b.gyro_g_sensitivity(equipment, 1.0, latitude=latitude))
+    change = EARTH_RATE * (math.sin(latitude + TENTH / 2) - math.sin(latitude - TENTH / 2))
+    assert removed == pytest.approx(change, rel=1e-6)
+
+
+def test_rate_sensitivity_follows_rate_tilt_and_place() -> None:
+    p, rate = 0.02, math.radians(300.0)
+    assert u_of(type_b.accel_rate_sensitivity(alone("rate", 1e-3), p, rate, G)) == pytest.approx(
+        abs(p / 1.001**2 - p), rel=2e-3
+    )
+    tilt = u_of(type_b.accel_rate_sensitivity(alone("position", 1e-4), p, rate, G))
+    assert tilt == pytest.approx(1e-4 * G / rate**2)
+    assert u_of(type_b.accel_rate_sensitivity(alone("centring", 1e-4), p, rate, G)) == 1e-4
+
+
+def test_rotation_axis_reaches_a_cross_coupling_whole() -> None:
+    assert u_of(type_b.turning_axis(alone("fixture", 1e-4), 1.0, 0.0)) == pytest.approx(1e-4)
+
+
+def test_jjf1536_items() -> None:
+    equipment = jjf1536(math.radians(100.0))
+    assert u_of(type_b.ahrs_scale_factor(equipment, 1.0)) == pytest.approx(1.0e-4)
+    offset = u_of(type_b.ahrs_zero_offset(equipment, 1800.0))
+    assert offset == pytest.approx(
+        math.hypot(5 * ARCSECOND / 3600.0, EARTH_RATE / 2 * equipment.fixture.u)
+    )
+    misalignment = u_of(type_b.ahrs_misalignment(equipment, 0.0, 10))
+    assert misalignment == pytest.approx(5 * ARCSECOND / math.sqrt(3.0))
+
+
+def test_resolution_and_effective_bits() -> None:
+    step = type_b.step_of(12, 400.0)
+    assert step == pytest.approx(800.0 / 4096)
+    line = type_b.resolution(step, "deg/s", [0.5, -0.5])
+    assert u_of((line,)) == pytest.approx(step / math.sqrt(12.0) * math.sqrt(0.5))
+
+
+def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_once() -> None:
+    rates = np.radians([-100.0, 100.0])
+    all_lines = (
+        type_b.turning_rate(JJF2003, 1.0, rates / (rates @ rates), rates, np.array([30.0, 30.0])),
+        type_b.turning_axis(JJF2003, 1.0, 1e-3),
+        type_b.gyro_bias(JJF2003),
+        type_b.gyro_g_sensitivity(JJF2003, latitude=0.7),
+        type_b.accel_scale_factor(JJF2003, 1.0, G, 1e-3),
+        type_b.accel_cross_coupling(JJF2003, 1.0, 1e-3, G),
+        type_b.accel_bias(JJF2003, 1.0, G),
+        type_b.accel_rate_sensitivity(JJF2003, 1e-4, 5.0, G),
+    )
+    for lines in all_lines:
+        assert 0.0 < u_of(lines) < 1.0
+    degrees = tuple(line.scaled(math.degrees(1.0)) for line in all_lines[2])
+    assert u_of(degrees) == pytest.approx(math.degrees(u_of(all_lines[2])))
