@@ -5,7 +5,7 @@ correlated inputs of finite degrees of freedom R. Willink, Metrologia 44 (2007) 
 """
 
 import math
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from schemas.base import Unusable
 
 TWO_SIGMA = math.erf(math.sqrt(2.0))  # 95.45 %: k = 2 for a normal distribution
 STEP_OF_U, STEP_OF_X = 1e-2, 1e-4  # difference steps: of the uncertainty, of the estimate
-NOISE = 1e-9  # relative rounding error allowed for in a number of degrees of freedom
+NOISE = 1e-9  # rounding error allowed for in degrees of freedom and in correlations
 
 
 def propagate(jacobian: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -36,7 +36,7 @@ def effective_dof(
     contributions: np.ndarray,
     correlation: np.ndarray,
     dof: Sequence[float],
-    samples: Sequence[Hashable | None],
+    samples: Sequence[str | None],
 ) -> float:
     """Effective degrees of freedom, Welch-Satterthwaite: GUM eq. (G.2b).
 
@@ -51,18 +51,19 @@ def effective_dof(
     of freedom. Without any variance the result is infinite.
     """
     degrees = np.asarray(dof, float)
-    places = [i if sample is None else (sample,) for i, sample in enumerate(samples)]
+    places = [(i, "") if sample is None else (-1, sample) for i, sample in enumerate(samples)]
     groups = {place: [i for i, p in enumerate(places) if p == place] for place in places}
     _refuse_what_has_no_dof(correlation, degrees, places)
     total = float(variance_terms(contributions, correlation).sum())
     if total <= 0.0:
         return math.inf
     weight = 0.0
-    for place, members in groups.items():
-        if len(set(degrees[members])) > 1:
+    for (_, sample), members in groups.items():
+        numbers = sorted(set(degrees[members].tolist()))
+        if len(numbers) > 1:
             raise Unusable(
-                f"the inputs of sample {place} have {sorted(set(degrees[members]))} degrees of "
-                "freedom; inputs observed together have one number: give each the same"
+                f"the inputs of the sample «{sample}» have {numbers} degrees of freedom; inputs "
+                "observed together have one number: give each the same"
             )
         block = np.ix_(members, members)
         part = variance_terms(contributions[members], correlation[block]).sum() / total
@@ -109,7 +110,8 @@ def sensitivities(
 def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarray:
     """A correlation matrix (count, count); the unit matrix for None.
 
-    Raises Unusable unless it is symmetric, with ones on its diagonal and no negative variance.
+    Coefficients below 1e-9 are rounding noise and become zero. Raises Unusable unless it is
+    symmetric, with ones on its diagonal and no negative variance.
     """
     if correlation is None:
         return np.eye(count)
@@ -126,11 +128,11 @@ def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarra
             f"the correlation matrix has the eigenvalue {smallest:.3g}, so some combination would "
             "have a negative variance; correct the coefficients"
         )
-    return r
+    return np.where(np.abs(r) < NOISE, 0.0, r)
 
 
 def _refuse_what_has_no_dof(
-    correlation: np.ndarray, dof: np.ndarray, places: Sequence[Hashable]
+    correlation: np.ndarray, dof: np.ndarray, places: Sequence[tuple[int, str]]
 ) -> None:
     for i, j in zip(*np.nonzero(np.triu(correlation, 1)), strict=True):
         if places[i] != places[j] and not (math.isinf(dof[i]) and math.isinf(dof[j])):

@@ -119,15 +119,20 @@ def accel_rate_sensitivity(
     """p of eq. (12), (U₇ − U₈)/ω²; metres, rate in rad/s.
 
     c(ε) = −2p, eq. (A.12). A rotation axis off the vertical by α reads K·g·α at rest and averages
-    out while turning: c = K·g/ω². Of the place on the table p takes the whole: c = K, for the
-    sensor's own p; the value of the clause holds for its place (silent).
+    out while turning: c = K·g/ω² (silent). The value of the clause holds for the unit's place on
+    the table; for the sensor's own p add `place_on_table`.
     """
     tilt = k * gravity / rate**2
     lines = [_line(equipment.rate, -2.0 * p)]
     lines.extend(_line(limit, tilt) for limit in equipment.angles)
     if equipment.axes is not None:
         lines.append(_line(equipment.axes, tilt))
-    return (*lines, _line(equipment.centring, k))
+    return tuple(lines)
+
+
+def place_on_table(equipment: Equipment, k: float = 1.0) -> Contribution:
+    """An accelerometer at r from the rotation axis adds K·r to p of eq. (12): c = K (silent)."""
+    return _line(equipment.centring, k)
 
 
 def ahrs_scale_factor(equipment: Equipment, k: float) -> tuple[Contribution, ...]:

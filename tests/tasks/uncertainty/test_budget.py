@@ -205,11 +205,18 @@ def test_correlated_inputs_of_finite_dof_from_different_samples_are_refused() ->
         combine("y", "1", 0.0, lines, r)
 
 
+def test_rounding_noise_in_a_correlation_matrix_is_no_correlation() -> None:
+    lines = [Contribution(quantity(s, 1.0, dof=5), 1.0) for s in ("a", "b")]
+    budget = combine("y", "1", 0.0, lines, np.array([[1.0, 1e-17], [1e-17, 1.0]]))
+    assert budget.correlations == ()
+    assert budget.dof == pytest.approx(10)
+
+
 def test_one_sample_has_one_number_of_degrees_of_freedom() -> None:
     lines = [
         Contribution(quantity(s, 1.0, dof=n, sample="s"), 1.0) for s, n in (("a", 4), ("b", 5))
     ]
-    with pytest.raises(Unusable, match="one number"):
+    with pytest.raises(Unusable, match=r"«s» have \[4.0, 5.0\]"):
         combine("y", "1", 0.0, lines)
 
 
