@@ -80,7 +80,7 @@ def combine(
         unit=unit,
         value=value,
         inputs=tuple(
-            line(contribution, share)
+            _line(contribution, share)
             for contribution, share in zip(contributions, shares, strict=True)
         ),
         correlations=_not_zero(quantities, r),
@@ -129,7 +129,7 @@ def repeatability(
     return Contribution(quantity, 1.0)
 
 
-def line(contribution: Contribution, share: float) -> BudgetInput:
+def _line(contribution: Contribution, share: float) -> BudgetInput:
     """A contribution as the line of a budget."""
     quantity = contribution.quantity
     return BudgetInput(
