@@ -3,15 +3,17 @@
 import json
 import time
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
-from flows import orders
+from flows import server
 from flows.printing import print_calibration, print_rows, print_verdict
 from flows.progress import working
+from schemas.base import Unusable
 from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
-from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.config import VirtualStation, truth
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 
@@ -22,15 +24,14 @@ def run_demo(*, speed: float, seed: int, as_json: bool) -> None:
     """Run the line once on a virtual station and print the paths of everything it made."""
     began = time.monotonic()
     folder = home()
-    orders.prepare(folder)
-    place = folder.path / "demo"
-    place.mkdir(parents=True, exist_ok=True)
+    server.prepare(folder)
     config = VirtualStation(unit=draw_unit(seed))
+    _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
         from flows import line
-    with running(config, speed, truth_path=place / "truth.json") as station:
-        station_file = place / "station.json"
-        station_file.write_text(station.model_dump_json(indent=1), encoding="utf-8")
+    with running(config, speed) as station:
+        station_file = folder.demo / "station.json"
+        _write(station_file, station.model_dump_json(indent=1))
         issued = line.run_now(line.produce, station=str(station_file), **_papers())
     made = _made(issued, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
@@ -38,6 +39,17 @@ def run_demo(*, speed: float, seed: int, as_json: bool) -> None:
         print(json.dumps(made, ensure_ascii=False, indent=1))
         return
     _print(issued, made)
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be written ({error.strerror}); make room or give rights there, or let "
+            "MIMUCAL_HOME name a folder that can be written."
+        ) from error
 
 
 def _papers() -> dict[str, str]:
@@ -61,8 +73,8 @@ def _made(issued: Issued, folder: Home) -> dict[str, Any]:
             "columns": str(folder.columns / calibration.digest),
             "certificate": str(issued.pdf),
             "record": str(issued.record),
-            "station": str(folder.path / "demo" / "station.json"),
-            "truth": str(folder.path / "demo" / "truth.json"),
+            "station": str(folder.demo / "station.json"),
+            "truth": str(folder.demo / "truth.json"),
         },
     }
 

@@ -1,21 +1,19 @@
-"""The flows of the line. Each takes plain values, so that a schedule can order it too.
+"""The orders as Prefect flows, whose results and certificates are artifacts.
 
-Import this module only after `flows.orders.prepare`.
+Import this module only after `flows.server.prepare`.
 """
 
-from pathlib import Path
+from datetime import date
 from typing import Any
 
 from prefect import Flow, flow
 from prefect.artifacts import create_markdown_artifact, create_table_artifact
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows.papers import Papers, read_papers, read_procedure
-from flows.progress import acquisition_progress
+from flows import orders
+from flows.papers import read_papers
 from schemas.calibration import Calibration, Method
-from storage import settings, store
-from storage.home import Home, home
-from storage.store import Due
+from storage.store import Due, Run
 from tasks.stages import as_tasks
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
@@ -32,19 +30,12 @@ def run_now(named: Flow[..., Any], **parameters: Any) -> Any:
         return named(**parameters)
 
 
-def _home(folder: str | None) -> Home:
-    return Home(Path(folder)) if folder else home()
-
-
 @flow(name="acquire", flow_run_name="acquire on {station}")
 def acquire(
     station: str, procedure: str = "jjf2003", home_folder: str | None = None
-) -> tuple[store.Run, Acquired]:
+) -> tuple[Run, Acquired]:
     """Acquire a run from the station of a station file."""
-    stand = settings.read_station(Path(station))
-    steps = read_procedure(procedure)
-    with acquisition_progress() as report:
-        return as_tasks.acquire_run(stand, steps, _home(home_folder), report)
+    return orders.acquire(as_tasks, station, procedure, home_folder)
 
 
 @flow(name="produce", flow_run_name="produce on {station}")
@@ -57,11 +48,9 @@ def produce(
     home_folder: str | None = None,
 ) -> Issued:
     """Acquire a run from a station, estimate every item, decide, publish the certificate."""
-    folder = _home(home_folder)
-    papers = read_papers(tolerance, laboratory, order)
+    read_papers(tolerance, laboratory, order, None)  # bad papers are refused before it turns
     run, _ = acquire(station, procedure, home_folder)
-    calibration = as_tasks.estimate_items(run, folder, "jjf2003")
-    return _publish(run, calibration, folder, papers)
+    return certify(run.id, "jjf2003", tolerance, laboratory, order, home_folder=home_folder)
 
 
 @flow(name="calibrate", flow_run_name="calibrate {reference}")
@@ -69,9 +58,7 @@ def calibrate(
     reference: str, method: Method = "jjf2003", home_folder: str | None = None
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
-    folder = _home(home_folder)
-    run = _run(reference, folder)
-    calibration = as_tasks.estimate_items(run, folder, method)
+    calibration = orders.calibrate(as_tasks, reference, method, home_folder)
     _show_items(calibration)
     return calibration
 
@@ -83,20 +70,22 @@ def certify(
     tolerance: str | None = None,
     laboratory: str | None = None,
     order: str | None = None,
+    calibrated_on: date | None = None,
     home_folder: str | None = None,
 ) -> Issued:
     """Estimate, decide and publish the certificate of a run."""
-    folder = _home(home_folder)
-    papers = read_papers(tolerance, laboratory, order)
-    run = _run(reference, folder)
-    calibration = as_tasks.estimate_items(run, folder, method)
-    return _publish(run, calibration, folder, papers)
+    issued = orders.certify(
+        as_tasks, reference, method, tolerance, laboratory, order, calibrated_on, home_folder
+    )
+    _show_items(issued.certificate.calibration)
+    _show_certificate(issued)
+    return issued
 
 
 @flow(name="remind")
 def remind(within_days: int = 30, home_folder: str | None = None) -> list[Due]:
     """List the units whose recalibration is due within so many days."""
-    due = due_within(_home(home_folder), within_days)
+    due = due_within(orders.place(home_folder), within_days)
     create_table_artifact(
         key="recalibration-due",
         table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],
@@ -105,30 +94,16 @@ def remind(within_days: int = 30, home_folder: str | None = None) -> list[Due]:
     return due
 
 
-def _run(reference: str, folder: Home) -> store.Run:
-    path = Path(reference)
-    return as_tasks.take_in(path, folder)[0] if path.exists() else store.find(reference, folder)
-
-
-def _publish(run: store.Run, calibration: Calibration, folder: Home, papers: Papers) -> Issued:
-    _show_items(calibration)
-    issued = as_tasks.publish(
-        run,
-        calibration,
-        folder,
-        tolerance=papers.tolerance,
-        laboratory=papers.laboratory,
-        order=papers.order,
-    )
+def _show_certificate(issued: Issued) -> None:
+    """The verdict, why, and where the certificate lies, as a Prefect artifact."""
     certificate = issued.certificate
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
     create_markdown_artifact(
         key="certificate",
         markdown=f"# {certificate.number}: {certificate.decision.verdict}\n\n{reasons}\n\n"
         f"Recalibration due {certificate.due}. PDF: `{issued.pdf}`",
-        description=f"Certificate {certificate.number} of run {run.id}",
+        description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
     )
-    return issued
 
 
 def _show_items(calibration: Calibration) -> None:

@@ -1,43 +1,74 @@
-"""Where Prefect runs: an embedded server in the home, or the one that PREFECT_API_URL names."""
+"""What can be ordered, each order written once.
 
-import os
+`stages` are the stages of the line as plain functions (`tasks.stages.plain`, for a person at a
+terminal) or as Prefect tasks (`tasks.stages.as_tasks`, within a flow). All other parameters are
+plain values, so that a schedule can order it too.
+"""
 
-from schemas.base import Unusable
-from storage.home import Home
+from datetime import date
+from pathlib import Path
+from types import ModuleType
 
-# What is set here must be in the environment before Prefect is imported for the first time.
-QUIET = {
-    "DO_NOT_TRACK": "1",
-    "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
-    "PREFECT_LOGGING_LEVEL": "CRITICAL",  # the sentence of Unusable is for us to print
-    "PREFECT_CLI_WRAP_LINES": "false",
-}
-EMBEDDED = {
-    "PREFECT_LOGGING_TO_API_ENABLED": "false",
-    "PREFECT_SERVER_ALLOW_EPHEMERAL_MODE": "true",
-    "PREFECT_SERVER_EPHEMERAL_STARTUP_TIMEOUT_SECONDS": "120",
-}
-
-
-def server_named() -> bool:
-    """Whether the operator named a Prefect server; then every order is a flow run on it."""
-    return bool(os.environ.get("PREFECT_API_URL"))
+from flows.papers import read_papers, read_procedure
+from flows.progress import acquisition_progress
+from schemas.calibration import Calibration, Method
+from storage import settings, store
+from storage.home import Home, home
+from tasks.stages.certify import Issued
+from tasks.stages.record import path_of
+from tasks.station.sequence import Acquired
 
 
-def prepare(home: Home) -> None:
-    """Point Prefect at its server; the embedded one keeps its database in the home.
+def acquire(
+    stages: ModuleType, station: str, procedure: str, home_folder: str | None
+) -> tuple[store.Run, Acquired]:
+    """Acquire a run from the station of a station file."""
+    stand = settings.read_station(Path(station))
+    steps = read_procedure(procedure)
+    with acquisition_progress() as report:
+        acquired: tuple[store.Run, Acquired]
+        acquired = stages.acquire_run(stand, steps, place(home_folder), report)
+        return acquired
 
-    What the operator set in the environment stays.
-    """
-    settings = dict(QUIET)
-    if not server_named():
-        place = home.path.absolute() / "prefect"
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise Unusable(
-                f"{place} cannot be made ({error.strerror}); name another folder in MIMUCAL_HOME"
-            ) from error
-        settings |= EMBEDDED | {"PREFECT_HOME": str(place)}
-    for name, value in settings.items():
-        os.environ.setdefault(name, value)
+
+def calibrate(
+    stages: ModuleType, reference: str, method: Method, home_folder: str | None = None
+) -> Calibration:
+    """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
+    folder = place(home_folder)
+    run = run_of(reference, folder, stages)
+    calibration: Calibration = stages.estimate_items(run, folder, method)
+    return calibration
+
+
+def certify(
+    stages: ModuleType,
+    reference: str,
+    method: Method,
+    tolerance: str | None,
+    laboratory: str | None,
+    order: str | None,
+    calibrated_on: date | None,
+    home_folder: str | None = None,
+) -> Issued:
+    """Estimate, decide and publish the certificate of a run. Bad papers are refused first."""
+    folder = place(home_folder)
+    papers = read_papers(tolerance, laboratory, order, calibrated_on)
+    run = run_of(reference, folder, stages)
+    calibration = stages.estimate_items(run, folder, method)
+    issued: Issued = stages.publish(run, calibration, folder, papers)
+    return issued
+
+
+def run_of(reference: str, folder: Home, stages: ModuleType) -> store.Run:
+    """The run that an order names: an id, or a path that is taken in on the fly."""
+    path = path_of(reference)
+    if path is None:
+        return store.find(reference, folder)
+    run: store.Run = stages.take_in(path, folder).run
+    return run
+
+
+def place(home_folder: str | None) -> Home:
+    """The home that an order names, else the one of this process."""
+    return Home(Path(home_folder)) if home_folder else home()

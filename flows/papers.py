@@ -1,30 +1,23 @@
 """The files that an order names: limits, laboratory, client's order, procedure."""
 
-from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
-from schemas.certificate import Laboratory, Order
 from schemas.procedure import Procedure
-from schemas.tolerance import Tolerance
 from storage import settings
+from tasks.stages.papers import Papers
 from tasks.station import procedures
 
 
-@dataclass(frozen=True)
-class Papers:
-    """What a certificate needs beside the result; None where the home has to say."""
-
-    tolerance: Tolerance | None
-    laboratory: Laboratory | None
-    order: Order | None
-
-
-def read_papers(tolerance: str | None, laboratory: str | None, order: str | None) -> Papers:
+def read_papers(
+    tolerance: str | None, laboratory: str | None, order: str | None, calibrated_on: date | None
+) -> Papers:
     """Read the named files. Raises Unusable for a bad one, before anything turns."""
     return Papers(
         settings.read_tolerance(Path(tolerance)) if tolerance else None,
         settings.read_laboratory(Path(laboratory)) if laboratory else None,
         settings.read_order(Path(order)) if order else None,
+        calibrated_on,
     )
 
 

@@ -1,11 +1,13 @@
 """What the command line prints for a person, on standard output."""
 
 import json
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from schemas.calibration import Calibration, Item
 from schemas.tolerance import Verdict
@@ -18,10 +20,10 @@ if TYPE_CHECKING:
 COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
 
 
-def stdout() -> Console:
+def stdout(markup: bool = True) -> Console:
     """Standard output; wide where it is no terminal, so that a pipe gets whole lines."""
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=160)
+    width = None if sys.stdout.isatty() else 160
+    return Console(highlight=False, markup=markup, emoji=False, width=width)
 
 
 def print_json(document: Any) -> None:
@@ -32,7 +34,7 @@ def print_json(document: Any) -> None:
 def print_calibration(calibration: Calibration) -> None:
     """A table of every item, then what is unavailable and what the reader must know."""
     console = stdout()
-    table = Table(title=f"{calibration.recording_id} · {calibration.procedure}")
+    table = Table(title=Text(f"{calibration.recording_id} · {calibration.procedure}"))
     for name, justify in (("item", "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
                           ("unit", "left")):  # fmt: skip
         table.add_column(name, justify=justify)  # type: ignore[arg-type]
@@ -40,7 +42,8 @@ def print_calibration(calibration: Calibration) -> None:
         _add_item(table, item_name(name)[1], item)
     console.print(table)
     for name, reason in calibration.unavailable.items():
-        console.print(f"[yellow]not determined[/] {item_name(name)[1]}: {reason}")
+        console.print("[yellow]not determined[/] ", end="")
+        console.print(f"{item_name(name)[1]}: {reason}", markup=False)
     for remark in calibration.remarks:
         mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
@@ -54,7 +57,7 @@ def _add_item(table: Table, name: str, item: Item) -> None:
     for row, (element, value, expanded) in enumerate(rows):
         table.add_row(
             name if row == 0 else "",
-            element,
+            Text(element),
             value or "–",
             expanded or "–",
             power + unit_text(item.unit),
@@ -68,7 +71,7 @@ def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, .
     for number, name in enumerate(columns):
         table.add_column(name, overflow="fold", no_wrap=number == 0)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     print(title)
     stdout().print(table)
 

@@ -18,11 +18,12 @@ CONSOLE = Console(stderr=True)
 def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
     """A bar over the station seconds of an acquisition; yields the function that moves it."""
     with Progress(
-        TextColumn("{task.description:<28}"),
+        TextColumn("{task.description:<28}", markup=False),
         BarColumn(),
         TextColumn("{task.completed:5.0f} of {task.total:.0f} s station time"),
         TextColumn("{task.fields[left]}"),
         console=CONSOLE,
+        disable=not CONSOLE.is_terminal,
     ) as bar:
         shown = bar.add_task("connecting", total=1.0, left="")
 
@@ -42,7 +43,7 @@ def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
 def working(description: str) -> Iterator[None]:
     """A spinner with the time elapsed, for work whose end is not known beforehand."""
     with Progress(
-        SpinnerColumn(), TextColumn(description), TimeElapsedColumn(),
+        SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
         console=CONSOLE, transient=True,
         disable=not CONSOLE.is_terminal,
     ) as bar:  # fmt: skip

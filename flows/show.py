@@ -1,14 +1,15 @@
 """One run as a person wants to see it."""
 
+from flows.orders import run_of
 from flows.printing import print_calibration, print_json, print_rows, stdout
 from storage import store
 from storage.home import home
-from tasks.stages.record import run_of
+from tasks.stages import plain
 
 
 def show_run(reference: str, as_json: bool) -> None:
     """Print a run: unit, station, segments, newest result of each method, certificates."""
-    run = run_of(reference, home())
+    run = run_of(reference, home(), plain)
     manifest = store.load(run, home()).manifest
     results = store.results(run, home())
     certificates = [entry for entry in store.certificates(home()) if entry.run == run.id]
@@ -24,8 +25,8 @@ def show_run(reference: str, as_json: bool) -> None:
         )
         return
     unit, station = manifest.unit, manifest.station
-    console = stdout()
-    console.print(f"[bold]{run.id}[/] {run.recording_id} ({run.standard})")
+    console = stdout(markup=False)
+    console.print(f"{run.id} {run.recording_id} ({run.standard})", style="bold")
     console.print(f"unit     {unit.manufacturer} {unit.model} {unit.serial}")
     console.print(f"station  {station.id}")
     console.print(

@@ -4,6 +4,7 @@ Results and certificates are only added. Whoever writes and first reads does so 
 which lets one writer at a time at what it locks.
 """
 
+import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -29,6 +30,7 @@ from storage.home import Home
 
 __all__ = [
     "HEAD",
+    "Busy",
     "add_new",
     "certificates",
     "changing",
@@ -44,10 +46,14 @@ __all__ = [
     "units",
 ]
 
-HEAD = "0001"  # the newest revision in storage/migrations/versions
+HEAD = "0002"  # the newest revision in storage/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 WAY_OUT = "give it as postgresql://user@host/name, or leave it out for a file in the home"
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
+
+
+class Busy(Unusable):
+    """The catalogue is locked by another process or out of reach: the same again may succeed."""
 
 
 def engine(home: Home) -> sql.Engine:
@@ -80,10 +86,13 @@ def changing(home: Home) -> Iterator[sql.Connection]:
         yield connection
 
 
-def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> None:
-    """Adds a row unless one with the same key is there, whoever writes at the same time."""
+def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool:
+    """Adds a row unless one with the same key is there, whoever writes at the same time.
+
+    Gives whether the row is new.
+    """
     insert = _dialect(connection).insert(table).values(values)
-    connection.execute(insert.on_conflict_do_nothing())
+    return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
 
 
 def next_number(connection: sql.Connection, prefix: str, year: int) -> int:
@@ -184,7 +193,14 @@ def _explained(made: sql.Engine) -> Iterator[None]:
         if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
             raise  # a fault of the program, not of the place
         said = str(error.orig).splitlines()[0].rstrip(".")
-        raise Unusable(
+        raise (Busy if _may_pass(error) else Unusable)(
             f"The catalogue {made.url!r} cannot be used ({said}); see that it can be reached and "
             "written, or let MIMUCAL_HOME or MIMUCAL_DATABASE name another."
         ) from error
+
+
+def _may_pass(error: sql.exc.DatabaseError) -> bool:
+    """Whether waiting helps: a lock in SQLite, any trouble of operation in PostgreSQL."""
+    if isinstance(error.orig, sqlite3.Error):
+        return error.orig.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))
+    return isinstance(error, sql.exc.OperationalError)

@@ -96,7 +96,7 @@ certificates = sql.Table(
     _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
     _column("state", sql.Text),
     _column("verdict", sql.Text),
-    _column("calibrated_on", sql.Date),
+    _column("calibrated_on", sql.Date, nullable=True),
     _column("issued_on", sql.Date),
     _column("due", sql.Date, index=True),
     _column("kept_at", Utc),

@@ -28,7 +28,7 @@ class Entry(Frozen):
     serial: str
     state: State
     verdict: Verdict
-    calibrated_on: date
+    calibrated_on: date | None
     issued_on: date
     due: date
     pdf: str
@@ -132,13 +132,13 @@ def record_of(entry: Entry, home: Home) -> Certificate:
 def due(home: Home, until: date) -> list[Due]:
     """Units whose newest valid certificate falls due by a day, the longest overdue first.
 
-    Valid: neither withdrawn nor superseded by another. Newest: by the day of calibration, then
-    of issue. Drafts count.
+    Valid: neither withdrawn nor superseded by another. Newest: by the day of calibration (of
+    issue, where that is unknown), then of issue. Drafts count.
     """
     register = certificates(home)
     gone = {entry.supersedes for entry in register}
     newest: dict[tuple[str, str, str], Entry] = {}
-    for entry in sorted(register, key=lambda entry: (entry.calibrated_on, entry.issued_on)):
+    for entry in sorted(register, key=_age):
         if entry.number not in gone and entry.state != "withdrawn":
             newest[entry.manufacturer, entry.model, entry.serial] = entry
     found = [
@@ -147,6 +147,10 @@ def due(home: Home, until: date) -> list[Due]:
         if entry.due <= until
     ]
     return sorted(found, key=lambda line: (line.due, line.unit))
+
+
+def _age(entry: Entry) -> tuple[date, date]:
+    return entry.calibrated_on or entry.issued_on, entry.issued_on
 
 
 def reminded(number: str, home: Home) -> list[str]:

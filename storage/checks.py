@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Segment, Stream
+from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Stream
 
 LONGEST = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
 REFERENCE = ("qw", "qx", "qy", "qz")
@@ -61,7 +61,7 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
     for column, values in stream.columns.items():
         wrong = ~np.isfinite(values)
         if wrong.any() and column in triads:
-            wrong &= ~_absent(stream, triads[column])
+            wrong &= ~absent(stream, triads[column])
         if wrong.any():
             row = int(wrong.argmax())
             raise Unusable(
@@ -69,7 +69,7 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
                 f"{_way_out(column in triads)}."
             )
     measured = name != "imu" or ANGLE[0] in stream.columns
-    if not measured and all(_absent(stream, triad).all() for triad in TRIADS):
+    if not measured and all(absent(stream, triad).all() for triad in TRIADS):
         raise Unusable(
             f"{where}: columns gyro_* and accel_* are null in all {len(stream)} rows; "
             "a recording needs at least one of them."
@@ -100,13 +100,13 @@ def _check_time(where: str, t: np.ndarray) -> None:
         )
 
 
-def _absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
+def absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
     """(n,) where a triad was not recorded: all three of its columns are NaN."""
-    absent = np.ones(len(stream), dtype=bool)
+    rows = np.ones(len(stream), dtype=bool)
     for column in triad:
         if column in stream.columns:
-            absent &= np.isnan(stream.columns[column])
-    return absent
+            rows &= np.isnan(stream.columns[column])
+    return rows
 
 
 def _said(value: float) -> str:
@@ -117,34 +117,3 @@ def _way_out(in_triad: bool) -> str:
     if in_triad:
         return "give a number there, or null in all three columns of the triad"
     return "give a number there, or remove the row"
-
-
-def check_triads_serve_items(manifest: Manifest, imu: Stream) -> None:
-    """Raises Unusable when no segment of an item has the triad that the item is measured with.
-
-    Rates and turns need the gyro (or an AHRS's angle), rests any triad, rate sensitivity the
-    accelerometer. An item counts as served when one of its segments is, and segments outside
-    the data do not count: a recording that was cut off stays usable.
-    """
-    items: dict[str, list[Segment]] = {}
-    for segment in manifest.segments or ():
-        if segment.item is not None and segment.kind in ("static", "rate", "rotation"):
-            items.setdefault(segment.item, []).append(segment)
-    has = {"gyro_*": ~_absent(imu, GYRO), "accel_*": ~_absent(imu, ACCEL)}
-    if ANGLE[0] in imu.columns:
-        has["angle_*"] = np.ones(len(imu), dtype=bool)
-    for item, segments in items.items():
-        moving = [segment for segment in segments if segment.kind != "static"]
-        if item == "rate_sensitivity":
-            serving = ["accel_*"]
-        elif moving:
-            segments, serving = moving, [name for name in has if name != "accel_*"]
-        else:
-            serving = list(has)
-        rows = [imu.rows(segment.t_start, segment.t_end) for segment in segments]
-        rows = [part for part in rows if part.start < part.stop]
-        if rows and not any(has[name][part].any() for name in serving for part in rows):
-            raise Unusable(
-                f"Item {item} cannot be measured: {' and '.join(serving)} are null in all of its "
-                f"{len(rows)} segments; record them there, or remove the item's label."
-            )

@@ -7,16 +7,9 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import STREAMS, Manifest, Recording, Stream
-from storage.checks import (
-    check_columns,
-    check_stream,
-    check_triads_serve_items,
-    known_columns,
-)
+from storage.checks import check_columns, check_stream, known_columns
 from storage.content import as_raw, fingerprint, manifest_of, nanoseconds, together
 from storage.tables import read_table
-
-__all__ = ["check_triads_serve_items", "read_folder"]
 
 MANIFEST = "manifest.json"
 
@@ -35,7 +28,6 @@ def read_folder(folder: Path) -> Recording:
         if stream.columns:
             streams[name] = stream
     recording = as_raw(together(manifest, streams))
-    check_triads_serve_items(manifest, recording.imu)
     return replace(recording, digest=fingerprint(recording))
 
 

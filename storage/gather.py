@@ -59,6 +59,10 @@ class Gathered:
         """Why the file is not whole, or nothing."""
         return self.contents.damage or self._lost
 
+    def names(self) -> set[str]:
+        """Every topic that the file describes, with messages or without."""
+        return {channel.topic for channel in self.contents.channels.values()}
+
     def of_kind(self, kind: str) -> list[str]:
         """The names of the topics with messages of a type."""
         return sorted(name for name, parts in self._parts.items() if parts[0].kind == kind)

@@ -40,6 +40,21 @@ class Home:
         return self.path / "tolerances"
 
     @property
+    def acquiring(self) -> Path:
+        """Raw recordings that a station is giving; they leave when they are whole runs."""
+        return self.path / "acquiring"
+
+    @property
+    def prefect(self) -> Path:
+        """What the embedded Prefect server keeps."""
+        return self.path / "prefect"
+
+    @property
+    def demo(self) -> Path:
+        """Station file and truth of the demonstration's virtual station."""
+        return self.path / "demo"
+
+    @property
     def database_url(self) -> str:
         """The catalogue: MIMUCAL_DATABASE, else a SQLite file in the home."""
         file = quote(str(self.path / "catalog.sqlite"))

@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ANGLE, FORMAT, Manifest, Recording, Station, Stream, Unit
-from storage.checks import LONGEST, check_columns, check_stream, check_triads_serve_items
+from storage.checks import LONGEST, check_columns, check_stream
 from storage.content import NANO, as_raw, fingerprint, manifest_of, together
 from storage.gather import Gathered, Topic
 from storage.topics import (
@@ -162,20 +162,19 @@ def _foreign_streams(
 ) -> tuple[dict[str, Timed], tuple[str, ...]]:
     """The streams that a foreign bag gives without guessing, and the topics left out."""
     columns = triad_columns(imu.numbers)
-    left_out = []
+    used = set(file.of_kind(IMU))
     warm = {name: file.topic(name) for name in file.of_kind(TEMPERATURE)}
     own = [name for name, topic in warm.items() if np.array_equal(topic.stamps, imu.stamps)]
     if len(own) == 1:
         columns["temperature"] = warm[own[0]].numbers["temperature"][0]
-    left_out += [name for name in warm if own != [name]]
+        used.add(own[0])
     timed = {"imu": (imu.stamps, columns)}
     joints = file.of_kind(JOINTS)
     axes = {axis.name for axis in manifest.station.table_axes or ()}
     if len(joints) == 1 and axes and axes <= set(file.topic(joints[0]).texts["name"]):
         timed["table"] = _table(file.topic(joints[0]))
-    else:
-        left_out += joints
-    return timed, tuple(left_out)
+        used.add(joints[0])
+    return timed, tuple(sorted(file.names() - used))
 
 
 def _table(topic: Topic) -> Timed:
@@ -191,4 +190,3 @@ def _check(recording: Recording, path: Path) -> None:
         where = f"{path}, stream {name}"
         check_columns(where, name, recording.manifest, set(stream.columns))
         check_stream(where, name, stream)
-    check_triads_serve_items(recording.manifest, recording.imu)

@@ -46,6 +46,7 @@ class RawWriter:
 
     def __init__(self, path: Path) -> None:
         self._out = path.open("xb")
+        self.readings = 0  # rows of the unit that were given
         self._container = Container(self._out)
         self._given: list[tuple[str, Stream]] = []
         self._giving = threading.Lock()  # held for a moment only: acquisition never waits
@@ -57,6 +58,7 @@ class RawWriter:
 
     def imu(self, stream: Stream) -> None:
         """Appends rows of the unit under test."""
+        self.readings += len(stream)
         self._give("imu", stream)
 
     def table(self, stream: Stream) -> None:

@@ -34,12 +34,13 @@ class Run(Frozen):
     rows: int
 
 
-def keep(recording: Recording, home: Home, *, source: Path | None = None) -> Run:
+def keep(recording: Recording, home: Home, *, source: Path | None = None) -> tuple[Run, bool]:
     """Takes a recording into the store: raw MCAP, columns, and last its row in the catalogue.
 
-    The same content again is the same run, whoever brings it at the same time; files of it
-    that went missing are written again. `source`, where its bytes alone say all of it, is
-    remembered for `known`. Raises Unusable when the home cannot be written.
+    Gives the run and whether it is new. The same content again is the same run, whoever brings
+    it at the same time; files of it that went missing are written again. `source`, where its
+    bytes alone say all of it, is remembered for `known`. Raises Unusable when the home cannot
+    be written.
     """
     seen = source and sources.fingerprint(source)
     recording = as_raw(recording)
@@ -50,12 +51,12 @@ def keep(recording: Recording, home: Home, *, source: Path | None = None) -> Run
             write_mcap(recording, draft)
     _write_columns(recording, home)
     with catalog.changing(home) as connection:
-        run = _add(connection, recording)
+        run, is_new = _add(connection, recording)
         if seen:
             catalog.add_new(
                 connection, catalog.sources, fingerprint=seen, run=run, path=str(source)
             )
-    return _one(home, catalog.runs.c.id == run)
+    return _one(home, catalog.runs.c.id == run), is_new
 
 
 def known(path: Path, home: Home) -> Run | None:
@@ -134,10 +135,10 @@ def unit_id(connection: sql.Connection, unit: Unit) -> int:
     return int(connection.execute(sql.select(catalog.units.c.id).where(*same)).scalar_one())
 
 
-def _add(connection: sql.Connection, recording: Recording) -> str:
+def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
     manifest, t = recording.manifest, recording.imu.t
     run = f"r{recording.digest[:SHORT]}"
-    catalog.add_new(
+    is_new = catalog.add_new(
         connection,
         catalog.runs,
         id=run,
@@ -149,7 +150,7 @@ def _add(connection: sql.Connection, recording: Recording) -> str:
         seconds=float(t[-1] - t[0]),
         rows=len(t),
     )
-    return run
+    return run, is_new
 
 
 def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:

@@ -48,15 +48,14 @@ def read_procedure(path: Path) -> Procedure:
 def tolerance_for(manufacturer: str, model: str, home: Home) -> Tolerance | None:
     """The limits of a product model, from the files in the home's `tolerances`.
 
-    Case and space do not count in the names. None when no file is about the model; raises
+    None when no file is about the model; raises
     Unusable when two are, or when any file there cannot be read: it may be the one.
     """
-    wanted = _plain(manufacturer, model)
     found: dict[Path, Tolerance] = {}
     for path in sorted(home.tolerances.glob("*")):
         if path.suffix.lower() in READERS and not path.name.startswith("."):
             tolerance = read_tolerance(path)
-            if _plain(tolerance.manufacturer, tolerance.model) == wanted:
+            if same_model(tolerance, manufacturer, model):
                 found[path] = tolerance
     if len(found) > 1:
         raise Unusable(
@@ -64,6 +63,11 @@ def tolerance_for(manufacturer: str, model: str, home: Home) -> Tolerance | None
             f"{model}; keep the one that counts."
         )
     return next(iter(found.values()), None)
+
+
+def same_model(tolerance: Tolerance, manufacturer: str, model: str) -> bool:
+    """Whether limits are those of a product model; case and space do not count in the names."""
+    return _plain(tolerance.manufacturer, tolerance.model) == _plain(manufacturer, model)
 
 
 def laboratory(home: Home) -> Laboratory | None:

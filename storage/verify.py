@@ -15,9 +15,9 @@ from storage.home import Home
 from storage.raw import read_mcap
 from storage.results import calibration_of
 from storage.runs import Run, from_columns, raw_path, runs
-from storage.sources import read
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
+SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 
 Progress = Callable[[int, int], None]
@@ -37,7 +37,8 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
     """Reads everything in the store again; gives how many things were checked, and the faults.
 
     Raw recordings and columns against their digest, results as documents of a run, PDFs and
-    records against the SHA-256 kept at issue, and files that the catalogue does not know.
+    records against the SHA-256 kept at issue, files that the catalogue does not know, and
+    acquisitions that were broken off.
     `progress(done, total)` is called after each.
     """
     checks = list(_checks(home))
@@ -47,15 +48,6 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
         if progress is not None:
             progress(done, len(checks))
     return len(checks), faults
-
-
-def verify_path(path: Path) -> list[Fault]:
-    """Reads one recording, folder or MCAP, in full; gives its faults."""
-    try:
-        read(path)
-    except Unusable as error:
-        return [Fault(what=str(path), why=str(error))]
-    return []
 
 
 def _checks(home: Home) -> Iterator[Check]:
@@ -73,6 +65,8 @@ def _checks(home: Home) -> Iterator[Check]:
         yield partial(_record, entry, home)
     for stray in _strays(home, kept, register):
         yield partial(iter, (stray,))
+    for abandoned in _abandoned(home):
+        yield partial(iter, (abandoned,))
 
 
 def _raw(run: Run, home: Home) -> Iterator[Fault]:
@@ -158,5 +152,19 @@ def _strays(home: Home, kept: list[Run], register: list[Entry]) -> Iterator[Faul
                 continue
             if not path.name.startswith("."):
                 yield Fault(what=str(path), why=f"the catalogue does not know it; {UNKNOWN}")
-            elif time.time() - path.stat().st_mtime > DRAFT_AGE_S:
+            elif _age_s(path) > DRAFT_AGE_S:
                 yield Fault(what=str(path), why="left by what was broken off; delete it")
+
+
+def _abandoned(home: Home) -> Iterator[Fault]:
+    for path in sorted(home.acquiring.glob("*.mcap")):
+        if _age_s(path) > SILENT_S:
+            yield Fault(
+                what=str(path),
+                why="an acquisition that was broken off; `mimucal import --salvage` takes in what "
+                "is whole of it, then delete the file",
+            )
+
+
+def _age_s(path: Path) -> float:
+    return time.time() - path.stat().st_mtime

@@ -1,4 +1,4 @@
-"""Which code made a result: the release and a hash of the source itself."""
+"""Which code made a result: the release, a hash of the source itself, and what it computed with."""
 
 import hashlib
 from functools import cache
@@ -6,18 +6,26 @@ from importlib.metadata import version
 from pathlib import Path
 
 ROOMS = ("flows", "tasks", "schemas", "storage")
+SOURCES = (".py", ".toml", ".typ")
+NUMERICS = ("numpy", "scipy")
 
 
 @cache
 def code_version() -> str:
-    """Release and the first 12 digits of the SHA-256 over every source file, «0.1.0+9f3c…».
+    """«0.1.0+9f3c… numpy 2.3.0 scipy 1.16.0»: 12 digits of the SHA-256 over every source file.
 
-    Two programs with the same text here give the same results, bit for bit, on one machine.
+    Programs with the same text here give the same results, bit for bit, on one machine.
     """
-    root = Path(__file__).parent.parent
+    libraries = " ".join(f"{name} {version(name)}" for name in NUMERICS)
+    return f"{version('mimucal')}+{source_digest(Path(__file__).parent.parent)[:12]} {libraries}"
+
+
+def source_digest(root: Path) -> str:
+    """SHA-256 (hex) over name and text of every source, procedure and layout under a root."""
     digest = hashlib.sha256()
     for room in ROOMS:
-        for source in sorted((root / room).rglob("*.py")):
-            digest.update(source.relative_to(root).as_posix().encode())
-            digest.update(source.read_bytes())
-    return f"{version('mimucal')}+{digest.hexdigest()[:12]}"
+        for source in sorted((root / room).rglob("*")):
+            if source.suffix in SOURCES:
+                digest.update(source.relative_to(root).as_posix().encode())
+                digest.update(source.read_bytes())
+    return digest.hexdigest()

@@ -1,13 +1,16 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
+import json
 from dataclasses import dataclass
-from datetime import UTC, date, datetime
+from datetime import date, datetime
 from pathlib import Path
 
-from schemas.base import Unusable
+from pydantic import BaseModel, ValidationError
+
+from schemas.base import Unusable, first_fault
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Laboratory, Order
-from schemas.recording import Manifest
+from schemas.certificate import Certificate, Order
+from schemas.recording import Unit
 from schemas.station import Equipment
 from schemas.tolerance import Tolerance
 from storage import settings, store
@@ -15,6 +18,7 @@ from storage.home import Home
 from storage.store import Run
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
+from tasks.stages.papers import Papers
 
 DEFAULT_MONTHS = 12  # JJF 2003-2022, clause 9
 DEFAULT_PREFIX = "MIMU"
@@ -29,62 +33,90 @@ class Issued:
     record: Path
 
 
-def certify(
-    run: Run,
-    calibration: Calibration,
-    home: Home,
-    *,
-    tolerance: Tolerance | None = None,
-    laboratory: Laboratory | None = None,
-    order: Order | None = None,
-) -> Issued:
+class _Said(BaseModel):
+    """The free fields of a manifest that a certificate prints."""
+
+    recorded_at: datetime | date | None = None
+    equipment: tuple[Equipment, ...] = ()
+
+
+def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> Issued:
     """Decide on the unit and publish a draft certificate; the due date enters the catalogue.
 
     Limits and laboratory come from the home where they are not given. The certificate stays a
-    draft until persons have signed it.
+    draft until persons have signed it. Dates are days where this program runs. Its number is
+    reserved when nothing can be refused any more.
     """
     manifest = store.load(run, home).manifest
-    unit = manifest.unit
-    if tolerance and (tolerance.manufacturer, tolerance.model) != (unit.manufacturer, unit.model):
-        raise Unusable(
-            f"the limits are those of {tolerance.manufacturer} {tolerance.model}, but run {run.id} "
-            f"is of {unit.manufacturer} {unit.model}: give the limits of that model"
-        )
-    tolerance = tolerance or settings.tolerance_for(unit.manufacturer, unit.model, home)
-    laboratory = laboratory or settings.laboratory(home)
-    today = datetime.now(UTC).date()
+    said = _said(manifest.model_extra or {}, run)
+    tolerance = _tolerance(papers.tolerance, run, manifest.unit, home)
+    laboratory = papers.laboratory or settings.laboratory(home)
+    if laboratory and not laboratory.equipment:
+        laboratory = laboratory.model_copy(update={"equipment": said.equipment})
+    equipment = laboratory.equipment if laboratory else said.equipment
+    order, today = papers.order, date.today()
+    calibrated_on = _calibrated_on(said, papers, run)
+    _check_order(order, calibrated_on)
+    expired = conformity.expired(equipment, calibrated_on or today)
+    decision = conformity.decide(calibration, tolerance, expired)
     months = order.interval_months if order else DEFAULT_MONTHS
-    calibrated_on = _calibrated_on(manifest, run)
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(
         number=store.reserve_number(home, prefix, today.year),
         state="draft",
         calibrated_on=calibrated_on,
         issued_on=today,
-        due=reminders.due_date(calibrated_on, months),
-        laboratory=_with_equipment(laboratory, manifest),
+        due=reminders.due_date(calibrated_on or today, months),
+        laboratory=laboratory,
         order=order,
         manifest=manifest,
         calibration=calibration,
-        decision=conformity.decide(calibration, tolerance),
+        decision=decision,
     )
     pdf, record = store.save_certificate(certificate, render(certificate), home)
     return Issued(certificate, pdf, record)
 
 
-def _calibrated_on(manifest: Manifest, run: Run) -> date:
-    """The day the station recorded the run; of a recording that does not say, the day it came."""
-    recorded_at = (manifest.model_extra or {}).get("recorded_at")
+def _said(free: dict[str, object], run: Run) -> _Said:
+    """The free fields, read strictly: a number is no date."""
     try:
-        return datetime.fromisoformat(str(recorded_at)).date()
-    except ValueError:
-        return run.taken_in_at.date()
+        return _Said.model_validate_json(json.dumps(free), strict=True)
+    except ValidationError as error:
+        raise Unusable(
+            f"the manifest of run {run.id} ({run.recording_id}): {first_fault(error)}; correct it "
+            "there and import the recording again"
+        ) from error
 
 
-def _with_equipment(laboratory: Laboratory | None, manifest: Manifest) -> Laboratory | None:
-    """The laboratory with the station's own list of standards where it has none itself."""
-    listed = (manifest.model_extra or {}).get("equipment", ())
-    if laboratory is None or laboratory.equipment or not listed:
-        return laboratory
-    equipment = tuple(Equipment.model_validate(each) for each in listed)
-    return laboratory.model_copy(update={"equipment": equipment})
+def _tolerance(given: Tolerance | None, run: Run, unit: Unit, home: Home) -> Tolerance | None:
+    if given is None:
+        return settings.tolerance_for(unit.manufacturer, unit.model, home)
+    if not settings.same_model(given, unit.manufacturer, unit.model):
+        raise Unusable(
+            f"the limits are those of {given.manufacturer} {given.model}, but run {run.id} "
+            f"is of {unit.manufacturer} {unit.model}: give the limits of that model"
+        )
+    return given
+
+
+def _calibrated_on(said: _Said, papers: Papers, run: Run) -> date | None:
+    """The day the station recorded the run, by its own clock; else what the papers say."""
+    ordered = papers.order.calibrated_on if papers.order else None
+    given = papers.calibrated_on or ordered
+    day = said.recorded_at
+    if isinstance(day, datetime):
+        day = day.date()
+    if day and given and given != day:
+        raise Unusable(
+            f"the calibration of run {run.id} is said to be of {given}, but its manifest says "
+            f"recorded_at = {day}: leave the day out"
+        )
+    return day or given
+
+
+def _check_order(order: Order | None, calibrated_on: date | None) -> None:
+    if order and calibrated_on and order.received > calibrated_on:
+        raise Unusable(
+            f"the order says received = {order.received}, which is after the calibration of "
+            f"{calibrated_on}: correct the order"
+        )

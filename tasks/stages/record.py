@@ -1,45 +1,56 @@
 """Stage: a recording comes into the store, from a station or from elsewhere."""
 
+import secrets
 from collections.abc import Callable
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure
-from schemas.recording import Recording
 from schemas.station import StationFile
 from storage import store
 from storage.home import Home
 from storage.raw import RawWriter, read_mcap
 from storage.store import Run
-from tasks.segments.check import wrong_rate_unit
-from tasks.segments.summarise import summarise_all
+from tasks.stages import refuse
+from tasks.stages.broken_off import BrokenOff
 from tasks.station.sequence import Acquired, Progress, acquire
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A recording in the store: its run, whether it is new, topics of a bag left out of it."""
+
+    run: Run
+    is_new: bool
+    left_out: tuple[str, ...] = ()
 
 
 def take_in(
     path: Path, home: Home, *, manifest: Path | None = None, salvage: bool = False
-) -> tuple[Run, bool]:
-    """A recording from elsewhere: read, check, keep. Returns the run and whether it is new.
+) -> Taken:
+    """A recording from elsewhere: read, check, keep.
 
-    Raises Unusable, with the store unchanged, where the recording cannot be used.
+    Raises Unusable, with the store unchanged, where the recording cannot be used. What was left
+    out is told of a recording that is read, not of one whose bytes are known already.
     """
     known = None if manifest else store.known(path, home)
     if known is not None:
-        return known, False
-    recording = store.read(path, manifest=manifest, salvage=salvage)
-    _refuse_wrong_units(recording, path)
-    before = {run.id for run in store.runs(home)}
-    run = store.keep(recording, home, source=None if manifest or salvage else path)
-    return run, run.id not in before
+        return Taken(known, is_new=False)
+    recording = refuse.read(path, manifest=manifest, salvage=salvage)
+    run, is_new = store.keep(recording, home, source=None if manifest or salvage else path)
+    return Taken(run, is_new, recording.extra.get("left_out", ()))
 
 
-def run_of(reference: str, home: Home) -> Run:
-    """The run that a command names: an id, or a path that is taken in on the fly."""
-    path = Path(reference)
-    if path.exists():
-        return take_in(path, home)[0]
-    return store.find(reference, home)
+def path_of(reference: str) -> Path | None:
+    """The path that a command names, or None where it is a run's id. Raises Unusable for ''."""
+    if not reference.strip():
+        raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
+    try:
+        return Path(reference) if Path(reference).exists() else None
+    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
+        return None
 
 
 def acquire_run(
@@ -51,25 +62,49 @@ def acquire_run(
     """A run on a station: raw is written as it comes, then kept as a run.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as an MCAP
-    file, and the sentence of Unusable says where.
+    file, and the sentence of Unusable or BrokenOff says where. A file without a reading of the
+    unit is removed.
     """
     began = datetime.now(UTC)
     recording_id = f"{station.unit.serial}-{procedure.name}-{began:%Y%m%dT%H%M%SZ}"
-    folder = home.path / "acquiring"
-    folder.mkdir(parents=True, exist_ok=True)
-    raw = folder / f"{recording_id}.mcap"
+    raw = home.acquiring / f"{began:%Y%m%dT%H%M%SZ}-{secrets.token_hex(4)}.mcap"
+    sink = _open(raw)
     try:
-        with RawWriter(raw) as sink:
+        with sink:
             acquired = acquire(station, procedure, sink, report, recording_id=recording_id)
+        run, _ = store.keep(read_mcap(raw), home)
     except Unusable as fault:
-        raise Unusable(f"{fault} Recorded so far: {raw} (mimucal import takes it in).") from fault
-    run = store.keep(read_mcap(raw), home)
+        raise Unusable(_told(fault, sink, raw)) from fault
+    except OSError as fault:
+        said = f"the recording could not be written ({fault.strerror or fault})"
+        raise BrokenOff(f"{said}{_left(sink, raw)}") from fault
+    except KeyboardInterrupt as stop:
+        raise BrokenOff(f"stopped by the operator{_left(sink, raw)}") from stop
     raw.unlink()
     return run, acquired
 
 
-def _refuse_wrong_units(recording: Recording, path: Path) -> None:
-    rates = tuple(s for s in recording.manifest.segments or () if s.kind == "rate")
-    fault = wrong_rate_unit(recording, summarise_all(recording, rates, "label"))
-    if fault is not None:
-        raise Unusable(f"{path}: {fault}")
+def _open(raw: Path) -> RawWriter:
+    try:
+        raw.parent.mkdir(parents=True, exist_ok=True)
+        return RawWriter(raw)
+    except OSError as error:
+        raise Unusable(
+            f"{raw} cannot be written ({error.strerror}); make room or give rights there, or let "
+            "MIMUCAL_HOME name a folder that can be written."
+        ) from error
+
+
+def _told(fault: Unusable, sink: RawWriter, raw: Path) -> str:
+    """The fault and what is left; where nothing is, only why the run stopped."""
+    left = _left(sink, raw)
+    plain = fault.__cause__ if not left and isinstance(fault.__cause__, Unusable) else fault
+    return f"{str(plain).rstrip('.')}{left}" if left else str(plain)
+
+
+def _left(sink: RawWriter, raw: Path) -> str:
+    """What a run that broke off leaves behind, as the end of a sentence."""
+    if not sink.readings:
+        raw.unlink(missing_ok=True)
+        return ""
+    return f"; recorded so far: {raw} (`mimucal import --salvage` takes it in)"

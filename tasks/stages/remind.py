@@ -1,6 +1,6 @@
 """Stage: which units are due for recalibration."""
 
-from datetime import UTC, datetime, timedelta
+from datetime import date, timedelta
 
 from storage import store
 from storage.home import Home
@@ -8,5 +8,5 @@ from storage.store import Due
 
 
 def due_within(home: Home, days: int) -> list[Due]:
-    """The units whose newest certificate falls due within so many days, or has."""
-    return store.due(home, datetime.now(UTC).date() + timedelta(days=days))
+    """The units whose newest certificate falls due within so many days from today, or has."""
+    return store.due(home, date.today() + timedelta(days=days))

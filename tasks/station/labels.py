@@ -1,7 +1,7 @@
 """The labels of a run as it grows, and the manifest that carries them."""
 
 import math
-from datetime import UTC, datetime
+from datetime import datetime
 from typing import Literal
 
 import numpy as np
@@ -25,7 +25,7 @@ class Labels:
         self.segments: list[Segment] = []
         self.extra: dict[str, object] = {
             "procedure": procedure.name,
-            "recorded_at": datetime.now(UTC).isoformat(timespec="seconds"),
+            "recorded_at": datetime.now().astimezone().isoformat(timespec="seconds"),
             "equipment": [item.model_dump(mode="json") for item in station.equipment],
             "unit_link": station.unit_link.model_dump(mode="json", exclude={"url", "baudrate"}),
         }

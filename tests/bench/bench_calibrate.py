@@ -76,7 +76,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         home = Home(Path(folder))
         began = time.perf_counter()
-        run = store.keep(recording(), home)
+        run, _ = store.keep(recording(), home)
         taken_in = time.perf_counter() - began
         columns = home.columns / run.digest / "imu.parquet"
         names = ["t", *GYRO, *ACCEL]

@@ -102,7 +102,7 @@ asyncio.run(main())
 def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path, papers) -> None:
     home, (station_file, procedure) = tmp_path / "home", papers
     order = (
-        "from flows import orders; from storage.home import home; orders.prepare(home())\n"
+        "from flows import server; from storage.home import home; server.prepare(home())\n"
         "from flows import line\n"
         f"issued = line.run_now(line.produce, station={str(station_file)!r}, "
         f"procedure={str(procedure)!r})\n"

@@ -26,7 +26,7 @@ def issue(fresh: Home, small: Build, calibrated: Calibrate, certified: Certify) 
 
     def keep(number: str, serial: str = "1", supersedes: str | None = None, **changes: object):
         recording = small(serial=serial)
-        calibration = calibrated(store.keep(recording, fresh))
+        calibration = calibrated(store.keep(recording, fresh)[0])
         certificate = certified(recording, calibration, number, **changes)
         why = "an error" if supersedes else None
         store.save_certificate(certificate, PDF, fresh, supersedes=supersedes, why=why)
@@ -86,7 +86,7 @@ def test_certificate_points_to_the_result_that_it_prints(
     fresh: Home, small: Build, calibrated: Calibrate, certified: Certify
 ) -> None:
     recording = small()
-    run = store.keep(recording, fresh)
+    run = store.keep(recording, fresh)[0]
     one = store.save_result(calibrated(run), fresh)
     store.save_result(calibrated(run, 0.5), fresh)
     store.save_certificate(certified(recording, calibrated(run), "A-1"), PDF, fresh)
@@ -110,7 +110,7 @@ def test_certificate_is_superseded_once_and_with_a_reason(
     with pytest.raises(Unusable, match="no certificate 'A-9' to supersede"):
         issue("A-3", supersedes="A-9")
     recording = small()
-    third = certified(recording, calibrated(store.keep(recording, fresh)), "A-3")
+    third = certified(recording, calibrated(store.keep(recording, fresh)[0]), "A-3")
     with pytest.raises(Unusable, match="say why"):
         store.save_certificate(third, PDF, fresh, supersedes="A-2")
     assert not (fresh.certificates / "A-3.pdf").exists()

@@ -152,14 +152,6 @@ REFUSED: dict[str, tuple[Change, tuple[str, ...]]] = {
         lambda _, f: f.update(table=f["table"].iloc[:0]),
         ("table.csv", "no row"),
     ),
-    "rates without gyro": (
-        both(nulls("imu", GYRO), say("segments", [segment("scale_factor", "rate", **RATE)])),
-        ("scale_factor", "gyro_*", "1 segments"),
-    ),
-    "rate sensitivity without accelerometer": (
-        both(nulls("imu", ACCEL), say("segments", [segment("rate_sensitivity", "static")])),
-        ("rate_sensitivity", "accel_*"),
-    ),
 }
 
 
@@ -292,13 +284,6 @@ def test_angles_stand_in_for_both_triads(tmp_path: Path) -> None:
 
     imu = read_folder(write(tmp_path / "recording", change)).imu
     assert set(imu.columns) == set(ANGLE)
-
-
-def test_item_with_one_segment_that_serves_is_taken(tmp_path: Path) -> None:
-    early = segment("scale_factor", "rate", **RATE) | {"t_end": 0.05}
-    late = segment("scale_factor", "rate", **RATE) | {"t_start": 0.1}
-    change = both(nulls("imu", GYRO, slice(0, 8)), say("segments", [early, late]))
-    assert read_folder(write(tmp_path / "recording", change)).manifest.segments
 
 
 def test_what_the_manifest_leaves_null_stays_unknown(tmp_path: Path) -> None:

@@ -109,8 +109,8 @@ def test_store_works_the_same_on_postgresql(
     certified: Callable[..., Certificate],
 ) -> None:
     home, recording = shared_catalogue, small()
-    run = store.keep(recording, home)
-    assert store.keep(recording, home) == run == store.find(run.id[:4], home)
+    run = store.keep(recording, home)[0]
+    assert store.keep(recording, home)[0] == run == store.find(run.id[:4], home)
     store.save_result(calibrated(run), home)
     store.save_result(calibrated(run, 0.5), home)
     assert [result.why for result in store.results(run, home)] == [
@@ -135,7 +135,7 @@ def test_concurrent_imports_on_postgresql_are_one_run(
     write_columns(small(), tmp_path / "source")
     script = """
 path = Path(arguments[0])
-print(store.keep(store.read(path), home, source=path).id)
+print(store.keep(store.read(path), home, source=path)[0].id)
 """
     said = at_once(script, shared_catalogue, str(tmp_path / "source"), processes=3)
     (run,) = store.runs(shared_catalogue)
@@ -156,7 +156,7 @@ def test_results_saved_at_once_on_postgresql_form_one_line(
     calibrated: Callable[..., Calibration],
     at_once: AtOnce,
 ) -> None:
-    run = store.keep(small(), shared_catalogue)
+    run = store.keep(small(), shared_catalogue)[0]
     script = """
 import os
 from schemas.calibration import Calibration

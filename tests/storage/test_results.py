@@ -16,7 +16,7 @@ Calibrate = Callable[..., Calibration]
 
 
 def test_result_comes_back_as_it_went_in(fresh: Home, small: Build, calibrated: Calibrate) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     assert store.latest_result(run, "jjf2003", fresh) is None
     store.save_result(calibrated(run), fresh)
     assert store.latest_result(run, "jjf2003", fresh) == calibrated(run)
@@ -24,7 +24,7 @@ def test_result_comes_back_as_it_went_in(fresh: Home, small: Build, calibrated: 
 
 
 def test_same_result_twice_is_one(fresh: Home, small: Build, calibrated: Calibrate) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     assert store.save_result(calibrated(run), fresh) == store.save_result(calibrated(run), fresh)
     assert len(store.results(run, fresh)) == 1
 
@@ -32,7 +32,7 @@ def test_same_result_twice_is_one(fresh: Home, small: Build, calibrated: Calibra
 def test_new_result_supersedes_the_older_and_says_why(
     fresh: Home, small: Build, calibrated: Calibrate
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     one = store.save_result(calibrated(run), fresh)
     two = store.save_result(calibrated(run, 0.5, code_version="2"), fresh)
     three = store.save_result(calibrated(run, 0.75, code_version="2"), fresh, why="table was off")
@@ -52,7 +52,7 @@ def test_new_result_supersedes_the_older_and_says_why(
 def test_methods_do_not_supersede_each_other(
     fresh: Home, small: Build, calibrated: Calibrate
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     store.save_result(calibrated(run), fresh)
     store.save_result(calibrated(run, 0.5, method="joint"), fresh)
     assert store.latest_result(run, "jjf2003", fresh) == calibrated(run)
@@ -62,7 +62,7 @@ def test_methods_do_not_supersede_each_other(
 def test_result_of_a_run_that_is_not_kept_is_refused(
     fresh: Home, small: Build, calibrated: Calibrate
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     for stranger in ({"run": "r0"}, {"digest": "0" * 64}):
         with pytest.raises(Unusable, match="import the recording first"):
             store.save_result(calibrated(run).model_copy(update=stranger), fresh)
@@ -71,7 +71,7 @@ def test_result_of_a_run_that_is_not_kept_is_refused(
 def test_results_saved_at_once_form_one_line(
     fresh: Home, small: Build, calibrated: Calibrate, at_once: Callable[..., list[str]]
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     script = """
 import os
 from schemas.calibration import Calibration
@@ -86,7 +86,7 @@ print(store.save_result(document.model_copy(update={"code_version": str(os.getpi
 def test_document_that_cannot_be_read_is_named_and_can_be_superseded(
     fresh: Home, small: Build, calibrated: Calibrate
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     one = store.save_result(calibrated(run), fresh)
     with catalog.changing(fresh) as connection:
         connection.execute(sql.update(catalog.results).values(document="{}"))

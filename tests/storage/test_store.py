@@ -26,7 +26,7 @@ Build = Callable[..., Recording]
 
 def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
     recording = small()
-    run = store.keep(recording, fresh)
+    run = store.keep(recording, fresh)[0]
     again = store.load(run, fresh)
     assert again.digest == run.digest == digest(recording)
     np.testing.assert_array_equal(again.imu.t, recording.imu.t)
@@ -36,7 +36,7 @@ def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
 
 def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
     before = datetime.now(UTC)
-    run = store.keep(small(serial="7"), fresh)
+    run = store.keep(small(serial="7"), fresh)[0]
     assert run.id == f"r{run.digest[:12]}"
     assert (run.manufacturer, run.model, run.serial) == ("Maker", "U", "7")
     assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
@@ -46,13 +46,13 @@ def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
 
 
 def test_second_import_of_same_content_is_the_same_run(fresh: Home, small: Build) -> None:
-    assert store.keep(small(), fresh) == store.keep(small(), fresh)
+    assert store.keep(small(), fresh)[0] == store.keep(small(), fresh)[0]
     assert len(store.runs(fresh)) == 1
     assert len(list(fresh.raw.iterdir())) == 1
 
 
 def test_digest_that_a_recording_claims_is_not_believed(fresh: Home, small: Build) -> None:
-    assert store.keep(replace(small(), digest="f" * 64), fresh).digest == digest(small())
+    assert store.keep(replace(small(), digest="f" * 64), fresh)[0].digest == digest(small())
 
 
 def test_concurrent_imports_of_the_same_content_are_one_run(
@@ -61,7 +61,7 @@ def test_concurrent_imports_of_the_same_content_are_one_run(
     write_columns(small(), tmp_path / "source")
     script = """
 path = Path(arguments[0])
-print(store.keep(store.read(path), home, source=path).id)
+print(store.keep(store.read(path), home, source=path)[0].id)
 """
     said = at_once(script, fresh, str(tmp_path / "source"), processes=3)
     (run,) = store.runs(fresh)
@@ -71,7 +71,7 @@ print(store.keep(store.read(path), home, source=path).id)
 
 
 def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o444
 
 
@@ -88,7 +88,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
             store.keep(small(), fresh)
     assert store.runs(fresh) == []
     assert not list(fresh.path.rglob(".*"))
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     assert store.load(run, fresh).digest == run.digest
 
 
@@ -113,7 +113,7 @@ store.keep(store.read(source), home)
     command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
     assert subprocess.run(command, check=False).returncode == -9
     assert store.runs(fresh) == []
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     assert store.load(run, fresh).digest == run.digest
     assert verify(fresh) == (2, [])
 
@@ -148,14 +148,14 @@ def damage_value(folder: Path) -> None:
 def test_damaged_columns_are_made_again_from_raw(
     fresh: Home, small: Build, damage: Callable[[Path], None]
 ) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     damage(fresh.columns / run.digest)
     assert digest(store.load(run, fresh)) == run.digest
     assert runs_module.from_columns(run, fresh) is not None
 
 
 def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: Build) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     (fresh.raw / f"{run.digest}.mcap").unlink()
     with pytest.raises(Unusable, match=r"missing; import small again"):
@@ -165,7 +165,7 @@ def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: 
 
 
 def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) -> None:
-    run = store.keep(small(), fresh)
+    run = store.keep(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     path = fresh.raw / f"{run.digest}.mcap"
     path.unlink()
@@ -175,14 +175,14 @@ def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) 
 
 
 def test_run_is_found_by_every_name_that_it_has(fresh: Home, small: Build) -> None:
-    run = store.keep(small(name="first"), fresh)
+    run = store.keep(small(name="first"), fresh)[0]
     store.keep(small(start=1.0, name="second"), fresh)
     for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
         assert store.find(reference, fresh) == run
 
 
 def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, small: Build) -> None:
-    one, two = store.keep(small(), fresh), store.keep(small(start=1.0), fresh)
+    one, two = store.keep(small(), fresh)[0], store.keep(small(start=1.0), fresh)[0]
     with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
         store.find("small", fresh)
     with pytest.raises(Unusable, match=r"2 runs"):
@@ -198,7 +198,7 @@ def test_source_taken_in_before_is_known_by_its_bytes(
     folder, moved = tmp_path / "folder", tmp_path / "elsewhere" / "copy"
     write_columns(small(), folder)
     assert store.known(folder, fresh) is None
-    run = store.keep(store.read(folder), fresh, source=folder)
+    run = store.keep(store.read(folder), fresh, source=folder)[0]
     assert store.known(folder, fresh) == run
     shutil.copytree(folder, moved)
     assert store.known(moved, fresh) == run
@@ -212,10 +212,10 @@ def test_known_source_whose_raw_recording_is_gone_is_read_again(
 ) -> None:
     source = tmp_path / "small.mcap"
     write_mcap(small(), source)
-    run = store.keep(store.read(source), fresh, source=source)
+    run = store.keep(store.read(source), fresh, source=source)[0]
     (fresh.raw / f"{run.digest}.mcap").unlink()
     assert store.known(source, fresh) is None
-    assert store.keep(store.read(source), fresh, source=source) == run
+    assert store.keep(store.read(source), fresh, source=source)[0] == run
 
 
 def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
@@ -224,7 +224,7 @@ def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
     folder, file = tmp_path / "folder", tmp_path / "small.mcap"
     write_columns(small(), folder)
     write_mcap(small(), file)
-    ids = {store.keep(store.read(path), fresh, source=path).id for path in (folder, file)}
+    ids = {store.keep(store.read(path), fresh, source=path)[0].id for path in (folder, file)}
     assert len(ids) == 1
     assert store.known(folder, fresh) == store.known(file, fresh) == store.find(*ids, fresh)
 
@@ -304,6 +304,6 @@ def test_manifest_alone_points_to_its_folder(small: Build, tmp_path: Path) -> No
 
 def test_shared_recording_is_kept_and_loaded(fresh: Home, shared: Path) -> None:
     path = shared / "plant" / "ahrs_clean"
-    run = store.keep(store.read(path), fresh, source=path)
+    run = store.keep(store.read(path), fresh, source=path)[0]
     assert digest(store.load(run, fresh)) == run.digest
     assert run.standard == "JJF 1536-2015"

@@ -16,7 +16,7 @@ from storage.columns import write_columns
 from storage.home import Home
 from storage.raw import write_mcap
 from storage.runs import Run
-from storage.verify import Fault, verify, verify_path
+from storage.verify import Fault, verify
 
 Build = Callable[..., Recording]
 
@@ -30,7 +30,7 @@ def filled(
 ) -> Run:
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
-    run = store.keep(recording, fresh)
+    run = store.keep(recording, fresh)[0]
     store.save_certificate(certified(recording, calibrated(run), "A-1"), b"%PDF", fresh)
     return run
 
@@ -137,12 +137,14 @@ def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Ru
     assert len(verify(fresh)[1]) == 4
 
 
-def test_path_is_verified_without_raising(small: Build, tmp_path: Path) -> None:
-    whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
-    write_mcap(small(), whole)
-    cut.write_bytes(whole.read_bytes()[:-2000])
-    assert verify_path(whole) == []
-    (fault,) = verify_path(cut)
-    assert fault.what == str(cut)
-    assert "cut off" in fault.why
-    assert len(verify_path(tmp_path / "none")) == 1
+def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
+    fresh: Home, filled: Run, small: Build
+) -> None:
+    left = fresh.acquiring / "20261121T000000Z-0.mcap"
+    left.parent.mkdir()
+    write_mcap(small(), left)
+    assert verify(fresh)[1] == []  # it may still be running
+    os.utime(left, (0, 0))
+    fault = only_fault(fresh)
+    assert fault.what == str(left)
+    assert "mimucal import --salvage" in fault.why

@@ -1,0 +1,118 @@
+"""The commands about what is kept: taking in, listing, showing, verifying, what is due."""
+
+import sys
+
+import typer
+
+from flows import options
+
+app = typer.Typer()
+
+
+@app.command(name="import")
+def import_(
+    paths: options.Paths,
+    manifest: options.Manifest = None,
+    salvage: options.Salvage = False,
+    as_json: options.Json = False,
+) -> None:
+    """Take recordings into the store.
+
+    The same content twice is one run.
+    """
+    from flows.printing import print_json
+    from flows.progress import working
+    from storage.home import home
+    from tasks.stages.record import take_in
+
+    taken = []
+    for path in paths:
+        with working(f"importing {path.name}"):
+            done = take_in(path, home(), manifest=manifest, salvage=salvage)
+        run, left_out = done.run, list(done.left_out)
+        entry = {"run": run.id, "recording_id": run.recording_id, "new": done.is_new}
+        taken.append(entry | {"left_out": left_out})
+        if left_out:
+            print(f"{path}: left out, no stream takes them: {', '.join(left_out)}", file=sys.stderr)
+        if not as_json:
+            print(run.id if done.is_new else f"{run.id} (already there)")
+    if as_json:
+        print_json({"format": "mimu-import/1", "runs": taken})
+
+
+@app.command()
+def runs(as_json: options.Json = False) -> None:
+    """What is in the store."""
+    from flows.printing import print_json, print_rows
+    from storage import store
+    from storage.home import home
+
+    found = store.runs(home())
+    if as_json:
+        print_json(
+            {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in found]}
+        )
+        return
+    print_rows(
+        "Runs",
+        ("run", "recording", "unit", "standard", "taken in", "seconds"),
+        [
+            (r.id, r.recording_id, f"{r.manufacturer} {r.model} {r.serial}", r.standard,
+             str(r.taken_in_at)[:19], f"{r.seconds:.0f}")
+            for r in found
+        ],
+    )  # fmt: skip
+
+
+@app.command()
+def show(run: options.Run, as_json: options.Json = False) -> None:
+    """One run: segments, results, certificates."""
+    from flows.show import show_run
+
+    show_run(run, as_json)
+
+
+@app.command()
+def verify(path: options.Recording = None, as_json: options.Json = False) -> None:
+    """Integrity of the store, or of one recording.
+
+    Exits with 1 if there are faults.
+    """
+    from flows.printing import print_json
+    from flows.progress import counting
+    from storage import verify as integrity
+    from storage.home import home
+    from tasks.stages.refuse import faults_of
+
+    if path is not None:
+        checked, faults = 1, faults_of(path)
+    else:
+        with counting("verifying") as report:
+            checked, faults = integrity.verify(home(), report)
+    if as_json:
+        listed = [{"what": fault.what, "why": fault.why} for fault in faults]
+        print_json({"format": "mimu-verify/1", "checked": checked, "faults": listed})
+    else:
+        print(f"{checked} checked, {len(faults)} faults")
+        for fault in faults:
+            print(f"{fault.what}: {fault.why}")
+    raise typer.Exit(1 if faults else 0)
+
+
+@app.command()
+def remind(within: options.Within = 30, as_json: options.Json = False) -> None:
+    """The units whose recalibration is due."""
+    from flows.printing import print_json, print_rows
+    from storage.home import home
+    from tasks.stages.remind import due_within
+
+    due = due_within(home(), within)
+    if as_json:
+        listed = [
+            {"unit": d.unit, "certificate": d.certificate, "due": d.due.isoformat(), "sent": []}
+            for d in due
+        ]
+        print_json({"format": "mimu-reminders/1", "due": listed})
+        return
+    rows = [(d.unit, d.certificate, d.due.isoformat()) for d in due]
+    print_rows(f"Recalibration due within {within} days", ("unit", "certificate", "due"), rows)

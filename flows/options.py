@@ -1,0 +1,93 @@
+"""The arguments and options of the command line, with what they may be."""
+
+import math
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+DAYS = 36_500
+LAST_PORT = 65_534  # the unit is on the next
+
+
+def _positive(value: float) -> float:
+    if not (math.isfinite(value) and value > 0):
+        raise typer.BadParameter(f"{value} is not a number above 0.")
+    return value
+
+
+def _whole_days(value: datetime | None) -> datetime | None:
+    """A day that has come: nothing was calibrated tomorrow."""
+    if value is not None and value.date() > datetime.now().date():
+        raise typer.BadParameter(f"{value:%Y-%m-%d} is still to come.")
+    return value
+
+
+Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")]
+Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
+Method = Annotated[str, typer.Option(metavar="NAME", help="How to estimate: jjf2003.")]
+Tolerance = Annotated[
+    str | None, typer.Option(metavar="FILE", help="Limits of the product model (TOML or JSON).")
+]
+Laboratory = Annotated[
+    str | None, typer.Option(metavar="FILE", help="The laboratory (TOML or JSON).")
+]
+Order = Annotated[
+    str | None, typer.Option(metavar="FILE", help="The client's order (TOML or JSON).")
+]
+CalibratedOn = Annotated[
+    datetime | None,
+    typer.Option(
+        metavar="YYYY-MM-DD",
+        formats=["%Y-%m-%d"],
+        callback=_whole_days,
+        help="Day of calibration, for a recording that does not say when it was made.",
+    ),
+]
+Paths = Annotated[
+    list[Path],
+    typer.Argument(metavar="PATH...", help="mimu-recording/1 folders, MCAP files, ROS 2 bags."),
+]
+Manifest = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="manifest.json for an MCAP file that has none."),
+]
+Salvage = Annotated[
+    bool, typer.Option("--salvage", help="Take what is whole of a cut-off MCAP file.")
+]
+Recording = Annotated[
+    Path | None,
+    typer.Argument(metavar="[PATH]", help="A recording, checked as import would; default: all."),
+]
+Station = Annotated[str, typer.Argument(metavar="STATION", help="Station file (TOML or JSON).")]
+Procedure = Annotated[
+    str, typer.Option(metavar="NAME|FILE", help="Name of a procedure, or a file.")
+]
+Within = Annotated[int, typer.Option(metavar="DAYS", min=0, max=DAYS, help="Days ahead.")]
+Speed = Annotated[
+    float,
+    typer.Option(metavar="FACTOR", callback=_positive, help="Station seconds in a wall second."),
+]
+Seed = Annotated[int, typer.Option(metavar="NUMBER", min=0, help="Which virtual unit.")]
+Host = Annotated[str, typer.Option(metavar="ADDRESS", help="Address on which it listens.")]
+Port = Annotated[
+    int,
+    typer.Option(
+        metavar="NUMBER",
+        min=0,
+        max=LAST_PORT,
+        help="Modbus/TCP port; the unit is on the next. 0: any two that are free.",
+    ),
+]
+Faults = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME[@SECONDS]", help="A fault of the station; may be repeated."),
+]
+StationFile = Annotated[
+    Path,
+    typer.Option(metavar="FILE", help="Where the file for `mimucal acquire` is written."),
+]
+Truth = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Where the unit's truth is written.")
+]

@@ -1,0 +1,7 @@
+"""The stages as plain functions, under the names that their Prefect tasks have in `as_tasks`."""
+
+from tasks.stages.certify import certify as publish
+from tasks.stages.estimate import estimate as estimate_items
+from tasks.stages.record import acquire_run, take_in
+
+__all__ = ["acquire_run", "estimate_items", "publish", "take_in"]

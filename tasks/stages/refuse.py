@@ -1,0 +1,81 @@
+"""What is refused when a recording comes in, because no item could be estimated from it."""
+
+from pathlib import Path
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Recording, Segment, Stream
+from storage import store
+from storage.checks import absent
+from storage.verify import Fault
+from tasks.segments.check import wrong_rate_unit
+from tasks.segments.summarise import summarise_all
+
+
+def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:
+    """Reads a recording that comes in; raises Unusable for one that cannot serve.
+
+    What is stored already is never judged again.
+    """
+    recording = store.read(path, manifest=manifest, salvage=salvage)
+    fault = _unserved(recording.manifest, recording.imu) or _wrong_unit(recording)
+    if fault is not None:
+        raise Unusable(f"{path}: {fault}")
+    return recording
+
+
+def faults_of(path: Path) -> list[Fault]:
+    """Reads one recording, folder or MCAP, as an import would; gives its faults."""
+    try:
+        read(path)
+    except Unusable as error:
+        return [Fault(what=str(path), why=str(error))]
+    return []
+
+
+def _wrong_unit(recording: Recording) -> str | None:
+    rates = tuple(s for s in recording.manifest.segments or () if s.kind == "rate")
+    return wrong_rate_unit(recording, summarise_all(recording, rates, "label"))
+
+
+def _unserved(manifest: Manifest, imu: Stream) -> str | None:
+    """A sentence where no segment of an item has the triad that the item is measured with.
+
+    Rates and turns need the gyro (or an AHRS's angle), rests any triad, rate sensitivity the
+    accelerometer. An item counts as served when one of its segments is, and segments outside
+    the data do not count: a recording that was cut off stays usable.
+    """
+    has = {"gyro_*": ~absent(imu, GYRO), "accel_*": ~absent(imu, ACCEL)}
+    if ANGLE[0] in imu.columns:
+        has["angle_*"] = np.ones(len(imu), dtype=bool)
+    for item, segments in _by_item(manifest).items():
+        segments, serving = _needs(item, segments, tuple(has))
+        rows = [imu.rows(segment.t_start, segment.t_end) for segment in segments]
+        rows = [part for part in rows if part.start < part.stop]
+        if rows and not any(has[name][part].any() for name in serving for part in rows):
+            return (
+                f"Item {item} cannot be measured: {' and '.join(serving)} are null in all of its "
+                f"{len(rows)} segments; record them there, or remove the item's label."
+            )
+    return None
+
+
+def _by_item(manifest: Manifest) -> dict[str, list[Segment]]:
+    items: dict[str, list[Segment]] = {}
+    for segment in manifest.segments or ():
+        if segment.item is not None and segment.kind in ("static", "rate", "rotation"):
+            items.setdefault(segment.item, []).append(segment)
+    return items
+
+
+def _needs(
+    item: str, segments: list[Segment], triads: tuple[str, ...]
+) -> tuple[list[Segment], list[str]]:
+    """The segments an item is measured in, and the triads of which one must be there."""
+    moving = [segment for segment in segments if segment.kind != "static"]
+    if item == "rate_sensitivity":
+        return segments, ["accel_*"]
+    if moving:
+        return moving, [name for name in triads if name != "accel_*"]
+    return segments, list(triads)
