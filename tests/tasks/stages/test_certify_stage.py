@@ -1,0 +1,128 @@
+"""A certificate's papers and dates: what is refused costs no number, and no day is invented."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.certificate import Laboratory, Order, Party
+from schemas.recording import Recording
+from schemas.tolerance import Limit, Tolerance
+from storage import store
+from storage.home import Home
+from storage.store import Run
+from tasks.stages.certify import certify
+from tasks.stages.estimate import estimate
+from tasks.stages.papers import Papers
+
+PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
+STANDARD = {"name": "Table", "name_zh": "台", "serial": "1", "accuracy": "1″", "certificate": "C",
+            "valid_until": "2026-03-31"}  # fmt: skip
+Given = tuple[Run, Calibration, Home]
+Keep = Callable[..., Given]
+
+
+@pytest.fixture
+def kept(ideal_run: Callable[..., Recording], tmp_path: Path, monkeypatch) -> Keep:
+    """Takes in and estimates an ideal run whose manifest says what is given beside."""
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    home = Home(tmp_path / "home")
+
+    def build(**said: Any) -> Given:
+        recording = ideal_run(dwell=1.0)
+        manifest = recording.manifest.model_validate(recording.manifest.model_dump() | said)
+        run, _ = store.keep(replace(recording, manifest=manifest), home)
+        return run, estimate(run, home), home
+
+    return build
+
+
+def tolerance(**changes: Any) -> Tolerance:
+    limit = Limit(item="gyro_scale_factor", unit="1", lower=0.9, upper=1.1)
+    given = {"manufacturer": "test", "model": "ideal", "document": "d", "limits": (limit,)}
+    return Tolerance(**(given | changes))
+
+
+def order(received: date, **more: Any) -> Order:
+    return Order(client=PARTY, received=received, **more)
+
+
+def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep) -> None:
+    given = kept(recorded_at="2026-05-02T00:30:00+08:00")
+    certificate = certify(*given, Papers()).certificate
+    assert certificate.calibrated_on == date(2026, 5, 2)
+    assert certificate.due == date(2027, 5, 2)
+
+
+def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificate(
+    kept: Keep,
+) -> None:
+    given = kept()
+    certificate = certify(*given, Papers()).certificate
+    assert certificate.calibrated_on is None
+    assert certificate.issued_on == date.today()
+    assert (certificate.due.year, certificate.due.month) == (
+        certificate.issued_on.year + 1, certificate.issued_on.month
+    )  # fmt: skip
+    (entry,) = store.certificates(given[2])
+    assert entry.calibrated_on is None
+    assert [d.certificate for d in store.due(given[2], certificate.due)] == [entry.number]
+
+
+@pytest.mark.parametrize(
+    "papers",
+    [
+        Papers(calibrated_on=date(2026, 5, 2)),
+        Papers(order=order(date(2026, 5, 1), calibrated_on=date(2026, 5, 2))),
+    ],
+)
+def test_papers_may_tell_the_day(kept: Keep, papers: Papers) -> None:
+    assert certify(*kept(), papers).certificate.calibrated_on == date(2026, 5, 2)
+
+
+@pytest.mark.parametrize(
+    ("said", "papers", "says"),
+    [
+        ({}, Papers(tolerance=tolerance(model="other")), "test other"),
+        (
+            {},
+            Papers(tolerance=tolerance(limits=(Limit(item="gyro_x", unit="1", magnitude=1),))),
+            "gyro_x",
+        ),
+        ({"equipment": "table"}, Papers(), "equipment"),
+        ({"equipment": [STANDARD | {"serial": 7}]}, Papers(), "serial"),
+        ({"recorded_at": 5}, Papers(), "recorded_at"),
+        ({"recorded_at": "last week"}, Papers(), "recorded_at"),
+        ({"recorded_at": "2026-05-02"}, Papers(calibrated_on=date(2026, 5, 3)), "2026-05-03"),
+        ({"recorded_at": "2026-05-02"}, Papers(order=order(date(2026, 5, 3))), "received"),
+    ],
+)
+def test_what_is_refused_costs_no_number(
+    kept: Keep, said: dict[str, Any], papers: Papers, says: str
+) -> None:
+    given = kept(**said)
+    with pytest.raises(Unusable, match=says) as refusal:
+        certify(*given, papers)
+    assert "\n" not in str(refusal.value)
+    year = date.today().year
+    assert store.reserve_number(given[2], "MIMU", year) == f"MIMU-{year}-0001"
+
+
+def test_names_of_limits_match_without_case_and_space(kept: Keep) -> None:
+    papers = Papers(tolerance=tolerance(manufacturer=" TEST ", model="Ideal"))
+    assert certify(*kept(), papers).certificate.decision.limits
+
+
+def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) -> None:
+    given = kept(recorded_at="2026-04-01", equipment=[STANDARD])
+    papers = Papers(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))
+    certificate = certify(*given, papers).certificate
+    assert certificate.laboratory is not None
+    assert certificate.laboratory.equipment[0].name == "Table"
+    assert any("2026-03-31" in reason for reason in certificate.decision.reasons)
+    assert certificate.decision.verdict == "inconclusive"

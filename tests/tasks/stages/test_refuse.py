@@ -1,0 +1,77 @@
+"""What is refused when it comes in: triads that an item lacks; stored runs are not judged again."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from storage import store
+from storage.home import Home
+from storage.raw import write_mcap
+from tasks.stages.refuse import faults_of, read
+
+ROWS = 40
+RATE = {"kind": "rate", "axis": "x", "rate_deg_s": 10.0}
+Write = Callable[..., Path]
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Write:
+    """Writes a recording whose named columns are null in some rows, with one label each."""
+
+    def build(absent: tuple[str, ...], rows: slice, *labels: dict) -> Path:
+        segments = [
+            {"name": f"s{k}", "item": "scale_factor", "t_start": 0.0, "t_end": 1.0} | label
+            for k, label in enumerate(labels)
+        ]
+        manifest = Manifest.model_validate({
+            "format": FORMAT, "recording_id": "triads", "segments": segments,
+            "unit": {"manufacturer": "M", "model": "U", "serial": "1"}, "station": {"id": "T"},
+        })  # fmt: skip
+        t = np.arange(ROWS) / 100
+        columns = {n: np.sin(t + k) for k, n in enumerate(GYRO + ACCEL)}
+        for name in absent:
+            columns[name][rows] = np.nan
+        path = tmp_path / "triads.mcap"
+        write_mcap(Recording(manifest, Stream(t, columns)), path)
+        return path
+
+    return build
+
+
+@pytest.mark.parametrize(
+    ("absent", "label", "words"),
+    [
+        (GYRO, RATE, ("scale_factor", "gyro_*", "1 segments")),
+        (ACCEL, {"item": "rate_sensitivity", "kind": "static"}, ("rate_sensitivity", "accel_*")),
+    ],
+)
+def test_item_without_its_triad_is_refused_with_the_path(
+    write: Write, absent: tuple[str, ...], label: dict, words: tuple[str, ...]
+) -> None:
+    path = write(absent, slice(None), label)
+    with pytest.raises(Unusable) as refusal:
+        read(path)
+    assert all(word in str(refusal.value) for word in (*words, str(path)))
+
+
+def test_item_with_one_segment_that_serves_is_taken(write: Write) -> None:
+    path = write(GYRO, slice(0, 8), RATE | {"t_end": 0.05}, RATE | {"t_start": 0.1})
+    assert read(path).manifest.segments
+
+
+def test_verifying_a_path_finds_what_an_import_would_refuse(write: Write, tmp_path: Path) -> None:
+    (fault,) = faults_of(write(GYRO, slice(None), RATE))
+    assert "gyro_*" in fault.why
+    (missing,) = faults_of(tmp_path / "none")
+    assert missing.what.endswith("none")
+    assert faults_of(write((), slice(0), RATE)) == []
+
+
+def test_what_is_stored_is_never_judged_again(write: Write, tmp_path: Path) -> None:
+    home = Home(tmp_path / "home")
+    run, _ = store.keep(store.read(write(GYRO, slice(None), RATE)), home)
+    assert store.load(run, home).manifest.recording_id == "triads"
