@@ -5,5 +5,5 @@ export DO_NOT_TRACK=1 PREFECT_SERVER_ANALYTICS_ENABLED=false
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
 .venv/bin/mypy
-.venv/bin/lint-imports --no-logo 2>/dev/null || .venv/bin/lint-imports
-.venv/bin/pytest -n 2 --dist loadgroup "$@"
+.venv/bin/lint-imports
+.venv/bin/pytest -n 2 --dist loadfile "$@"

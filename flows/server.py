@@ -7,12 +7,14 @@ from storage.home import Home
 
 # What is set here must be in the environment before Prefect is imported for the first time.
 QUIET = {
+    # The sentence of Unusable is for us to print; a server of one's own still gets the logs.
+    "PREFECT_LOGGING_HANDLERS_CONSOLE_LEVEL": "CRITICAL",
     "DO_NOT_TRACK": "1",
     "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
     "PREFECT_CLI_WRAP_LINES": "false",
 }
 EMBEDDED = {
-    "PREFECT_LOGGING_LEVEL": "CRITICAL",  # the sentence of Unusable is for us to print
+    "PREFECT_LOGGING_LEVEL": "CRITICAL",
     "PREFECT_LOGGING_TO_API_ENABLED": "false",
     "PREFECT_SERVER_ALLOW_EPHEMERAL_MODE": "true",
     "PREFECT_SERVER_EPHEMERAL_STARTUP_TIMEOUT_SECONDS": "120",

@@ -9,9 +9,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from mcap.writer import Writer
 
+from storage.cdr import encode
 from storage.exchange import read_folder
 from storage.raw import write_mcap
+from storage.ros2msg import schema_text
+from storage.topics import IMU, TEMPERATURE
 
 SMALL = "real/ferraris_session"
 
@@ -255,17 +259,101 @@ def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
     ("arguments", "says"),
     [
         (("calibrate", "nothing-like-it"), "mimucal runs"),
+        (("calibrate", ""), "RUN is empty"),
+        (("calibrate", "x" * 5000), "mimucal runs"),
         (("calibrate", "x", "--method", "guess"), "--method guess"),
         (("certify", "x", "--tolerance", "missing.toml"), "missing.toml"),
+        (("certify", "x", "--calibrated-on", "yesterday"), "--calibrated-on"),
+        (("certify", "x", "--calibrated-on", "2999-01-01"), "to come"),
         (("acquire", "missing.json"), "missing.json"),
-        (("verify", "missing-folder"), "missing-folder"),
+        (("remind", "--within", "-1"), "--within"),
+        (("remind", "--within", "36501"), "--within"),
+        (("station", "serve", "--port", "65535"), "--port"),
+        (("station", "serve", "--speed", "inf"), "--speed"),
+        (("demo", "--speed", "0"), "--speed"),
+        (("demo", "--seed", "-1"), "--seed"),
+        (("station",), "Missing command"),
+        (("nonsense",), "nonsense"),
+        (("runs", "--nonsense"), "--nonsense"),
     ],
 )
-def test_what_is_not_there_is_one_sentence(mimucal, arguments, says) -> None:
+def test_what_cannot_be_used_is_one_sentence_and_exit_2(mimucal, arguments, says) -> None:
     done = mimucal(*arguments)
-    assert done.code in (1, 2)
-    assert says in done.err + done.out
-    assert "Traceback" not in done.err
+    assert (done.code, done.out) == (2, "")
+    assert says in done.err
+    assert done.err.strip().count("\n") == 0
+
+
+def test_missing_recording_is_a_fault_that_verify_finds(mimucal) -> None:
+    done = mimucal("verify", "missing-folder")
+    assert done.code == 1
+    assert "missing-folder" in done.out
+
+
+def test_verify_of_a_path_finds_what_import_would_refuse(mimucal, copied) -> None:
+    folder = copied("plant/plant_clean")
+    wrong_unit(folder)
+    done = mimucal("verify", folder, "--json")
+    assert done.code == 1
+    assert "deg/s" in done.json["faults"][0]["why"]
+
+
+def test_demo_that_cannot_write_says_where(mimucal, home) -> None:
+    home.mkdir()
+    (home / "demo").write_text("in the way")
+    done = mimucal("demo")
+    assert done.code == 2
+    assert str(home / "demo") in done.err
+
+
+def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("storage.store.runs", stop)
+    done = mimucal("runs")
+    assert (done.code, done.err) == (1, "stopped by the operator\n")
+
+
+@pytest.mark.parametrize("text", ["[/bold]x", "[red]x", "{x}", ":smile:"])
+def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, text: str) -> None:
+    folder = copied(SMALL)
+    document = json.loads((folder / "manifest.json").read_text())
+    document["unit"]["serial"] = text
+    manifest(recording_id=text, unit=document["unit"])(folder)
+    calibrated = mimucal("calibrate", folder)
+    assert calibrated.code == 0, calibrated.err
+    assert text in calibrated.out
+    for command in (("runs",), ("show", text), ("certify", text), ("remind", "--within", 400)):
+        done = mimucal(*command)
+        assert done.code == 0, done.err
+        assert text in done.out or command[0] == "certify"
+
+
+def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path) -> None:
+    bag = tmp_path / "bag.mcap"
+    with bag.open("wb") as file:
+        writer = Writer(file)
+        writer.start("ros2")
+        for topic, kind in (("/imu", IMU), ("/camera", TEMPERATURE)):
+            schema = writer.register_schema(kind, "ros2msg", schema_text(kind).encode())
+            channel = writer.register_channel(topic, "cdr", schema)
+            for k in range(300 if kind == IMU else 1):
+                fields = {"sec": np.array([[k]]), "nanosec": np.array([[5]])}
+                message = encode(kind, fields, {"frame_id": ("f",)})[0].tobytes()
+                writer.add_message(channel, k, message, k)
+        writer.finish()
+    done = mimucal("import", bag, "--json")
+    assert done.json["runs"][0]["left_out"] == ["/camera"]
+    assert "/camera" in done.err
+
+
+def test_help_shows_what_an_option_takes(mimucal) -> None:
+    said = mimucal("station", "serve", "--help").out
+    assert "NAME[@SECONDS]" in said
+    assert "0<=x<=65534" in said
+    assert "Address" in said
+    assert "The virtual station." in mimucal().out
 
 
 def test_help_starts_without_the_heavy_libraries() -> None:

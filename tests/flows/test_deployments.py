@@ -1,23 +1,28 @@
-"""What deploy/prefect.yaml orders exists and takes the parameters it is given."""
+"""What deploy/prefect.yaml orders exists, seen from the folder that deploy/README.md names."""
 
 import inspect
 from pathlib import Path
 
 import pytest
 import yaml
+from prefect.flows import load_flow_from_entrypoint
 
-from flows import line
-
-DEPLOYMENTS = yaml.safe_load(
-    (Path(__file__).parents[2] / "deploy" / "prefect.yaml").read_text(encoding="utf-8")
-)["deployments"]
+ROOT = Path(__file__).parents[2]  # the checkout: deploy/README.md says «in the checkout»
+ORDER = ".venv/bin/prefect --no-prompt deploy --all --prefect-file deploy/prefect.yaml"
+FILE = yaml.safe_load((ROOT / "deploy" / "prefect.yaml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("deployment", DEPLOYMENTS, ids=lambda d: d["name"])
-def test_a_deployment_names_a_flow_and_its_parameters(deployment) -> None:
-    path, name = deployment["entrypoint"].split(":")
-    assert path == "flows/line.py"
-    order = getattr(line, name)
+def test_readme_gives_the_order_for_the_folder_from_which_the_entrypoints_resolve() -> None:
+    text = " ".join((ROOT / "deploy" / "README.md").read_text(encoding="utf-8").split())
+    assert ORDER in text
+    assert "in the checkout" in text
+    assert "pull" not in FILE  # then Prefect notes the folder of the order
+
+
+@pytest.mark.parametrize("deployment", FILE["deployments"], ids=lambda d: d["name"])
+def test_a_deployment_names_a_flow_and_its_parameters(deployment, monkeypatch) -> None:
+    monkeypatch.chdir(ROOT)
+    order = load_flow_from_entrypoint(deployment["entrypoint"])
     asked = set(inspect.signature(order.fn).parameters)
     assert set(deployment.get("parameters", {})) <= asked
     assert deployment["work_pool"]["name"] == "line"

@@ -16,6 +16,8 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 
+pytestmark = pytest.mark.timeout(300)
+
 SHORT = """
 format = "mimu-procedure/1"
 name = "short"
@@ -115,7 +117,7 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path,
     assert done.returncode == 0, done.stderr
     assert "VERDICT inconclusive" in done.stdout
     seen = json.loads(done.stdout.splitlines()[-1])
-    assert [state for _, state in seen["flows"]] == ["Completed", "Completed"]
+    assert [state for _, state in seen["flows"]] == ["Completed"] * 3
     assert seen["tasks"] == ["acquire", "decide and publish", "estimate"]
     assert seen["artifacts"] == ["calibration-items", "certificate"]
     assert list((home / "certificates").glob("*.pdf"))
@@ -139,36 +141,88 @@ def test_acquire_prints_the_run_and_the_run_can_be_calibrated(tmp_path, papers) 
     assert scale["value"]["x"] is None
 
 
-def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
-    home, (station_file, procedure) = tmp_path / "home", papers
+def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tuple[int, str]:
+    """Ends an acquisition by a signal when something is on the disk; exit code and stderr."""
+    station_file, procedure = papers
     procedure.write_text(SHORT.format(dwell=60.0), encoding="utf-8")
-    running_line = subprocess.Popen(
+    started = subprocess.Popen(
         mimucal(home, "acquire", station_file, "--procedure", procedure),
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment(home),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(home),
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not (found := list((home / "acquiring").glob("*.mcap"))) or (
-        found[0].stat().st_size < 200_000
-    ):
-        assert time.monotonic() < deadline
-        assert running_line.poll() is None
-        time.sleep(0.1)
-    running_line.send_signal(signal.SIGKILL)
-    running_line.wait()
-    refused = subprocess.run(
-        mimucal(home, "import", found[0]), capture_output=True, text=True, env=environment(home)
-    )
+    try:
+        deadline = time.monotonic() + 100
+        while not any(p.stat().st_size > 200_000 for p in (home / "acquiring").glob("*.mcap")):
+            assert time.monotonic() < deadline
+            assert started.poll() is None
+            time.sleep(0.1)
+        started.send_signal(how)
+        _, said = started.communicate(timeout=60)
+    finally:
+        started.kill()
+    return started.returncode, said
+
+
+def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        mimucal(home, *arguments), capture_output=True, text=True, timeout=100,
+        env=environment(home),
+    )  # fmt: skip
+
+
+def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
+    home = tmp_path / "home"
+    broken_off(home, papers, signal.SIGKILL)
+    (found,) = (home / "acquiring").glob("*.mcap")
+    refused = ordered(home, "import", found)
     assert refused.returncode == 2
     assert "--salvage" in refused.stderr
-    saved = subprocess.run(
-        mimucal(home, "import", found[0], "--salvage", "--json"),
-        capture_output=True, text=True, env=environment(home),
-    )  # fmt: skip
+    saved = ordered(home, "import", found, "--salvage", "--json")
     assert saved.returncode == 0, saved.stderr
     run = json.loads(saved.stdout)["runs"][0]["run"]
-    shown = subprocess.run(
-        mimucal(home, "show", run, "--json"), capture_output=True, text=True, env=environment(home)
-    )
-    document = json.loads(shown.stdout)
+    document = json.loads(ordered(home, "show", run, "--json").stdout)
     assert document["run"]["seconds"] > 10
     assert document["manifest"]["unit"]["serial"] == "V00007"
+
+
+def test_ctrl_c_is_one_sentence_that_says_where_the_recording_lies(tmp_path, papers) -> None:
+    home = tmp_path / "home"
+    code, said = broken_off(home, papers, signal.SIGINT)
+    (found,) = (home / "acquiring").glob("*.mcap")
+    assert code == 1
+    assert said.strip().count("\n") == 0
+    assert said.startswith("stopped by the operator")
+    assert str(found) in said
+    assert ordered(home, "import", "--salvage", found).returncode == 0
+
+
+RETRIED = """
+import sqlite3, sys
+from pathlib import Path
+from flows import server
+from storage import catalog
+from storage.home import home
+server.prepare(home())
+from flows import line
+catalog.BUSY_S = 0.2
+catalog.engine(home())
+lock = sqlite3.connect(home().path / "catalog.sqlite", check_same_thread=False)
+lock.execute("BEGIN IMMEDIATE")
+busy = []
+def released(self, *sentence):
+    lock.rollback()
+    busy.append(sentence)
+    Exception.__init__(self, *sentence)
+catalog.Busy.__init__ = released
+calibration = line.run_now(line.calibrate, reference=sys.argv[1])
+print("BUSY", len(busy), calibration.run)
+"""
+
+
+def test_stage_is_tried_again_when_another_process_held_the_catalogue(tmp_path, shared) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", RETRIED, str(shared / "real/ferraris_session")],
+        capture_output=True, text=True, timeout=110, env=environment(tmp_path / "home"),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "BUSY 1 r" in done.stdout

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
@@ -16,6 +17,9 @@ from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
 from schemas.tolerance import Decision
 from storage.home import Home
 from storage.runs import Run
+
+settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
+settings.load_profile("unhurried")
 
 PRELUDE = """
 import sys
