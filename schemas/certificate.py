@@ -1,9 +1,9 @@
 """A certificate: who, for whom, with what, and the result it prints (clause 8 of JJF 2003)."""
 
 from datetime import date
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from schemas.base import Frozen
 from schemas.calibration import Calibration
@@ -38,21 +38,28 @@ class Laboratory(Frozen):
 
 
 class Order(Frozen):
-    """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back."""
+    """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back.
+
+    calibrated_on: for a recording that does not say when it was made.
+    """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
     client: Party
     received: date
+    calibrated_on: date | None = None
     interval_months: int = Field(default=12, gt=0, le=120)
 
 
 class Certificate(Frozen):
-    """Everything the certificate prints; the PDF is made from this and nothing else."""
+    """Everything the certificate prints; the PDF is made from this and nothing else.
+
+    calibrated_on: null where nothing tells the day; `due` then counts from `issued_on`.
+    """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
     number: str
     state: State
-    calibrated_on: date
+    calibrated_on: date | None
     issued_on: date
     due: date
     laboratory: Laboratory | None
@@ -60,3 +67,13 @@ class Certificate(Frozen):
     manifest: Manifest
     calibration: Calibration
     decision: Decision
+
+    @model_validator(mode="after")
+    def _received_before_it_was_calibrated(self) -> Self:
+        day, order = self.calibrated_on, self.order
+        if day and order and order.received > day:
+            raise ValueError(
+                f"the order says received = {order.received}, which is after the calibration of "
+                f"{day}: correct the order"
+            )
+        return self

@@ -4,6 +4,7 @@ The register map and the frame layout are the documented protocol of the virtual
 (deploy/station.md prints them); a real controller gets its own map in the same shape.
 """
 
+from datetime import date
 from typing import Literal
 
 from pydantic import Field
@@ -120,7 +121,7 @@ class Equipment(Frozen):
     serial: str
     accuracy: str
     certificate: str
-    valid_until: str | None = None
+    valid_until: date | None = None
 
 
 class StationFile(Frozen):

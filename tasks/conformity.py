@@ -1,40 +1,50 @@
 """The verdict on a unit: its results against the limits of its product model.
 
 Simple acceptance (JCGM 106, 8.2): a measured value inside its limits conforms. Nothing passes by
-default: what is missing, not finite or measured outside the conditions is inconclusive.
+default: what is missing, not finite, too uncertain or measured outside the conditions is
+inconclusive.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from datetime import date
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
+from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
-from tasks.certificate.names import ITEMS, SECOND_VALUE, item_name, unit_text
-from tasks.uncertainty.rounding import MINUS
-
-Reason = tuple[str, str]  # English, Chinese
+from tasks.certificate.names import ITEMS, SECOND_VALUE
+from tasks.certificate.reasons import (
+    Reason,
+    missing,
+    outside,
+    too_uncertain,
+    without_uncertainty,
+)
 
 NO_TOLERANCE = ("no limits were given for this product model", "未提供该型号的允许限")
 WHOLE = ("all",)  # an item of which nothing is known but that it is unavailable
-NO_CAUSE = ("no cause was given", "未说明原因")
 
 
-def decide(calibration: Calibration, tolerance: Tolerance | None) -> Decision:
+def decide(
+    calibration: Calibration, tolerance: Tolerance | None, doubts: tuple[Reason, ...] = ()
+) -> Decision:
     """The verdict on a calibration, limit by limit and overall.
 
     Fail if any limited element is outside its limits; else inconclusive if a limited element
-    has no value or no uncertainty, a remark blocks a pass, or there is no tolerance; else pass.
-    A lower or an upper limit alone is one-sided. Raises Unusable where the
-    tolerance does not speak of this calibration: unknown item or element, another unit.
+    has no value, no uncertainty above zero or one that is larger than half the interval of its
+    limits, if a remark blocks a pass, if there are `doubts` (further reasons, like `expired`
+    gives), or if there is no tolerance; else pass. A lower or an upper limit alone is
+    one-sided. Raises Unusable where the tolerance does not speak of this calibration: unknown
+    item or element, another unit.
     """
     limits = tolerance.limits if tolerance else ()
     decisions = tuple(made for limit in limits for made in _against(calibration, limit))
-    doubts = [] if tolerance else [NO_TOLERANCE]
-    doubts += [_outside(made) for made in decisions if made.verdict == "fail"]
-    doubts += _missing(calibration, decisions)
-    doubts += [(remark.en, remark.zh) for remark in calibration.remarks if remark.blocks_pass]
-    reasons = tuple(dict.fromkeys(doubts))
+    reasons = [] if tolerance else [NO_TOLERANCE]
+    reasons += _of_limits(calibration, decisions)
+    reasons += doubts
+    reasons += [(remark.en, remark.zh) for remark in calibration.remarks if remark.blocks_pass]
+    reasons = list(dict.fromkeys(reasons))
     return Decision(
         verdict=_overall(decisions, reasons),
         rule=tolerance.rule if tolerance else "simple_acceptance",
@@ -45,7 +55,21 @@ def decide(calibration: Calibration, tolerance: Tolerance | None) -> Decision:
     )
 
 
-def _overall(decisions: tuple[LimitDecision, ...], reasons: tuple[Reason, ...]) -> Verdict:
+def expired(equipment: Iterable[Equipment], on: date) -> tuple[Reason, ...]:
+    """A reason against a pass for each standard whose certificate had run out on a day."""
+    return tuple(
+        (
+            f"{each.name} ({each.serial}): its certificate was valid until {each.valid_until}, "
+            f"before {on}",
+            f"{each.name_zh or each.name}（{each.serial}）：其证书有效期至 {each.valid_until}，"
+            f"早于 {on}",
+        )
+        for each in equipment
+        if each.valid_until and each.valid_until < on
+    )
+
+
+def _overall(decisions: tuple[LimitDecision, ...], reasons: list[Reason]) -> Verdict:
     if any(made.verdict == "fail" for made in decisions):
         return "fail"
     if decisions and not reasons and all(made.verdict == "pass" for made in decisions):
@@ -73,9 +97,13 @@ def _against(calibration: Calibration, limit: Limit) -> Iterator[LimitDecision]:
 
 
 def _verdict(value: float | None, U: float | None, limit: Limit, withdrawn: bool) -> Verdict:
-    if value is None or U is None or withdrawn:
+    """What lies outside with the whole of value ± U fails, however large U is."""
+    if value is None or U is None or U <= 0 or withdrawn:
         return "inconclusive"
     lower, upper = _interval(*bounds(limit))
+    too_wide = (upper - lower) / 2 < U
+    if too_wide and value + U >= lower and value - U <= upper:
+        return "inconclusive"
     return "pass" if lower <= value <= upper else "fail"
 
 
@@ -129,44 +157,25 @@ def _finite(values: dict[str, float | None] | None, element: str) -> float | Non
 def _withdrawn(calibration: Calibration, name: str) -> bool:
     """Whether an item is called unavailable as a whole although all its numbers stand there."""
     item = calibration.items.get(name)
-    return name in calibration.unavailable and (
-        item is None or all(value is not None for value in item.value.values())
-    )
+    if name not in calibration.unavailable or item is None:
+        return name in calibration.unavailable
+    second = getattr(item, SECOND_VALUE[name]) if name in SECOND_VALUE else item.value
+    return second is not None and None not in (*item.value.values(), *second.values())
 
 
-def _missing(calibration: Calibration, decisions: tuple[LimitDecision, ...]) -> list[Reason]:
-    """One reason for each limited item that has elements without a verdict."""
-    by_item: dict[str, list[str]] = {}
-    for made in decisions:
-        if made.verdict == "inconclusive":
-            by_item.setdefault(made.item, []).append(made.element)
-    reasons = []
-    for name, elements in by_item.items():
-        zh, en = item_name(name)
-        why = calibration.unavailable.get(name, NO_CAUSE[0])
-        why_zh = calibration.unavailable_zh.get(name)
-        why_zh = why_zh or (why if name in calibration.unavailable else NO_CAUSE[1])
-        listed = ", ".join(dict.fromkeys(elements))
-        reasons.append(
-            (f"{en} ({listed}) not determined: {why}", f"{zh}（{listed}）未得：{why_zh}")
-        )
-    return reasons
-
-
-def _outside(made: LimitDecision) -> Reason:
-    zh, en = item_name(made.item)
-    unit = unit_text(made.unit)
-    value = _text(made.value)
-    wanted = f"{_text(made.lower)} … {_text(made.upper)}"
-    if made.lower is None:
-        wanted = f"≤ {_text(made.upper)}"
-    elif made.upper is None:
-        wanted = f"≥ {_text(made.lower)}"
-    return (
-        f"{en} ({made.element}): {value} {unit} is outside {wanted} {unit}",
-        f"{zh}（{made.element}）：{value} {unit} 超出 {wanted} {unit}",
-    )
-
-
-def _text(number: float | None) -> str:
-    return format(number, ".6g").replace("-", MINUS) if number is not None else "—"
+def _of_limits(calibration: Calibration, decisions: tuple[LimitDecision, ...]) -> list[Reason]:
+    """Why limited elements did not pass: outside, too uncertain, without U, without a value."""
+    open_ = [made for made in decisions if made.verdict == "inconclusive"]
+    absent = [made for made in open_ if made.value is None or _withdrawn(calibration, made.item)]
+    bare = [made for made in open_ if made not in absent and (made.U is None or made.U <= 0)]
+    vague = [made for made in open_ if made not in absent and made not in bare]
+    return [
+        *(
+            outside(made, calibration.items[made.item].k)
+            for made in decisions
+            if made.verdict == "fail"
+        ),
+        *map(too_uncertain, vague),
+        *without_uncertainty(bare),
+        *missing(calibration, absent),
+    ]

@@ -23,25 +23,47 @@ SECTIONS = {
         (("失准角", "Misalignment angles"), ("ahrs_misalignment",)),
     ),
 }  # fmt: skip
+# The items of Table 2 of the one, of clause 7 of the other.
+TABLE_ITEMS = {
+    "JJF 2003-2022": (
+        "gyro_scale_factor", "gyro_bias", "gyro_g_sensitivity", "gyro_cross_coupling",
+        "accel_bias", "accel_scale_factor", "accel_cross_coupling", "accel_rate_sensitivity",
+    ),
+    "JJF 1536-2015": ("ahrs_scale_factor", "ahrs_zero_offset", "ahrs_misalignment"),
+}  # fmt: skip
 OTHER = ("其他结果", "Other results")
+
+# Items whose numbers are written in one power of ten, so that they can be compared.
+ALIKE = {
+    "gyro_cross_coupling": "accel_cross_coupling",
+    "accel_cross_coupling": "gyro_cross_coupling",
+}
 
 COLUMNS = {
     "gyro_g_sensitivity": (
-        ("(a) 式(7)", "(a) as eq. (7)"),
+        ("(a) 式(7)", "(a) by eq. (7)"),
         ("(b) 扣除地球自转", "(b) less Earth's rate"),
     ),
     "accel_rate_sensitivity": (
-        ("(a) 式(12)、(13)", "(a) as eq. (12), (13)"),
+        ("(a) 式(12)、式(13)", "(a) by eq. (12), (13)"),
         ("(b) 模型式(2)符号", "(b) sign of model (2)"),
     ),
 }
 ONE_COLUMN = (("测得值", "Value"),)
 
+NOT_DECIDED_ON = {
+    "gyro_fit_offset": (
+        "式(4)的 b 仅供参考，不作判定；陀螺零偏见第 2 项。",
+        "b of eq. (4) is given for information and is not decided on; the gyro bias stands in "
+        "section 2.",
+    ),
+}
 SENTENCES: dict[str, tuple[Pair, ...]] = {
     "gyro_fit_offset": (
-        ("拟合零偏 b 由式(4)得到，仅供参考，不作判定；陀螺零偏见第 2 项。",
-         "The fit offset b of eq. (4) is given for information and is not decided on; "
-         "the gyro bias stands in section 2."),
+        ("b 由速率点求得，与零偏 B 不同：转轴竖直时，b 还含 g_ii × 1 g "
+         "和地球自转在竖直轴上的分量。",
+         "b comes from the rate points and differs from the bias B: about a vertical axis b also "
+         "contains g_ii × 1 g and Earth's rotation about that axis."),
     ),
     "gyro_g_sensitivity": (
         ("g 为当地重力加速度。首下标为敏感轴，次下标为输入轴。",

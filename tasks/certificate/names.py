@@ -119,7 +119,7 @@ RULES = {
     ),
 }
 
-KINDS = {"type A": ("A 类", "type A")}
+KINDS = {"type A": ("A 类评定", "type A")}
 
 VERDICTS = {
     "pass": ("合格", "pass"),
@@ -136,3 +136,14 @@ def item_name(item: str) -> Pair:
 def unit_text(unit: str) -> str:
     """A unit as it is printed."""
     return UNITS.get(unit, unit)
+
+
+def quantity_text(number: str, unit: str) -> str:
+    """A number with its unit as it is printed; a ratio has none."""
+    return number if unit == "1" else f"{number} {unit_text(unit)}"
+
+
+def symbol(item: str, element: str) -> str:
+    """The symbol of an element as plain text, like K_gxx; the element where there is none."""
+    named = ITEMS.get(item)
+    return f"{named.letter}_{named.subscript(element)}" if named else element

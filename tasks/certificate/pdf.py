@@ -8,7 +8,8 @@ from typing import Any
 
 from schemas.base import Unusable
 from schemas.certificate import Certificate
-from tasks.certificate.content import content, literal
+from tasks.certificate.content import content
+from tasks.certificate.fields import literal
 
 TEMPLATE = Path(__file__).with_name("certificate.typ")
 

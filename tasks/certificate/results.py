@@ -9,7 +9,15 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration, Item
 from schemas.tolerance import Decision, LimitDecision
-from tasks.certificate.appendix import COLUMNS, ONE_COLUMN, OTHER, SECTIONS, SENTENCES
+from tasks.certificate.appendix import (
+    ALIKE,
+    COLUMNS,
+    NOT_DECIDED_ON,
+    ONE_COLUMN,
+    OTHER,
+    SECTIONS,
+    SENTENCES,
+)
 from tasks.certificate.names import (
     ITEMS,
     KINDS,
@@ -22,7 +30,8 @@ from tasks.certificate.names import (
     item_name,
     unit_text,
 )
-from tasks.certificate.notes import identifiers
+from tasks.certificate.notes import determined, identifiers
+from tasks.certificate.typography import clause, pair
 from tasks.uncertainty.rounding import column, text
 
 
@@ -51,10 +60,14 @@ class Matrix:
 
 @dataclass(frozen=True)
 class Group:
-    """One item: its heading, unit and rows, and what has to be said about it."""
+    """One item: its heading, unit and rows, and what has to be said about it.
+
+    determined: whether there is any value; if not, there is nothing to tabulate.
+    """
 
     title: Pair
-    clause: str
+    determined: bool
+    clause: Pair
     k: str
     kind: Pair | None
     unit: str
@@ -83,15 +96,15 @@ def sections(
     others = tuple(name for name in calibration.items if name not in known)
     every = (*order, (OTHER, others)) if others else order
     return tuple(
-        Section(title, tuple(_group(calibration, decision, name) for name in items))
+        Section(title, tuple(_group(calibration, decision, name, specification) for name in items))
         for title, items in every
     )
 
 
-def _group(calibration: Calibration, decision: Decision, name: str) -> Group:
+def _group(calibration: Calibration, decision: Decision, name: str, specification: str) -> Group:
     item = calibration.items.get(name)
     elements = _elements(item, name)
-    exponent, values, seconds, U = _numbers(item, name, elements)
+    exponent, values, seconds, U = _numbers(calibration, name, elements)
     limits = [made for made in decision.limits if made.item == name]
     shorts = identifiers(calibration)
     rows = tuple(
@@ -99,9 +112,11 @@ def _group(calibration: Calibration, decision: Decision, name: str) -> Group:
         for i, element in enumerate(elements)
     )
     columns = COLUMNS.get(name, ONE_COLUMN)
+    known = determined(item)
     return Group(
         title=item_name(name),
-        clause=item.clause if item else "",
+        determined=known,
+        clause=clause(item.clause, specification) if item else ("", ""),
         k=f"{item.k:g}" if item else "",
         kind=KINDS[item.uncertainty_kind] if item else None,
         unit=unit_text(item.unit if item else ITEMS[name].unit),
@@ -109,8 +124,11 @@ def _group(calibration: Calibration, decision: Decision, name: str) -> Group:
         columns=columns,
         rows=rows,
         matrices=_matrices(name, elements, columns, values, seconds),
-        readings=tuple(shorts[reading] for reading in item.readings) if item else (),
-        sentences=(*SENTENCES.get(name, ()), *_applied(limits), *_missing(calibration, name)),
+        readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
+        sentences=(
+            *(_about(name, limits) if known else ()),
+            *_missing(calibration, name),
+        ),
     )
 
 
@@ -120,17 +138,20 @@ def _elements(item: Item | None, name: str) -> tuple[str, ...]:
 
 
 def _numbers(
-    item: Item | None, name: str, elements: tuple[str, ...]
+    calibration: Calibration, name: str, elements: tuple[str, ...]
 ) -> tuple[int, Sequence[str | None], Sequence[str | None], Sequence[str | None]]:
-    """Exponent, values, second values and U; both values share one column of texts."""
-    if item is None:
-        nothing = (None,) * len(elements)
-        return 0, nothing, nothing, nothing
-    second = getattr(item, SECOND_VALUE[name]) if name in SECOND_VALUE else None
-    numbers = [(source or {}).get(e) for source in (item.value, second) for e in elements]
-    made = column(numbers, [item.U.get(e) for e in elements] * 2)
-    half = len(elements)
-    return made.exponent, made.values[:half], made.values[half:], made.uncertainties[:half]
+    """Exponent, values, second values and U; an item alike shares the power of ten."""
+    items = calibration.items
+    item, alike = items.get(name), items.get(ALIKE.get(name, ""))
+    second = getattr(item, SECOND_VALUE.get(name, ""), None)
+    sources = [item.value if item else {}, second or {}]
+    U = item.U if item else {}
+    pairs = [(source.get(e), U.get(e)) for source in sources for e in elements]
+    others = [(value, alike.U.get(e)) for e, value in alike.value.items()] if alike else []
+    every = [*pairs, *others]
+    made = column([value for value, _ in every], [uncertain for _, uncertain in every])
+    n = len(elements)
+    return made.exponent, made.values[:n], made.values[n : 2 * n], made.uncertainties[:n]
 
 
 def _row(
@@ -174,6 +195,12 @@ def _plain(number: float | None, exponent: int) -> str | None:
     return None if number is None else text(Decimal(repr(number)).normalize(), exponent)
 
 
+def _about(name: str, limits: list[LimitDecision]) -> tuple[Pair, ...]:
+    """What the reader of an item must know, and whether and on what it is decided."""
+    undecided = () if limits or name not in NOT_DECIDED_ON else (NOT_DECIDED_ON[name],)
+    return (*undecided, *SENTENCES.get(name, ()), *_applied(limits))
+
+
 def _applied(limits: list[LimitDecision]) -> list[Pair]:
     if not limits or limits[0].item not in SECOND_VALUE:
         return []
@@ -195,7 +222,9 @@ def _missing(calibration: Calibration, name: str) -> list[Pair]:
         said.append(("未说明原因", "no cause was given"))
     if item and name in SECOND_VALUE and getattr(item, SECOND_VALUE[name]) is None:
         said.append(("(b) 未能计算", "(b) could not be computed"))
-    return [(f"未得：{zh}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said]
+    return [
+        pair(f"未得：{zh.rstrip('。')}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said
+    ]
 
 
 def _matrices(

@@ -18,9 +18,9 @@ class Reading:
 READINGS: dict[str, Reading] = {
     "jjf2003.p_turning": Reading(
         "JJF 2003-2022, 7.2.5.2, eq. (12), (13)",
-        "U7 is the mean at rest (7.2.5.1 a) and U8 the mean while turning (7.2.5.1 b); "
-        "the text under the equations calls both «at rest».",
-        "U7 为静止时均值（7.2.5.1 a），U8 为转动时均值（7.2.5.1 b）；"
+        "U_7 is the mean at rest (7.2.5.1 a) and U_8 the mean while turning (7.2.5.1 b); "
+        "the text under the equations calls both “at rest”.",
+        "U_7 为静止时均值（7.2.5.1 a），U_8 为转动时均值（7.2.5.1 b）；"
         "公式下的文字将两者均写作“静止”。",
     ),
     "jjf2003.p_sign": Reading(
@@ -28,7 +28,7 @@ READINGS: dict[str, Reading] = {
         "Eq. (12), (13) give rest minus turning, which is the negative of p in model (2). The "
         "value by (12), (13) is the clause's result; the value with the sign of model (2) is "
         "stored beside it and is the one to compensate with.",
-        "式(12)、(13)为静止减转动，与模型式(2)中 p 的符号相反。按式(12)、(13)的值为本条款结果；"
+        "式(12)、式(13)为静止减转动，与模型式(2)中 p 的符号相反。按式(12)、式(13)的值为本条款结果；"
         "符号按模型式(2)的值另行给出，补偿时应使用后者。",
     ),
     "jjf2003.p_lever_arm": Reading(
@@ -36,7 +36,7 @@ READINGS: dict[str, Reading] = {
         "With the accelerometers at r from the rotation axis, eq. (12), (13) return the "
         "components of r (in metres) on top of the sensor's own p; the value holds for the "
         "mounting position of this calibration.",
-        "加速度计偏离转轴 r 时，式(12)、(13)的结果包含 r 的分量（单位 m）；"
+        "加速度计偏离转轴 r 时，式(12)、式(13)的结果包含 r 的分量（单位 m）；"
         "该值仅对本次校准的安装位置有效。",
     ),
     "jjf2003.p_rates": Reading(
@@ -53,16 +53,16 @@ READINGS: dict[str, Reading] = {
     "jjf2003.g_earth": Reading(
         "JJF 2003-2022, 7.2.2.2 eq. (7)",
         "The 180° pairs of 7.2.2.1 cancel only the horizontal part of Earth's rotation; the "
-        "diagonal of the g-sensitivity by eq. (7) is too large by ωe·sin φ per g. The value by "
+        "diagonal of the g-sensitivity by eq. (7) is too large by ω_e·sin φ per g. The value by "
         "the clause and the value without Earth's rotation are both given.",
-        "7.2.2.1 的 180° 翻转仅抵消地球自转的水平分量；式(7)所得对角元每 g 偏大 ωe·sin φ。"
+        "7.2.2.1 的 180° 翻转仅抵消地球自转的水平分量；式(7)所得对角元每 g 偏大 ω_e·sin φ。"
         "同时给出按条款的值和扣除地球自转后的值。",
     ),
     "jjf2003.input_matrix": Reading(
         "JJF 2003-2022, 7.2.2.2",
-        "The input matrix called Āa and then Āg is one and the same 4 × 6 matrix, in units of "
+        "The input matrix called Ā_a and then Ā_g is one and the same 4 × 6 matrix, in units of "
         "the local gravity.",
-        "先后写作 Āa 与 Āg 的输入矩阵为同一 4×6 矩阵，单位为当地重力加速度 g。",
+        "先后写作 Ā_a 与 Ā_g 的输入矩阵为同一 4 × 6 矩阵，单位为当地重力加速度 g。",
     ),
     "jjf2003.k_azx": Reading(
         "JJF 2003-2022, 5.2, list under eq. (2)",

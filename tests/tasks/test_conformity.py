@@ -1,6 +1,7 @@
 """The verdict: what passes, what fails, what nobody can say."""
 
 import math
+from datetime import date
 from typing import Any
 
 import pytest
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item, Remark
+from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, Tolerance
-from tasks.conformity import decide
+from tasks.conformity import decide, expired
 
 BIAS = {"x": 0.01, "y": -0.02, "z": 0.03}
 
@@ -56,8 +58,12 @@ def test_one_element_outside_fails_and_is_named_in_both_languages() -> None:
     )
     assert decision.verdict == "fail"
     assert [made.verdict for made in decision.limits] == ["pass", "fail", "pass"]
-    assert decision.reasons == ("Gyro bias (y): −0.06 °/s is outside −0.05 … 0.05 °/s",)
-    assert decision.reasons_zh == ("陀螺零偏（y）：−0.06 °/s 超出 −0.05 … 0.05 °/s",)
+    assert decision.reasons == (
+        "Gyro bias B_gy: −0.0600 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s",
+    )
+    assert decision.reasons_zh == (
+        "陀螺零偏 B_gy：−0.0600 °/s，U = 0.0010 °/s（k = 2），超出 ±0.05 °/s",
+    )
 
 
 def test_a_value_on_its_limit_is_accepted() -> None:
@@ -182,6 +188,110 @@ def test_a_quantity_that_could_not_be_computed_is_inconclusive() -> None:
                   applied_to="value_without_earth_rotation")  # fmt: skip
     decision = decide(calibration({"gyro_g_sensitivity": result}), tolerance(limit))
     assert decision.verdict == "inconclusive"
+
+
+def with_uncertainty(value: float, U: float | None, **limit: Any) -> Decision:
+    values: dict[str, float | None] = dict.fromkeys("xyz", value)
+    uncertain = item(values).model_copy(update={"U": dict.fromkeys("xyz", U)})
+    return decide(calibration({"gyro_bias": uncertain}), tolerance(bias_limit(**limit)))
+
+
+@pytest.mark.parametrize("value", [0.01, -0.06])
+def test_an_uncertainty_wider_than_half_the_limits_decides_nothing(value: float) -> None:
+    decision = with_uncertainty(value, 0.051)
+    assert decision.verdict == "inconclusive"
+    assert {made.verdict for made in decision.limits} == {"inconclusive"}
+    assert "U = 0.051 °/s, larger than half the interval ±0.05 °/s" in decision.reasons[0]
+    assert "U = 0.051 °/s，大于允许区间 ±0.05 °/s 的一半" in decision.reasons_zh[0]
+
+
+def test_an_uncertainty_of_half_the_limits_still_decides() -> None:
+    assert with_uncertainty(0.01, 0.05).verdict == "pass"
+
+
+def test_a_value_wholly_outside_fails_however_uncertain_it_is() -> None:
+    assert with_uncertainty(0.2, 0.051).verdict == "fail"
+
+
+def test_a_one_sided_limit_has_no_interval_to_compare_with() -> None:
+    assert with_uncertainty(0.01, 5.0, lower=None).verdict == "pass"
+
+
+@pytest.mark.parametrize("U", [None, 0.0])
+@pytest.mark.parametrize("value", [0.01, 9.0])
+def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | None) -> None:
+    decision = with_uncertainty(value, U)
+    assert decision.verdict == "inconclusive"
+    assert decision.reasons == (
+        "Gyro bias (x, y, z): no uncertainty above zero was found, so nothing can be decided",
+    )
+
+
+def test_a_failure_that_rounding_would_hide_is_given_in_full() -> None:
+    (x, *_) = with_uncertainty(0.0500004, 0.001).reasons
+    assert x == "Gyro bias B_gx: 0.0500004 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s"
+
+
+def test_a_failure_says_which_of_two_values_was_decided_on() -> None:
+    reasons = g_sensitivity().reasons
+    assert reasons[5] == (
+        "Gyro g-sensitivity g_yz, the value by the clause: 0.0120 (°/s)/g, "
+        "U = 0.0010 (°/s)/g (k = 2), is outside ±0.01 (°/s)/g"
+    )
+
+
+def test_a_failing_ratio_has_no_unit() -> None:
+    scale = item({"x": 1.02, "y": 1.0, "z": 1.0}, unit="1")
+    limit = Limit(item="gyro_scale_factor", unit="1", lower=0.99, upper=1.01)
+    decision = decide(calibration({"gyro_scale_factor": scale}), tolerance(limit))
+    assert decision.reasons == (
+        "Gyro scale factor K_gxx: 1.0200, U = 0.0010 (k = 2), is outside 0.99 … 1.01",
+    )
+
+
+def test_further_doubts_prevent_a_pass_and_stand_among_the_reasons() -> None:
+    doubt = ("the lamp flickered", "灯闪烁")
+    decision = decide(
+        calibration({"gyro_bias": item(BIAS)}), tolerance(bias_limit()), doubts=(doubt,)
+    )
+    assert decision.verdict == "inconclusive"
+    assert (decision.reasons, decision.reasons_zh) == (("the lamp flickered",), ("灯闪烁",))
+
+
+def standard(valid_until: date | None) -> Equipment:
+    return Equipment(
+        name="Table", name_zh="转台", serial="T-1", accuracy="", certificate="",
+        valid_until=valid_until,
+    )  # fmt: skip
+
+
+def test_a_standard_that_ran_out_before_the_day_is_a_reason() -> None:
+    last = date(2026, 11, 20)
+    assert expired([standard(last), standard(None)], last) == ()
+    assert expired([standard(last)], date(2026, 11, 21)) == (
+        (
+            "Table (T-1): its certificate was valid until 2026-11-20, before 2026-11-21",
+            "转台（T-1）：其证书有效期至 2026-11-20，早于 2026-11-21",
+        ),
+    )
+
+
+def test_a_second_value_missing_off_the_diagonal_leaves_the_diagonal_decided() -> None:
+    g: dict[str, float | None] = {a + b: 0.001 for a in "xyz" for b in "xyz"}
+    earth = {element: v if element[0] == element[1] else None for element, v in g.items()}
+    result = item(g, unit="(deg/s)/g", value_without_earth_rotation=earth)
+    limit = Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", magnitude=0.01,
+                  applied_to="value_without_earth_rotation")  # fmt: skip
+    why = {"gyro_g_sensitivity": "one heading only"}
+    decision = decide(calibration({"gyro_g_sensitivity": result}, why), tolerance(limit))
+    assert [made.element for made in decision.limits if made.verdict == "pass"] == [
+        "xx",
+        "yy",
+        "zz",
+    ]
+    assert decision.reasons == (
+        "Gyro g-sensitivity (xy, xz, yx, yz, zx, zy) not determined: one heading only",
+    )
 
 
 @given(st.dictionaries(st.sampled_from("xyz"), st.none() | st.floats(-0.1, 0.1)), st.booleans())

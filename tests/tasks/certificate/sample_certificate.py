@@ -122,7 +122,7 @@ def laboratory(**changes: Any) -> Laboratory:
                 serial="TT3-0417",
                 accuracy="U(rate) = 2×10⁻⁴ (k = 2); position ±10″",
                 certificate="JL-2026-01873",
-                valid_until="2027-03-14",
+                valid_until=date(2027, 3, 14),
             ),
             Equipment(
                 name="Thermo-hygrometer",

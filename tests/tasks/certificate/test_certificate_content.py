@@ -11,9 +11,11 @@ from sample_certificate import AXES, calibration, certificate, item, items, mani
 from schemas.calibration import Calibration, EnvironmentSeen, Item, Method, Remark
 from schemas.certificate import State
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
-from tasks.certificate.content import METHODS, SPECIFICATIONS, WATERMARKS, content, literal
+from tasks.certificate.content import METHODS, WATERMARKS, content
+from tasks.certificate.cover import SCOPES, SPECIFICATIONS
+from tasks.certificate.fields import literal
 from tasks.certificate.names import KINDS, QUANTITIES, RULES, VERDICTS
-from tasks.certificate.notes import BASIS, CONTENTS_OF_U
+from tasks.certificate.notes import BASIS, CONTENTS_IN_SHORT, CONTENTS_OF_U
 from tasks.certificate.results import Group
 from tasks.conformity import decide
 
@@ -39,9 +41,11 @@ def texts(said: Any) -> list[str]:
         (Method, SPECIFICATIONS),
         (Method, BASIS),
         (Verdict, VERDICTS),
+        (Verdict, SCOPES),
         (Quantity, QUANTITIES),
         (Item.model_fields["uncertainty_kind"].annotation, KINDS),
         (Item.model_fields["uncertainty_kind"].annotation, CONTENTS_OF_U),
+        (Item.model_fields["uncertainty_kind"].annotation, CONTENTS_IN_SHORT),
         (Tolerance.model_fields["rule"].annotation, RULES),
     ],
 )
@@ -157,7 +161,7 @@ def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
     scale = item("1", "7.2.1", AXES, [1.0, 1.0, 1.0], 1e-5, readings=("nobody.knows",))
     result = calibration(items={"gyro_scale_factor": scale})
     made = content(certificate(result, decide(result, None)))
-    assert made.readings[0][:2] == ("R1", "nobody.knows")
+    assert made.readings[0][:2] == ("R1", ("nobody.knows", "nobody.knows"))
 
 
 def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
@@ -213,7 +217,7 @@ def test_jjf_1536_has_its_own_items_and_conditions() -> None:
         "航向角零偏", "Zero offset of the heading angle"
     )  # fmt: skip
     assert made.environment[0][2] == "(20 ± 3) °C"
-    assert made.statement[1].endswith("clauses 7.2.")
+    assert made.statement[0][1].endswith("; clauses 7.2.")
 
 
 @given(st.text(max_size=60))
@@ -227,6 +231,6 @@ def test_every_sentence_is_there_in_two_languages() -> None:
     made = asdict(content(certificate()))
     chinese = [any("\u4e00" <= c <= "\u9fff" for c in text) for text in texts(made)]
     assert sum(chinese) > 100
-    for zh, en in (*made["uncertainty"], *made["remarks"], made["statement"]):
+    for zh, en in (*made["uncertainty"], *made["remarks"], *made["statement"]):
         assert any("\u4e00" <= c <= "\u9fff" for c in zh)
         assert not any("\u4e00" <= c <= "\u9fff" for c in en)

@@ -84,9 +84,7 @@ def failed() -> Certificate:
 
 def stretched(text: str) -> Certificate:
     party = Party(name=text, name_zh=text, address=text, address_zh=text)
-    standard = Equipment(
-        name=text, name_zh=text, serial=text, accuracy=text, certificate=text, valid_until=text
-    )
+    standard = Equipment(name=text, name_zh=text, serial=text, accuracy=text, certificate=text)
     return certificate(
         laboratory=laboratory(
             party=party, equipment=(standard,), operator=text, checker=text, issuer=text,
@@ -135,7 +133,12 @@ def issued() -> str:
         ("校准依据", "Basis of the calibration", "JJF 2003—2022", "JJF 2003-2022"),
         ("符合性判定", "Statement of conformity", "Q/SL 3-2026, Table 2", "simple acceptance"),
         ("合格", "pass", "说明", "Remarks", "对规范条文的理解", "Readings of the specification"),
-        ("溯源信息", "Provenance of the result", "0.1.0+4d6c767", "jjf2003-full"),
+        (
+            "数据来源与处理信息",
+            "Origin and processing of the data",
+            "0.1.0+4d6c767",
+            "jjf2003-full",
+        ),
         ("4f9c1a7e20b3d5586b1f0c9a7e64d28135fb0e9c1d27a4863e5f90b2c7d81a46",),
     ],
 )
@@ -182,14 +185,25 @@ def test_it_is_a_pdf_a_3b_of_the_day_of_issue() -> None:
 
 def test_a_failed_unit_is_called_failed_with_its_reason() -> None:
     said = "".join(pages(render(failed())))
-    for word in ("不合格", "fail", "陀螺零偏（x）", "is outside −0.05 … 0.05 °/s", "未得：未记录"):
+    for word in (
+        "不合格",
+        "fail",
+        "陀螺零偏 Bgx：0.20000 °/s",
+        "U = 0.00020 °/s (k = 2), is outside ±0.05 °/s",
+        "未得：未记录",
+    ):
         assert squeezed(word) in said
     assert squeezed("Not determined: gyro y was not recorded.") in said
 
 
 def test_a_unit_without_limits_is_inconclusive_with_its_reason() -> None:
     said = "".join(pages(render(bare())))
-    for word in ("无法判定", "inconclusive", "未提供该型号的允许限", "no limits were given"):
+    for word in (
+        "未作符合性判定",
+        "no statement of conformity",
+        "未提供该型号的允许限",
+        "no limits were given",
+    ):
         assert squeezed(word) in said
     assert said.count("未提供") > 15
     assert said.count("notgiven") > 15
