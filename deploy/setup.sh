@@ -1,20 +1,28 @@
 #!/usr/bin/env bash
-# Builds .venv from the pinned, hashed requirements. Installs python3-venv where Debian lacks it.
+# Builds .venv from the pinned, hashed requirements. Installs venv where Debian lacks it, as root.
 set -euo pipefail
 python=${PYTHON:-python3}
 
-as_root() { if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi; }
+leave() { echo "$1" >&2; exit 1; }
 
-"$python" - <<'CHECK' || { echo "mimucal needs Python 3.11 or newer; PYTHON=… make setup names another" >&2; exit 1; }
-import sys
-raise SystemExit(sys.version_info < (3, 11))
-CHECK
+"$python" -c 'import sys; raise SystemExit(sys.version_info < (3, 11))' 2>/dev/null \
+    || leave "mimucal needs Python 3.11 or newer, which $python is not; PYTHON=python3.12 make setup names another"
 
-if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
-    as_root apt-get update -qq
-    as_root apt-get install -y -qq python3-venv
-fi
-[ -x .venv/bin/python ] || "$python" -m venv .venv
+install_venv() {
+    local package=python3-venv
+    [[ $(basename "$python") =~ ^python3\.[0-9]+$ ]] && package=$(basename "$python")-venv
+    local as_root=()
+    if [ "$(id -u)" != 0 ]; then
+        sudo -n true 2>/dev/null \
+            || leave "$python cannot make a venv; install the package $package as root, then run make setup again"
+        as_root=(sudo)
+    fi
+    "${as_root[@]}" apt-get update -qq
+    "${as_root[@]}" apt-get install -y -qq "$package"
+}
+
+"$python" -c 'import ensurepip, venv' 2>/dev/null || install_venv
+.venv/bin/python -m pip --version >/dev/null 2>&1 || "$python" -m venv --clear .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
 .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 .venv/bin/python -m compileall -q .venv/lib >/dev/null 2>&1 || true
