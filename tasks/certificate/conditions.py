@@ -96,7 +96,7 @@ def _rate_for_p(calibration: Calibration, axis: Axis) -> str:
         return "—"
     held = _held(calibration, axis)
     upright = [each for each in held if (each.up or "")[1:] == axis] or held
-    return number(max((abs(each.rate_deg_s or 0.0) for each in upright), default=0.0))
+    return number(max(abs(each.rate_deg_s or 0.0) for each in upright)) if upright else "—"
 
 
 def _dwell(calibration: Calibration) -> Pair:

@@ -39,7 +39,7 @@ SPECIFICATION_TITLES = {
         "JJF 1536-2015, Calibration Specification for Strapdown Inertial Flight Attitudes",
     ),
 }
-TABLES = {"JJF 2003-2022": ("表 2", "Table 2"), "JJF 1536-2015": ("第 7 章", "clause 7")}
+TABLES = {"JJF 2003-2022": ("表 2 ", "Table 2"), "JJF 1536-2015": ("第 7 章", "clause 7")}
 
 ROUNDING = (
     "U 为扩展不确定度，U = k·u，包含因子 k 列于各项标题。U 按 JJF 1059.1 取两位有效数字，只进不舍；"

@@ -8,7 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sample_certificate import AXES, calibration, certificate, item, items, manifest, tolerance
 
-from schemas.calibration import Calibration, EnvironmentSeen, Item, Method, Remark
+from schemas.calibration import (
+    Calibration,
+    EnvironmentSeen,
+    Item,
+    Method,
+    Remark,
+)
 from schemas.certificate import State
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
 from tasks.certificate.content import METHODS, WATERMARKS, content

@@ -1,0 +1,168 @@
+"""What the certificate says about how it was measured and how far its verdict reaches."""
+
+from datetime import date
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+from sample_certificate import AXES, calibration, certificate, item, items, manifest, tolerance
+
+from schemas.calibration import Calibration, Remark, SegmentUsed
+from schemas.recording import Kind, Manifest, Mount, Segment
+from schemas.tolerance import Limit
+from tasks.certificate.content import content
+from tasks.conformity import decide
+
+
+def segment(name: str, kind: Kind, **more: Any) -> SegmentUsed:
+    seconds = more.pop("seconds", 30.0)
+    return SegmentUsed(
+        name=name, kind=kind, t_start=0.0, t_end=seconds, origin="label", rows=100, **more
+    )
+
+
+def turned(**changes: Any) -> Calibration:
+    """Two rests, x turned at four points, y at one."""
+    used = (
+        segment("up", "static", up="+x", seconds=30.02),
+        segment("down", "static", up="-x", seconds=29.96),
+        *(segment(f"x{r}", "rate", axis="x", up="+x", rate_deg_s=r) for r in (-300, -10, 10, 300)),
+        segment("y", "rate", axis="y", up="+y", rate_deg_s=-50.0, seconds=31.0),
+    )
+    return calibration(segments=used, **changes)
+
+
+def labelled(**changes: Any) -> Manifest:
+    turn = Mount(quaternion_wxyz=(0.0, -1.0, 0.0, 0.0))
+    labels = (
+        Segment(name="up", kind="static", t_start=0, t_end=30, up="+x", turn_deg=0),
+        Segment(name="down", kind="static", t_start=0, t_end=30, up="-x", turn_deg=180, mount=turn),
+    )
+    return manifest().model_copy(update={"segments": labels} | changes)
+
+
+def test_the_conditions_tell_rates_dwell_positions_and_mounting() -> None:
+    made = content(certificate(turned(), manifest=labelled())).conditions
+    assert [(r.axis, r.points[1], r.count, r.largest) for r in made.rates] == [
+        ("X", "±10, ±300", "4", "300"), ("Y", "−50", "1", "50"), ("Z", "—", "0", "—"),
+    ]  # fmt: skip
+    assert [field.value[1] for field in made.fields] == [
+        "29.9 s at rest; 30.0 s at a held rate",
+        "2 rests; 2 directions up: +x, −x; headings 0°, 180° (not each with every axis up)",
+        "(1, 0, 0, 0); (0, −1, 0, 0)",
+        "not given",
+    ]
+
+
+def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
+    given = labelled(mounting_position="10 mm off the axis")
+    made = content(certificate(turned(), manifest=given)).conditions
+    assert made.fields[-1].value[0] == "10 mm off the axis"
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        (None, "is not told, so whether it was included was not checked"),
+        (300, "300 °/s; about Y, Z it was not included"),
+        (10, "10 °/s; about Z it was not included"),
+    ],
+)
+def test_the_largest_input_rate_is_checked_where_it_is_told(told: float | None, said: str) -> None:
+    unit = manifest().unit.model_copy(update={"rate_range_deg_s": told})
+    made = content(certificate(turned(), manifest=labelled(unit=unit))).conditions
+    assert said in made.sentences[0][1]
+
+
+def test_without_turning_there_are_no_rates_to_tell() -> None:
+    made = content(certificate()).conditions
+    assert (made.rates, made.sentences) == ((), ())
+
+
+def test_without_a_day_of_calibration_the_next_counts_from_the_certificate() -> None:
+    made = {f.label[1]: f.value for f in content(certificate(calibrated_on=None)).front}
+    assert made["Date of calibration"] == ("未提供", "not given")
+    assert made["Recalibration due"] == (
+        "2027-11-19（未提供校准日期，自证书日期起算）",
+        "2027-11-19, counted from the date of the certificate, as that of the calibration is "
+        "not given",
+    )
+
+
+def test_an_order_received_after_the_calibration_is_refused() -> None:
+    with pytest.raises(ValidationError, match=r"received = 2026-11-16, .* correct the order"):
+        certificate(calibrated_on=date(2026, 11, 15))
+
+
+def test_the_basis_names_only_what_was_determined_and_lists_the_rest() -> None:
+    given = items()
+    given["gyro_scale_factor"] = item("1", "7.2.1", AXES, [None] * 3, 1e-5)
+    del given["gyro_fit_offset"]
+    statement = content(certificate(calibration(items=given))).statement
+    assert "7.2.1" not in statement[0][1]
+    assert statement[0][0].startswith("本次校准依据 JJF 2003—2022")
+    assert statement[1] == (
+        "表 2 中未得出结果的项目：陀螺标度因数。",
+        "Items of Table 2 not determined: Gyro scale factor.",
+    )
+
+
+def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:
+    warm = Remark(code="c", en="Too warm.", zh="温度过高。", blocks_pass=True)
+    made = content(certificate(calibration(remarks=(warm,))))
+    assert made.statement[0][0].startswith("本次校准参照 JJF 2003—2022")
+    assert "with deviations, see Remarks" in made.statement[0][1]
+    specification = {f.label[1]: f.value for f in made.front}["Specification"]
+    assert specification[0] == "参照 JJF 2003—2022，有偏离，见“说明”"
+
+
+def test_a_pass_says_for_how_many_items() -> None:
+    made = content(certificate())
+    assert made.scope == (
+        "所判定项目合格：8 项中判定 6 项",
+        "pass for the 6 of 8 items that have limits",
+    )
+
+
+def test_a_verdict_on_some_elements_says_so() -> None:
+    limit = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0, elements=("x",))
+    result = calibration()
+    made = content(certificate(result, decide(result, tolerance(limits=(limit,)))))
+    assert made.scope is not None
+    assert made.scope[1] == "pass for the 1 of 8 items that have limits (1 of them in part)"
+
+
+def test_without_limits_there_is_no_statement_of_conformity() -> None:
+    result = calibration()
+    made = content(certificate(result, decide(result, None)))
+    assert (made.verdict, made.verdict_text, made.scope) == (
+        "inconclusive", ("未作符合性判定", "no statement of conformity"), None,
+    )  # fmt: skip
+
+
+def test_what_u_contains_stands_on_the_cover_in_short() -> None:
+    assert content(certificate()).uncertainty_in_short == (
+        "U 仅含 A 类评定的分量；k = 2，正态分布时包含概率约 95 %。",
+        "U contains type A only; k = 2, about 95 % coverage probability for a normal distribution.",
+    )
+
+
+def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
+    def said(*limits: Limit) -> str:
+        result = calibration()
+        made = content(certificate(result, decide(result, tolerance(limits=limits))))
+        return " ".join(en for _, en in made.sections[0].groups[2].sentences)
+
+    bias = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0)
+    offset = Limit(item="gyro_fit_offset", unit="deg/s", magnitude=1.0)
+    assert "is not decided on" in said(bias)
+    assert "is not decided on" not in said(offset)
+    assert "g_ii × 1 g and Earth's rotation" in said(offset)
+
+
+def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
+    given = items()
+    fine = given["gyro_cross_coupling"]
+    given["gyro_cross_coupling"] = fine.model_copy(update={"U": dict.fromkeys(fine.U, 5.4e-6)})
+    sections = content(certificate(calibration(items=given))).sections
+    assert sections[2].groups[0].exponent == sections[3].groups[0].exponent == -6
