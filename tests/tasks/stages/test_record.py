@@ -1,0 +1,100 @@
+"""A run on a real virtual station: its name, and what is left when it breaks off."""
+
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.procedure import Procedure
+from schemas.station import StationFile
+from storage import store
+from storage.home import Home
+from storage.raw import read_mcap
+from tasks.stages.broken_off import BrokenOff
+from tasks.stages.record import acquire_run
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.process import running
+from tasks.station.virtual.unit import draw_unit
+
+POSITION = {"kind": "position", "item": "twelve_position", "turn_deg": 0, "dwell_s": 6.0}
+PROCEDURE = Procedure.model_validate({
+    "format": "mimu-procedure/1", "name": "short", "title": "two positions", "title_zh": "两位置",
+    "standard": "JJF 2003-2022", "warm_up_s": 1.0, "settle_s": 0.5, "move_rate_deg_s": 90.0,
+    "acceleration_deg_s2": 120.0,
+    "environment": {"temperature_degc": [15.0, 25.0], "humidity_percent": [20.0, 85.0]},
+    "steps": [
+        POSITION | {"name": "position_+z_000", "up": "+z", "angles_deg": [0, 0, 0]},
+        POSITION | {"name": "position_-z_000", "up": "-z", "angles_deg": [0, 180, 0]},
+    ],
+})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def station() -> Iterator[StationFile]:
+    with running(VirtualStation(unit=draw_unit(7)), speed=30.0) as found:
+        yield found
+
+
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def named(station: StationFile, serial: str) -> StationFile:
+    return station.model_copy(update={"unit": station.unit.model_copy(update={"serial": serial})})
+
+
+@pytest.mark.parametrize("serial", ["SN/1", "../../SN"])
+def test_serial_is_in_the_recordings_name_and_in_no_files_name(
+    station: StationFile, fresh: Home, serial: str
+) -> None:
+    run, _ = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None)
+    assert run.recording_id.startswith(f"{serial}-short-")
+    assert run.serial == serial
+    assert list(fresh.acquiring.iterdir()) == []
+    recorded_at = (store.load(run, fresh).manifest.model_extra or {})["recorded_at"]
+    assert recorded_at[-6] in "+-"  # the station's own day, with its offset
+
+
+def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
+    station: StationFile, fresh: Home
+) -> None:
+    closed = station.model_copy(update={"modbus_port": 1})
+    with pytest.raises(Unusable) as refusal:
+        acquire_run(closed, PROCEDURE, fresh, lambda _: None)
+    assert "recorded so far" not in str(refusal.value)
+    assert list(fresh.acquiring.iterdir()) == []
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt(), OSError(28, "No space left on device")])
+def test_run_that_is_broken_off_says_where_its_recording_lies(
+    station: StationFile, fresh: Home, stop: BaseException
+) -> None:
+    def report(progress: object) -> None:
+        if getattr(progress, "station_s_done", 0.0) > 8.0:
+            raise stop
+
+    with pytest.raises(BrokenOff) as end:
+        acquire_run(station, PROCEDURE, fresh, report)
+    (left,) = fresh.acquiring.iterdir()
+    assert str(left) in str(end.value)
+    assert "\n" not in str(end.value)
+    assert len(read_mcap(left, salvage=True).imu)
+
+
+def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
+    station: StationFile, fresh: Home
+) -> None:
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, before[1]))
+    try:
+        with pytest.raises(BrokenOff, match="could not be written") as end:
+            acquire_run(station, PROCEDURE, fresh, lambda _: None)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    (left,) = fresh.acquiring.iterdir()
+    assert str(left) in str(end.value)
+    assert len(read_mcap(left, salvage=True).imu)
