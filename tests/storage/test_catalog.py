@@ -1,10 +1,13 @@
 """The catalogue on SQLite: made when needed, migrated once, safe with several writers."""
 
+import sqlite3
 from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
@@ -104,3 +107,41 @@ def test_password_of_the_database_is_not_printed(
     with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
         store.runs(fresh)
     assert "secret" not in str(caught.value)
+
+
+def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = Config()
+    settings.set_main_option("script_location", str(Path(catalog.__file__).parent / "migrations"))
+    fresh.path.mkdir(parents=True)
+    file = fresh.path / "catalog.sqlite"
+    with sql.create_engine(f"sqlite:///{file}").begin() as connection:
+        settings.attributes["connection"] = connection
+        command.upgrade(settings, "0001")
+        values = "'A-1','c','r',1,'draft','pass','2026-01-02','2026-01-03','2027-01-02'"
+        connection.exec_driver_sql(
+            "INSERT INTO certificates (number, result, run, unit, state, verdict, calibrated_on, "
+            "issued_on, due, kept_at, pdf, pdf_sha256, record, record_sha256) "
+            f"VALUES ({values}, '2026-01-03', '', '', '', '')"
+        )
+    (row,) = catalog.rows(fresh, sql.select(catalog.certificates))
+    assert row.calibrated_on == date(2026, 1, 2)
+
+
+def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(catalog, "BUSY_S", 0.1)
+    catalog.engine(fresh)
+    other = sqlite3.connect(fresh.path / "catalog.sqlite")
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(catalog.Busy, match="locked"):
+        store.reserve_number(fresh, "MIMU", 2026)
+    other.close()
+    for file in fresh.path.glob("catalog.sqlite*"):
+        file.unlink()
+    (fresh.path / "catalog.sqlite").write_bytes(b"no database" * 100)
+    with pytest.raises(Unusable) as refusal:
+        store.reserve_number(fresh, "MIMU", 2026)
+    assert not isinstance(refusal.value, catalog.Busy)
