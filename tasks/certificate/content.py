@@ -137,13 +137,10 @@ def _range(seen: tuple[float, float] | None, unit: str) -> Pair:
 def _conformity(certificate: Certificate) -> tuple[Field, ...]:
     decision = certificate.decision
     rule = RULES.get(decision.rule, (decision.rule, decision.rule))
-    held = (
-        Field(("判定规则", "Decision rule"), rule),
-        Field(("记号", "Marks"), MARKS),
-    )
     return (
         Field(("判定依据", "Limits from"), given(decision.document)),
-        *(held if decision.limits else ()),
+        *((Field(("判定规则", "Decision rule"), rule),) if decision.limits else ()),
+        Field(("记号", "Marks"), MARKS),
         Field(("结论", "Verdict"), cover.verdict(decision)),
     )
 

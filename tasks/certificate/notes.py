@@ -94,7 +94,7 @@ def basis(calibration: Calibration, specification: str) -> tuple[Pair, ...]:
     if clauses:
         zh += f"；条款 {'、'.join(zh for zh, _ in clauses)}"
         en += f"; clauses {', '.join(en for _, en in clauses)}"
-    said = [(f"{zh}。", f"{en}.")]
+    said = [(f"{zh}。", f"{en}.")] if values else []
     absent = [
         item_name(name)
         for name in TABLE_ITEMS[specification]
