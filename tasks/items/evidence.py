@@ -57,7 +57,7 @@ def gather(recording: Recording) -> Evidence:
     return Evidence(
         segments=segments,
         means=np.array([segment.mean for segment in segments]).reshape(-1, 6),
-        noise=fit_noise(segments),
+        noise=fit_noise(segments, up, rate),
         up=up,
         positions={u: tuple(i for i in rests if up[i] == u and _is_position(segments[i].segment))
                    for u in UPS},

@@ -13,6 +13,8 @@ ACCEL_COLUMNS = slice(3, 6)
 
 SAMPLE_ROWS = 2000  # rows that centre and scale are taken from; enough for a median
 FAR = 10.0  # robust standard deviations beyond which a row is not this segment's signal
+NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
+STEP_ROWS = 8000  # rows that the step is looked for in
 BLOCKS = 32  # finest blocks of the Allan variances
 LONGEST_BURST = 3  # rows: a corrupted frame or two; anything longer moved
 
@@ -27,6 +29,8 @@ class SegmentMean:
     left_out: rows that a channel shows to be corrupted; they are in no mean.
     far_rows: (6,) how many of them each channel showed.
     longest_burst: the longest run of them.
+    step: (6,) smallest difference between two readings of the channel in the whole recording.
+    deviation: (6,) standard deviation of the rows.
     """
 
     segment: Segment
@@ -40,6 +44,8 @@ class SegmentMean:
     left_out: int
     far_rows: np.ndarray
     longest_burst: int
+    step: np.ndarray
+    deviation: np.ndarray
 
     @property
     def seconds(self) -> float:
@@ -54,18 +60,40 @@ class SegmentMean:
         return bool(np.isfinite(self.mean[ACCEL_COLUMNS]).all())
 
 
-def far_rows(channel: np.ndarray) -> np.ndarray | None:
+def coarsely_quantised(segment: SegmentMean) -> np.ndarray:
+    """Which channels (6,) have a step of more than two standard deviations of their noise.
+
+    Their means can be wrong by up to half a step, however many rows there are. Noise of half a
+    step and rounding together make a third of a squared step (Sheppard's correction).
+    """
+    return segment.deviation < segment.step / np.sqrt(3.0)
+
+
+def steps(imu: Stream) -> np.ndarray:
+    """Smallest difference (6,) between two readings of each channel, 0 where all are one."""
+    every = max(1, len(imu.t) // STEP_ROWS)
+    found = np.zeros(len(CHANNELS))
+    for channel, name in enumerate(CHANNELS):
+        if name in imu.columns:
+            sample = np.sort(imu.columns[name][::every])
+            apart = np.diff(sample)
+            resolution = 8 * np.finfo(float).eps * np.abs(sample).max()
+            found[channel] = apart[apart > resolution].min(initial=np.inf)
+    return np.where(np.isfinite(found), found, 0.0)
+
+
+def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     """Which entries of a channel (n,) lie far from its bulk, (n,) bool; None where none does.
 
     Centre and scale come from the median, its absolute deviation and the 2 % to 98 % range of
-    an evenly spread sample, so that a spike, or a hundred, cannot hide itself. A channel that
-    was not recorded (NaN) has none.
+    an evenly spread sample, so that a spike, or a hundred, cannot hide itself. Rows a few steps
+    of the channel away are near. A channel that was not recorded (NaN) has none.
     """
     sample = np.sort(channel[:: max(1, len(channel) // SAMPLE_ROWS)])
     low, centre, high = (sample[int(share * (len(sample) - 1))] for share in (0.02, 0.5, 0.98))
     spread = 1.4826 * float(np.median(np.abs(sample - centre)))
     resolution = 8 * np.finfo(float).eps * abs(centre)
-    reach = FAR * max(spread, (high - low) / 4.1, resolution)
+    reach = FAR * max(spread, (high - low) / 4.1, resolution, NEAR_STEPS * step / FAR)
     if not (channel.max() > centre + reach or channel.min() < centre - reach):
         return None
     return np.abs(channel - centre) > reach
@@ -106,15 +134,22 @@ def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.
 
 
 def summarise(
-    imu: Stream, segment: Segment, origin: Literal["label", "found"]
+    imu: Stream,
+    segment: Segment,
+    origin: Literal["label", "found"],
+    step: np.ndarray | None = None,
 ) -> SegmentMean | None:
-    """The summary of one segment, or None where the recording has no row of it."""
+    """The summary of one segment, or None where the recording has no row of it.
+
+    step: (6,) of the channels, looked for in the stream where it is not given.
+    """
     rows = imu.rows(segment.t_start, segment.t_end)
     if rows.stop <= rows.start:
         return None
     t = imu.t[rows]
     values = imu.channels(CHANNELS, rows)
-    far = {} if segment.kind == "rotation" else _far_by_channel(values)
+    step = steps(imu) if step is None else step
+    far = {} if segment.kind == "rotation" else _far_by_channel(values, step)
     corrupt = _widened(np.any(list(far.values()), axis=0)) if far else None
     kept = values if corrupt is None else values[:, ~corrupt]
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
@@ -131,12 +166,14 @@ def summarise(
         left_out=0 if corrupt is None else int(corrupt.sum()),
         far_rows=np.array([far[c].sum() if c in far else 0 for c in range(len(CHANNELS))]),
         longest_burst=0 if corrupt is None else longest_run(corrupt),
+        step=step,
+        deviation=kept[:, :: max(1, kept.shape[1] // SAMPLE_ROWS)].std(axis=1),
     )
 
 
-def _far_by_channel(values: np.ndarray) -> dict[int, np.ndarray]:
+def _far_by_channel(values: np.ndarray, step: np.ndarray) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
-    found = ((channel, far_rows(row)) for channel, row in enumerate(values))
+    found = ((channel, far_rows(row, step[channel])) for channel, row in enumerate(values))
     return {channel: far for channel, far in found if far is not None}
 
 
@@ -145,5 +182,6 @@ def summarise_all(
 ) -> tuple[SegmentMean, ...]:
     """Summaries of every static, rate and rotation segment that the recording has rows of."""
     measured = (s for s in segments if s.kind in ("static", "rate", "rotation"))
-    summaries = (summarise(recording.imu, segment, origin) for segment in measured)
+    step = steps(recording.imu)
+    summaries = (summarise(recording.imu, segment, origin, step) for segment in measured)
     return tuple(summary for summary in summaries if summary is not None)

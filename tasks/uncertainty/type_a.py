@@ -1,50 +1,70 @@
 """Type A uncertainty of segment means when the samples are not independent.
 
-Each channel's noise is taken as white plus flicker (1/f). Both strengths are fitted to the
-Allan variances of all segments together; the covariance of the segment means follows from them
-in closed form, so that drift between segments counts, and what drift is common to two segments
-cancels in their difference.
+Each channel's noise is taken as white noise, flicker (1/f), random walk and a steady trend. White
+noise is each segment's own; the strengths of the drift come from the Allan variances within the
+segments and from what the means of all segments leave unexplained (`tasks.uncertainty.drift`).
+The covariance of the segment means follows in closed form, so that drift between segments
+counts, and what drift is common to two segments cancels in their difference.
 
-Source: IEEE Std 952, annex C (Allan variance of angle random walk and bias instability); the
-covariance of flicker noise averaged over intervals is the double integral of its generalised
-autocovariance −h·ln|τ| (S(f) = h/f).
+Source: IEEE Std 952, annex C (Allan variances); the covariance of flicker noise and random walk
+averaged over intervals is the double integral of the generalised autocovariances −h·ln|τ|
+(S(f) = h/f) and −q·|τ|/2.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.recording import Up
 from tasks.segments.summarise import SegmentMean
-
-FLICKER_ALLAN = 2.0 * np.log(2.0)  # Allan variance of flicker noise, per unit of h
-
-UNSEEN = 10.0  # spans of the recording over which the stated bias is the mean
+from tasks.uncertainty.drift import (
+    PooledAllan,
+    contrasts,
+    drift_allan,
+    drift_shapes,
+    drift_strengths,
+    white_of,
+)
 
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """White and flicker noise of the six channels, and of each segment.
+    """White noise and drift of the six channels.
 
     white: (segments, 6) variance of a mean over 1 s, unit²·s.
-    flicker: (6,) h of S(f) = h/f, unit².
+    drift: (3, 6) flicker h of S(f) = h/f, unit²; random walk, unit²/s; slope², unit²/s².
     """
 
     white: np.ndarray
-    flicker: np.ndarray
+    drift: np.ndarray
 
 
-def fit_noise(segments: tuple[SegmentMean, ...]) -> ChannelNoise:
-    """White and flicker strengths from the Allan variances of all segments.
+def fit_noise(
+    segments: tuple[SegmentMean, ...],
+    up: tuple[Up | None, ...] | None = None,
+    rate: np.ndarray | None = None,
+) -> ChannelNoise:
+    """White noise of each segment and drift of each channel.
 
-    The flicker is common to all segments; the white part is each segment's own (a turning
-    table shakes), read off its Allan variances with the flicker taken away.
+    up, rate: the axis up and the rate (segments,) rad/s about its axis (NaN: not known) of each
+    segment, where something knows them better than the labels.
+    The white part is each segment's own (a turning table shakes), read off its Allan variances
+    with the drift taken away; it is never less than the rounding of each row to one step.
     """
-    flicker = np.array([_pooled_flicker(segments, channel) for channel in range(6)])
-    white = np.array([_white_of(segment, flicker) for segment in segments]).reshape(-1, 6)
-    moving = np.array([segment.segment.kind == "rotation" for segment in segments], bool)
-    if moving.any():  # what varies there is the turn itself, not noise
-        white[moving] = np.nanmedian(white[~moving], axis=0) if (~moving).any() else np.nan
-    return ChannelNoise(white=white, flicker=flicker)
+    if not segments:
+        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)))
+    if up is not None and rate is not None:
+        segments = tuple(map(_corrected, segments, up, rate))
+    still = _white(segments, np.zeros((3, 6)))
+    shapes = drift_shapes(segments)
+    seconds = np.array([segment.seconds for segment in segments])
+    drift = np.zeros((3, 6))
+    for channel in range(6):
+        pooled = _pooled_allan(segments, channel)
+        if pooled is not None:
+            seen = contrasts(segments, shapes, still[:, channel] / seconds, channel)
+            drift[:, channel] = drift_strengths(seen, pooled)
+    return ChannelNoise(white=_white(segments, drift), drift=drift)
 
 
 def covariance_of_means(
@@ -52,77 +72,54 @@ def covariance_of_means(
 ) -> np.ndarray:
     """Covariance (n, n) of one channel's segment means, unit².
 
-    Flicker is counted from a tenth of the recording's own lowest frequency upwards: drift that
-    is slower cannot be seen in the recording, and still moves the bias that is stated.
+    What it gives a bias is the uncertainty of the bias's mean over ten times the recording's
+    span where it flickers, over the recording itself where it walks or has a trend.
     """
-    start = np.array([segment.t_start for segment in segments])
-    stop = np.array([segment.t_end for segment in segments])
-    white = np.diag(noise.white[:, channel] / (stop - start))
-    span = stop.max() - start.min()
-    common = np.log(UNSEEN * span) - 1.5  # the variance of the mean over UNSEEN spans is zero
-    flicker = common - _mean_log_distance(start, stop)
-    return white + noise.flicker[channel] * flicker
+    seconds = np.array([segment.seconds for segment in segments])
+    white = np.diag(noise.white[:, channel] / seconds)
+    return white + np.tensordot(noise.drift[:, channel], drift_shapes(segments), axes=1)
 
 
-def _pooled_flicker(segments: tuple[SegmentMean, ...], channel: int) -> float:
-    """h of one channel: non-negative least squares on all segments' Allan variances.
+def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:
+    """A segment whose label says what is known of its inputs."""
+    known = {"up": up, "rate_deg_s": float(np.degrees(rate)) if np.isfinite(rate) else None}
+    return replace(segment, segment=segment.segment.model_copy(update=known))
 
-    Model: variance(τ) = N²/τ + 2 ln 2 · h, each level weighted by its number of differences
-    over the squared value that white noise alone would give it.
-    """
+
+def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAllan | None:
+    """Allan variances of the quiet segments, where there are any and they are not all zero."""
     measured = [
         s
         for s in segments
         if s.segment.kind != "rotation" and len(s.tau) and np.isfinite(s.allan[:, channel]).all()
     ]
-    if not measured:
-        return 0.0
-    levels = max(len(s.tau) for s in measured)
+    levels = max((len(s.tau) for s in measured), default=0)
     full = [s for s in measured if len(s.tau) == levels]
     finest = np.array([s.allan[0, channel] for s in full])
     # A shaking turn would hide the flicker of the quiet segments under its white noise.
-    quiet = [s for s, value in zip(full, finest, strict=True) if value <= 3 * np.median(finest)]
-    tau = np.median([s.tau for s in quiet], axis=0)
+    if not full:
+        return None
+    quiet = [full[i] for i in np.flatnonzero(finest <= 3 * np.quantile(finest, 0.25))]
     variance = np.mean([s.allan[:, channel] for s in quiet], axis=0)
-    if not variance.any():
-        return 0.0
-    design = np.column_stack([1.0 / tau, np.full(levels, FLICKER_ALLAN)])
-    pairs = 2.0 ** np.arange(levels, 0, -1) - 1
-    weight = np.sqrt(pairs) / variance.clip(min=variance.max() * 1e-6)
-    return _second_of_two(design * weight[:, None], variance * weight)
+    tau = np.median([s.tau for s in quiet], axis=0)
+    floor = np.mean([_rounding(s)[channel] for s in quiet]) / tau
+    variance = np.maximum(variance, floor)
+    return PooledAllan(variance, tau, len(quiet)) if variance.all() else None
 
 
-def _second_of_two(design: np.ndarray, target: np.ndarray) -> float:
-    """The second of two non-negative parameters of a least-squares fit."""
-    first, second = np.linalg.lstsq(design, target, rcond=None)[0]
-    if second <= 0:
-        return 0.0
-    if first >= 0:
-        return float(second)
-    return float(design[:, 1] @ target / (design[:, 1] @ design[:, 1]))
+def _white(segments: tuple[SegmentMean, ...], drift: np.ndarray) -> np.ndarray:
+    """N² (segments, 6) of each segment: its Allan variances less the drift, never negative."""
+    white = np.full((len(segments), 6), np.nan)
+    for i, segment in enumerate(segments):
+        if len(segment.tau):
+            excess = segment.allan.T - drift.T @ drift_allan(segment.tau)
+            white[i] = np.maximum(white_of(excess, segment.tau), _rounding(segment))
+    moving = np.array([segment.segment.kind == "rotation" for segment in segments])
+    if moving.any():  # what varies there is the turn itself, not noise
+        white[moving] = np.nanmedian(white[~moving], axis=0) if (~moving).any() else np.nan
+    return white
 
 
-def _white_of(segment: SegmentMean, flicker: np.ndarray) -> np.ndarray:
-    """N² of one segment, (6,): its Allan variances less the flicker, times τ, averaged.
-
-    Levels with more differences know more; what they leave of the total is never negative.
-    """
-    if not len(segment.tau):
-        return np.full(6, np.nan)
-    pairs = 2.0 ** np.arange(len(segment.tau), 0, -1) - 1
-    excess = (segment.allan - FLICKER_ALLAN * flicker) * segment.tau[:, None]
-    return np.maximum((pairs[:, None] * excess).sum(axis=0) / pairs.sum(), 0.0)
-
-
-def _mean_log_distance(start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """Mean of ln|t − s| over t in interval i and s in interval j, (n, n)."""
-
-    def second_integral(x: np.ndarray) -> np.ndarray:
-        x = np.abs(x)
-        return 0.5 * x**2 * np.log(np.where(x > 0, x, 1.0)) - 0.75 * x**2
-
-    a, b = start[:, None], stop[:, None]
-    c, d = start[None, :], stop[None, :]
-    total = second_integral(b - c) + second_integral(a - d)
-    total -= second_integral(b - d) + second_integral(a - c)
-    return total / ((b - a) * (d - c))
+def _rounding(segment: SegmentMean) -> np.ndarray:
+    """N² (6,) that rounding each row to the channel's step gives."""
+    return segment.step**2 / 12.0 * segment.seconds / segment.rows

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from schemas.recording import ACCEL, GYRO, Segment, Stream
-from tasks.segments.summarise import allan_variances, summarise
+from tasks.segments.summarise import allan_variances, coarsely_quantised, steps, summarise
 
 HELD = Segment(name="held", kind="static", t_start=0.0, t_end=30.0, up="+z")
 
@@ -75,3 +75,39 @@ def test_allan_variance_of_white_noise_falls_with_the_block_length() -> None:
     variances, tau = allan_variances(values.T, 3200.0)
     expected = 0.01 / tau  # unit variance at 100 Hz
     assert np.allclose(variances[:3].mean(axis=1), expected[:3], rtol=0.3)
+
+
+def rounded(sigma: float, level: float = 0.0) -> np.ndarray:
+    """Noise of `sigma` steps about a level, rounded to steps of 0.01."""
+    noise = np.random.default_rng(5).normal(level, sigma, (3000, 6))
+    return np.round(noise) * 0.01
+
+
+def test_rare_neighbouring_codes_are_no_corrupted_rows() -> None:
+    values = rounded(0.2)
+    summary = summarise(stream(values), HELD, "label")
+    assert 0 < np.count_nonzero(values[:, 0]) < 0.02 * len(values)
+    assert summary.left_out == 0
+    assert np.allclose(summary.step, 0.01)
+
+
+def test_a_spike_on_a_rounded_channel_is_left_out() -> None:
+    values = rounded(0.2)
+    values[1000, 2] = 0.07
+    assert summarise(stream(values), HELD, "label").far_rows.tolist() == [0, 0, 1, 0, 0, 0]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(0.0, 1.0), st.floats(0.05, 1.5))
+def test_a_step_of_more_than_two_standard_deviations_is_coarse(level: float, sigma: float) -> None:
+    summary = summarise(stream(rounded(sigma, level)), HELD, "label", np.full(6, 0.01))
+    if not 0.45 < sigma < 0.55:
+        assert (coarsely_quantised(summary) == (sigma < 0.5)).all()
+
+
+def test_a_channel_without_steps_is_not_coarse() -> None:
+    values = noise()
+    values[:, :3] = np.nan
+    values[:, 3] = 1.0
+    assert steps(stream(values))[:4].tolist() == [0.0] * 4
+    assert not coarsely_quantised(summarise(stream(values), HELD, "label")).any()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, GYRO, Segment, Stream
-from tasks.segments.summarise import SegmentMean, summarise
+from tasks.segments.summarise import SegmentMean, steps, summarise
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 RATE = 20.0
@@ -32,7 +32,8 @@ def segments_of(values: np.ndarray) -> tuple[SegmentMean, ...]:
         Segment(name=f"s{i}", kind="static", t_start=s, t_end=s + DWELL)
         for i, s in enumerate(starts)
     )
-    return tuple(s for s in (summarise(imu, label, "label") for label in labels) if s)
+    step = steps(imu)
+    return tuple(s for s in (summarise(imu, label, "label", step) for label in labels) if s)
 
 
 def ratio_of_contrasts(values_of, runs: int, weights_of) -> float:
@@ -102,3 +103,15 @@ def test_a_common_drift_cancels_in_a_difference_of_neighbours() -> None:
     far = covariance[0, 0] + covariance[-1, -1] - 2 * covariance[0, -1]
     assert difference < 0.6 * far
     assert np.linalg.eigvalsh(covariance).min() > -1e-12
+
+
+def test_a_channel_rounded_to_one_code_has_an_uncertainty() -> None:
+    rng = np.random.default_rng(3)
+    rows = round(24 * DWELL * RATE)
+    values = np.repeat(rng.normal(0.0, 1.0, (24, 6)), rows // 24, axis=0)
+    segments = segments_of(np.round((values + rng.normal(0.0, 1e-3, (rows, 6))) / 0.1) * 0.1)
+    noise = fit_noise(segments)
+    least = 0.1 / np.sqrt(12.0 * DWELL * RATE)
+    for channel in range(6):
+        stated = np.sqrt(np.diag(covariance_of_means(segments, noise, channel)))
+        assert (stated >= 0.99 * least).all()
