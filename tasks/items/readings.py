@@ -94,4 +94,66 @@ READINGS: dict[str, Reading] = {
         "method.",
         "以已知转角代替恒定角速率：陀螺输出扣除前后静止值后在转动期间积分，再除以转角。此非条款规定的方法。",
     ),
+    "jjf1536.output_rate": Reading(
+        "JJF 1536-2015, 7.1.1 b), d) and 7.1.2 eq. (10)",
+        "The output of a unit that accumulates angles is the mean of its increments per second: "
+        "the angle gained over the segment divided by its time.",
+        "对于输出累积角度的航姿仪，输出值取每秒角度增量的均值，即该段内累积角度增量除以时间。",
+    ),
+    "jjf1536.table_rate": Reading(
+        "JJF 1536-2015, 7.1.2 eq. (13)",
+        "The input rate of a point is the angle turned by the table's encoder divided by the "
+        "time; where no encoder was recorded, the rate of the label.",
+        "输入角速率取转台编码器转过的角度除以时间；无编码器记录时取标称角速率。",
+    ),
+    "jjf1536.zero_time": Reading(
+        "JJF 1536-2015, 7.2.3 eq. (16) and eq. (A.4)",
+        "The sum over the positions is divided by the whole of 4·T (n·T for n positions); "
+        "printed, it reads as a division by 4 and a multiplication by T. Where the times differ, "
+        "the mean of N/T is taken.",
+        "各位置输出之和除以 4·T 的整体（n 个位置为 n·T）；原文可读作除以 4 再乘以 T。"
+        "各位置时间不等时取 N/T 的均值。",
+    ),
+    "jjf1536.earth_cancels": Reading(
+        "JJF 1536-2015, 7.2.1, 7.2.2",
+        "Earth's rotation is not subtracted: the axis points as often one way as the other, and "
+        "positions in which it does not give no zero offset.",
+        "不另行扣除地球自转：被测轴在各方向等角度分布，地球自转自行抵消；不满足时不给出零偏。",
+    ),
+    "jjf1536.turns_divisor": Reading(
+        "JJF 1536-2015, 5.6 to 5.8 eq. (7), (8), (9) and 7.3.2 eq. (17)",
+        "The difference of both directions is divided by the whole of 2 × 360 × n; the π of (17) "
+        "is n, the number of turns. The ratio (rad) is multiplied by 180/π and given in degrees.",
+        "正、反转输出之差除以 2×360×n 的整体；式(17)中的 π 应为整周数 n。"
+        "所得比值（rad）乘以 180/π，以度给出。",
+    ),
+    "jjf1536.l_yz": Reading(
+        "JJF 1536-2015, 5.8 eq. (9)",
+        "The second line of (9) is L_yz (Z turns, Y reads); L_yx is printed.",
+        "式(9)第二行应为 L_yz（Z 轴转动、Y 轴输出），原文误作 L_yx。",
+    ),
+    "jjf1536.index_order": Reading(
+        "JJF 1536-2015, 7.3.1, Table 3, 7.3.2 eq. (17) and Appendix C",
+        "The first index is the axis that reads, the second the axis that turns, as in eq. (1); "
+        "Table 3 and 7.3 mix the order.",
+        "第一下标为输出轴，第二下标为转动轴，与式(1)一致；表 3 及 7.3 中次序混用。",
+    ),
+    "jjf1536.turned_angle": Reading(
+        "JJF 1536-2015, 7.3.2 eq. (17)",
+        "2 × 360 × n is the angle turned forward plus the angle turned back, by the table's "
+        "encoder, else by the label. Where both ways took different times, the zero offset of "
+        "7.2 times the difference is taken off.",
+        "2×360×n 取正、反转转过角度之和，以转台编码器为准，无编码器时取标称值。"
+        "正、反转时间不等时，扣除 7.2 零偏与时间差之积。",
+    ),
+    "jjf1536.product": Reading(
+        "JJF 1536-2015, 5.1 eq. (2)",
+        "The sign after the inverse matrix is a product: A = L⁻¹·(N − B·T).",
+        "逆矩阵后的“+”应为乘号：A = L⁻¹·(N − B·T)。",
+    ),
+    "jjf1536.attitude": Reading(
+        "JJF 1536-2015, Appendix B eq. (B.4)",
+        "By (B.1), heading is atan2(−T12, T22) and roll atan2(−T31, T33), over all quadrants.",
+        "由式(B.1)，航向角为 atan2(−T12, T22)，横滚角为 atan2(−T31, T33)，取全象限。",
+    ),
 }

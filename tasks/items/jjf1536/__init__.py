@@ -1,0 +1,114 @@
+"""JJF 1536-2015, clause 7: scale factor, zero offset and misalignment of an AHRS."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration, Item, Remark
+from schemas.recording import ANGLE, AXES, GYRO, Recording
+from tasks.items.assemble import assemble
+from tasks.items.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
+from tasks.items.jjf1536.misalignment import misalignment_items
+from tasks.items.jjf1536.scale import scale_items
+from tasks.items.jjf1536.zero import zero_items
+from tasks.items.parts import Part
+from tasks.segments.conditions import Conditions
+
+PROCEDURE = "JJF 1536-2015, 7"
+CONDITIONS = Conditions(
+    dwell_s=20.0,
+    dwell_clause="7.1.1 d)",
+    steadiness=5e-4,
+    steadiness_clause="7.1.1 d)",
+    temperature_degc=(17.0, 23.0),
+    humidity_percent=(30.0, 85.0),
+    room_clause="6.2.1",
+)
+ORDER = ("ahrs_scale_factor", "ahrs_zero_offset", "ahrs_misalignment")
+SLOWEST_SAMPLING = 10.0  # Hz, 7.2.1 and 7.3.1
+
+
+def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibration:
+    """Estimate scale factor (1), zero offset (deg/s) and misalignment (deg) of JJF 1536-2015.
+
+    Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
+    Raises Unusable where the recording holds neither.
+    """
+    columns = recording.imu.columns
+    if not all(name in columns for name in ANGLE) and not all(name in columns for name in GYRO):
+        raise Unusable(
+            f"{recording.manifest.recording_id}: there are no angle_x, angle_y, angle_z columns "
+            "and no gyro_* columns in their place, which JJF 1536 calibrates; record the angles "
+            "that the AHRS accumulates"
+        )
+    evidence = gather_ahrs(recording)
+    scale, zero = scale_items(evidence), zero_items(evidence)
+    turns = misalignment_items(evidence, *_zero_offset(zero.items["ahrs_zero_offset"]))
+    parts = (scale, zero, turns)
+    items = {name: item for part in parts for name, item in part.items.items()}
+    reasons = {name: reason for part in parts for name, reason in part.unavailable.items()}
+    remarks = (*(r for part in parts for r in part.remarks), *_sampling(evidence))
+    calibration = assemble(
+        evidence.recording,
+        evidence,
+        Part(items, reasons, remarks),
+        method="jjf1536",
+        procedure=PROCEDURE,
+        order=ORDER,
+        conditions=CONDITIONS,
+        run=run,
+        code_version=code_version,
+    )
+    if not evidence.by_angle:
+        return calibration
+    return calibration.model_copy(
+        update={"remarks": tuple(_of_angles(evidence, calibration.remarks))}
+    )
+
+
+def _zero_offset(item: Item) -> tuple[np.ndarray, np.ndarray]:
+    """B and its standard uncertainty, (3,) rad/s, NaN where they are not known."""
+    value, u = (
+        np.radians([np.nan if (v := named[axis]) is None else v for axis in AXES])
+        for named in (item.value, item.u)
+    )
+    return value, u
+
+
+def _sampling(evidence: AhrsEvidence) -> Iterator[Remark]:
+    """7.2.1 and 7.3.1 ask for ten readings a second or more."""
+    slow = {
+        segment.segment.name: segment.rows / segment.seconds
+        for i, segment in enumerate(evidence.segments)
+        if (is_zero_position(segment) or any(i in turns for turns in evidence.turns.values()))
+        and segment.rows / segment.seconds < 0.99 * SLOWEST_SAMPLING
+    }
+    if slow:
+        least = min(slow.values())
+        yield Remark(
+            code="slow_sampling",
+            en=f"{len(slow)} segments were sampled at {least:.3g} Hz; 7.2.1 and 7.3.1 ask for "
+            f"{SLOWEST_SAMPLING:.0f} Hz or more.",
+            zh=f"{len(slow)} 段的采样率为 {least:.3g} Hz；7.2.1 和 7.3.1 要求不少于 "
+            f"{SLOWEST_SAMPLING:.0f} Hz。",
+            segments=tuple(slow),
+            blocks_pass=True,
+        )
+
+
+def _of_angles(evidence: AhrsEvidence, remarks: tuple[Remark, ...]) -> Iterator[Remark]:
+    """Remarks on the increments, said of the angle columns that were recorded.
+
+    An angle that moves by less than its resolution in the time that a channel may stand still
+    is not stuck.
+    """
+    for remark in remarks:
+        if remark.code == "stuck" and evidence.coarse:
+            continue
+        yield remark.model_copy(
+            update={
+                "en": remark.en.replace("gyro_", "angle_"),
+                "zh": remark.zh.replace("gyro_", "angle_"),
+            }
+        )

@@ -1,0 +1,180 @@
+"""7.3: misalignment by whole turns forward and back, eq. (7) to (9) and (17)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.calibration import Remark
+from schemas.recording import AXES, Axis, Recording, Segment
+from tasks.items.jjf1536.evidence import AhrsEvidence
+from tasks.items.parts import OFF_DIAGONAL, Estimate, Part, make_item
+from tasks.motion.table import mean_rate
+
+CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
+TURN = 2 * np.pi
+WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
+SAID = np.radians(1.0)  # rad: an encoder that says more or less contradicts the label
+TURNS_ASKED, RATE_ASKED = 10, 100.0  # 7.3.1 b), where no agreement says otherwise
+DEG = float(np.degrees(1.0))
+
+Reason = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Turns:
+    """Whole turns about one axis.
+
+    index: the segments; angle: (n,) rad, turned about the axis, positive forward.
+    """
+
+    axis: Axis
+    index: tuple[int, ...]
+    angle: np.ndarray
+
+
+def misalignment_items(evidence: AhrsEvidence, zero: np.ndarray, u_zero: np.ndarray) -> Part:
+    """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
+
+    zero, u_zero: (3,) rad/s, B of 7.2 and its standard uncertainty, NaN where it is not known;
+    they count only where forward and back took different times.
+    """
+    value, u = np.full((3, 3), np.nan), np.full((3, 3), np.nan)
+    missing: list[Reason] = []
+    remarks: list[Remark] = []
+    for j, axis in enumerate(AXES):
+        turns = _turns(evidence, axis)
+        sides = [s for s in (1, -1) if (turns.angle * s > 0).any()]
+        if len(sides) < 2:
+            missing.append(_one_sided(axis, sides))
+            continue
+        for i in range(3):
+            if i != j:
+                value[i, j], u[i, j] = _ratio(evidence, i, turns, zero[i], u_zero[i])
+        remarks += _remarks(evidence, turns, zero)
+    readings = ("jjf1536.turns_divisor", "jjf1536.l_yz", "jjf1536.index_order",
+                "jjf1536.turned_angle")  # fmt: skip
+    estimate = Estimate(DEG * value, DEG * u)
+    item = make_item(estimate, "deg", CLAUSE, OFF_DIAGONAL, readings)
+    told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
+    name = "ahrs_misalignment"
+    return Part({name: item}, {name: told} if missing else {}, tuple(remarks))
+
+
+def _turns(evidence: AhrsEvidence, axis: Axis) -> Turns:
+    index = evidence.turns[axis]
+    segments = (evidence.segments[i].segment for i in index)
+    angle = np.array([turned_angle(evidence.recording, segment) for segment in segments])
+    return Turns(axis, index, angle.reshape(-1))
+
+
+def turned_angle(recording: Recording, segment: Segment) -> float:
+    """Angle (rad) turned about the segment's axis: by the encoders, else by the label."""
+    if recording.table is not None and segment.axis is not None:
+        t = recording.table.t
+        interval = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+        # The reading at the very end is the one that closes the turn.
+        whole = segment.model_copy(update={"t_end": segment.t_end + 0.5 * interval})
+        rate, rows = mean_rate(recording, whole), recording.table.rows(whole.t_start, whole.t_end)
+        if rate is not None:
+            return float(rate[AXES.index(segment.axis)] * (t[rows.stop - 1] - t[rows.start]))
+    return label_angle(segment)
+
+
+def label_angle(segment: Segment) -> float:
+    """Angle (rad) that the label says was turned."""
+    if segment.angle_deg is not None:
+        return float(np.radians(segment.angle_deg))
+    return float(np.radians(segment.rate_deg_s or 0.0)) * (segment.t_end - segment.t_start)
+
+
+def _ratio(
+    evidence: AhrsEvidence, channel: int, turns: Turns, zero: float, u_zero: float
+) -> tuple[float, float]:
+    """(N₊ − N₋)/(2·2π·n), rad, and its standard uncertainty.
+
+    N₊, N₋: angle gained by the axis that reads, the mean over the turns each way. 2·2π·n: the
+    angle turned forward plus the angle turned back.
+    """
+    index = list(turns.index)
+    seconds = np.array([evidence.segments[i].seconds for i in index])
+    share = _shares(turns)
+    gain = seconds * share / (share @ turns.angle)
+    longer = float(gain.sum()) if np.isfinite(zero) else 0.0
+    known = zero if np.isfinite(zero) else 0.0
+    value = gain @ evidence.means[index, channel] - longer * known
+    covariance = evidence.covariance(channel)[np.ix_(index, index)]
+    variance = gain @ covariance @ gain
+    if longer:
+        variance += (longer * u_zero) ** 2
+    return float(value), float(np.sqrt(variance))
+
+
+def _shares(turns: Turns) -> np.ndarray:
+    """Weight (n,) of each turn: the mean over those forward less the mean over those back."""
+    forward, back = turns.angle > 0, turns.angle < 0
+    return forward / forward.sum() - back / back.sum()
+
+
+def _one_sided(axis: str, sides: list[int]) -> Reason:
+    if not sides:
+        return f"{axis}: no turns about {axis}", f"{axis}：没有绕 {axis} 轴的整周转动"
+    en, zh = ("backward", "反转") if sides == [1] else ("forward", "正转")
+    return (
+        f"{axis}: no {en} turns about {axis}; eq. (17) takes the difference of both directions",
+        f"{axis}：缺少绕 {axis} 轴{zh}数据；式(17)取正、反转之差",
+    )
+
+
+def _remarks(evidence: AhrsEvidence, turns: Turns, zero: np.ndarray) -> Iterator[Remark]:
+    for i, angle in zip(turns.index, turns.angle, strict=True):
+        segment = evidence.segments[i]
+        yield from _angle_remarks(segment.segment, float(angle))
+    counts = np.abs(turns.angle) / TURN
+    seconds = np.array([evidence.segments[i].seconds for i in turns.index])
+    rate = float(np.max(np.degrees(np.abs(turns.angle)) / seconds))
+    if counts.round().min() < TURNS_ASKED or rate < 0.8 * RATE_ASKED:
+        yield Remark(
+            code="turns_as_agreed",
+            en=f"{turns.axis} axis: {counts.round().min():.0f} turns at {rate:.0f} deg/s on "
+            f"average; 7.3.1 has {TURNS_ASKED} turns at a high rate, {RATE_ASKED:.0f} deg/s for "
+            "example, where no agreement says otherwise.",
+            zh=f"{turns.axis} 轴：{counts.round().min():.0f} 周，平均 {rate:.0f} °/s；"
+            f"技术协议未另行规定时，7.3.1 为 {TURNS_ASKED} 周、高角速率"
+            f"（如 {RATE_ASKED:.0f} °/s）。",
+        )
+    longer = abs(_shares(turns) @ seconds)
+    if longer > 0.01 * seconds.max() and not np.isfinite(zero).all():
+        yield Remark(
+            code="turn_times_differ",
+            en=f"{turns.axis} axis: turning forward and back took times that differ by "
+            f"{longer:.1f} s; where the zero offset is not known it does not cancel.",
+            zh=f"{turns.axis} 轴：正、反转时间相差 {longer:.1f} s；零偏未知处其影响未抵消。",
+            blocks_pass=True,
+        )
+
+
+def _angle_remarks(label: Segment, angle: float) -> Iterator[Remark]:
+    """A turn that the encoders contradict, or that is not a whole number of turns."""
+    said = label_angle(label)
+    if abs(angle - said) > SAID:
+        yield Remark(
+            code="turned_angle_contradicted",
+            en=f"{label.name}: labelled {np.degrees(said):+.2f} deg about {label.axis}, but the "
+            f"table shows {np.degrees(angle):+.2f} deg: the table's angle was used.",
+            zh=f"{label.name}：标注绕 {label.axis} 轴 {np.degrees(said):+.2f}°，但转台显示 "
+            f"{np.degrees(angle):+.2f}°：已按转台角度取用。",
+            segments=(label.name,),
+            blocks_pass=True,
+        )
+    over = angle - TURN * round(angle / TURN)
+    if abs(over) > WHOLE or abs(angle) < WHOLE:
+        yield Remark(
+            code="not_whole_turns",
+            en=f"{label.name}: turned by {np.degrees(angle):+.2f} deg, not by whole turns as 7.3.1 "
+            "asks; Earth's rotation does not cancel.",
+            zh=f"{label.name}：转过 {np.degrees(angle):+.2f}°，非 7.3.1 要求的整周，"
+            "地球自转未抵消。",
+            segments=(label.name,),
+            blocks_pass=True,
+        )
