@@ -118,7 +118,7 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path,
     assert "VERDICT inconclusive" in done.stdout
     seen = json.loads(done.stdout.splitlines()[-1])
     assert [state for _, state in seen["flows"]] == ["Completed"] * 3
-    assert seen["tasks"] == ["acquire", "decide and publish", "estimate"]
+    assert seen["tasks"] == ["acquire", "certify", "decide and publish", "estimate"]
     assert seen["artifacts"] == ["calibration-items", "certificate"]
     assert list((home / "certificates").glob("*.pdf"))
 
@@ -145,11 +145,13 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
     """Ends an acquisition by a signal when something is on the disk; exit code and stderr."""
     station_file, procedure = papers
     procedure.write_text(SHORT.format(dwell=60.0), encoding="utf-8")
-    started = subprocess.Popen(
-        mimucal(home, "acquire", station_file, "--procedure", procedure),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(home),
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
+    messages = home.parent / "messages"  # no pipe: the embedded server would hold it open
+    with messages.open("w") as stderr:
+        started = subprocess.Popen(
+            mimucal(home, "acquire", station_file, "--procedure", procedure),
+            stdout=subprocess.DEVNULL, stderr=stderr, env=environment(home),
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )  # fmt: skip
     try:
         deadline = time.monotonic() + 100
         while not any(p.stat().st_size > 200_000 for p in (home / "acquiring").glob("*.mcap")):
@@ -157,10 +159,10 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
             assert started.poll() is None
             time.sleep(0.1)
         started.send_signal(how)
-        _, said = started.communicate(timeout=60)
+        started.wait(timeout=60)
     finally:
         started.kill()
-    return started.returncode, said
+    return started.returncode, messages.read_text()
 
 
 def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
