@@ -1,5 +1,6 @@
 """A virtual station as settings, and the truth it keeps from the program under test."""
 
+from datetime import date
 from typing import Any
 
 from pydantic import Field
@@ -81,7 +82,7 @@ def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
             serial="VIRTUAL-T1",
             accuracy="angle 2″, rate 1×10⁻⁴",
             certificate="virtual, not traceable",
-            valid_until="2099-12-31",
+            valid_until=date(2099, 12, 31),
         ),
         Equipment(
             name="Temperature chamber (virtual)",
@@ -89,7 +90,7 @@ def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
             serial="VIRTUAL-C1",
             accuracy="0.5 °C, 3 %RH",
             certificate="virtual, not traceable",
-            valid_until="2099-12-31",
+            valid_until=date(2099, 12, 31),
         ),
     )
 
