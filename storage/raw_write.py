@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -157,12 +158,12 @@ def _put_manifest(container: Container, manifest: Manifest, origin: int) -> None
 
 
 def _in_blocks(streams: dict[str, Stream]) -> Iterator[tuple[str, Stream]]:
-    """The streams cut into pieces of BLOCK seconds, in the order of time."""
+    """The streams cut into pieces of BLOCK seconds, in the order of time; each row is in one."""
     first = min(stream.t[0] for stream in streams.values())
     last = max(stream.t[-1] for stream in streams.values())
-    for start in np.arange(first, last + BLOCK, BLOCK):
+    for start, stop in pairwise(np.arange(first, last + 2 * BLOCK, BLOCK)):
         for name, stream in streams.items():
-            rows = stream.rows(start, start + BLOCK)
+            rows = stream.rows(start, stop)
             if rows.start < rows.stop:
                 columns = {column: values[rows] for column, values in stream.columns.items()}
                 yield name, Stream(stream.t[rows], columns)

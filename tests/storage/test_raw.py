@@ -238,3 +238,11 @@ def test_rows_are_on_the_disk_when_the_process_is_killed(tmp_path: Path) -> None
     saved = read_mcap(path, salvage=True)
     assert len(saved.imu) == 500
     assert saved.manifest.recording_id == "cut"
+
+
+def test_each_row_of_a_long_recording_is_written_once_wherever_it_starts(tmp_path: Path) -> None:
+    t = np.round(0.39 + np.arange(30_000) / 10, 9)  # 2040.39 + 60 is not 0.39 + 35 × 60 in floats
+    values = {name: np.sin(t + k) for k, name in enumerate(GYRO + ACCEL)}
+    long = as_raw(Recording(manifest(), Stream(t, values)))
+    write_mcap(long, tmp_path / "raw.mcap")
+    assert read_mcap(tmp_path / "raw.mcap").digest == digest(long)
