@@ -33,10 +33,12 @@ class ChannelNoise:
 
     white: (segments, 6) variance of a mean over 1 s, unit²·s.
     drift: (3, 6) flicker h of S(f) = h/f, unit²; random walk, unit²/s; slope², unit²/s².
+    shapes: (3, segments, segments) covariance of the segment means per unit of each drift.
     """
 
     white: np.ndarray
     drift: np.ndarray
+    shapes: np.ndarray
 
 
 def fit_noise(
@@ -52,7 +54,7 @@ def fit_noise(
     with the drift taken away; it is never less than the rounding of each row to one step.
     """
     if not segments:
-        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)))
+        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)), np.zeros((3, 0, 0)))
     if up is not None and rate is not None:
         segments = tuple(map(_corrected, segments, up, rate))
     still = _white(segments, np.zeros((3, 6)))
@@ -64,7 +66,7 @@ def fit_noise(
         if pooled is not None:
             seen = contrasts(segments, shapes, still[:, channel] / seconds, channel)
             drift[:, channel] = drift_strengths(seen, pooled)
-    return ChannelNoise(white=_white(segments, drift), drift=drift)
+    return ChannelNoise(white=_white(segments, drift), drift=drift, shapes=shapes)
 
 
 def covariance_of_means(
@@ -77,7 +79,7 @@ def covariance_of_means(
     """
     seconds = np.array([segment.seconds for segment in segments])
     white = np.diag(noise.white[:, channel] / seconds)
-    return white + np.tensordot(noise.drift[:, channel], drift_shapes(segments), axes=1)
+    return white + np.tensordot(noise.drift[:, channel], noise.shapes, axes=1)
 
 
 def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:
