@@ -26,7 +26,8 @@ MOST_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
 WHOLE_TURN = 0.1  # what may be left of a horizontal field after the turns of one rate run
 FAINTEST = 0.1  # of the white noise, in the contrast that shows the drift best
 NONE = 20.0  # e-folds of strength that no drift at all is worth beforehand
-STEPS = 9
+STEPS = 9  # strengths of a drift on each of two grids
+INSTANT = 1e-3  # s: a segment of one row has no length
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
     walk q (variance per second) and a trend (slope squared) about the mean of this run.
     """
     start = np.array([segment.t_start for segment in segments])
-    stop = np.array([segment.t_end for segment in segments])
+    stop = np.array([max(s.t_end, s.t_start + INSTANT) for s in segments])
     first, last = start.min(), stop.max()
     flicker = np.log(UNSEEN * (last - first)) - 1.5 - _mean_log_distance(start, stop)
     apart = _mean_distance(np.append(start, first), np.append(stop, last))

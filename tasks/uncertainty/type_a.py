@@ -18,6 +18,7 @@ import numpy as np
 from schemas.recording import Up
 from tasks.segments.summarise import SegmentMean
 from tasks.uncertainty.drift import (
+    INSTANT,
     PooledAllan,
     contrasts,
     drift_allan,
@@ -59,7 +60,7 @@ def fit_noise(
         segments = tuple(map(_corrected, segments, up, rate))
     still = _white(segments, np.zeros((3, 6)))
     shapes = drift_shapes(segments)
-    seconds = np.array([segment.seconds for segment in segments])
+    seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
     drift = np.zeros((3, 6))
     for channel in range(6):
         pooled = _pooled_allan(segments, channel)
@@ -77,7 +78,7 @@ def covariance_of_means(
     What it gives a bias is the uncertainty of the bias's mean over ten times the recording's
     span where it flickers, over the recording itself where it walks or has a trend.
     """
-    seconds = np.array([segment.seconds for segment in segments])
+    seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
     white = np.diag(noise.white[:, channel] / seconds)
     return white + np.tensordot(noise.drift[:, channel], noise.shapes, axes=1)
 

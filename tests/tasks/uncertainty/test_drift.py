@@ -1,6 +1,7 @@
 """Drift that is slower than a segment: stated uncertainties against simulated recordings."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -164,3 +165,16 @@ def test_a_random_walk_is_counted_about_the_mean_of_the_run() -> None:
     covariance = drift_shapes(segments)[1]
     assert covariance[0, 0] == pytest.approx(np.mean(first**2), rel=0.1)
     assert covariance[0, -1] == pytest.approx(np.mean(first * last), rel=0.15)
+
+
+def test_a_segment_of_one_row_spoils_no_other() -> None:
+    held = labels()
+    rng = np.random.default_rng(3)
+    segments = segments_of(rng.normal(0.0, 1e-3, (6, len(held) * (BLOCKS + GAP))), held)
+    short = replace(
+        segments[20], rows=1, t_end=segments[20].t_start, allan=np.zeros((0, 6)), tau=np.zeros(0)
+    )
+    segments = (*segments[:20], short, *segments[21:])
+    covariance = covariance_of_means(segments, fit_noise(segments), 4)
+    others = np.delete(np.delete(covariance, 20, axis=0), 20, axis=1)
+    assert np.linalg.eigvalsh(others).min() > 0
