@@ -13,6 +13,7 @@ from tasks.items.jjf1536.misalignment import misalignment_items
 from tasks.items.jjf1536.scale import scale_items
 from tasks.items.jjf1536.zero import zero_items
 from tasks.items.parts import Part
+from tasks.segments.check import wrong_rate_unit
 from tasks.segments.conditions import Conditions
 
 PROCEDURE = "JJF 1536-2015, 7"
@@ -33,7 +34,7 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
     """Estimate scale factor (1), zero offset (deg/s) and misalignment (deg) of JJF 1536-2015.
 
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
-    Raises Unusable where the recording holds neither.
+    Raises Unusable where the recording holds neither, or in another unit.
     """
     columns = recording.imu.columns
     if not all(name in columns for name in ANGLE) and not all(name in columns for name in GYRO):
@@ -43,6 +44,11 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
             "that the AHRS accumulates"
         )
     evidence = gather_ahrs(recording)
+    wrong = wrong_rate_unit(evidence.recording, evidence.segments)
+    if wrong is not None:
+        told = wrong.replace("gyro columns in rad/s", "angle columns in rad")
+        told = told.replace("gyro columns", "angle columns") if evidence.by_angle else wrong
+        raise Unusable(f"{recording.manifest.recording_id}: {told}")
     scale, zero = scale_items(evidence), zero_items(evidence)
     turns = misalignment_items(evidence, *_zero_offset(zero.items["ahrs_zero_offset"]))
     parts = (scale, zero, turns)

@@ -10,11 +10,13 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.items.jjf1536.noise import AngleNoise, fit_angle_noise, slow_allan
 from tasks.segments.summarise import (
     GYRO_COLUMNS,
     SegmentMean,
     allan_variances,
     far_rows,
+    longest_run,
     steps,
     summarise,
 )
@@ -30,10 +32,12 @@ class Gained:
     """Increments of the accumulated angles over one segment.
 
     increment: (3, n) rad, those that jumped replaced by what lies beside them.
+    wild: (3, n), which ones those are.
     t_start, t_end: s, the first and the last reading.
     """
 
     increment: np.ndarray
+    wild: np.ndarray
     t_start: float
     t_end: float
 
@@ -81,13 +85,15 @@ def gained(imu: Stream, segment: Segment, step: np.ndarray) -> Gained | None:
     t = imu.t[within]
     increment = np.diff(imu.channels(ANGLE, within), axis=1)
     share = interval / np.diff(t)
-    for channel, values in enumerate(increment):
-        wild = _wild(values * share, step[channel], segment)
+    jumped = np.zeros(increment.shape, bool)
+    row = np.arange(len(share))
+    for channel, values in enumerate(increment * share):
+        wild = _wild(values, step[channel], segment)
         if wild is not None and not wild.all():
-            row = np.arange(len(values))
-            calm = np.interp(row[wild], row[~wild], (values * share)[~wild])
+            calm = np.interp(row[wild], row[~wild], values[~wild])
             increment[channel, wild] = calm / share[wild]
-    return Gained(increment, float(t[0]), float(t[-1]))
+            jumped[channel] = wild
+    return Gained(increment, jumped, float(t[0]), float(t[-1]))
 
 
 def _wild(values: np.ndarray, step: float, segment: Segment) -> np.ndarray | None:
@@ -97,25 +103,10 @@ def _wild(values: np.ndarray, step: float, segment: Segment) -> np.ndarray | Non
     return np.abs(values) > WILD * np.quantile(np.abs(values), 0.9) + 4.5 * step
 
 
-def angle_noise(rests: list[Gained], step: np.ndarray) -> np.ndarray:
-    """Variance (3,) rad² of a single angle reading about the angle it reads.
-
-    Noise of the angle itself makes neighbouring increments opposite: it is the lag-one covariance
-    of the increments inside rests with the sign turned, and never less than that of rounding.
-    """
-    total, count = np.zeros(3), 0
-    for rest in rests:
-        about = rest.increment - rest.increment.mean(axis=1, keepdims=True)
-        total += (about[:, 1:] * about[:, :-1]).sum(axis=1)
-        count += about.shape[1] - 1
-    rounding = step**2 / 12.0
-    return np.maximum(-total / count, rounding) if count > 0 else rounding
-
-
-def is_coarse(rests: list[Gained], step: np.ndarray) -> bool:
+def is_coarse(rests: list[np.ndarray], step: np.ndarray) -> bool:
     """Whether an angle often stands still at rest, because its resolution hides its noise."""
     for channel in range(3):
-        size = np.abs(np.concatenate([rest.increment[channel] for rest in rests] or [np.ones(1)]))
+        size = np.abs(np.concatenate([rest[channel] for rest in rests] or [np.ones(1)]))
         moved = size > 0.5 * step[channel]
         if (
             step[channel] > 0
@@ -128,12 +119,11 @@ def is_coarse(rests: list[Gained], step: np.ndarray) -> bool:
 
 def summarise_angles(
     recording: Recording, rates: Recording, segments: tuple[Segment, ...], origin: Origin
-) -> tuple[tuple[SegmentMean, ...], np.ndarray, bool]:
-    """Summaries of the segments, the noise (3,) rad² of an angle reading, and whether it is coarse.
+) -> tuple[tuple[SegmentMean, ...], AngleNoise, bool]:
+    """Summaries of the segments, the noise of the angles, and whether their resolution is coarse.
 
     recording: with the angles; rates: the same from `as_rates`. The gyro's part of a summary is
-    the angle gained over the time; its Allan variances are those of the rate, the part that noise
-    of the angle makes of them taken away (3·q²/τ², IEEE Std 952, C.1.5).
+    the angle gained over the time.
     """
     step = resolution(recording.imu)
     every_step = steps(rates.imu)
@@ -145,27 +135,52 @@ def summarise_angles(
         gain = gained(recording.imu, segment, step)
         if base is not None and gain is not None:
             kept.append((base, gain))
-    rests = [gain for base, gain in kept if base.segment.kind == "static"]
-    noise = angle_noise(rests, step)
-    means = tuple(_with_angles(base, gain, noise) for base, gain in kept)
-    return means, noise, is_coarse(rests, step)
+    rests = [gain.increment for base, gain in kept if base.segment.kind == "static"]
+    noise = fit_angle_noise(rests, interval, step)
+    means = tuple(_with_angles(base, gain) for base, gain in kept)
+    return _with_slow_noise(means, noise), noise, is_coarse(rests, step)
 
 
-def _with_angles(base: SegmentMean, gain: Gained, noise: np.ndarray) -> SegmentMean:
+def _with_angles(base: SegmentMean, gain: Gained) -> SegmentMean:
+    """The summary with the angle gained over the time as its rates, and their Allan variances."""
     seconds = gain.t_end - gain.t_start
-    count = gain.increment.shape[1]
     mean, step = base.mean.copy(), base.step.copy()
     mean[GYRO_COLUMNS] = gain.increment.sum(axis=1) / seconds
     step[GYRO_COLUMNS] = 0.0  # the rounding of the angle is counted once, as its noise
-    seen, tau = allan_variances(gain.increment * count / seconds, seconds)
+    rate = gain.increment * gain.increment.shape[1] / seconds
+    seen, tau = allan_variances(rate, seconds)
     allan = np.zeros((len(tau), len(mean)))
-    allan[:, GYRO_COLUMNS] = (seen - 3.0 * noise / tau[:, None] ** 2).clip(min=0.0)
-    return replace(
+    allan[:, GYRO_COLUMNS] = seen
+    far = base.far_rows.copy()
+    far[GYRO_COLUMNS] = gain.wild.sum(axis=1)
+    any_wild = np.asarray(gain.wild.any(axis=0))
+    base = replace(
         base,
-        mean=mean,
-        step=step,
-        allan=allan,
-        tau=tau,
         t_start=gain.t_start,
         t_end=gain.t_end,
+        left_out=int(any_wild.sum()),
+        far_rows=far,
+        longest_burst=longest_run(any_wild),
     )
+    return replace(base, mean=mean, step=step, allan=allan, tau=tau)
+
+
+def _with_slow_noise(means: tuple[SegmentMean, ...], noise: AngleNoise) -> tuple[SegmentMean, ...]:
+    """The summaries with the Allan variances that the rests show together.
+
+    The longest rests keep what they show, the mean over all of them; the others, and whatever
+    turns, have the white noise of the rate.
+    """
+    rests = [m for m in means if m.segment.kind == "static"]
+    levels = max((len(m.tau) for m in rests), default=0)
+    longest = max((m.seconds for m in rests), default=0.0)
+    long = [m for m in rests if m.seconds > 0.9 * longest and len(m.tau) == levels]
+    changed = []
+    for m in means:
+        allan = np.zeros_like(m.allan)
+        allan[:, GYRO_COLUMNS] = noise.walk / m.tau[:, None]
+        if any(m is each for each in long):
+            seen = [each.allan[:, GYRO_COLUMNS] for each in long]
+            allan[:, GYRO_COLUMNS] = slow_allan(seen, m.tau, noise)
+        changed.append(replace(m, allan=allan))
+    return tuple(changed)

@@ -55,7 +55,8 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     measured = tuple(s for s in wanted if s.kind in ("static", "rate", "rotation"))
     noise, coarse = np.zeros(3), False
     if by_angle:
-        segments, noise, coarse = summarise_angles(recording, rates, measured, origin)
+        segments, angles, coarse = summarise_angles(recording, rates, measured, origin)
+        noise = angles.angle
     else:
         segments = summarise_all(rates, measured, origin)
     segments = tuple(s for s in segments if s.has_gyro)
@@ -90,7 +91,7 @@ def _sorted(rates: Recording, segments: tuple[SegmentMean, ...], noise: np.ndarr
         turns={axis: tuple(i for i in everything if labels[i].axis == axis
                            and (labels[i].kind == "rotation" or (labels[i].kind == "rate"
                                 and labels[i].item == "misalignment"))) for axis in AXES},
-        rests={u: tuple(i for i in rests if up[i] == u and not is_zero_position(segments[i]))
+        rests={u: tuple(i for i in rests if up[i] == u and labels[i].item in (None, *SCALE_ITEMS))
                for u in UPS},
         recording=rates,
         pointing=pointings,

@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from tasks.items.jjf1536.attitudes import COMPONENTS
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
 from tasks.items.parts import Estimate, Part, excess_scatter, make_item
@@ -26,7 +27,7 @@ class Positions:
     """The positions that serve one axis.
 
     groups: indices of the rests, those of one position together.
-    direction: (positions, m) where the axis points; None where no label and no table tells.
+    direction: (positions, 15) where the axis points; None where no label and no table tells.
     """
 
     axis: Axis
@@ -80,7 +81,7 @@ def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
         else:
             groups.append([i])
             first.append(points)
-    direction = np.array([points[channel] for points in first]).reshape(len(first), -1)
+    direction = np.array([points[channel] for points in first]).reshape(-1, COMPONENTS)
     return Positions(axis, tuple(tuple(group) for group in groups), direction)
 
 
