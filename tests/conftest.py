@@ -54,14 +54,14 @@ def _stretch(rate: np.ndarray, force: np.ndarray, unit: dict[str, np.ndarray]) -
 def ideal_run() -> Callable[..., Recording]:
     """Builds a JJF 2003 run of a unit whose readings follow models (1) and (2) exactly.
 
-    Ten seconds at 20 Hz a point, an alternating count of ±1e-9 so that nothing stands still.
+    Thirty seconds at 10 Hz a point, eleven levels within ±1e-9 so that nothing stands still.
     """
 
     def build(dwell: float = 30.0, noise: float = 1e-9, **changes: Any) -> Recording:
         unit, rate_hz = unit_errors(**changes), 10.0
         rows, segments, t = [], [], 0.0
         count = round(dwell * rate_hz)
-        flip = noise * (-1.0) ** np.arange(count)[:, None]
+        flip = noise * ((7 * np.arange(count) % 11) - 5.0)[:, None] / 5.0
 
         def hold(label: dict[str, Any], rate: np.ndarray, force: np.ndarray) -> None:
             nonlocal t

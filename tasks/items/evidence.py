@@ -7,7 +7,12 @@ import numpy as np
 from schemas.recording import AXES, Axis, Recording, Segment, Up
 from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
 from tasks.segments.rates import turning_points
-from tasks.segments.summarise import ACCEL_COLUMNS, SegmentMean, summarise_all
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    SegmentMean,
+    coarsely_quantised,
+    summarise_all,
+)
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means, fit_noise
 
 UPS: tuple[Up, ...] = ("+x", "-x", "+y", "-y", "+z", "-z")
@@ -37,8 +42,22 @@ class Evidence:
     rests: dict[str, tuple[int, ...]]
 
     def covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means over all segments."""
-        return covariance_of_means(self.segments, self.noise, channel)
+        """Covariance (n, n) of one channel's means over all segments.
+
+        Where the output's step hides its noise, what a place reads is wrong by the same part of
+        a step each time it is held: q²/12, shared by the segments of one place and one rate.
+        """
+        covariance = covariance_of_means(self.segments, self.noise, channel)
+        coarse = [bool(coarsely_quantised(segment)[channel]) for segment in self.segments]
+        if not any(coarse):
+            return covariance
+        step = max(segment.step[channel] for segment in self.segments)
+        place = [
+            (self.up[i], segment.segment.kind, segment.segment.axis, segment.segment.rate_deg_s)
+            for i, segment in enumerate(self.segments)
+        ]
+        shared = np.array([[a == b for b in place] for a in place])
+        return covariance + step**2 / 12.0 * shared
 
 
 def gather(recording: Recording) -> Evidence:

@@ -19,6 +19,7 @@ from tasks.segments.summarise import (
     GYRO_COLUMNS,
     LONGEST_BURST,
     SegmentMean,
+    coarsely_quantised,
 )
 
 STUCK_SECONDS = 2.0
@@ -36,7 +37,7 @@ def check_segments(
         remarks.extend(_room(recording, segment, conditions))
         if i in points:
             remarks.extend(_rate(segment, points[i], conditions))
-    return (*remarks, *_short(segments, conditions))
+    return (*remarks, *_short(segments, conditions), *_coarse(segments))
 
 
 def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
@@ -201,6 +202,25 @@ def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterato
         f"asks for at each point: {listed}.",
         zh=f"{len(held)} 段中有 {len(short)} 段短于 {clause} 要求的每点 {asked:.0f} s：{listed}。",
         segments=tuple(short),
+        blocks_pass=True,
+    )
+
+
+def _coarse(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Channels whose step hides their noise: their means may be off by half a step."""
+    flags = np.array([coarsely_quantised(segment) for segment in segments]).reshape(-1, 6)
+    coarse = np.flatnonzero(flags.any(axis=0))
+    if not len(coarse):
+        return
+    steps = [max(segment.step[channel] for segment in segments) for channel in coarse]
+    pairs = zip(coarse, steps, strict=True)
+    listed = ", ".join(f"{CHANNELS[channel]} {step:.3g}" for channel, step in pairs)
+    yield Remark(
+        code="coarse_step",
+        en=f"The output's step is larger than its noise ({listed}, SI units): no averaging "
+        "removes it, a mean may be off by half a step.",
+        zh=f"输出分辨力大于噪声（{listed}，SI 单位）：平均不能消除，均值可能偏离半个分度。",
+        segments=tuple(s.segment.name for s, row in zip(segments, flags, strict=True) if row.any()),
         blocks_pass=True,
     )
 

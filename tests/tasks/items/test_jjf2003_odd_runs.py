@@ -40,7 +40,7 @@ def relabelled(recording: Recording, change) -> Recording:
 def appended(recording: Recording, held: list[tuple[dict[str, Any], list[float]]]) -> Recording:
     """The recording with further points: a label and the six readings of each."""
     count = round(DWELL * RATE_HZ)
-    flip = 1e-9 * (-1.0) ** np.arange(count)
+    flip = 1e-9 * ((7 * np.arange(count) % 11) - 5.0) / 5.0
     values = [np.array(recording.imu.columns[name]) for name in GYRO + ACCEL]
     segments = list(recording.manifest.segments)
     end = segments[-1].t_end
@@ -183,3 +183,20 @@ def test_every_reading_that_an_item_names_is_in_the_register(ideal_run) -> None:
     named = {name for item in result(ideal_run()).items.values() for name in item.readings}
     assert named
     assert named <= set(READINGS)
+
+
+def test_a_step_that_hides_the_noise_is_said_and_counted(ideal_run) -> None:
+    truth = np.array([0.021, -0.013, 0.007])
+    recording = ideal_run(Ba=truth, noise=0.02)
+    step = 0.05
+    columns = {name: np.array(values) for name, values in recording.imu.columns.items()}
+    for name in ACCEL:
+        columns[name] = np.round(columns[name] / step) * step
+    calibration = result(replace(recording, imu=Stream(recording.imu.t, columns)))
+    (remark,) = [r for r in calibration.remarks if r.code == "coarse_step"]
+    assert "accel_x 0.05" in remark.en
+    assert remark.blocks_pass
+    for name in ("accel_scale_factor", "accel_cross_coupling"):
+        item = calibration.items[name]
+        ideal = 1.0 if name == "accel_scale_factor" else 0.0
+        assert all(abs(item.value[e] - ideal) < 3 * item.u[e] for e in item.value)
