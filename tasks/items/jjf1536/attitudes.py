@@ -35,6 +35,12 @@ def pointing(recording: Recording, segment: Segment) -> np.ndarray | None:
 
 def _attitude(recording: Recording, segment: Segment) -> np.ndarray | None:
     """R_n_body (3, 3), or None."""
+    known = _mounted(recording, segment)
+    return _pointed(segment) if known is None else known
+
+
+def _mounted(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """R_n_body (3, 3) by table and mount, or by the mount alone where there is no table."""
     axes = recording.manifest.station.table_axes
     if axes and recording.table is not None:
         rows = recording.table.rows(segment.t_start, segment.t_end)
@@ -44,10 +50,23 @@ def _attitude(recording: Recording, segment: Segment) -> np.ndarray | None:
             return _payload(recording, angles) @ mount_of(recording.manifest, segment)
     if not axes and segment.mount is not None:
         return mount_of(recording.manifest, segment)
+    return None
+
+
+def _pointed(segment: Segment) -> np.ndarray | None:
+    """R_n_body (3, 3) by a label such as {"x": "E", "y": "N", "z": "U"}."""
     points = (segment.model_extra or {}).get("points")
     if isinstance(points, dict) and all(points.get(axis) in POINTS for axis in AXES):
         return np.array([POINTS[points[axis]] for axis in AXES]).T
     return None
+
+
+def points_contradicted(recording: Recording, segment: Segment) -> bool:
+    """Whether table and mount say that the axes point elsewhere than `points` says, by over 10°."""
+    known, said = _mounted(recording, segment), _pointed(segment)
+    if known is None or said is None or recording.manifest.station.heading_deg is None:
+        return False
+    return bool((known * said).sum(axis=0).min() < UPRIGHT)
 
 
 def _payload(recording: Recording, angles: np.ndarray) -> np.ndarray:

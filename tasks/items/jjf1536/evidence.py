@@ -16,6 +16,8 @@ from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
+UNREAD = np.radians(2.0)  # rad/s: a zero offset is no other rate
+
 
 @dataclass(frozen=True)
 class AhrsEvidence(Evidence):
@@ -53,29 +55,31 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     wanted = labels or find_segments(rates)
     wanted = tuple(s for s in wanted if rows_of(rates, s) >= FEWEST_ROWS)
     measured = tuple(s for s in wanted if s.kind in ("static", "rate", "rotation"))
+    segments: tuple[SegmentMean, ...] = ()
     noise, coarse = np.zeros(3), False
-    if by_angle:
+    if by_angle and measured:
         segments, angles, coarse = summarise_angles(recording, rates, measured, origin)
         noise = angles.angle
-    else:
+    elif measured:
         segments = summarise_all(rates, measured, origin)
     segments = tuple(s for s in segments if s.has_gyro)
     return replace(_sorted(rates, segments, noise), by_angle=by_angle, coarse=coarse)
 
 
 def _sorted(rates: Recording, segments: tuple[SegmentMean, ...], noise: np.ndarray) -> AhrsEvidence:
-    known = turning_points(rates, segments)
+    known = {i: point.rate for i, point in turning_points(rates, segments).items()}
     everything = range(len(segments))
+    rate = np.array([known.get(i, np.nan) for i in everything])
+    read = [np.isfinite(rate[i]) and not is_unread(segments[i], rate[i]) for i in everything]
     pointings = tuple(
         pointing(rates, s.segment) if s.segment.kind == "static" else None for s in segments
     )
     up = tuple(_up(s, points) for s, points in zip(segments, pointings, strict=True))
     rests = [i for i in everything if segments[i].segment.kind == "static"]
     labels = [segment.segment for segment in segments]
-    # The noise of what was not recorded is not looked for.
     seen = tuple(
-        replace(s, segment=placed(s.segment, points), allan=np.nan_to_num(s.allan))
-        for s, points in zip(segments, pointings, strict=True)
+        _for_noise(s, points, known.get(i))
+        for i, (s, points) in enumerate(zip(segments, pointings, strict=True))
     )
     return AhrsEvidence(
         segments=segments,
@@ -84,10 +88,9 @@ def _sorted(rates: Recording, segments: tuple[SegmentMean, ...], noise: np.ndarr
         up=up,
         positions={u: tuple(i for i in rests if up[i] == u) for u in UPS},
         points={axis: tuple(i for i in everything if labels[i].kind == "rate"
-                            and labels[i].axis == axis and i in known
-                            and labels[i].item != "misalignment"
-                            and np.isfinite(known[i].rate)) for axis in AXES},
-        rate=np.array([known[i].rate if i in known else np.nan for i in everything]),
+                            and labels[i].axis == axis and labels[i].item != "misalignment"
+                            and read[i]) for axis in AXES},
+        rate=rate,
         turns={axis: tuple(i for i in everything if labels[i].axis == axis
                            and (labels[i].kind == "rotation" or (labels[i].kind == "rate"
                                 and labels[i].item == "misalignment"))) for axis in AXES},
@@ -97,6 +100,28 @@ def _sorted(rates: Recording, segments: tuple[SegmentMean, ...], noise: np.ndarr
         pointing=pointings,
         angle_noise=noise,
     )  # fmt: skip
+
+
+def _for_noise(segment: SegmentMean, points: np.ndarray | None, rate: float | None) -> SegmentMean:
+    """A summary with what its place and rate really were, for drift to be told from them.
+
+    A turn whose rate nobody knows tells nothing of drift; nor does a triad that was not recorded.
+    """
+    label = placed(segment.segment, points)
+    if rate is not None:
+        known = {"rate_deg_s": float(np.degrees(rate))} if np.isfinite(rate) else {"up": None}
+        label = label.model_copy(update=known)
+    return replace(segment, segment=label, allan=np.nan_to_num(segment.allan))
+
+
+def is_unread(segment: SegmentMean, rate: float) -> bool:
+    """Whether the axis that a label or a mount says was turned reads something else altogether.
+
+    rate: rad/s, by the table or the label. No scale factor is below a half or above two.
+    """
+    axis = segment.segment.axis
+    shown = segment.mean[AXES.index(axis)] if axis else np.nan
+    return bool(abs(shown - rate) > max(0.5 * abs(rate), UNREAD) and not 0.5 < shown / rate < 2.0)
 
 
 def is_zero_position(segment: SegmentMean) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
-from tasks.items.jjf1536.evidence import AhrsEvidence
+from tasks.items.jjf1536.evidence import AhrsEvidence, is_unread
 from tasks.items.linear import solve
 from tasks.items.parts import Estimate, Part, excess_scatter, make_item
 
@@ -33,6 +33,7 @@ def scale_items(evidence: AhrsEvidence) -> Part:
         value[channel], u[channel], factor = _fit(evidence, channel, points, rests)
         remarks += [*_rate_remarks(axis, rates), *_rest_remarks(axis, rests)]
         remarks += _scatter_remark(axis, factor)
+    remarks += _unread_remarks(evidence)
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.recording.table is not None else ()
     item = make_item(Estimate(value, u), "1", CLAUSE, readings=readings)
@@ -101,6 +102,24 @@ def _rate_remarks(axis: str, rates: np.ndarray) -> Iterator[Remark]:
             code="one_direction",
             en=f"{axis} axis: all rates have the same sign; the other direction is missing.",
             zh=f"{axis} 轴：所有角速率同号，缺少另一方向。",
+            blocks_pass=True,
+        )
+
+
+def _unread_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
+    """Rate points about an axis that did not read them: another one was turned."""
+    for i, segment in enumerate(evidence.segments):
+        name, axis, rate = segment.segment.name, segment.segment.axis, evidence.rate[i]
+        if axis is None or not np.isfinite(rate) or not is_unread(segment, rate):
+            continue
+        said, shown = np.degrees(rate), np.degrees(segment.mean[AXES.index(axis)])
+        yield Remark(
+            code="rate_not_read",
+            en=f"{name}: turned at {said:+.2f} deg/s about {axis} by label, mount and table, but "
+            f"{axis} reads {shown:+.2f} deg/s: it was left out; tell which axis was turned.",
+            zh=f"{name}：按标注、安装及转台绕 {axis} 轴以 {said:+.2f} °/s 转动，但该轴读数为 "
+            f"{shown:+.2f} °/s：未取用。",
+            segments=(name,),
             blocks_pass=True,
         )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
-from tasks.items.jjf1536.attitudes import COMPONENTS
+from tasks.items.jjf1536.attitudes import COMPONENTS, points_contradicted
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
 from tasks.items.parts import Estimate, Part, excess_scatter, make_item
@@ -100,10 +100,10 @@ def _not_determined(positions: Positions) -> Reason | None:
     left = float(np.linalg.norm(positions.direction.mean(axis=0)))
     if left <= CANCELS:
         return None
+    who = "1 position leaves" if count == 1 else f"{count} positions leave"
     return (
-        f"{count} positions that do not cancel Earth's rotation ({100 * left:.0f} % of it may "
-        "remain); eq. (16) needs positions at equal angles, each axis as often one way as the "
-        "other",
+        f"{who} up to {100 * left:.0f} % of Earth's rotation; eq. (16) needs positions at equal "
+        "angles, each axis as often one way as the other",
         f"{count} 个位置不能抵消地球自转（最多残留 {100 * left:.0f}%）；式(16)要求等角度间隔的位置",
     )
 
@@ -129,6 +129,7 @@ def _mean(evidence: AhrsEvidence, channel: int, positions: Positions) -> tuple[f
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
     """Conditions of 7.2.1 and 7.2.2: number of positions, time at each."""
     axis, count = positions.axis, len(positions.groups)
+    yield from _contradicted(evidence, positions)
     if positions.direction is None:
         yield Remark(
             code="pointing_not_recorded",
@@ -161,6 +162,25 @@ def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
                 for i, held in zip(positions.rests, seconds, strict=True)
                 if held < asked - 2 * interval
             ),
+        )
+
+
+def _contradicted(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
+    """Labels that say another attitude than table and mount do."""
+    names = tuple(
+        evidence.segments[i].segment.name
+        for i in positions.rests
+        if points_contradicted(evidence.recording, evidence.segments[i].segment)
+    )
+    if names:
+        yield Remark(
+            code="pointing_contradicted",
+            en=f"{positions.axis} axis: the labels of {', '.join(names)} point the axes otherwise "
+            "than table and mount do: table and mount were used.",
+            zh=f"{positions.axis} 轴：{'、'.join(names)} 标注的指向与转台及安装不符："
+            "已按转台及安装取用。",
+            segments=names,
+            blocks_pass=True,
         )
 
 

@@ -78,7 +78,7 @@ def test_a_missing_position_gives_no_zero_offset_of_that_axis_and_says_why(ahrs_
     value = calibration.items["ahrs_zero_offset"].value
     assert value["y"] is None
     assert (value["x"], value["z"]) == pytest.approx((0.01, 0.03), abs=1e-8)
-    assert "y: 3 positions that do not cancel" in calibration.unavailable["ahrs_zero_offset"]
+    assert "y: 3 positions leave up to 33 %" in calibration.unavailable["ahrs_zero_offset"]
     assert "y：3 个位置" in calibration.unavailable_zh["ahrs_zero_offset"]
 
 
@@ -153,7 +153,7 @@ def test_twelve_positions_about_the_vertical_give_the_two_level_axes(bench, by: 
     value = calibration.items["ahrs_zero_offset"].value
     assert (value["x"], value["y"]) == pytest.approx((0.01, 0.02), abs=1e-8)
     assert value["z"] is None  # the vertical part of Earth's rotation stays
-    assert "z: 12 positions that do not cancel" in calibration.unavailable["ahrs_zero_offset"]
+    assert "z: 12 positions leave up to 100 %" in calibration.unavailable["ahrs_zero_offset"]
 
 
 def test_any_equally_spaced_set_will_do_and_others_will_not(bench) -> None:
@@ -306,7 +306,6 @@ def test_angles_that_begin_anew_with_each_segment_change_nothing(ahrs_run) -> No
     starts = [s.t_start for s in recording.manifest.segments]
     for begin, end in pairwise([*np.searchsorted(recording.imu.t, starts), len(angles)]):
         angles[begin:end] -= angles[begin]
-    # The pauses are taken out, so that each segment's last reading is followed by the next zero.
     whole, anew = result(recording), result(with_angles(recording, angles))
     for name, item in whole.items.items():
         assert anew.items[name].value == pytest.approx(item.value, abs=1e-8)
@@ -351,3 +350,49 @@ def test_an_axis_that_stands_still_is_said(ahrs_run) -> None:
     said = [r for r in result(with_angles(recording, angles)).remarks if r.code == "stuck"]
     assert said
     assert "angle_y stood still" in said[0].en
+
+
+def test_a_turn_that_its_axis_does_not_read_is_left_out_and_said(ahrs_run) -> None:
+    recording = relabelled(ahrs_run(K=(1.01, 1, 1)), lambda s: {"axis": "x"}
+                           if s.name == "scale_y_+200" else {})  # fmt: skip
+    calibration = result(replace(recording, table=None))
+    assert calibration.items["ahrs_scale_factor"].value["x"] == pytest.approx(1.01, abs=1e-8)
+    assert {"rate_not_read", "rate_contradicted"} & codes(calibration)
+
+
+def test_a_wrong_rate_label_does_not_spoil_the_uncertainty_of_other_values(plant) -> None:
+    recording = plant("ahrs_clean")
+    wrong = relabelled(recording, lambda s: {"rate_deg_s": 150.0}
+                       if s.name == "scale_y_+200" else {})  # fmt: skip
+    right, calibration = result(recording), result(wrong)
+    assert "rate_contradicted" in codes(calibration)
+    for name, item in right.items.items():
+        assert calibration.items[name].u == pytest.approx(dict(item.u), rel=1e-3)
+        assert calibration.items[name].value == pytest.approx(dict(item.value), abs=1e-12)
+
+
+def test_without_labels_an_axis_that_the_mount_does_not_tell_is_not_made_up(plant) -> None:
+    recording = plant("ahrs_clean")
+    manifest = recording.manifest.model_copy(update={"segments": None})
+    calibration = result(replace(recording, manifest=manifest))
+    scale = calibration.items["ahrs_scale_factor"].value
+    assert (scale["x"], scale["y"]) == (None, None)
+    assert scale["z"] == pytest.approx(0.9997259, abs=1e-5)
+    assert "rate_not_read" in codes(calibration)
+
+
+def test_points_that_table_and_mount_contradict_are_said(plant) -> None:
+    recording = plant("ahrs_clean")
+    wrong = relabelled(recording, lambda s: {"points": {"x": "N", "y": "W", "z": "U"}}
+                       if s.name == "zero_x_1" else {})  # fmt: skip
+    said = [r for r in result(wrong).remarks if r.code == "pointing_contradicted"]
+    assert [r.segments for r in said] == [("zero_x_1",)]
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5, 300])
+def test_a_few_rows_are_a_result_without_values_or_with_some(ahrs_run, rows: int) -> None:
+    recording = ahrs_run()
+    columns = {name: values[:rows] for name, values in recording.imu.columns.items()}
+    calibration = result(replace(recording, imu=Stream(recording.imu.t[:rows], columns)))
+    assert set(calibration.items["ahrs_scale_factor"].value.values()) == {None}
+    assert set(calibration.unavailable) == set(calibration.items)
