@@ -74,7 +74,7 @@ def demo(
 
 @app.command()
 def calibrate(
-    run: options.Run, method: options.Method = "jjf2003", as_json: options.Json = False
+    run: options.Run, method: options.Method = None, as_json: options.Json = False
 ) -> None:
     """Estimate every item the run allows.
 
@@ -92,7 +92,7 @@ def calibrate(
 @app.command()
 def certify(
     run: options.Run,
-    method: options.Method = "jjf2003",
+    method: options.Method = None,
     tolerance: options.Tolerance = None,
     laboratory: options.Laboratory = None,
     order: options.Order = None,

@@ -50,12 +50,12 @@ def produce(
     """Acquire a run from a station, estimate every item, decide, publish the certificate."""
     read_papers(tolerance, laboratory, order, None)  # bad papers are refused before it turns
     run, _ = acquire(station, procedure, home_folder)
-    return certify(run.id, "jjf2003", tolerance, laboratory, order, home_folder=home_folder)
+    return certify(run.id, None, tolerance, laboratory, order, home_folder=home_folder)
 
 
 @flow(name="calibrate", flow_run_name="calibrate {reference}")
 def calibrate(
-    reference: str, method: Method = "jjf2003", home_folder: str | None = None
+    reference: str, method: Method | None = None, home_folder: str | None = None
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
     calibration = orders.calibrate(as_tasks, reference, method, home_folder)
@@ -66,7 +66,7 @@ def calibrate(
 @flow(name="certify", flow_run_name="certify {reference}")
 def certify(
     reference: str,
-    method: Method = "jjf2003",
+    method: Method | None = None,
     tolerance: str | None = None,
     laboratory: str | None = None,
     order: str | None = None,

@@ -26,7 +26,10 @@ def _whole_days(value: datetime | None) -> datetime | None:
 
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")]
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
-Method = Annotated[str, typer.Option(metavar="NAME", help="How to estimate: jjf2003.")]
+Method = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="jjf2003 or jjf1536; default: the recording's standard."),
+]
 Tolerance = Annotated[
     str | None, typer.Option(metavar="FILE", help="Limits of the product model (TOML or JSON).")
 ]

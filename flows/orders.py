@@ -32,7 +32,7 @@ def acquire(
 
 
 def calibrate(
-    stages: ModuleType, reference: str, method: Method, home_folder: str | None = None
+    stages: ModuleType, reference: str, method: Method | None, home_folder: str | None = None
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
     folder = place(home_folder)
@@ -44,7 +44,7 @@ def calibrate(
 def certify(
     stages: ModuleType,
     reference: str,
-    method: Method,
+    method: Method | None,
     tolerance: str | None,
     laboratory: str | None,
     order: str | None,

@@ -40,14 +40,15 @@ class Laboratory(Frozen):
 class Order(Frozen):
     """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back.
 
-    calibrated_on: for a recording that does not say when it was made.
+    calibrated_on: for a recording that does not say when it was made. interval_months: null
+    leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536).
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
     client: Party
     received: date
     calibrated_on: date | None = None
-    interval_months: int = Field(default=12, gt=0, le=120)
+    interval_months: int | None = Field(default=None, gt=0, le=120)
 
 
 class Certificate(Frozen):

@@ -20,7 +20,8 @@ from tasks import conformity, reminders
 from tasks.certificate.pdf import render
 from tasks.stages.papers import Papers
 
-DEFAULT_MONTHS = 12  # JJF 2003-2022, clause 9
+MONTHS = {"jjf1536": 24}  # clause 9 of JJF 1536-2015; the others' is that of JJF 2003-2022
+DEFAULT_MONTHS = 12
 DEFAULT_PREFIX = "MIMU"
 
 
@@ -59,7 +60,8 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
     _check_order(order, calibrated_on)
     expired = conformity.expired(equipment, calibrated_on or today)
     decision = conformity.decide(calibration, tolerance, expired)
-    months = order.interval_months if order else DEFAULT_MONTHS
+    usual = MONTHS.get(calibration.method, DEFAULT_MONTHS)
+    months = (order.interval_months if order else None) or usual
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(
         number=store.reserve_number(home, prefix, today.year),

@@ -119,8 +119,16 @@ def _white(segments: tuple[SegmentMean, ...], drift: np.ndarray) -> np.ndarray:
             white[i] = np.maximum(white_of(excess, segment.tau), _rounding(segment))
     moving = np.array([segment.segment.kind == "rotation" for segment in segments])
     if moving.any():  # what varies there is the turn itself, not noise
-        white[moving] = np.nanmedian(white[~moving], axis=0) if (~moving).any() else np.nan
+        white[moving] = _median_known(white[~moving])
     return white
+
+
+def _median_known(white: np.ndarray) -> np.ndarray:
+    """Median over segments (6,), NaN for a channel that no segment has."""
+    known = np.isfinite(white).any(axis=0) if len(white) else np.zeros(6, bool)
+    median = np.full(6, np.nan)
+    median[known] = np.nanmedian(white[:, known], axis=0)
+    return median
 
 
 def _rounding(segment: SegmentMean) -> np.ndarray:

@@ -369,3 +369,22 @@ def test_help_starts_without_the_heavy_libraries() -> None:
     assert "LOADED []" in done.stdout
     for later in ("explain", "reprocess", "dashboard"):
         assert later not in done.stdout
+
+
+def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, shared) -> None:
+    done = mimucal("calibrate", shared / "plant/ahrs_clean", "--json")
+    assert (done.code, done.json["method"]) == (0, "jjf1536")
+    truth = json.loads((shared / "plant/ahrs_clean/truth.json").read_text())
+    item = done.json["items"]["ahrs_scale_factor"]
+    for axis, true in zip("xyz", truth["K"], strict=True):
+        assert abs(item["value"][axis] - true) < 3 * item["u"][axis]
+    by_other = mimucal("calibrate", done.json["run"], "--method", "jjf2003")
+    assert by_other.code == 2
+    assert "JJF 1536" in by_other.err
+
+
+def test_an_ahrs_certificate_is_due_after_two_years(mimucal, shared) -> None:
+    done = mimucal(
+        "certify", shared / "plant/ahrs_clean", "--calibrated-on", "2026-01-31", "--json"
+    )
+    assert (done.json["verdict"], done.json["due"]) == ("inconclusive", "2028-01-31")
