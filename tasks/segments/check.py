@@ -5,6 +5,7 @@ Every check gives remarks that name the segment, the channel and the number. A r
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from tasks.segments.rates import TurningPoint, turning_points
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
-    GYRO_COLUMNS,
     LONGEST_BURST,
     SegmentMean,
     coarsely_quantised,
@@ -37,7 +37,12 @@ def check_segments(
         remarks.extend(_room(recording, segment, conditions))
         if i in points:
             remarks.extend(_rate(segment, points[i], conditions))
-    return (*remarks, *_short(segments, conditions), *_coarse(segments))
+    return (
+        *remarks,
+        *_short(segments, conditions),
+        *_coarse(segments),
+        *_counted_twice(segments),
+    )
 
 
 def _position(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
@@ -225,6 +230,28 @@ def _coarse(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
     )
 
 
+def _counted_twice(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Segments that share more than one row: the same noise would be counted as new evidence."""
+    ordered = sorted(segments, key=lambda s: s.t_start)
+    pairs = [
+        (first.segment.name, second.segment.name)
+        for first, second in pairwise(ordered)
+        if second.t_start < first.t_end - 1.5 * first.seconds / first.rows
+    ]
+    if not pairs:
+        return
+    listed = ", ".join(f"{first} and {second}" for first, second in pairs[:5])
+    more = f" and {len(pairs) - 5} more pairs" if len(pairs) > 5 else ""
+    more_zh = f"等共 {len(pairs)} 对" if len(pairs) > 5 else ""
+    yield Remark(
+        code="overlapping_segments",
+        en=f"Segments overlap, so the same samples are counted twice: {listed}{more}.",
+        zh=f"标注段相互重叠，同一数据被重复计入：{listed}{more_zh}。",
+        segments=tuple(dict.fromkeys(name for pair in pairs for name in pair)),
+        blocks_pass=True,
+    )
+
+
 def _lasts(segment: SegmentMean) -> float:
     """How long a segment lasts (s): its samples, and up to two intervals that its label adds."""
     interval = segment.seconds / segment.rows
@@ -255,27 +282,3 @@ def _room(recording: Recording, segment: SegmentMean, conditions: Conditions) ->
             segments=(name,),
             blocks_pass=True,
         )
-
-
-def wrong_rate_unit(recording: Recording, segments: tuple[SegmentMean, ...]) -> str | None:
-    """What is wrong with the unit of the rates, as a sentence, or None.
-
-    If in most rate segments the gyro reads 57.3 times more or less than the label, either the
-    labels are not in °/s or the gyro columns are not in rad/s: nothing may be computed.
-    """
-    ratios = []
-    for segment in segments:
-        label = segment.segment
-        if label.kind == "rate" and label.axis and label.rate_deg_s and segment.has_gyro:
-            read = np.degrees(segment.mean[GYRO_COLUMNS])[AXES.index(label.axis)]
-            ratios.append((abs(read / label.rate_deg_s), label.name, read, label.rate_deg_s))
-    for factor in (np.degrees(1.0), np.radians(1.0)):
-        off = [each for each in ratios if abs(each[0] / factor - 1) < 0.1]
-        if ratios and len(off) > len(ratios) / 2:
-            _, name, read, label_rate = off[0]
-            return (
-                f"rate_deg_s of {len(off)} segments is in the wrong unit: {name} says "
-                f"{label_rate:g} deg/s and the gyro columns read {read:.4g} deg/s, a factor of "
-                "57.3; write rate_deg_s in deg/s and the gyro columns in rad/s"
-            )
-    return None

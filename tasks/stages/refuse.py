@@ -9,8 +9,8 @@ from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Recording, Segment, 
 from storage import store
 from storage.checks import absent
 from storage.verify import Fault
-from tasks.segments.check import wrong_rate_unit
 from tasks.segments.summarise import summarise_all
+from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
 
 def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:
@@ -35,8 +35,9 @@ def faults_of(path: Path) -> list[Fault]:
 
 
 def _wrong_unit(recording: Recording) -> str | None:
-    rates = tuple(s for s in recording.manifest.segments or () if s.kind == "rate")
-    return wrong_rate_unit(recording, summarise_all(recording, rates, "label"))
+    held = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
+    segments = summarise_all(recording, held, "label")
+    return wrong_rate_unit(recording, segments) or wrong_accel_unit(segments)
 
 
 def _unserved(manifest: Manifest, imu: Stream) -> str | None:

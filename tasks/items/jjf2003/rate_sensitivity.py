@@ -57,8 +57,8 @@ def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[Run, ...], tuple[str, s
     points = [i for i in evidence.points[axis] if evidence.segments[i].has_accel]
     if not points:
         return (), (
-            f"no turning about {axis} with the accelerometers recorded",
-            f"没有绕 {axis} 轴转动且记录了加速度计的数据",
+            f"no usable rate about {axis} with the accelerometers recorded",
+            f"没有绕 {axis} 轴可用的角速率点且记录了加速度计的数据",
         )
     vertical = [i for i in points if (evidence.up[i] or "")[1:] == axis]
     if not vertical:

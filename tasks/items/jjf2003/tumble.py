@@ -23,6 +23,7 @@ from tasks.segments.summarise import CHANNELS, SegmentMean
 CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
 CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
 DEG = float(np.degrees(1.0))
+TRIADS_ZH = {"gyro": "陀螺", "accel": "加速度计"}
 
 
 def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
@@ -246,8 +247,8 @@ def _undetermined(
 
 def _no_rest(triad: str) -> tuple[str, str]:
     return (
-        f"no rest with an axis up or down in which the {triad} triad was recorded",
-        f"没有记录了 {triad} 三轴且有轴朝天或朝地的静止位置",
+        f"no usable rest with an axis up or down that has the {triad} triad",
+        f"没有{TRIADS_ZH[triad]}数据可用且有轴朝天或朝地的静止位置",
     )
 
 

@@ -10,8 +10,8 @@ import pytest
 from schemas.calibration import Remark
 from schemas.recording import Recording, Stream
 from tasks.items.jjf2003 import calibrate
-from tasks.segments.check import wrong_rate_unit
 from tasks.segments.summarise import summarise_all
+from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
 
 def remarks(recording: Recording, code: str) -> list[Remark]:
@@ -124,3 +124,24 @@ def test_right_units_are_not_refused(ideal_run, real) -> None:
     for recording in (ideal_run(), real("vn200_imu0_rate_table")):
         labels = recording.manifest.segments
         assert wrong_rate_unit(recording, summarise_all(recording, labels, "label")) is None
+
+
+def test_overlapping_segments_are_named(ideal_run) -> None:
+    first = next(s for s in ideal_run().manifest.segments if s.name == "position_+x_000")
+    changes = {"t_start": first.t_start, "t_end": first.t_end}
+    recording = relabelled(ideal_run(), "position_+x_180", **changes)
+    (remark,) = remarks(recording, "overlapping_segments")
+    assert set(remark.segments) == {"position_+x_000", "position_+x_180"}
+    assert remark.blocks_pass
+
+
+def test_accelerometers_in_g_are_refused_with_the_unit_they_look_like(ideal_run) -> None:
+    recording = ideal_run()
+    labels = recording.manifest.segments
+    columns = {
+        name: values / 9.8 if name.startswith("accel") else values
+        for name, values in recording.imu.columns.items()
+    }
+    in_g = replace(recording, imu=Stream(recording.imu.t, columns))
+    assert "look like g" in wrong_accel_unit(summarise_all(in_g, labels, "label"))
+    assert wrong_accel_unit(summarise_all(recording, labels, "label")) is None

@@ -1,0 +1,51 @@
+"""Units that a recording mixes up: what its segments say of themselves gives it away."""
+
+import numpy as np
+
+from schemas.recording import AXES, Recording
+from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
+
+
+def wrong_rate_unit(recording: Recording, segments: tuple[SegmentMean, ...]) -> str | None:
+    """What is wrong with the unit of the rates, as a sentence, or None.
+
+    If in most rate segments the gyro reads 57.3 times more or less than the label, either the
+    labels are not in °/s or the gyro columns are not in rad/s: nothing may be computed.
+    """
+    ratios = []
+    for segment in segments:
+        label = segment.segment
+        if label.kind == "rate" and label.axis and label.rate_deg_s and segment.has_gyro:
+            read = np.degrees(segment.mean[GYRO_COLUMNS])[AXES.index(label.axis)]
+            ratios.append((abs(read / label.rate_deg_s), label.name, read, label.rate_deg_s))
+    for factor in (np.degrees(1.0), np.radians(1.0)):
+        off = [each for each in ratios if abs(each[0] / factor - 1) < 0.1]
+        if ratios and len(off) > len(ratios) / 2:
+            _, name, read, label_rate = off[0]
+            return (
+                f"rate_deg_s of {len(off)} segments is in the wrong unit: {name} says "
+                f"{label_rate:g} deg/s and the gyro columns read {read:.4g} deg/s, a factor of "
+                "57.3; write rate_deg_s in deg/s and the gyro columns in rad/s"
+            )
+    return None
+
+
+def wrong_accel_unit(segments: tuple[SegmentMean, ...]) -> str | None:
+    """What is wrong with the unit of the accelerometers, as a sentence, or None.
+
+    In most rests that are labelled upright they read about 1: g, where m/s² is asked for.
+    """
+    rests = [s for s in segments if s.segment.kind == "static" and s.segment.up and s.has_accel]
+    sizes = {s.segment.name: float(np.linalg.norm(s.mean[ACCEL_COLUMNS])) for s in rests}
+    in_g = {name: size for name, size in sizes.items() if 0.7 < size < 1.3}
+    if len(in_g) <= len(sizes) / 2:
+        return None
+    name, size = next(iter(in_g.items()))
+    return (
+        f"the accelerometer columns read {size:.4g} in {name}, labelled {_up_of(rests, name)} up: "
+        "they look like g; write m/s²"
+    )
+
+
+def _up_of(rests: list[SegmentMean], name: str) -> str:
+    return next(str(s.segment.up) for s in rests if s.segment.name == name)
