@@ -13,8 +13,8 @@ from tasks.items.jjf1536.misalignment import misalignment_items
 from tasks.items.jjf1536.scale import scale_items
 from tasks.items.jjf1536.zero import zero_items
 from tasks.items.parts import Part
-from tasks.segments.check import wrong_rate_unit
 from tasks.segments.conditions import Conditions
+from tasks.segments.units import wrong_rate_unit
 
 PROCEDURE = "JJF 1536-2015, 7"
 CONDITIONS = Conditions(
