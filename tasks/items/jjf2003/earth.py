@@ -1,0 +1,70 @@
+"""Earth's rotation in the g-sensitivity of eq. (7), and the value without it."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.calibration import Remark
+from schemas.recording import AXES, Recording
+from tasks.items.evidence import Evidence
+from tasks.items.jjf2003.positions import is_paired
+from tasks.motion.table import EARTH_RATE
+
+DEG = float(np.degrees(1.0))
+
+
+def without_earth(
+    recording: Recording,
+    evidence: Evidence,
+    positions: dict[str, tuple[int, ...]],
+    value: np.ndarray,
+    gyro_k: np.ndarray,
+) -> tuple[np.ndarray, tuple[str, str] | None]:
+    """G (3, 3) with the vertical part of Earth's rotation removed, and why elements are null.
+
+    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in
+    positions held at two headings 180° apart; in others it is not known, and reaches the gyros
+    that are not vertical.
+    """
+    latitude = recording.manifest.station.latitude_deg
+    still = value[:, :3].copy()
+    if latitude is None:
+        why = (
+            "without Earth rotation: the latitude is not told",
+            "扣除地球自转的值：未给出纬度",
+        )
+        return np.full((3, 3), np.nan), why
+    k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3))
+    still -= k * EARTH_RATE * np.sin(np.radians(latitude))
+    single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
+    for axis in {AXES.index(up[1]) for up in single}:
+        others = [i for i in range(3) if i != axis]
+        still[others, axis] = np.nan
+    if not single:
+        return still, None
+    return still, (
+        f"without Earth rotation, off the diagonal: {', '.join(single)} held at one heading only, "
+        "so its horizontal part is not known",
+        f"扣除地球自转的非对角元：{', '.join(single)} 仅在一个方位测量，水平分量未知",
+    )
+
+
+def earth_remarks(recording: Recording, gyro_k: np.ndarray) -> Iterator[Remark]:
+    """Says what Earth's rotation does to the diagonal by eq. (7), in numbers where known."""
+    latitude = recording.manifest.station.latitude_deg
+    if latitude is None:
+        return
+    rate = DEG * EARTH_RATE * np.sin(np.radians(latitude))
+    yield Remark(
+        code="earth_rotation",
+        en=f"By eq. (7) the diagonal of the g-sensitivity contains Earth's rotation, "
+        f"{rate:.5f} (deg/s)/g at {latitude:g}° latitude; the value without it stands beside.",
+        zh=f"按式(7)，g 敏感系数对角元含地球自转 {rate:.5f} (°/s)/g（纬度 {latitude:g}°）；"
+        "旁列扣除后的值。",
+    )
+    if not np.isfinite(gyro_k).all():
+        yield Remark(
+            code="scale_factor_assumed",
+            en="Where this run gives no gyro scale factor, 1 was taken to remove Earth's rotation.",
+            zh="本次未得陀螺标度因数处，扣除地球自转时取 1。",
+        )
