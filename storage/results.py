@@ -47,7 +47,7 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
     if latest is not None and latest.document == document:
         return str(latest.id)
     before = None if latest is None else str(latest.id)
-    result = "c" + hashlib.sha256(f"{before}\n{document}".encode()).hexdigest()[:SHORT]
+    result = result_id(before, document)
     row = {
         "id": result,
         "run": calibration.run,
@@ -77,6 +77,11 @@ def results(run: Run, home: Home) -> list[Result]:
         Result(calibration=calibration_of(row), **{name: row._mapping[name] for name in names})
         for row in catalog.rows(home, statement)
     ]
+
+
+def result_id(supersedes: str | None, document: str) -> str:
+    """The id that a document has in its place; it tells when either was changed."""
+    return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:SHORT]
 
 
 def calibration_of(row: sql.Row) -> Calibration:

@@ -9,15 +9,17 @@ from pathlib import Path
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from schemas.certificate import Certificate
 from storage import catalog
 from storage.certificates import Entry, certificates, record_of
 from storage.home import Home
 from storage.raw import read_mcap
-from storage.results import calibration_of
+from storage.results import calibration_of, result_id
 from storage.runs import Run, from_columns, raw_path, runs
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
+RESTORE = "bring the catalogue back from a backup"
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 
 Progress = Callable[[int, int], None]
@@ -36,9 +38,9 @@ Check = Callable[[], Iterable[Fault]]
 def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Fault]]:
     """Reads everything in the store again; gives how many things were checked, and the faults.
 
-    Raw recordings and columns against their digest, results as documents of a run, PDFs and
-    records against the SHA-256 kept at issue, files that the catalogue does not know, and
-    acquisitions that were broken off.
+    Raw recordings and columns against their digest, results against their id and their run,
+    PDFs and records against the SHA-256 kept at issue, records against the result they print,
+    files that the catalogue does not know, and acquisitions that were broken off.
     `progress(done, total)` is called after each.
     """
     checks = list(_checks(home))
@@ -111,6 +113,12 @@ def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[Fault]
             why=f"it speaks of run {calibration.run} with digest {calibration.digest}, which is "
             f"not what run {row.run} holds; calibrate run {row.run} again",
         )
+    elif not _untouched(row):
+        yield Fault(what=what, why=f"its document was changed after it was kept; {RESTORE}")
+
+
+def _untouched(row: sql.Row) -> bool:
+    return bool(row.id == result_id(row.supersedes, row.document))
 
 
 def _unchanged(path: Path, expected: str) -> Iterator[Fault]:
@@ -138,7 +146,26 @@ def _record(entry: Entry, home: Home) -> Iterator[Fault]:
         yield Fault(
             what=f"certificate {entry.number}",
             why="the register and the record differ in number, state, verdict or due date; "
-            "believe the record, and bring the catalogue back from a backup",
+            f"believe the record, and {RESTORE}",
+        )
+    yield from _printed(entry, record, home)
+
+
+def _printed(entry: Entry, record: Certificate, home: Home) -> Iterator[Fault]:
+    """Whether the result that a certificate prints is still there and says the same."""
+    what, table = f"certificate {entry.number}", catalog.results
+    found = catalog.rows(home, sql.select(table).where(table.c.id == entry.result))
+    if not found:
+        yield Fault(what=what, why=f"its result {entry.result} is gone; {RESTORE}")
+        return
+    (row,) = found
+    if not _untouched(row):
+        return  # said of the result itself
+    if calibration_of(row).model_dump_json() != record.calibration.model_dump_json():
+        yield Fault(
+            what=what,
+            why=f"its record prints another calibration than result {entry.result}, which the "
+            f"register names; believe the record, and {RESTORE}",
         )
 
 

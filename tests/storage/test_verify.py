@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sqlite3
 from collections.abc import Callable
 from pathlib import Path
 
@@ -99,6 +100,38 @@ def test_result_that_speaks_of_another_recording_is_found(
     with catalog.changing(fresh) as connection:
         connection.execute(sql.update(catalog.results).values(document=document))
     assert "calibrate run" in only_fault(fresh).why
+
+
+def test_result_whose_document_was_changed_is_found(fresh: Home, filled: Run) -> None:
+    with catalog.changing(fresh) as connection:
+        document = connection.scalars(sql.select(catalog.results.c.document)).one()
+        assert "0.25" in document
+        changed = document.replace("0.25", "0.24")
+        connection.execute(sql.update(catalog.results).values(document=changed))
+    fault = only_fault(fresh)
+    assert fault.what.startswith("result c")
+    assert "changed after it was kept" in fault.why
+
+
+def test_certificate_whose_result_is_gone_is_found(fresh: Home, filled: Run) -> None:
+    other = sqlite3.connect(fresh.path / "catalog.sqlite")  # it does not mind foreign keys
+    with other:
+        other.execute("DELETE FROM results")
+    other.close()
+    fault = only_fault(fresh)
+    assert fault.what == "certificate A-1"
+    assert "is gone" in fault.why
+
+
+def test_certificate_that_prints_another_calibration_than_its_result_is_found(
+    fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
+) -> None:
+    other = store.save_result(calibrated(filled, 0.5), fresh)
+    with catalog.changing(fresh) as connection:
+        connection.execute(sql.update(catalog.certificates).values(result=other))
+    fault = only_fault(fresh)
+    assert fault.what == "certificate A-1"
+    assert other in fault.why
 
 
 def test_certificate_that_was_changed_or_lost_is_found(fresh: Home, filled: Run) -> None:
