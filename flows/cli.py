@@ -1,6 +1,7 @@
 """The command `mimucal`. Each command imports what it needs when it runs, to start at once."""
 
 import os
+import signal
 import sys
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import typer
 from typer.exceptions import TyperException
 
 from flows import keeping, options
+from flows.ending import as_ctrl_c
 from schemas.base import Unusable
 from tasks.stages.broken_off import BrokenOff
 
@@ -31,6 +33,7 @@ def main() -> None:
 
     Exit 2 with one sentence for unusable input, 1 for own failures and for what was broken off.
     """
+    signal.signal(signal.SIGTERM, as_ctrl_c)
     try:
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:

@@ -1,10 +1,14 @@
 """The commands about what is kept: taking in, listing, showing, verifying, what is due."""
 
 import sys
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from flows import options
+
+if TYPE_CHECKING:
+    from tasks.stages.record import Taken
 
 app = typer.Typer()
 
@@ -26,18 +30,29 @@ def import_(
     from tasks.stages.record import take_in
 
     taken = []
-    for path in paths:
-        with working(f"importing {path.name}"):
-            done = take_in(path, home(), manifest=manifest, salvage=salvage)
-        run, left_out = done.run, list(done.left_out)
-        entry = {"run": run.id, "recording_id": run.recording_id, "new": done.is_new}
-        taken.append(entry | {"left_out": left_out})
-        if left_out:
-            print(f"{path}: left out, no stream takes them: {', '.join(left_out)}", file=sys.stderr)
-        if not as_json:
-            print(run.id if done.is_new else f"{run.id} (already there)")
-    if as_json:
-        print_json({"format": "mimu-import/1", "runs": taken})
+    try:
+        for path in paths:
+            with working(f"importing {path.name}"):
+                done = take_in(path, home(), manifest=manifest, salvage=salvage)
+            taken.append(_entry(done))
+            if done.left_out:
+                left_out = ", ".join(done.left_out)
+                print(f"{path}: left out, no stream takes them: {left_out}", file=sys.stderr)
+            if not as_json:
+                print(done.run.id if done.is_new else f"{done.run.id} (already there)")
+    finally:  # what was taken in before one that is refused is told, too
+        if as_json and (taken or not sys.exc_info()[0]):
+            print_json({"format": "mimu-import/1", "runs": taken})
+
+
+def _entry(done: "Taken") -> dict[str, Any]:
+    run, left_out = done.run, list(done.left_out)
+    return {
+        "run": run.id,
+        "recording_id": run.recording_id,
+        "new": done.is_new,
+        "left_out": left_out,
+    }
 
 
 @app.command()

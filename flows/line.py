@@ -10,8 +10,9 @@ from prefect import Flow, flow
 from prefect.artifacts import create_markdown_artifact, create_table_artifact
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
-from flows import orders
+from flows import embedded, orders
 from flows.papers import read_papers
+from flows.server import server_named
 from schemas.calibration import Calibration, Method
 from storage.store import Due, Run
 from tasks.stages import as_tasks
@@ -21,11 +22,13 @@ from tasks.station.sequence import Acquired
 
 
 def run_now(named: Flow[..., Any], **parameters: Any) -> Any:
-    """Run a flow in this process and return what it returns.
+    """Run a flow in this process, from its main thread, and return what it returns.
 
     Without its heartbeat, whose thread makes every synchronous flow run wait for a second
     (prefect 3.8).
     """
+    if not server_named():
+        embedded.start(orders.place(None).prefect)
     with temporary_settings({PREFECT_FLOWS_HEARTBEAT_FREQUENCY: None}):
         return named(**parameters)
 

@@ -9,6 +9,7 @@ from datetime import date
 from pathlib import Path
 from types import ModuleType
 
+from flows.ending import ending_as_by_ctrl_c
 from flows.papers import read_papers, read_procedure
 from flows.progress import acquisition_progress
 from schemas.calibration import Calibration, Method
@@ -25,7 +26,7 @@ def acquire(
     """Acquire a run from the station of a station file."""
     stand = settings.read_station(Path(station))
     steps = read_procedure(procedure)
-    with acquisition_progress() as report:
+    with ending_as_by_ctrl_c(), acquisition_progress() as report:
         acquired: tuple[store.Run, Acquired]
         acquired = stages.acquire_run(stand, steps, place(home_folder), report)
         return acquired

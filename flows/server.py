@@ -9,6 +9,7 @@ from storage.home import Home
 QUIET = {
     # The sentence of Unusable is for us to print; a server of one's own still gets the logs.
     "PREFECT_LOGGING_HANDLERS_CONSOLE_LEVEL": "CRITICAL",
+    "PREFECT_INTERNAL_LOGGING_LEVEL": "CRITICAL",
     "DO_NOT_TRACK": "1",
     "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
     "PREFECT_CLI_WRAP_LINES": "false",

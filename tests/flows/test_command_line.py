@@ -348,6 +348,15 @@ def test_topics_of_a_bag_that_no_stream_takes_are_told(mimucal, tmp_path) -> Non
     assert "/camera" in done.err
 
 
+def test_what_was_taken_in_before_a_bad_recording_is_told(mimucal, copied, shared) -> None:
+    bad = copied(SMALL)
+    drop_column(bad)
+    done = mimucal("import", shared / "real/ferraris_session", bad, "--json")
+    assert done.code == 2
+    assert [entry["new"] for entry in done.json["runs"]] == [True]
+    assert str(bad) in done.err
+
+
 def test_help_shows_what_an_option_takes(mimucal) -> None:
     said = mimucal("station", "serve", "--help").out
     assert "NAME[@SECONDS]" in said

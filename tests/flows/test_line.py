@@ -142,27 +142,46 @@ def test_acquire_prints_the_run_and_the_run_can_be_calibrated(tmp_path, papers) 
 
 
 def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tuple[int, str]:
-    """Ends an acquisition by a signal when something is on the disk; exit code and stderr."""
+    """Ends an acquisition by a signal when something is on the disk; exit code and stderr.
+
+    The signal goes to the whole process group, as from a terminal.
+    """
     station_file, procedure = papers
     procedure.write_text(SHORT.format(dwell=60.0), encoding="utf-8")
-    messages = home.parent / "messages"  # no pipe: the embedded server would hold it open
-    with messages.open("w") as stderr:
-        started = subprocess.Popen(
-            mimucal(home, "acquire", station_file, "--procedure", procedure),
-            stdout=subprocess.DEVNULL, stderr=stderr, env=environment(home),
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-        )  # fmt: skip
+    started = subprocess.Popen(
+        mimucal(home, "acquire", station_file, "--procedure", procedure),
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment(home),
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
     try:
         deadline = time.monotonic() + 100
         while not any(p.stat().st_size > 200_000 for p in (home / "acquiring").glob("*.mcap")):
             assert time.monotonic() < deadline
             assert started.poll() is None
             time.sleep(0.1)
-        started.send_signal(how)
-        started.wait(timeout=60)
+        os.killpg(started.pid, how)
+        _, said = started.communicate(timeout=30)
+        while servers_of(home):  # the kernel ends it after its parent
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
     finally:
         started.kill()
-    return started.returncode, messages.read_text()
+    return started.returncode, said
+
+
+def servers_of(home: Path) -> list[int]:
+    """The processes of embedded servers whose database is in the home."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*"):
+        try:
+            command = (place / "cmdline").read_bytes()
+            owned = str(home).encode() in (place / "environ").read_bytes()
+        except OSError:  # ended meanwhile, or of another user
+            continue
+        if owned and b"prefect.server" in command:
+            found.append(int(place.name))
+    return found
 
 
 def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
@@ -187,9 +206,12 @@ def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
     assert document["manifest"]["unit"]["serial"] == "V00007"
 
 
-def test_ctrl_c_is_one_sentence_that_says_where_the_recording_lies(tmp_path, papers) -> None:
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
+    tmp_path, papers, how: signal.Signals
+) -> None:
     home = tmp_path / "home"
-    code, said = broken_off(home, papers, signal.SIGINT)
+    code, said = broken_off(home, papers, how)
     (found,) = (home / "acquiring").glob("*.mcap")
     assert code == 1
     assert said.strip().count("\n") == 0
