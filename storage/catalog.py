@@ -4,16 +4,16 @@ Results and certificates are only added. Whoever writes and first reads does so 
 which lets one writer at a time at what it locks.
 """
 
-import sqlite3
+import os
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import sqlalchemy as sql
-from sqlalchemy.pool import NullPool
 
 from schemas.base import Unusable
 from storage.catalog_tables import (
@@ -26,6 +26,7 @@ from storage.catalog_tables import (
     sources,
     units,
 )
+from storage.database import Busy, engine_of, explained, url_of
 from storage.home import Home
 
 __all__ = [
@@ -48,20 +49,15 @@ __all__ = [
 
 HEAD = "0002"  # the newest revision in storage/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
-WAY_OUT = "give it as postgresql://user@host/name, or leave it out for a file in the home"
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
-
-
-class Busy(Unusable):
-    """The catalogue is locked by another process or out of reach: the same again may succeed."""
 
 
 def engine(home: Home) -> sql.Engine:
     """The catalogue's engine, made and migrated when needed. Safe to use after a fork."""
-    made = _engine(_url(home))
+    made = engine_of(url_of(home), BUSY_S)
     if made.dialect.name == "sqlite":
         _make_folder(home)
-    with _explained(made), made.connect() as connection:
+    with explained(made), made.connect() as connection:
         if _revision(connection) == HEAD:
             return made
     _migrate(made)
@@ -70,19 +66,71 @@ def engine(home: Home) -> sql.Engine:
 
 def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
     """What a query finds; a home without a catalogue holds nothing, and none is made."""
-    database = _url(home)
-    if database.get_backend_name() == "sqlite" and not Path(database.database or "").exists():
+    made = _for_reading(home)
+    if made is None:
         return []
-    made = engine(home)
-    with _explained(made), made.connect() as connection:
+    with explained(made), made.connect() as connection:
         return connection.execute(statement).all()
+
+
+def _for_reading(home: Home) -> sql.Engine | None:
+    """The engine to read with, None where there is no catalogue; a read-only one is left as is."""
+    if home.path.exists() and not home.path.is_dir():
+        raise Unusable(f"{home.path} is no folder; let MIMUCAL_HOME name the folder of the home.")
+    url = url_of(home)
+    if url.get_backend_name() != "sqlite":
+        return engine(home)
+    file = Path(url.database or "")
+    try:
+        if not file.exists():
+            return None
+    except OSError as error:
+        raise Unusable(f"{file} cannot be read ({error.strerror}); give rights there.") from error
+    if _is_lost(file, home):
+        raise Unusable(
+            f"{file} is empty, but there are raw recordings in {home.raw}; bring it back from a "
+            "backup, or move it away and import those recordings again."
+        )
+    if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK):
+        return engine(home)
+    return _read_only(file)
+
+
+def _is_lost(file: Path, home: Home) -> bool:
+    """Whether a catalogue is empty that was not; one that is just being made fills at once."""
+    for pause in (0.0, 0.5):
+        time.sleep(pause)
+        if file.stat().st_size:
+            return False
+    return any(home.raw.glob("*.mcap"))
+
+
+def _read_only(file: Path) -> sql.Engine:
+    """The engine of a catalogue that cannot be written; raises Unusable for an older revision.
+
+    SQLite wants to make files beside a catalogue in WAL mode unless it is immutable, and so it
+    is as long as no writer left a log.
+    """
+    query = {"mode": "ro", "uri": "true"}
+    if not Path(f"{file}-wal").exists():
+        query["immutable"] = "1"
+    url = sql.URL.create("sqlite", database=f"file:{quote(str(file))}", query=query)
+    made = engine_of(url, BUSY_S)
+    with explained(made), made.connect() as connection:
+        found = _revision(connection)
+    if found != HEAD:
+        raise Unusable(
+            f"{file} has revision {found}, this program needs {HEAD}, and it cannot be written; "
+            "copy the home to where it can be written."
+        )
+    return made
 
 
 @contextmanager
 def changing(home: Home) -> Iterator[sql.Connection]:
     """A transaction that writes: all of it or nothing."""
     made = engine(home)
-    with _explained(made), _writer(made) as connection:
+    with explained(made), _writer(made) as connection:
         yield connection
 
 
@@ -106,41 +154,6 @@ def next_number(connection: sql.Connection, prefix: str, year: int) -> int:
 
 def _dialect(connection: sql.Connection) -> Any:
     return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
-
-
-def _url(home: Home) -> sql.URL:
-    try:
-        url = sql.make_url(home.database_url)
-    except sql.exc.ArgumentError as error:
-        raise Unusable(f"MIMUCAL_DATABASE is no database URL; {WAY_OUT}.") from error
-    if url.drivername in ("postgresql", "postgres"):
-        return url.set(drivername="postgresql+psycopg")
-    if url.drivername == "postgresql+psycopg" or (url.drivername == "sqlite" and url.database):
-        return url
-    raise Unusable(f"MIMUCAL_DATABASE is {url!r}, which cannot be used; {WAY_OUT}.")
-
-
-@lru_cache
-def _engine(url: sql.URL) -> sql.Engine:
-    """Connections are opened for each use: cheap, and nothing is shared between processes."""
-    if url.get_backend_name() != "sqlite":
-        return sql.create_engine(url, poolclass=NullPool)
-    made = sql.create_engine(url, poolclass=NullPool, connect_args={"timeout": BUSY_S})
-    sql.event.listen(made, "connect", _prepare_sqlite)
-    sql.event.listen(made, "begin", _begin_sqlite)
-    return made
-
-
-def _prepare_sqlite(connection: Any, _: object) -> None:
-    connection.isolation_level = None  # transactions begin where we say, DDL included
-    connection.execute("PRAGMA foreign_keys = ON")
-    connection.execute("PRAGMA journal_mode = WAL")
-
-
-def _begin_sqlite(connection: sql.Connection) -> None:
-    """A writer begins as one: what only becomes one later is refused when another was faster."""
-    writes = connection.get_execution_options().get("writes")
-    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
 
 @contextmanager
@@ -171,7 +184,7 @@ def _migrate(made: sql.Engine) -> None:
 
     settings = config.Config()
     settings.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
-    with _explained(made), _writer(made) as connection:
+    with explained(made), _writer(made) as connection:
         if made.dialect.name == "postgresql":
             connection.execute(sql.select(sql.func.pg_advisory_xact_lock(MIGRATION_LOCK)))
         settings.attributes["connection"] = connection
@@ -182,25 +195,3 @@ def _migrate(made: sql.Engine) -> None:
                 f"The catalogue {made.url!r} has revision {_revision(connection)}, which this "
                 f"program (revision {HEAD}) does not know; update mimucal."
             ) from error
-
-
-@contextmanager
-def _explained(made: sql.Engine) -> Iterator[None]:
-    """Turns a database that cannot be reached, or refuses, into a sentence."""
-    try:
-        yield
-    except sql.exc.DatabaseError as error:
-        if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
-            raise  # a fault of the program, not of the place
-        said = str(error.orig).splitlines()[0].rstrip(".")
-        raise (Busy if _may_pass(error) else Unusable)(
-            f"The catalogue {made.url!r} cannot be used ({said}); see that it can be reached and "
-            "written, or let MIMUCAL_HOME or MIMUCAL_DATABASE name another."
-        ) from error
-
-
-def _may_pass(error: sql.exc.DatabaseError) -> bool:
-    """Whether waiting helps: a lock in SQLite, any trouble of operation in PostgreSQL."""
-    if isinstance(error.orig, sqlite3.Error):
-        return error.orig.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))
-    return isinstance(error, sql.exc.OperationalError)

@@ -1,0 +1,85 @@
+"""Connections to the catalogue's database, and its refusals as sentences."""
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
+
+import sqlalchemy as sql
+from sqlalchemy.pool import NullPool
+
+from schemas.base import Unusable
+from storage.home import Home
+
+WAY_OUT = "give it as postgresql://user@host/name, or leave it out for a file in the home"
+
+
+class Busy(Unusable):
+    """The catalogue is locked by another process or out of reach: the same again may succeed."""
+
+
+def url_of(home: Home) -> sql.URL:
+    """Where the catalogue is; raises Unusable for a database of a kind that cannot be used."""
+    try:
+        url = sql.make_url(home.database_url)
+    except sql.exc.ArgumentError as error:
+        raise Unusable(f"MIMUCAL_DATABASE is no database URL; {WAY_OUT}.") from error
+    if url.drivername in ("postgresql", "postgres"):
+        return url.set(drivername="postgresql+psycopg")
+    if url.drivername == "postgresql+psycopg" or (url.drivername == "sqlite" and url.database):
+        return url
+    raise Unusable(f"MIMUCAL_DATABASE is {url!r}, which cannot be used; {WAY_OUT}.")
+
+
+@lru_cache
+def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
+    """The engine of a database; a writer in SQLite waits `busy_s` for another one.
+
+    Connections are opened for each use: cheap, and nothing is shared between processes.
+    """
+    if url.get_backend_name() != "sqlite":
+        return sql.create_engine(url, poolclass=NullPool)
+    made = sql.create_engine(url, poolclass=NullPool, connect_args={"timeout": busy_s})
+    sql.event.listen(made, "connect", _prepare_sqlite)
+    if "mode" not in url.query:
+        sql.event.listen(made, "connect", _log_ahead)
+    sql.event.listen(made, "begin", _begin_sqlite)
+    return made
+
+
+def _prepare_sqlite(connection: Any, _: object) -> None:
+    connection.isolation_level = None  # transactions begin where we say, DDL included
+    connection.execute("PRAGMA foreign_keys = ON")
+
+
+def _log_ahead(connection: Any, _: object) -> None:
+    connection.execute("PRAGMA journal_mode = WAL")
+
+
+def _begin_sqlite(connection: sql.Connection) -> None:
+    """A writer begins as one: what only becomes one later is refused when another was faster."""
+    writes = connection.get_execution_options().get("writes")
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+@contextmanager
+def explained(made: sql.Engine) -> Iterator[None]:
+    """Turns a database that cannot be reached, or refuses, into a sentence."""
+    try:
+        yield
+    except sql.exc.DatabaseError as error:
+        if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
+            raise  # a fault of the program, not of the place
+        said = str(error.orig).splitlines()[0].rstrip(".")
+        raise (Busy if _may_pass(error) else Unusable)(
+            f"The catalogue {made.url!r} cannot be used ({said}); see that it can be reached and "
+            "written, or let MIMUCAL_HOME or MIMUCAL_DATABASE name another."
+        ) from error
+
+
+def _may_pass(error: sql.exc.DatabaseError) -> bool:
+    """Whether waiting helps: a lock in SQLite, any trouble of operation in PostgreSQL."""
+    if isinstance(error.orig, sqlite3.Error):
+        return error.orig.sqlite_errorname.startswith(("SQLITE_BUSY", "SQLITE_LOCKED"))
+    return isinstance(error, sql.exc.OperationalError)
