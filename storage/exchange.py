@@ -12,6 +12,7 @@ from storage.content import as_raw, fingerprint, manifest_of, nanoseconds, toget
 from storage.tables import read_table
 
 MANIFEST = "manifest.json"
+LONG = 80  # characters of a name in a sentence
 
 
 def read_folder(folder: Path) -> Recording:
@@ -35,6 +36,8 @@ def _manifest(folder: Path) -> Manifest:
     path = folder / MANIFEST
     if not folder.is_dir():
         raise Unusable(f"{folder}: there is no such folder; give a folder with a {MANIFEST}.")
+    if path.is_fifo() or path.is_socket():
+        raise Unusable(f"{path} is a pipe, not a file; put the manifest there as a file.")
     try:
         text = path.read_bytes()
     except OSError as error:
@@ -56,18 +59,28 @@ def _manifest(folder: Path) -> Manifest:
 def _path(folder: Path, manifest: Manifest, name: str) -> Path:
     """The file of a stream, which must lie in the folder."""
     said = manifest.streams[name]
-    where = f"{folder / MANIFEST}: streams.{name} is {said!r}"
+    where = f"{folder / MANIFEST}: streams.{name} is {_short(said)}"
     given = PurePosixPath(said)
     if "\0" in said or given.is_absolute() or ".." in given.parts:
         raise Unusable(f"{where}, a path that leaves the folder; put the file beside the manifest.")
     path = folder / given
-    if not path.resolve().is_relative_to(folder.resolve()):
+    try:
+        outside = not path.resolve().is_relative_to(folder.resolve())
+        there = path.is_file()
+    except (OSError, RuntimeError) as error:  # a name that is too long, links in a circle
+        why = error.strerror if isinstance(error, OSError) else "its links run in a circle"
+        raise Unusable(f"{where}, which cannot be opened ({why}); name a file there.") from error
+    if outside:
         raise Unusable(f"{where}, a link that leaves the folder; put the file itself there.")
     if given.suffix.lower() not in (".parquet", ".csv"):
         raise Unusable(f"{where}; a stream is a .parquet or a .csv file.")
-    if not path.is_file():
+    if not there:
         raise Unusable(f"{where}, but there is no such file; add it, or take the stream out.")
     return path
+
+
+def _short(said: str) -> str:
+    return repr(said if len(said) <= LONG else f"{said[:LONG]}…")
 
 
 def _stream(path: Path, name: str, manifest: Manifest) -> Stream:

@@ -60,6 +60,7 @@ def _files(path: Path) -> Iterator[tuple[str, Path]]:
 
 def _mcap(path: Path) -> Path | None:
     """The MCAP file that a path means; None for a `mimu-recording/1` folder."""
+    _check_openable(path)
     if path.is_dir():
         if (path / MANIFEST).exists():
             return None
@@ -77,6 +78,18 @@ def _mcap(path: Path) -> Path | None:
         f"{path} is no recording: it does not begin as an MCAP file does; give an MCAP file or "
         "a mimu-recording/1 folder."
     )
+
+
+def _check_openable(path: Path) -> None:
+    """A pipe would keep us waiting, and some names cannot even be looked up."""
+    try:
+        waits = path.is_fifo() or path.is_socket()
+    except OSError as error:
+        raise Unusable(
+            f"{str(path)[:80]}… cannot be opened ({error.strerror}); give another path."
+        ) from error
+    if waits:
+        raise Unusable(f"{path} is a pipe, not a file; give an MCAP file or a folder.")
 
 
 def _no_recording(path: Path, bags: list[Path]) -> str:

@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
 NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
 
+OTHERS = {";": "semicolons", "\t": "tabs", "|": "bars"}  # separators that are not CSV's
+PARQUET = b"PAR1"
+HEAD = 2**20  # bytes in which a header ends
+
 
 class Table:
     """The columns of a file; they become numbers when they are asked for."""
@@ -94,10 +98,7 @@ def _read_csv(path: Path) -> "pa.Table":
     import pyarrow as pa
     from pyarrow import csv
 
-    with path.open("rb") as file:
-        lenient = csv.ParseOptions(invalid_row_handler=lambda row: "skip")
-        header = csv.open_csv(file, parse_options=lenient).schema
-    text = {name: pa.string() for name in header.names}
+    text = {name: pa.string() for name in _header(path)}
     options = csv.ConvertOptions(column_types=text, strings_can_be_null=False)
     try:
         return csv.read_csv(path, convert_options=options)
@@ -105,10 +106,48 @@ def _read_csv(path: Path) -> "pa.Table":
         raise _uneven_row(path) or error from error
 
 
-def _uneven_row(path: Path) -> Unusable | None:
-    """What to say of the first row with too few or too many fields, if there is one."""
+def _header(path: Path) -> list[str]:
+    """The names in the first line that is not blank; raises Unusable for another separator."""
+    from io import BytesIO
+
     from pyarrow import csv
 
+    with path.open("rb") as file:
+        begins = file.read(HEAD)
+    if begins.startswith(PARQUET):
+        raise Unusable(f"{path} is a Parquet file, not CSV; let its name end in .parquet.")
+    line = next((line for line in begins.splitlines() if line.strip()), b"")
+    _check_text(path, line, 1)
+    names: list[str] = csv.read_csv(BytesIO(line + b"\n")).column_names
+    for sign, said in OTHERS.items():
+        if len(names) == 1 and sign in names[0]:
+            raise Unusable(
+                f"{path}: the header {names[0][:60]!r} has {said} between its names; separate "
+                "fields with commas, and write numbers with a decimal point."
+            )
+    return names
+
+
+def _check_text(path: Path, line: bytes, number: int) -> None:
+    try:
+        line.decode()
+    except UnicodeDecodeError as error:
+        raise Unusable(
+            f"{path}: line {number} is not UTF-8 text (byte {line[error.start]:#04x}); export the "
+            "table again as CSV in UTF-8, or name the file by what it is."
+        ) from error
+
+
+def _uneven_row(path: Path) -> Unusable | None:
+    """What to say of the first row with too few or too many fields, if there is one.
+
+    Raises Unusable for a line that is no text: pyarrow cannot hand over such a row.
+    """
+    from pyarrow import csv
+
+    with path.open("rb") as file:
+        for number, line in enumerate(file, start=1):
+            _check_text(path, line, number)
     found: list[csv.InvalidRow] = []
 
     def note(row: csv.InvalidRow) -> str:

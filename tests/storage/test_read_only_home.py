@@ -32,7 +32,8 @@ if os.geteuid() == 0:
     os.setgid(65534)
     os.setuid(65534)
 (run,) = store.runs(home)
-print(store.find(run.id, home).id, len(store.load(run, home).imu.t), [fault.why for fault in verify(home)[1]])
+faults = [fault.why for fault in verify(home)[1]]
+print(store.find(run.id, home).id, len(store.load(run, home).imu.t), faults)
 try:
     store.reserve_number(home, "MIMU", 2026)
 except Unusable as error:
