@@ -6,6 +6,7 @@ has told it how its flow ended, and leaves it behind when the command is killed.
 Import this module only after `flows.server.prepare`.
 """
 
+import atexit
 import ctypes
 import signal
 import subprocess
@@ -36,6 +37,8 @@ def start(folder: Path) -> None:
     own: Any = SimpleNamespace(Popen=started, TimeoutExpired=subprocess.TimeoutExpired)
     prefect_server.subprocess = own
     prefect_server.SubprocessASGIServer().start()
+    # Runs before the server's own end, which a second Ctrl-C would break off with a traceback.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
 
 
 def _die_with_parent() -> Any:

@@ -260,6 +260,8 @@ def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
     [
         (("calibrate", "nothing-like-it"), "mimucal runs"),
         (("calibrate", ""), "RUN is empty"),
+        (("calibrate", "flows"), "flows holds no recording"),
+        (("certify", "flows"), "flows holds no recording"),
         (("calibrate", "x" * 5000), "mimucal runs"),
         (("calibrate", "x", "--method", "guess"), "--method guess"),
         (("certify", "x", "--tolerance", "missing.toml"), "missing.toml"),
