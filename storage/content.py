@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from schemas.base import Unusable, first_fault
 from schemas.recording import ANGLE, FORMAT, TRIADS, Manifest, Recording, Stream
 from storage.checks import known_columns
+from storage.manifest_texts import check_values
 from storage.topics import ENVIRONMENT, PLACE, present
 
 NANO = 1_000_000_000
@@ -25,7 +26,7 @@ def manifest_of(text: bytes | str, where: str) -> Manifest:
     """The manifest in a JSON text; raises Unusable naming `where` and the first fault."""
     try:
         fields = json.loads(text.decode("utf-8-sig") if isinstance(text, bytes) else text)
-        json.dumps(fields, allow_nan=False, ensure_ascii=False).encode()  # as it will be kept
+        check_values(fields, where)
     except UnicodeError as error:
         raise Unusable(f"{where} is not UTF-8 text ({error}); save it as UTF-8.") from error
     except (ValueError, RecursionError) as error:

@@ -69,10 +69,15 @@ def _imu_topic(file: Gathered) -> str:
             f"{file.path}: {len(topics)} topics are of type {IMU} ({', '.join(topics)}); "
             "keep the one of the unit under test and convert the bag."
         )
-    cut = f" ({file.damage})" if file.damage else ""
+    if file.damage:
+        raise Unusable(
+            f"{file.path} is cut off or damaged ({file.damage}) before any message of type {IMU} "
+            f"is whole (found {file.described()}), so nothing can be salvaged; copy it again "
+            "from where it was recorded, or record again."
+        )
     raise Unusable(
-        f"{file.path}: no message of type {IMU} in ROS 2 CDR can be read{cut}; "
-        f"found {file.described()}."
+        f"{file.path}: there is no message of type {IMU} in ROS 2 CDR (found "
+        f"{file.described()}); give a bag of the unit's readings."
     )
 
 

@@ -9,6 +9,7 @@ from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.content import manifest_of
 from storage.exchange import read_folder
+from storage.manifest_texts import check_controls
 from storage.raw import read_mcap
 
 MANIFEST = "manifest.json"
@@ -23,6 +24,13 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     `manifest` is a manifest.json that goes before the one in an MCAP file; `salvage` takes
     what is whole of an MCAP file that is cut off. Raises Unusable for anything else.
     """
+    recording = _read(path, manifest, salvage)
+    said = recording.manifest.model_dump(mode="json")
+    check_controls(said, f"The manifest of {path}" if manifest is None else str(manifest))
+    return recording
+
+
+def _read(path: Path, manifest: Path | None, salvage: bool) -> Recording:
     bag = _mcap(path)
     if bag is None:
         if manifest is not None:

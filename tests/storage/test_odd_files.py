@@ -108,3 +108,31 @@ def test_pipe_is_not_waited_for(folder: Path) -> None:
 
 def test_path_that_is_too_long_is_refused(folder: Path) -> None:
     assert "too long" in refusal(folder / ("a" * 300))
+
+
+@pytest.mark.parametrize("sign", ["\0", "\x1b", "\x7f", "\x85", "\n"])
+def test_control_character_in_a_text_is_refused_with_its_field(folder: Path, sign: str) -> None:
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    manifest["unit"]["serial"] = f"A{sign}1"
+    path.write_text(json.dumps(manifest))
+    sentence = refusal(folder)
+    assert "unit.serial" in sentence
+    assert str(folder) in sentence
+    assert sign not in sentence
+
+
+def test_remark_may_have_several_lines_but_no_other_control_character(folder: Path) -> None:
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    path.write_text(json.dumps(manifest | {"remark": "one\n\ttwo 三"}))
+    assert store.read(folder)
+    path.write_text(json.dumps(manifest | {"remark": "one\0"}))
+    assert "remark" in refusal(folder)
+
+
+def test_triads_that_are_null_throughout_are_refused_with_their_file(folder: Path) -> None:
+    table = pd.read_csv(folder / "imu.csv")
+    table[[*GYRO, *ACCEL]] = np.nan
+    table.to_csv(folder / "imu.csv", index=False)
+    assert refusal(folder).startswith(f"{folder / 'imu.csv'}: ")

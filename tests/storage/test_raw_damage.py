@@ -79,6 +79,13 @@ def test_file_without_any_message_is_refused(content: bytes, tmp_path: Path) -> 
         assert "\n" not in str(refusal.value)
 
 
+def test_file_that_is_cut_off_before_its_first_chunk_says_the_way_out(long_file: Path) -> None:
+    content = long_file.read_bytes()
+    long_file.write_bytes(content[:60])
+    for salvage in (False, True):
+        assert "copy it again" in refusal_of(long_file, salvage)
+
+
 def test_missing_file_and_folder_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "nowhere.mcap"):
         with pytest.raises(Unusable, match=str(path)):
