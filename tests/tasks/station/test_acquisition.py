@@ -185,7 +185,9 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
     assert f"is kept (finished segments: {len(kept.measured())})" in sentence
     assert kept.measured()[:2] == MEASURED[:2]
     for stream in ("imu", "table", "environment"):
-        assert kept.stream(stream).t[-1] > 57.0
+        # The fault came at 60 s of station time; the recording counts from when the run began,
+        # which on a busy machine is some seconds after the station was switched on.
+        assert kept.stream(stream).t[-1] > 45.0
 
 
 def _long(step: Any) -> Any:
