@@ -18,7 +18,7 @@ from tasks.station.unit import Unit
 
 Say = Callable[[Finding], None]
 CLOCK_OFF_S = 0.5
-CLOCK_WALL_S = 0.02  # what a busy machine may delay a frame by, on the wall
+CLOCK_WALL_S = 0.1  # what a busy machine may delay a frame by, on the wall
 SHIFT_TAKES = 3
 
 

@@ -71,7 +71,7 @@ def test_sound_station_gives_no_warning(run):
 def test_streams_have_no_gap(run):
     for name in ("imu", "table"):
         assert np.diff(run.kept.stream(name).t) == pytest.approx(0.01, abs=1e-9)
-    assert np.diff(run.kept.stream("environment").t).max() < 5.0
+    assert np.diff(run.kept.stream("environment").t).max() < 20.0  # one wall second
 
 
 def test_streams_have_the_columns_of_the_format(run):
