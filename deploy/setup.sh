@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds .venv from the pinned, hashed requirements, which are complete: with --no-deps pip asks for
-# nothing newer (an extra of a package that has a new release would break the hashes). Installs venv where Debian lacks it, as root.
+# nothing newer (an extra of a package that has a new release would break the hashes). Installs venv
+# where Debian lacks it, as root.
 set -euo pipefail
 python=${PYTHON:-python3}
 
