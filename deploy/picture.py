@@ -46,7 +46,7 @@ def main(target: Path) -> None:
         axes = place.subplots()
         axes.imshow(document[page].render(scale=1.6).to_pil())
         axes.axis("off")
-    figure.savefig(target, dpi=90)
+    figure.savefig(target, dpi=90, metadata={"Software": None})
 
 
 if __name__ == "__main__":
