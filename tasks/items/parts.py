@@ -1,5 +1,6 @@
 """What one clause contributes to a calibration, and how elements become an item."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,6 +10,7 @@ from schemas.calibration import Elements, Item, Remark
 from schemas.recording import AXES
 from tasks.items.linear import Solution
 
+DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 K_FACTOR = 2.0  # both specifications expand with k = 2
 EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
 
@@ -23,6 +25,16 @@ class Part:
     items: dict[str, Item] = field(default_factory=dict)
     unavailable: dict[str, tuple[str, str]] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
+
+
+def joined(parts: Iterable[Part]) -> Part:
+    """Several clauses as one: their items, their reasons, their remarks in the same order."""
+    every = tuple(parts)
+    return Part(
+        {name: item for part in every for name, item in part.items.items()},
+        {name: reason for part in every for name, reason in part.unavailable.items()},
+        tuple(remark for part in every for remark in part.remarks),
+    )
 
 
 @dataclass(frozen=True)

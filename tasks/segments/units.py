@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from schemas.recording import AXES, Recording
+from schemas.recording import AXES
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
 
 
-def wrong_rate_unit(recording: Recording, segments: tuple[SegmentMean, ...]) -> str | None:
+def wrong_rate_unit(segments: tuple[SegmentMean, ...]) -> str | None:
     """What is wrong with the unit of the rates, as a sentence, or None.
 
     If in most rate segments the gyro reads 57.3 times more or less than the label, either the
@@ -36,16 +36,12 @@ def wrong_accel_unit(segments: tuple[SegmentMean, ...]) -> str | None:
     In most rests that are labelled upright they read about 1: g, where m/s² is asked for.
     """
     rests = [s for s in segments if s.segment.kind == "static" and s.segment.up and s.has_accel]
-    sizes = {s.segment.name: float(np.linalg.norm(s.mean[ACCEL_COLUMNS])) for s in rests}
-    in_g = {name: size for name, size in sizes.items() if 0.7 < size < 1.3}
-    if len(in_g) <= len(sizes) / 2:
+    sizes = [float(np.linalg.norm(s.mean[ACCEL_COLUMNS])) for s in rests]
+    in_g = [(s.segment, size) for s, size in zip(rests, sizes, strict=True) if 0.7 < size < 1.3]
+    if len(in_g) <= len(rests) / 2:
         return None
-    name, size = next(iter(in_g.items()))
+    first, size = in_g[0]
     return (
-        f"the accelerometer columns read {size:.4g} in {name}, labelled {_up_of(rests, name)} up: "
-        "they look like g; write m/s²"
+        f"the accelerometer columns read {size:.4g} in {first.name}, labelled {first.up} up: they "
+        "look like g; write m/s²"
     )
-
-
-def _up_of(rests: list[SegmentMean], name: str) -> str:
-    return next(str(s.segment.up) for s in rests if s.segment.name == name)

@@ -37,7 +37,7 @@ def faults_of(path: Path) -> list[Fault]:
 def _wrong_unit(recording: Recording) -> str | None:
     held = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
     segments = summarise_all(recording, held, "label")
-    return wrong_rate_unit(recording, segments) or wrong_accel_unit(segments)
+    return wrong_rate_unit(segments) or wrong_accel_unit(segments)
 
 
 def _unserved(manifest: Manifest, imu: Stream) -> str | None:

@@ -12,7 +12,7 @@ from tasks.items.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_posi
 from tasks.items.jjf1536.misalignment import misalignment_items
 from tasks.items.jjf1536.scale import scale_items
 from tasks.items.jjf1536.zero import zero_items
-from tasks.items.parts import Part
+from tasks.items.parts import Part, joined
 from tasks.segments.conditions import Conditions
 from tasks.segments.units import wrong_rate_unit
 
@@ -45,21 +45,18 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
             "that the AHRS accumulates"
         )
     evidence = gather_ahrs(recording)
-    wrong = wrong_rate_unit(evidence.recording, evidence.segments)
+    wrong = wrong_rate_unit(evidence.segments)
     if wrong is not None:
         told = wrong.replace("gyro columns in rad/s", "angle columns in rad")
         told = told.replace("gyro columns", "angle columns") if evidence.by_angle else wrong
         raise Unusable(f"{recording.manifest.recording_id}: {told}")
     scale, zero = scale_items(evidence), zero_items(evidence)
     turns = misalignment_items(evidence, *_zero_offset(zero.items["ahrs_zero_offset"]))
-    parts = (scale, zero, turns)
-    items = {name: item for part in parts for name, item in part.items.items()}
-    reasons = {name: reason for part in parts for name, reason in part.unavailable.items()}
-    remarks = (*(r for part in parts for r in part.remarks), *_sampling(evidence))
+    sampling = Part(remarks=tuple(_sampling(evidence)))
     calibration = assemble(
         evidence.recording,
         evidence,
-        Part(items, reasons, remarks),
+        joined((scale, zero, turns, sampling)),
         method="jjf1536",
         procedure=PROCEDURE,
         order=ORDER,

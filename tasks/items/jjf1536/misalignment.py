@@ -8,7 +8,7 @@ import numpy as np
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis, Recording, Segment
 from tasks.items.jjf1536.evidence import AhrsEvidence
-from tasks.items.parts import OFF_DIAGONAL, Estimate, Part, make_item
+from tasks.items.parts import DEG, OFF_DIAGONAL, Estimate, Part, make_item
 from tasks.motion.table import mean_rate
 
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
@@ -16,7 +16,6 @@ TURN = 2 * np.pi
 WHOLE = np.radians(1.0)  # rad: what may be missing of a whole number of turns
 SAID = np.radians(1.0)  # rad: an encoder that says more or less contradicts the label
 TURNS_ASKED, RATE_ASKED = 10, 100.0  # 7.3.1 b), where no agreement says otherwise
-DEG = float(np.degrees(1.0))
 
 Reason = tuple[str, str]
 

@@ -10,14 +10,13 @@ from schemas.recording import AXES, Axis
 from tasks.items.jjf1536.attitudes import COMPONENTS, points_contradicted
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
-from tasks.items.parts import Estimate, Part, excess_scatter, make_item
+from tasks.items.parts import DEG, Estimate, Part, excess_scatter, make_item
 
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
 ALIKE = 0.02  # rad: attitudes closer than this are one position held twice
 FEWEST = 4  # positions that may be taken by their label alone
 ASKED = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
-DEG = float(np.degrees(1.0))
 
 Reason = tuple[str, str]
 

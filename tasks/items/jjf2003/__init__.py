@@ -8,7 +8,7 @@ from tasks.items.evidence import gather
 from tasks.items.jjf2003.rate_sensitivity import rate_sensitivity_item
 from tasks.items.jjf2003.tumble import tumble_items
 from tasks.items.jjf2003.turning import gyro_matrix, turning_items
-from tasks.items.parts import Part
+from tasks.items.parts import joined
 from tasks.segments.conditions import Conditions
 
 PROCEDURE = "JJF 2003-2022, 7.2"
@@ -47,13 +47,10 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
     evidence = gather(recording)
     turning = turning_items(recording, evidence)
     tumble = tumble_items(recording, evidence, gyro_matrix(turning))
-    parts = (turning, tumble, rate_sensitivity_item(evidence))
-    items = {name: item for part in parts for name, item in part.items.items()}
-    reasons = {name: reason for part in parts for name, reason in part.unavailable.items()}
     return assemble(
         recording,
         evidence,
-        Part(items, reasons, tuple(remark for part in parts for remark in part.remarks)),
+        joined((turning, tumble, rate_sensitivity_item(evidence))),
         method="jjf2003",
         procedure=PROCEDURE,
         order=ORDER,

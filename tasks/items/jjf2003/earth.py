@@ -8,9 +8,8 @@ from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
 from tasks.items.evidence import Evidence
 from tasks.items.jjf2003.positions import is_paired
+from tasks.items.parts import DEG
 from tasks.motion.table import EARTH_RATE
-
-DEG = float(np.degrees(1.0))
 
 
 def without_earth(

@@ -16,19 +16,20 @@ from tasks.items.jjf2003.positions import (
 )
 from tasks.items.linear import solve
 from tasks.items.parts import (
+    DEG,
     MATRIX,
     OFF_DIAGONAL,
     Estimate,
     Part,
     elements,
     excess_scatter,
+    joined,
     make_item,
 )
 from tasks.segments.summarise import CHANNELS
 
 CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
 CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
-DEG = float(np.degrees(1.0))
 TRIADS_ZH = {"gyro": "陀螺", "accel": "加速度计"}
 
 
@@ -39,15 +40,12 @@ def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray) -
     """
     gyro = usable_positions(evidence, lambda segment: segment.has_gyro)
     accel = usable_positions(evidence, lambda segment: segment.has_accel)
-    parts = (
-        _gyro_part(recording, evidence, gyro, gyro_k),
-        _accel_part(recording, evidence, accel),
-    )
-    remarks = tuple(position_remarks(evidence, {**accel, **gyro}))
-    return Part(
-        {name: item for part in parts for name, item in part.items.items()},
-        {name: reason for part in parts for name, reason in part.unavailable.items()},
-        (*remarks, *parts[0].remarks, *parts[1].remarks),
+    return joined(
+        (
+            Part(remarks=tuple(position_remarks(evidence, {**accel, **gyro}))),
+            _gyro_part(recording, evidence, gyro, gyro_k),
+            _accel_part(recording, evidence, accel),
+        )
     )
 
 
@@ -86,14 +84,14 @@ def _gyro_part(
     unavailable = _undetermined(items, positions)
     if why_not:
         before = unavailable.get("gyro_g_sensitivity")
-        unavailable["gyro_g_sensitivity"] = _joined(before, why_not)
+        unavailable["gyro_g_sensitivity"] = _both_reasons(before, why_not)
     return Part(items, unavailable, (*earth_remarks(recording, gyro_k), *remarks))
 
 
 def _gyro_items(estimate: Estimate, still: np.ndarray) -> dict[str, Item]:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    sensitivity = Estimate(DEG * estimate.value[:, :3], DEG * estimate.u[:, :3])
-    bias = Estimate(DEG * estimate.value[:, 3], DEG * estimate.u[:, 3])
+    sensitivity = Estimate(estimate.value[:, :3], estimate.u[:, :3]).scaled(DEG)
+    bias = Estimate(estimate.value[:, 3], estimate.u[:, 3]).scaled(DEG)
     readings = ("jjf2003.positions", "jjf2003.input_matrix")
     sensitivity_item = make_item(
         sensitivity, "(deg/s)/g", CLAUSE_GYRO, MATRIX, (*readings, "jjf2003.g_earth")
@@ -120,7 +118,7 @@ def _accel_part(
     if gravity is None:
         why = ("the local gravity is not told", "未给出当地重力加速度")
         for name in ("accel_scale_factor", "accel_cross_coupling"):
-            unavailable[name] = _joined(unavailable.get(name), why)
+            unavailable[name] = _both_reasons(unavailable.get(name), why)
     return Part(items, unavailable, remarks)
 
 
@@ -163,7 +161,7 @@ def _no_rest(triad: str) -> tuple[str, str]:
     )
 
 
-def _joined(before: tuple[str, str] | None, more: tuple[str, str]) -> tuple[str, str]:
+def _both_reasons(before: tuple[str, str] | None, more: tuple[str, str]) -> tuple[str, str]:
     if before is None:
         return more
     return f"{before[0]}; {more[0]}", f"{before[1]}；{more[1]}"

@@ -8,13 +8,12 @@ from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
 from tasks.items.evidence import Evidence
 from tasks.items.linear import solve
-from tasks.items.parts import OFF_DIAGONAL, Estimate, Part, excess_scatter, make_item
+from tasks.items.parts import DEG, OFF_DIAGONAL, Estimate, Part, excess_scatter, make_item
 from tasks.segments.summarise import CHANNELS
 
 FEWEST_RATES, MOST_RATES = 7, 11
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
-DEG = float(np.degrees(1.0))
 
 
 @dataclass(frozen=True)

@@ -115,7 +115,7 @@ def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: 
         s.model_copy(update={"rate_deg_s": s.rate_deg_s * factor}) if s.kind == "rate" else s
         for s in recording.manifest.segments
     )
-    sentence = wrong_rate_unit(recording, summarise_all(recording, segments, "label"))
+    sentence = wrong_rate_unit(summarise_all(recording, segments, "label"))
     assert "30 segments" in sentence
     assert "57.3" in sentence
 
@@ -123,7 +123,7 @@ def test_rates_in_the_wrong_unit_are_refused_with_the_factor(ideal_run, factor: 
 def test_right_units_are_not_refused(ideal_run, real) -> None:
     for recording in (ideal_run(), real("vn200_imu0_rate_table")):
         labels = recording.manifest.segments
-        assert wrong_rate_unit(recording, summarise_all(recording, labels, "label")) is None
+        assert wrong_rate_unit(summarise_all(recording, labels, "label")) is None
 
 
 def test_overlapping_segments_are_named(ideal_run) -> None:
