@@ -6,9 +6,11 @@ from pydantic import Field, computed_field, model_validator
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Axis, Kind, Up
+from schemas.uncertainty import Budget
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 Elements = dict[str, Finite | None]
+UncertaintyKind = Literal["type A", "GUM", "as the specification's example"]
 
 
 class Remark(Frozen):
@@ -37,7 +39,10 @@ class Item(Frozen):
     u: Elements
     U: Elements
     k: Finite = 2.0
-    uncertainty_kind: Literal["type A"] = "type A"
+    uncertainty_kind: UncertaintyKind = "type A"
+    budgets: dict[str, Budget] = Field(
+        default_factory=dict, description="what u of each element is made of"
+    )
     readings: tuple[str, ...] = Field(
         default=(), description="readings of the specification taken (tasks.items.readings)"
     )
@@ -45,6 +50,23 @@ class Item(Frozen):
     value_model: Elements | None = Field(
         default=None, description="the same with the sign of model (2)"
     )
+
+
+class Information(Frozen):
+    """Something the data show beside the clauses' results; nothing is decided on it.
+
+    `about`: the item that it stands beside, if any. Elements as in `Item`, or channels.
+    """
+
+    title: str
+    title_zh: str
+    unit: str
+    value: Elements
+    u: Elements | None = None
+    U: Elements | None = None
+    about: str | None = None
+    en: str = Field(description="what it is and how it was found, as sentences")
+    zh: str
 
 
 class SegmentUsed(Frozen):
@@ -81,6 +103,7 @@ class Calibration(Frozen):
     procedure: str
     settings: dict[str, Finite | str | None]
     items: dict[str, Item]
+    information: dict[str, Information] = Field(default_factory=dict)
     unavailable: dict[str, str]
     unavailable_zh: dict[str, str] = Field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()

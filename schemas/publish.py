@@ -11,6 +11,7 @@ from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.tolerance import Tolerance
+from schemas.uncertainty import Budget
 
 FOLDER = Path(__file__).parent / "json"
 PUBLISHED: dict[str, type[BaseModel]] = {
@@ -18,6 +19,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-station": StationFile,
     "mimu-procedure": Procedure,
     "mimu-calibration": Calibration,
+    "mimu-budget": Budget,
     "mimu-tolerance": Tolerance,
     "mimu-laboratory": Laboratory,
     "mimu-order": Order,

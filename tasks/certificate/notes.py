@@ -58,8 +58,27 @@ CONTENTS_OF_U = {
         "acquisition are not in it; until they are added, U is not the complete uncertainty of "
         "measurement.",
     ),
+    "GUM": (
+        "不确定度按 JJF 1059.1（GUM）的不确定度传播律评定：A 类由本次运行数据得到（计及自相关），"
+        "B 类取自校准装置的技术指标。",
+        "The uncertainties follow the law of propagation (GUM, JJF 1059.1): type A from the data "
+        "of this run, with their autocorrelation, and type B from the limits of the equipment.",
+    ),
+    "as the specification's example": (
+        "不确定度按本规范附录 A 的示例评定：u1（转台）、u2（数据采集）与 u3（重复性，线性相加）"
+        "按方和根合成。",
+        "The uncertainties are evaluated as in the examples of Appendix A: u1 (table), u2 (data "
+        "acquisition) and u3 (repeatability, added linearly), in quadrature.",
+    ),
 }
-CONTENTS_IN_SHORT = {"type A": ("U 仅含 A 类评定的分量", "U contains type A only")}
+CONTENTS_IN_SHORT = {
+    "type A": ("U 仅含 A 类评定的分量", "U contains type A only"),
+    "GUM": ("U 含 A 类与 B 类分量（GUM）", "U contains type A and type B (GUM)"),
+    "as the specification's example": (
+        "U 按规范附录 A 示例评定",
+        "U is evaluated as in the specification's Appendix A",
+    ),
+}
 COVERAGE = (
     "k = {k:g}，正态分布时包含概率约 {percent:.0f} %",
     "k = {k:g}, about {percent:.0f} % coverage probability for a normal distribution",
