@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from schemas.calibration import Calibration, EnvironmentSeen, Method, Remark, SegmentUsed
 from schemas.recording import MEASURED, Recording, Stream
 from tasks.items.evidence import FEWEST_ROWS, Evidence, rows_of
+from tasks.items.information import information
 from tasks.items.parts import Part
 from tasks.segments.check import check_segments
 from tasks.segments.conditions import Conditions
@@ -39,6 +40,7 @@ def assemble(
         procedure=procedure,
         settings={"gravity_m_s2": station.gravity_m_s2, "latitude_deg": station.latitude_deg},
         items={name: part.items[name] for name in order},
+        information=information(recording, evidence, part.items),
         unavailable={n: part.unavailable[n][0] for n in order if n in part.unavailable},
         unavailable_zh={n: part.unavailable[n][1] for n in order if n in part.unavailable},
         remarks=remarks,

@@ -1,0 +1,139 @@
+"""Overlapping Allan variance of rests, what noise it is made of, and how well it is known.
+
+Source: IEEE Std 952, annex C (shapes of the noise terms); NIST SP 1065, 5.2.4 and 5.4 (overlapping
+Allan variance and its equivalent degrees of freedom).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+FLICKER = 2.0 * np.log(2.0)  # Allan variance of S(f) = 1/f
+SHARPEST = 0.02  # of a variance: no noise follows the textbook's shapes more closely
+FEWEST_LEVELS = 5  # averaging times that the noise terms are told apart by
+ROUNDS = 4  # of weighting by the model fitted before
+MISFIT = 1.5  # mean squared deviation, in what is known of each level, above which a fit is refused
+FAINTEST = 0.01  # of a variance: what is expected of a level is never less
+WHITE = 1  # place of the white noise among the terms
+
+
+@dataclass(frozen=True)
+class AllanCurve:
+    """Allan variances over all rests together.
+
+    tau: (levels,) s, doubling. variance: (levels, channels). white_dof, flicker_dof: (levels,)
+    equivalent degrees of freedom where white noise or flicker rules.
+    """
+
+    tau: np.ndarray
+    variance: np.ndarray
+    white_dof: np.ndarray
+    flicker_dof: np.ndarray
+
+
+@dataclass(frozen=True)
+class WhiteNoise:
+    """N² (unit²·s) of white noise and its standard uncertainty."""
+
+    density: float
+    u: float
+
+
+def overlapping_variance(readings: np.ndarray, size: int) -> np.ndarray:
+    """Overlapping Allan variance (channels,) of (channels, n) readings averaged over `size` rows.
+
+    Takes n ≥ 2·size.
+    """
+    sums = np.cumsum(readings - readings.mean(axis=1, keepdims=True), axis=1)
+    sums = np.concatenate([np.zeros((len(readings), 1)), sums], axis=1)
+    return _mean_square(sums, size)
+
+
+def _mean_square(sums: np.ndarray, size: int) -> np.ndarray:
+    apart = sums[:, 2 * size :] - 2.0 * sums[:, size:-size] + sums[:, : -2 * size]
+    return np.einsum("ij,ij->i", apart, apart) / (2.0 * size**2 * apart.shape[1])
+
+
+def allan_curve(rests: Sequence[np.ndarray], interval: float) -> AllanCurve:
+    """The Allan variances of rests (channels, n) sampled every `interval` s, weighed by length.
+
+    Averaging times go up to a quarter of the shortest rest; none where it has fewer than 4 rows.
+    """
+    shortest = min(rest.shape[1] for rest in rests)
+    sizes = [1 << power for power in range(shortest.bit_length()) if 4 << power <= shortest]
+    total = np.zeros((len(sizes), len(rests[0])))
+    for rest in rests:
+        sums = np.cumsum(rest - rest.mean(axis=1, keepdims=True), axis=1)
+        sums = np.concatenate([np.zeros((len(rest), 1)), sums], axis=1)
+        for level, size in enumerate(sizes):
+            total[level] += _mean_square(sums, size) * rest.shape[1]
+    rows = [rest.shape[1] for rest in rests]
+    return AllanCurve(
+        tau=interval * np.array(sizes, float),
+        variance=total / sum(rows),
+        white_dof=np.array([sum(white_dof(n, size) for n in rows) for size in sizes]),
+        flicker_dof=np.array([sum(flicker_dof(n, size) for n in rows) for size in sizes]),
+    )
+
+
+def white_dof(count: int, size: int) -> float:
+    """Equivalent degrees of freedom of white noise, `count` readings averaged over `size`."""
+    points = count + 1
+    return (1.5 * (points - 1) / size - 2.0 * (points - 2) / points) * (
+        4.0 * size**2 / (4.0 * size**2 + 5.0)
+    )
+
+
+def flicker_dof(count: int, size: int) -> float:
+    """Equivalent degrees of freedom of flicker, `count` readings averaged over `size`."""
+    points = count + 1
+    if size == 1:
+        return 2.0 * (points - 2) ** 2 / (2.3 * points - 4.9)
+    return 5.0 * points**2 / (4.0 * size * (points + 3.0 * size))
+
+
+def white_noise(curve: AllanCurve, channel: int) -> WhiteNoise | None:
+    """White noise of one channel, told from angle noise, flicker and random walk by their shapes.
+
+    The shortest averaging times, where the unit's low-pass rules or a line of the mains, are left
+    off until the shapes fit. None where too few are left, or where white noise does not show.
+    """
+    for first in range(len(curve.tau) - FEWEST_LEVELS + 1):
+        tau, variance = curve.tau[first:], curve.variance[first:, channel]
+        known = np.sqrt(2.0 / curve.white_dof[first:] + SHARPEST**2)
+        found, u, misfit = _fit(tau, variance, known)
+        if misfit < MISFIT:
+            shows = found > 2.0 * u > 0.0
+            return WhiteNoise(found, u) if shows else None
+    return None
+
+
+def _fit(tau: np.ndarray, variance: np.ndarray, known: np.ndarray) -> tuple[float, float, float]:
+    """N², its standard uncertainty and the mean squared misfit.
+
+    known: relative standard uncertainty of each variance. No term is negative but the first: to
+    first order, a low-pass takes from white noise what angle noise of that size would add.
+    """
+    shapes = np.column_stack([3.0 / tau**2, 1.0 / tau, np.full(len(tau), FLICKER), tau / 3.0])
+    expected, found = variance, np.zeros(shapes.shape[1])
+    used = list(range(shapes.shape[1]))
+    for _ in range(ROUNDS):
+        weight = 1.0 / (known * expected)
+        used = list(range(shapes.shape[1]))
+        while True:  # a negative term is no noise: without it, again
+            design = shapes[:, used] * weight[:, None]
+            scale = np.linalg.norm(design, axis=0)
+            strength = np.linalg.lstsq(design / scale, variance * weight, rcond=None)[0]
+            if strength[1:].min(initial=0.0) >= 0.0:
+                break
+            used.pop(1 + int(strength[1:].argmin()))
+        found = np.zeros(shapes.shape[1])
+        found[used] = strength / scale
+        expected = np.maximum(shapes @ found, FAINTEST * variance)
+    misfit = float(np.mean(((variance - expected) / (known * expected)) ** 2))
+    if WHITE not in used:
+        return 0.0, 0.0, misfit
+    place = used.index(WHITE)
+    spread = np.linalg.pinv((design / scale).T @ (design / scale))[place, place]
+    return float(found[WHITE]), float(np.sqrt(spread) / scale[place]), misfit

@@ -1,0 +1,35 @@
+"""The g-sensitivity of JJF 2003 without Earth's rotation, beside the value by eq. (7)."""
+
+from collections.abc import Mapping
+
+from schemas.calibration import Information, Item
+
+ITEM = "gyro_g_sensitivity"
+NAME = "gyro_g_sensitivity_without_earth_rotation"
+
+
+def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
+    """g-sensitivity less K·ωe·sin φ, (deg/s)/g; nothing where the latitude is not told."""
+    item = items.get(ITEM)
+    still = item.value_without_earth_rotation if item else None
+    if item is None or still is None or all(value is None for value in still.values()):
+        return {}
+    return {
+        NAME: Information(
+            title="Gyro g-sensitivity without Earth's rotation",
+            title_zh="扣除地球自转的陀螺加速度敏感系数",
+            unit=item.unit,
+            value=still,
+            u=_where_known(item.u, still),
+            U=_where_known(item.U, still),
+            about=ITEM,
+            en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal.",
+            zh="已从对角元扣除地球自转的竖直分量 ω_e·sin φ。",
+        )
+    }
+
+
+def _where_known(
+    u: Mapping[str, float | None], value: Mapping[str, float | None]
+) -> dict[str, float | None]:
+    return {element: None if value[element] is None else u[element] for element in value}
