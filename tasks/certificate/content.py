@@ -10,8 +10,9 @@ from schemas.certificate import Certificate
 from tasks.certificate import cover
 from tasks.certificate.conditions import Conditions, conditions
 from tasks.certificate.cover import Signature
+from tasks.certificate.decisions import conditions_of_a_pass, conformity
 from tasks.certificate.fields import NOT_GIVEN, Field, given, literal, number
-from tasks.certificate.names import RULES, Pair
+from tasks.certificate.names import Pair
 from tasks.certificate.notes import basis, head_of_results, readings, reasons, remarks, uncertainty
 from tasks.certificate.results import Section, sections
 from tasks.uncertainty.rounding import MINUS
@@ -33,10 +34,6 @@ WATERMARKS = {
     "amended": ("已更改", "AMENDED"),
     "withdrawn": ("已撤销", "WITHDRAWN"),
 }
-MARKS = (
-    "“—”：未规定允许限；“未得”：未能得到该值，原因见表下",
-    "—: no limit is laid down; not determined: no value, the reason stands under the table",
-)
 
 
 @dataclass(frozen=True)
@@ -90,8 +87,8 @@ def content(certificate: Certificate) -> Content:
         conditions=conditions(calibration, certificate.manifest),
         sections=sections(calibration, decision, specification),
         uncertainty=uncertainty(calibration),
-        conformity=_conformity(certificate),
-        reasons=reasons(calibration, decision),
+        conformity=conformity(decision),
+        reasons=(*reasons(calibration, decision), *conditions_of_a_pass(decision)),
         readings=readings(calibration),
         remarks=remarks(calibration),
         trace=_trace(certificate),
@@ -132,17 +129,6 @@ def _range(seen: tuple[float, float] | None, unit: str) -> Pair:
         return NOT_GIVEN
     low, high = (f"{value:.1f}".replace("-", MINUS) for value in seen)
     return given(f"{low} {unit} … {high} {unit}")
-
-
-def _conformity(certificate: Certificate) -> tuple[Field, ...]:
-    decision = certificate.decision
-    rule = RULES.get(decision.rule, (decision.rule, decision.rule))
-    return (
-        Field(("判定依据", "Limits from"), given(decision.document)),
-        *((Field(("判定规则", "Decision rule"), rule),) if decision.limits else ()),
-        Field(("记号", "Marks"), MARKS),
-        Field(("结论", "Verdict"), cover.verdict(decision)),
-    )
 
 
 def _trace(certificate: Certificate) -> tuple[Field, ...]:

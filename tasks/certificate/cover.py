@@ -7,7 +7,7 @@ from schemas.certificate import Certificate, Party
 from schemas.tolerance import Decision
 from tasks.certificate.appendix import TABLE_ITEMS
 from tasks.certificate.fields import NOT_GIVEN, Field, day, given
-from tasks.certificate.names import ITEMS, VERDICTS, Pair
+from tasks.certificate.names import ITEMS, Pair, verdict_words
 from tasks.certificate.notes import deviates
 
 OBJECTS = {
@@ -31,6 +31,7 @@ SCOPES = {
                      "{n} of {total} items have limits; {decided} of them could be decided on"),
 }  # fmt: skip
 IN_PART = ("（其中 {} 项仅判定部分元素）", " ({} of them in part)")
+NEAR = ("；{} 项有元素距允许限小于 U", "; {} with an element within U of a limit")
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def signatures(certificate: Certificate) -> tuple[Signature, ...]:
 
 def verdict(decision: Decision) -> Pair:
     """The verdict in words; without any limit there is no statement of conformity."""
-    return VERDICTS[decision.verdict] if decision.limits else NO_STATEMENT
+    return verdict_words(decision) if decision.limits else NO_STATEMENT
 
 
 def scope(decision: Decision, specification: str) -> Pair | None:
@@ -119,9 +120,12 @@ def scope(decision: Decision, specification: str) -> Pair | None:
         "decided": len(failed | (limited.keys() - unsettled)),
     }
     part = sum(not _whole(decision, item) for item in limited)
+    near = len({made.item for made in decision.limits if made.marginal})
     said = tuple(
-        text.format(**counts) + (tail.format(part) if part else "")
-        for text, tail in zip(SCOPES[decision.verdict], IN_PART, strict=True)
+        text.format(**counts)
+        + (tail.format(part) if part else "")
+        + (close.format(near) if near else "")
+        for text, tail, close in zip(SCOPES[decision.verdict], IN_PART, NEAR, strict=True)
     )
     return said[0], said[1]
 

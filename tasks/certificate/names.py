@@ -7,6 +7,7 @@ Appendix B of JJF 2003-2022 and of Appendix C of JJF 1536-2015.
 from dataclasses import dataclass
 
 from schemas.recording import AXES
+from schemas.tolerance import Decision, LimitDecision
 
 Pair = tuple[str, str]  # Chinese, English
 
@@ -111,11 +112,22 @@ SECOND_VALUE = {
     "accel_rate_sensitivity": "value_model",
 }
 
+# r·U stands for the guard band as it is; see tasks.certificate.decisions.
 RULES = {
     "simple_acceptance": (
-        "简单接受：测得值在允许限内即为符合，不另留保护带；不确定度列于值旁",
-        "simple acceptance: a measured value inside its limits conforms, without a guard band; "
-        "its uncertainty stands beside it",
+        "简单接受（JCGM 106，8.2）：测得值在允许限内即为符合，不另留保护带（w = 0）",
+        "simple acceptance (JCGM 106, 8.2): a measured value inside its limits conforms, without "
+        "a guard band (w = 0)",
+    ),
+    "guard_band": (
+        "保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限{zh}移 w = {w}",
+        "guard band (JCGM 106, 8.3): a measured value inside its acceptance limits AL conforms; "
+        "they lie {en} the limits by w = {w}",
+    ),
+    "shared_risk": (
+        "风险共担（JCGM 106，8.2）：按双方约定，测得值在允许限内即为符合（w = 0）",
+        "shared risk (JCGM 106, 8.2): as both parties agreed, a measured value inside its limits "
+        "conforms (w = 0)",
     ),
 }
 
@@ -130,11 +142,21 @@ VERDICTS = {
     "fail": ("不合格", "fail"),
     "inconclusive": ("无法判定", "inconclusive"),
 }
+# Within U of a limit; the names are those of ILAC-G8:09/2019, 4.2.3.
+CONDITIONAL = {
+    "pass": ("有条件合格", "conditional pass"),
+    "fail": ("有条件不合格", "conditional fail"),
+}
 
 
 def item_name(item: str) -> Pair:
     """The name of an item, Chinese and English; its key where it is not of a specification."""
     return (ITEMS[item].zh, ITEMS[item].en) if item in ITEMS else (item, item)
+
+
+def verdict_words(decided: Decision | LimitDecision) -> Pair:
+    """A verdict in words, with its condition where a value lies within U of a limit."""
+    return (CONDITIONAL if decided.marginal else VERDICTS)[decided.verdict]
 
 
 def unit_text(unit: str) -> str:

@@ -4,8 +4,16 @@ from collections.abc import Iterable
 from decimal import Decimal
 
 from schemas.calibration import Calibration
-from schemas.tolerance import LimitDecision
-from tasks.certificate.names import QUANTITIES, SECOND_VALUE, item_name, quantity_text, symbol
+from schemas.tolerance import Decision, LimitDecision
+from tasks.certificate.limits import accepted_text, limits_text, probability_text, relative_text
+from tasks.certificate.names import (
+    CONDITIONAL,
+    QUANTITIES,
+    SECOND_VALUE,
+    item_name,
+    quantity_text,
+    symbol,
+)
 from tasks.uncertainty.rounding import round_like, round_up, text
 
 Reason = tuple[str, str]  # English, Chinese
@@ -13,24 +21,46 @@ Reason = tuple[str, str]  # English, Chinese
 NO_CAUSE = ("no cause was given", "未说明原因")
 
 
-def outside(made: LimitDecision, k: float) -> Reason:
-    """A value that fails its limit, with its uncertainty; k: the coverage factor of U."""
-    en, zh = _decided_on(made)
-    measured, U, limits = _value(made), _uncertainty(made), _limits(made)
-    return (
-        f"{en}: {measured}, U = {U} (k = {k:g}), is outside {limits}",
-        f"{zh}：{measured}，U = {U}（k = {k:g}），超出 {limits}",
-    )
+def outside(made: LimitDecision) -> Reason:
+    """A value that fails by its rule, with its uncertainty and the risk of having rejected it."""
+    en, zh = _measured(made)
+    where_en, where_zh = _where(made)
+    risk_en, risk_zh = _risk(made)
+    return f"{en}, {where_en}{risk_en}", f"{zh}，{where_zh}{risk_zh}"
+
+
+def conditional(decision: Decision) -> list[Reason]:
+    """One sentence for each pass that lies within U of a limit."""
+    said = []
+    for made in decision.limits:
+        if made.marginal and made.verdict == "pass":
+            (en, zh), (risk_en, risk_zh) = _measured(made), _risk(made)
+            limits = _limits(made)
+            said.append(
+                (
+                    f"{en}, is accepted within U of a limit of {limits}{risk_en}",
+                    f"{zh}，判为符合，但距允许限 {limits} 小于 U{risk_zh}",
+                )
+            )
+    return said
 
 
 def too_uncertain(made: LimitDecision) -> Reason:
-    """A value whose uncertainty is larger than half the interval of its limits."""
-    en, zh = _decided_on(made)
-    measured, U, limits = _value(made), _uncertainty(made), _limits(made)
+    """A value whose uncertainty is larger than its rule allows."""
+    (en, zh), limits = _decided_on(made), _limits(made)
+    measured, U = _value(made), _uncertainty(made)
+    if made.U_max is not None and made.U is not None and made.U_max < made.U:
+        most = quantity_text(str(text(_plain(made.U_max))), made.unit)
+        why_en, why_zh = f"larger than the agreed {most}", f"大于约定的 {most}"
+    elif (needed := max(made.min_capability or 0.0, made.guard_band_factor)) > 1:
+        why_en = f"C_m = T/(2U) = {made.capability:.2g} for {limits}, below {needed:g}"
+        why_zh = f"允许区间 {limits} 的 C_m = T/(2U) = {made.capability:.2g}，小于 {needed:g}"
+    else:
+        why_en = f"larger than half the interval {limits}"
+        why_zh = f"大于允许区间 {limits} 的一半"
     return (
-        f"{en}: {measured}, U = {U}, larger than half the interval {limits}: nothing can be "
-        "decided",
-        f"{zh}：{measured}，U = {U}，大于允许区间 {limits} 的一半，无法判定",
+        f"{en}: {measured}, U = {U}, {why_en}: nothing can be decided",
+        f"{zh}：{measured}，U = {U}，{why_zh}，无法判定",
     )
 
 
@@ -82,18 +112,59 @@ def _decided_on(made: LimitDecision) -> Reason:
     return f"{en} {short}, {which_en}", f"{zh} {short}，{which_zh}"
 
 
+def _measured(made: LimitDecision) -> Reason:
+    (en, zh), measured, U = _decided_on(made), _value(made), _uncertainty(made)
+    k = "" if made.k is None else f"{made.k:g}"
+    return f"{en}: {measured}, U = {U} (k = {k})", f"{zh}：{measured}，U = {U}（k = {k}）"
+
+
+def _where(made: LimitDecision) -> Reason:
+    """Outside the limits, or inside them but in the guard band."""
+    limits = _limits(made)
+    if not _inside(Decimal(repr(made.value)), made.lower, made.upper):
+        return f"is outside {limits}", f"超出 {limits}"
+    accepted = quantity_text(str(accepted_text(made)), made.unit)
+    return (
+        f"is inside {limits} but outside the acceptance limits {accepted}",
+        f"在允许限 {limits} 内，但超出接受限 {accepted}",
+    )
+
+
+def _risk(made: LimitDecision) -> Reason:
+    """The risk of a verdict, and whether it is a conditional one."""
+    en = zh = ""
+    if made.marginal:
+        mark_zh, mark_en = CONDITIONAL[made.verdict]
+        zh, en = f"{mark_zh}，", f"{mark_en}, "
+    if made.false_acceptance is not None:
+        chance = probability_text(made.false_acceptance)
+        return f" ({en}false acceptance {chance})", f"（{zh}错误接受概率 {chance}）"
+    if made.false_rejection is not None:
+        chance = probability_text(made.false_rejection)
+        return f" ({en}false rejection {chance})", f"（{zh}错误拒绝概率 {chance}）"
+    return "", ""
+
+
 def _value(made: LimitDecision) -> str:
     """The value rounded to the place of U; in full where that would hide what was decided."""
     assert made.value is not None  # else nothing was decided
     assert made.U is not None
     full, rounded = Decimal(repr(made.value)), round_like(made.value, round_up(made.U))
-    shown = rounded if _inside(rounded, made) == _inside(full, made) else full
+    shown = rounded if _sides(rounded, made) == _sides(full, made) else full
     return quantity_text(str(text(shown)), made.unit)
 
 
-def _inside(value: Decimal, made: LimitDecision) -> bool:
-    above = made.lower is None or value >= Decimal(repr(made.lower))
-    return above and (made.upper is None or value <= Decimal(repr(made.upper)))
+def _sides(value: Decimal, made: LimitDecision) -> tuple[bool, bool]:
+    """Whether a value is inside the limits, and inside the acceptance limits."""
+    return (
+        _inside(value, made.lower, made.upper),
+        _inside(value, made.accept_lower, made.accept_upper),
+    )
+
+
+def _inside(value: Decimal, lower: float | None, upper: float | None) -> bool:
+    above = lower is None or value >= Decimal(repr(lower))
+    return above and (upper is None or value <= Decimal(repr(upper)))
 
 
 def _uncertainty(made: LimitDecision) -> str:
@@ -102,14 +173,8 @@ def _uncertainty(made: LimitDecision) -> str:
 
 
 def _limits(made: LimitDecision) -> str:
-    lower, upper = (None if x is None else text(_plain(x)) for x in (made.lower, made.upper))
-    if made.lower is None or made.upper is None:
-        wanted = f"≤ {upper}" if made.lower is None else f"≥ {lower}"
-    elif made.lower == -made.upper:
-        wanted = f"±{upper}"
-    else:
-        wanted = f"{lower} … {upper}"
-    return quantity_text(wanted, made.unit)
+    wanted, given = quantity_text(limits_text(made), made.unit), relative_text(made)
+    return f"{wanted} ({given})" if given else wanted
 
 
 def _plain(number: float) -> Decimal:

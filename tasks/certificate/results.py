@@ -5,7 +5,6 @@ A pair is (Chinese, English). Numbers are texts by JJF 1059.1, in units of 10^ex
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 
 from schemas.calibration import Calibration, Item
 from schemas.tolerance import Decision, LimitDecision
@@ -18,6 +17,7 @@ from tasks.certificate.appendix import (
     SECTIONS,
     SENTENCES,
 )
+from tasks.certificate.limits import Mark, limit_lines, mark, relative_text
 from tasks.certificate.names import (
     ITEMS,
     KINDS,
@@ -32,12 +32,15 @@ from tasks.certificate.names import (
 )
 from tasks.certificate.notes import determined, identifiers
 from tasks.certificate.typography import clause, pair
-from tasks.uncertainty.rounding import column, text
+from tasks.uncertainty.rounding import column
 
 
 @dataclass(frozen=True)
 class Row:
-    """One element: name, symbol, value, second value, U, limits and verdicts; None: no number."""
+    """One element: name, symbol, value, second value, U, limits and marks; None: no number.
+
+    limits: the limits and, where they differ, the acceptance limits AL.
+    """
 
     name: Pair
     letter: str
@@ -46,7 +49,7 @@ class Row:
     second: str | None
     U: str | None
     limits: tuple[str, ...]
-    verdicts: tuple[str, ...]
+    marks: tuple[Mark, ...]
 
 
 @dataclass(frozen=True)
@@ -172,33 +175,15 @@ def _row(
         value=value,
         second=second,
         U=U,
-        limits=tuple(_limit(made, exponent) for made in mine),
-        verdicts=tuple(made.verdict for made in mine),
+        limits=tuple(line for made in mine for line in limit_lines(made, exponent)),
+        marks=tuple(map(mark, mine)),
     )
-
-
-def _limit(made: LimitDecision, exponent: int) -> str:
-    """Limits as printed; (a), (b) name the column where an item has two values."""
-    lower, upper = _plain(made.lower, exponent), _plain(made.upper, exponent)
-    if made.lower is None:
-        wanted = f"≤ {upper}"
-    elif made.upper is None:
-        wanted = f"≥ {lower}"
-    else:
-        wanted = f"±{upper}" if made.lower == -made.upper else f"{lower} … {upper}"
-    if made.item not in SECOND_VALUE:
-        return wanted
-    return f"({'a' if made.applied_to == 'value' else 'b'}) {wanted}"
-
-
-def _plain(number: float | None, exponent: int) -> str | None:
-    return None if number is None else text(Decimal(repr(number)).normalize(), exponent)
 
 
 def _about(name: str, limits: list[LimitDecision]) -> tuple[Pair, ...]:
     """What the reader of an item must know, and whether and on what it is decided."""
     undecided = () if limits or name not in NOT_DECIDED_ON else (NOT_DECIDED_ON[name],)
-    return (*undecided, *SENTENCES.get(name, ()), *_applied(limits))
+    return (*undecided, *SENTENCES.get(name, ()), *_applied(limits), *_relative(limits))
 
 
 def _applied(limits: list[LimitDecision]) -> list[Pair]:
@@ -207,6 +192,12 @@ def _applied(limits: list[LimitDecision]) -> list[Pair]:
     names = [QUANTITIES[quantity] for quantity in dict.fromkeys(m.applied_to for m in limits)]
     zh, en = "；".join(zh for zh, _ in names), "; ".join(en for _, en in names)
     return [(f"允许限适用于：{zh}。", f"The limits are applied to: {en}.")]
+
+
+def _relative(limits: list[LimitDecision]) -> list[Pair]:
+    """Relative limits as they were given."""
+    given = dict.fromkeys(filter(None, map(relative_text, limits)))
+    return [(f"相对允许限：{each}。", f"Relative limits: {each}.") for each in given]
 
 
 def _missing(calibration: Calibration, name: str) -> list[Pair]:

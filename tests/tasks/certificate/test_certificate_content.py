@@ -128,9 +128,9 @@ def test_a_null_element_says_why_in_both_languages() -> None:
         unavailable_zh={"gyro_bias": "Y 轴陀螺无数据"},
     )  # fmt: skip
     bias = group(result, "Gyro bias")
-    assert (bias.rows[1].value, bias.rows[1].U, bias.rows[1].verdicts) == (
-        None, None, ("inconclusive",)
-    )  # fmt: skip
+    (mark,) = bias.rows[1].marks
+    assert (bias.rows[1].value, bias.rows[1].U) == (None, None)
+    assert (mark.verdict, mark.chance) == ("inconclusive", None)
     assert bias.sentences == (("未得：Y 轴陀螺无数据。", "Not determined: gyro y is null."),)
 
 

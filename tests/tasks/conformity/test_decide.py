@@ -59,10 +59,12 @@ def test_one_element_outside_fails_and_is_named_in_both_languages() -> None:
     assert decision.verdict == "fail"
     assert [made.verdict for made in decision.limits] == ["pass", "fail", "pass"]
     assert decision.reasons == (
-        "Gyro bias B_gy: −0.0600 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s",
+        "Gyro bias B_gy: −0.0600 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s "
+        "(false rejection < 0.1 %)",
     )
     assert decision.reasons_zh == (
-        "陀螺零偏 B_gy：−0.0600 °/s，U = 0.0010 °/s（k = 2），超出 ±0.05 °/s",
+        "陀螺零偏 B_gy：−0.0600 °/s，U = 0.0010 °/s（k = 2），超出 ±0.05 °/s"
+        "（错误拒绝概率 < 0.1 %）",
     )
 
 
@@ -229,14 +231,18 @@ def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | 
 
 def test_a_failure_that_rounding_would_hide_is_given_in_full() -> None:
     (x, *_) = with_uncertainty(0.0500004, 0.001).reasons
-    assert x == "Gyro bias B_gx: 0.0500004 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s"
+    assert x == (
+        "Gyro bias B_gx: 0.0500004 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s "
+        "(conditional fail, false rejection 50.0 %)"
+    )
 
 
 def test_a_failure_says_which_of_two_values_was_decided_on() -> None:
     reasons = g_sensitivity().reasons
     assert reasons[5] == (
         "Gyro g-sensitivity g_yz, the value by the clause: 0.0120 (°/s)/g, "
-        "U = 0.0010 (°/s)/g (k = 2), is outside ±0.01 (°/s)/g"
+        "U = 0.0010 (°/s)/g (k = 2), is outside ±0.01 (°/s)/g "
+        "(false rejection < 0.1 %)"
     )
 
 
@@ -245,7 +251,8 @@ def test_a_failing_ratio_has_no_unit() -> None:
     limit = Limit(item="gyro_scale_factor", unit="1", lower=0.99, upper=1.01)
     decision = decide(calibration({"gyro_scale_factor": scale}), tolerance(limit))
     assert decision.reasons == (
-        "Gyro scale factor K_gxx: 1.0200, U = 0.0010 (k = 2), is outside 0.99 … 1.01",
+        "Gyro scale factor K_gxx: 1.0200, U = 0.0010 (k = 2), is outside 0.99 … 1.01 "
+        "(false rejection < 0.1 %)",
     )
 
 

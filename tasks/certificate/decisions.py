@@ -1,0 +1,135 @@
+"""The statement of conformity: limits, decision rules, risks of a wrong decision, verdict."""
+
+import math
+
+from schemas.tolerance import Decision, LimitDecision
+from tasks.certificate import cover
+from tasks.certificate.fields import Field, given, listed
+from tasks.certificate.limits import probability_text
+from tasks.certificate.names import RULES, Pair, item_name, quantity_text, symbol
+from tasks.certificate.reasons import conditional
+from tasks.certificate.typography import pair
+
+MARKS = (
+    "“—”：未规定允许限；“未得”：未能得到该值，原因见表下",
+    "—: no limit is laid down; not determined: no value, the reason stands under the table",
+)
+CHANCES = (
+    "判定栏中的百分数为合格概率 Pc",
+    "the percentage under a verdict is the probability of conformity Pc",
+)
+NEAR = (
+    "“有条件”：值距允许限小于 U（ILAC-G8:09/2019）",
+    "conditional: the value lies within U of a limit (ILAC-G8:09/2019)",
+)
+SPECIFIC = (
+    "由测得值、标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息"
+    "（JCGM 106，9.3）：",
+    "from the measured value and its standard uncertainty u (normal, or t where its degrees of "
+    "freedom are finite), without prior knowledge (JCGM 106, 9.3): ",
+)
+ACCEPTING = ("合格判定的错误接受概率 1 − Pc 最大 {} ({})",
+             "false acceptance of a pass, 1 − Pc, at most {} ({})")  # fmt: skip
+REJECTING = ("不合格判定的错误拒绝概率 Pc 最大 {} ({})",
+             "false rejection of a fail, Pc, at most {} ({})")  # fmt: skip
+GLOBAL = ("{}：用户风险 {}，生产方风险 {}", "{}: consumer's {}, producer's {}")
+
+
+def conformity(decision: Decision) -> tuple[Field, ...]:
+    """The fields of the statement; rule and risks only where something is limited."""
+    return (
+        Field(("判定依据", "Limits from"), given(decision.document)),
+        *_rules(decision),
+        *_specific(decision),
+        *_global(decision),
+        Field(("记号", "Marks"), _marks(decision)),
+        Field(("结论", "Verdict"), cover.verdict(decision)),
+    )
+
+
+def conditions_of_a_pass(decision: Decision) -> tuple[Pair, ...]:
+    """Every pass that lies within U of a limit, as a sentence."""
+    return tuple(pair(zh, en) for en, zh in conditional(decision))
+
+
+def _rules(decision: Decision) -> list[Field]:
+    """Each rule in words; the items that it is for where there are several."""
+    items: dict[Pair, list[str]] = {}
+    for made in decision.limits:
+        items.setdefault(_rule(made), []).append(made.item)
+    said = []
+    for (zh, en), names in items.items():
+        of_zh, of_en = listed(item_name(name) for name in dict.fromkeys(names))
+        said.append((f"{of_zh}：{zh}", f"{of_en}: {en}") if len(items) > 1 else (zh, en))
+    label = ("判定规则", "Decision rule")
+    return [Field(label, pair("；".join(z for z, _ in said), "; ".join(e for _, e in said)))
+            ] if said else []  # fmt: skip
+
+
+def _rule(made: LimitDecision) -> Pair:
+    """The rule of one limit: its guard band, k of U, and what it asks of U."""
+    factor = abs(made.guard_band_factor)
+    w = "U" if factor == 1 else f"{factor:g} U"
+    zh, en = ("内", "inside") if made.guard_band_factor >= 0 else ("外", "outside")
+    rule_zh, rule_en = (text.format(zh=zh, en=en, w=w) for text in RULES[made.rule])
+    k = "" if made.k is None else f"{made.k:g}"
+    asked_zh, asked_en = [f"k = {k}"] if k else [], [f"k = {k}"] if k else []
+    if made.min_capability is not None and None not in (made.lower, made.upper):
+        needed = max(made.min_capability, made.guard_band_factor)
+        asked_zh.append(f"要求 C_m = T/(2U) ≥ {needed:g}，T 为允许区间宽度")
+        asked_en.append(
+            f"decided on only if C_m = T/(2U) ≥ {needed:g}, with T the width of the limits"
+        )
+    if made.U_max is not None:
+        most = quantity_text(f"{made.U_max:g}", made.unit)
+        asked_zh.append(f"要求 U ≤ {most}")
+        asked_en.append(f"decided on only if U ≤ {most}")
+    return "，".join([rule_zh, *asked_zh]), ", ".join([rule_en, *asked_en])
+
+
+def _specific(decision: Decision) -> list[Field]:
+    """The largest risk of the passes and of the fails, and whose it is."""
+    accepting = [(m.false_acceptance, m) for m in decision.limits if m.false_acceptance is not None]
+    rejecting = [(m.false_rejection, m) for m in decision.limits if m.false_rejection is not None]
+    parts = [
+        tuple(text.format(probability_text(risk), symbol(made.item, made.element)) for text in form)
+        for form, risks in ((ACCEPTING, accepting), (REJECTING, rejecting))
+        if risks
+        for risk, made in [max(risks, key=lambda each: each[0])]
+    ]
+    if not parts:
+        return []
+    said = (
+        SPECIFIC[0] + "；".join(p[0] for p in parts),
+        SPECIFIC[1] + "; ".join(p[1] for p in parts),
+    )
+    return [Field(("误判风险", "Risk of a wrong decision"), said)]
+
+
+def _global(decision: Decision) -> list[Field]:
+    """Risks over the production, for the worst element of each item that has a prior."""
+    worst: dict[str, tuple[float, float]] = {}
+    for made in decision.limits:
+        if made.global_risks:
+            consumer, producer = worst.get(made.item, (-math.inf, -math.inf))
+            risks = made.global_risks
+            worst[made.item] = max(consumer, risks.consumer), max(producer, risks.producer)
+    said = [
+        tuple(
+            form.format(name, *map(probability_text, risks))
+            for form, name in zip(GLOBAL, item_name(item), strict=True)
+        )
+        for item, risks in worst.items()
+    ]
+    label = ("总体误判风险（JCGM 106，9.5）", "Risks over the production (JCGM 106, 9.5)")
+    return [Field(label, ("；".join(s[0] for s in said), "; ".join(s[1] for s in said)))
+            ] if said else []  # fmt: skip
+
+
+def _marks(decision: Decision) -> Pair:
+    parts = [MARKS]
+    if any(made.probability_of_conformity is not None for made in decision.limits):
+        parts.append(CHANCES)
+    if any(made.marginal for made in decision.limits):
+        parts.append(NEAR)
+    return "；".join(zh for zh, _ in parts), "; ".join(en for _, en in parts)

@@ -1,0 +1,233 @@
+"""The verdict on a unit: its results against the limits of its product model.
+
+Nothing passes by default: what is missing, not finite, too uncertain, not validated or measured
+outside the conditions is inconclusive.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import date
+from typing import Any
+
+from schemas.calibration import Calibration, Elements, Item
+from schemas.station import Equipment
+from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
+from tasks.certificate.reasons import (
+    Reason,
+    missing,
+    outside,
+    too_uncertain,
+    without_uncertainty,
+)
+from tasks.conformity.risks import (
+    global_risks,
+    probability_of_conformity,
+    probability_of_nonconformity,
+)
+from tasks.conformity.rules import Criterion, criterion
+from tasks.conformity.scope import check, limited, withdrawn
+
+NO_TOLERANCE = ("no limits were given for this product model", "未提供该型号的允许限")
+Doubts = Mapping[str, tuple[Reason, ...]]
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of one element: value, expanded and standard uncertainty, freedom.
+
+    U and u are above zero where they are not None.
+    """
+
+    value: float | None
+    U: float | None
+    u: float | None
+    dof: float
+
+
+def decide(
+    calibration: Calibration,
+    tolerance: Tolerance | None,
+    doubts: tuple[Reason, ...] = (),
+    doubts_of: Doubts | None = None,
+) -> Decision:
+    """The verdict on a calibration, limit by limit and overall.
+
+    Fail if any limited element fails by its decision rule; else inconclusive if a limited
+    element has no value, no uncertainty above zero or one too large for its rule, if a remark
+    blocks a pass, if there are `doubts` (further reasons, like `expired` gives), or if there is
+    no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
+    undecided whatever their values, and do not count where the item has no limit.
+
+    A fail outranks the remarks that block a pass and the doubts about the whole run: they say
+    that conformity was not shown, and a value outside its limits does not show it either. To
+    reject too often costs a repetition, which the reasons name; to hide a failing value behind
+    an open condition would let a bad unit go on as merely not decided.
+
+    Raises Unusable where the tolerance does not speak of this calibration: unknown item or
+    element, another unit.
+    """
+    doubts_of = doubts_of or {}
+    decisions = tuple(_all(calibration, tolerance, doubts_of)) if tolerance else ()
+    reasons = [] if tolerance else [NO_TOLERANCE]
+    reasons += _of_limits(calibration, decisions, doubts_of)
+    for item in dict.fromkeys(made.item for made in decisions):
+        reasons += doubts_of.get(item, ())
+    reasons += doubts
+    reasons += [(remark.en, remark.zh) for remark in calibration.remarks if remark.blocks_pass]
+    reasons = list(dict.fromkeys(reasons))
+    verdict = _overall(decisions, reasons)
+    return Decision(
+        verdict=verdict,
+        rule=tolerance.rule if tolerance else "simple_acceptance",
+        document=tolerance.document if tolerance else None,
+        limits=decisions,
+        reasons=tuple(en for en, _ in reasons),
+        reasons_zh=tuple(zh for _, zh in reasons),
+        marginal=_marginal(decisions, verdict),
+    )
+
+
+def expired(equipment: Iterable[Equipment], on: date) -> tuple[Reason, ...]:
+    """A reason against a pass for each standard whose certificate had run out on a day."""
+    return tuple(
+        (
+            f"{each.name} ({each.serial}): its certificate was valid until {each.valid_until}, "
+            f"before {on}",
+            f"{each.name_zh or each.name}（{each.serial}）：其证书有效期至 {each.valid_until}，"
+            f"早于 {on}",
+        )
+        for each in equipment
+        if each.valid_until and each.valid_until < on
+    )
+
+
+def _overall(decisions: tuple[LimitDecision, ...], reasons: list[Reason]) -> Verdict:
+    if any(made.verdict == "fail" for made in decisions):
+        return "fail"
+    if decisions and not reasons and all(made.verdict == "pass" for made in decisions):
+        return "pass"
+    return "inconclusive"
+
+
+def _marginal(decisions: tuple[LimitDecision, ...], verdict: Verdict) -> bool:
+    """One doubtful element makes a pass conditional; one beyond doubt makes a fail a plain one."""
+    marks = [made.marginal for made in decisions if made.verdict == verdict]
+    return {"pass": any(marks), "fail": all(marks), "inconclusive": False}[verdict]
+
+
+def _all(
+    calibration: Calibration, tolerance: Tolerance, doubts_of: Doubts
+) -> Iterator[LimitDecision]:
+    for limit in tolerance.limits:
+        check(calibration, limit)
+        item, rule = calibration.items.get(limit.item), criterion(tolerance, limit)
+        undecided = withdrawn(calibration, limit.item) or bool(doubts_of.get(limit.item))
+        for element in limited(item, limit):
+            yield _made(limit, rule, element, item, undecided)
+
+
+def _made(
+    limit: Limit, rule: Criterion, element: str, item: Item | None, undecided: bool
+) -> LimitDecision:
+    known = _known(item, limit, element)
+    lower, upper = bounds(limit)
+    return LimitDecision(
+        item=limit.item,
+        element=element,
+        unit=limit.unit,
+        applied_to=limit.applied_to,
+        value=known.value,
+        U=known.U,
+        k=item.k if item else None,
+        lower=lower,
+        upper=upper,
+        nominal=limit.nominal,
+        rule=rule.rule,
+        guard_band_factor=rule.factor,
+        min_capability=rule.min_capability,
+        U_max=rule.U_max,
+        **(_by_rule(rule, known) if known.U else {}),
+        **_decided(limit, rule, known, undecided),
+    )
+
+
+def _by_rule(rule: Criterion, known: Known) -> dict[str, Any]:
+    """Where a value with this U is accepted, and how good U is for these limits."""
+    assert known.U is not None
+    low, high = rule.accepted(known.U)
+    return {
+        "accept_lower": _finite(low),
+        "accept_upper": _finite(high),
+        "capability": _finite(rule.capability(known.U)),
+    }
+
+
+def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> dict[str, Any]:
+    """The verdict with its risk; both only where there is something to decide on."""
+    if undecided or known.value is None or known.U is None or known.u is None:
+        return {"verdict": "inconclusive"}
+    verdict = rule.verdict(known.value, known.U)
+    if verdict == "inconclusive":
+        return {"verdict": verdict}
+    about = (known.value, known.u, rule.limits, known.dof)
+    conforms, not_so = probability_of_conformity(*about), probability_of_nonconformity(*about)
+    accepted = verdict == "pass"
+    risk: dict[str, Any] = {
+        "false_acceptance": not_so if accepted else None,
+        "false_rejection": None if accepted else conforms,
+    }
+    if limit.prior:
+        interval = rule.accepted(known.U)
+        risk["global_risks"] = global_risks(limit.prior, known.u, rule.limits, interval)
+    return {
+        "verdict": verdict,
+        "marginal": rule.marginal(known.value, known.U),
+        "probability_of_conformity": conforms,
+        **risk,
+    }
+
+
+def _known(item: Item | None, limit: Limit, element: str) -> Known:
+    """The quantity that a limit is applied to, with the uncertainty of that quantity.
+
+    Degrees of freedom are those of the element's budget, where it has one for this quantity.
+    """
+    if item is None:
+        return Known(None, None, None, math.inf)
+    value = _at(getattr(item, limit.applied_to), element)
+    own = getattr(item, f"U_{limit.applied_to.removeprefix('value_')}", None)
+    U = _positive(_at(item.U if own is None else own, element))
+    budget = item.budgets.get(element) if own is None else None
+    if U and budget and budget.u_c > 0:
+        return Known(value, U, budget.u_c, budget.dof)
+    return Known(value, U, U / item.k if U else None, math.inf)
+
+
+def _at(values: Elements | None, element: str) -> float | None:
+    return _finite((values or {}).get(element))
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _positive(value: float | None) -> float | None:
+    return value if value is not None and value > 0 else None
+
+
+def _of_limits(
+    calibration: Calibration, decisions: tuple[LimitDecision, ...], doubts_of: Doubts
+) -> list[Reason]:
+    """Why limited elements did not pass: outside, too uncertain, without U, without a value."""
+    open_ = [made for made in decisions if made.verdict == "inconclusive"]
+    absent = [made for made in open_ if made.value is None or withdrawn(calibration, made.item)]
+    bare = [made for made in open_ if made not in absent and made.U is None]
+    settled = [*absent, *bare]
+    vague = [made for made in open_ if made not in settled and not doubts_of.get(made.item)]
+    return [
+        *(outside(made) for made in decisions if made.verdict == "fail"),
+        *map(too_uncertain, vague),
+        *without_uncertainty(bare),
+        *missing(calibration, absent),
+    ]

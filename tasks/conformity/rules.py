@@ -1,0 +1,78 @@
+"""Decision rules: where a value is accepted, and when it is decided on at all (JCGM 106, 8)."""
+
+import math
+from dataclasses import dataclass
+
+from schemas.tolerance import (
+    Limit,
+    Rule,
+    Tolerance,
+    Verdict,
+    bounds,
+    guard_band_factor,
+    min_capability,
+    rule_of,
+)
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """One limit with its rule, in the limit's unit; infinite where there is no limit.
+
+    factor: r of the guard band w = r·U, by which the limits move inwards (outwards for r < 0);
+    min_capability: smallest C_m, None where the rule asks for none; U_max: largest U.
+    """
+
+    lower: float
+    upper: float
+    rule: Rule
+    factor: float
+    min_capability: float | None
+    U_max: float | None
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        return self.lower, self.upper
+
+    def accepted(self, U: float) -> tuple[float, float]:
+        """The acceptance interval for an expanded uncertainty (JCGM 106, 8.3.2 and 8.3.3)."""
+        return self.lower + self.factor * U, self.upper - self.factor * U
+
+    def capability(self, U: float) -> float:
+        """C_m = T/(2·U), the measurement capability index (JCGM 106, 7.6); U > 0."""
+        return (self.upper - self.lower) / (2 * U)
+
+    def decides(self, U: float) -> bool:
+        """Whether U is small enough: for the rule, and to leave an acceptance interval."""
+        if self.U_max is not None and self.U_max < U:
+            return False
+        return self.capability(U) >= max(self.min_capability or 0.0, self.factor)
+
+    def verdict(self, value: float, U: float) -> Verdict:
+        """Pass inside the acceptance interval, limits included, else fail; U > 0.
+
+        Inconclusive where U is too large. What lies outside its limits with the whole of
+        value ± U fails however large U is.
+        """
+        wholly_outside = value + U < self.lower or value - U > self.upper
+        if not self.decides(U):
+            return "fail" if wholly_outside else "inconclusive"
+        low, high = self.accepted(U)
+        return "pass" if low <= value <= high else "fail"
+
+    def marginal(self, value: float, U: float) -> bool:
+        """Whether a value lies nearer than U to a limit, on either side of it."""
+        return min(abs(value - self.lower), abs(value - self.upper)) < U
+
+
+def criterion(tolerance: Tolerance, limit: Limit) -> Criterion:
+    """A limit with the rule that holds for it."""
+    lower, upper = bounds(limit)
+    return Criterion(
+        lower=-math.inf if lower is None else lower,
+        upper=math.inf if upper is None else upper,
+        rule=rule_of(tolerance, limit),
+        factor=guard_band_factor(tolerance, limit),
+        min_capability=min_capability(tolerance, limit),
+        U_max=limit.U_max,
+    )
