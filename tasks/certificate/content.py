@@ -12,6 +12,7 @@ from tasks.certificate.conditions import Conditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conditions_of_a_pass, conformity
 from tasks.certificate.fields import NOT_GIVEN, Field, given, literal, number
+from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.names import Pair
 from tasks.certificate.notes import basis, head_of_results, readings, reasons, remarks, uncertainty
 from tasks.certificate.results import Section, sections
@@ -56,6 +57,7 @@ class Content:
     environment: tuple[tuple[Pair, Pair, str], ...]
     conditions: Conditions
     sections: tuple[Section, ...]
+    information: tuple[InformationRow, ...]
     uncertainty: tuple[Pair, ...]
     conformity: tuple[Field, ...]
     reasons: tuple[Pair, ...]
@@ -86,6 +88,7 @@ def content(certificate: Certificate) -> Content:
         environment=_environment(certificate, specification),
         conditions=conditions(calibration, certificate.manifest),
         sections=sections(calibration, decision, specification),
+        information=information_rows(calibration),
         uncertainty=uncertainty(calibration),
         conformity=conformity(decision),
         reasons=(*reasons(calibration, decision), *conditions_of_a_pass(decision)),

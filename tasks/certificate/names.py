@@ -15,7 +15,10 @@ MATRIX = tuple(reads + given for reads in AXES for given in AXES)
 OFF_DIAGONAL = tuple(e for e in MATRIX if e[0] != e[1])
 APPENDIX_B = ("yx", "zx", "xy", "zy", "xz", "yz")
 
-UNITS = {"deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°"}
+UNITS = {
+    "deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°", "deg/h": "°/h",
+    "deg/sqrt(h)": "°/√h", "(m/s2)/sqrt(Hz)": "(m/s²)/√Hz",
+}  # fmt: skip
 ANGLES = {
     "X": ("航向角", "heading angle"),
     "Y": ("俯仰角", "pitch angle"),
@@ -112,7 +115,7 @@ SECOND_VALUE = {
     "accel_rate_sensitivity": "value_model",
 }
 
-# r·U stands for the guard band as it is; see tasks.certificate.decisions.
+# {w}, {zh} and {en} stand for the guard band and its side: tasks.certificate.decisions.
 RULES = {
     "simple_acceptance": (
         "简单接受（JCGM 106，8.2）：测得值在允许限内即为符合，不另留保护带（w = 0）",

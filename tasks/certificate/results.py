@@ -17,6 +17,7 @@ from tasks.certificate.appendix import (
     SECTIONS,
     SENTENCES,
 )
+from tasks.certificate.information import contained
 from tasks.certificate.limits import Mark, limit_lines, mark, relative_text
 from tasks.certificate.names import (
     ITEMS,
@@ -130,6 +131,7 @@ def _group(calibration: Calibration, decision: Decision, name: str, specificatio
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
             *(_about(name, limits) if known else ()),
+            *(contained(calibration, name) if known else ()),
             *_missing(calibration, name),
         ),
     )
