@@ -1,0 +1,1 @@
+"""The terms: each file adds one piece of physics or a small family."""

@@ -1,0 +1,100 @@
+"""Rate and acceleration of an angle that an encoder reads in steps and with noise.
+
+Each derivative is that of a parabola fitted by least squares to the samples around it (Savitzky
+and Golay, Anal. Chem. 36, 1964). Encoder noise σ becomes σ·√720/(T²·√n) in the second derivative,
+which drowns a lever arm at full bandwidth; a window that is too long rounds off the ramps and
+makes the lever arm too large. So the window is as long as the encoder's own noise asks for.
+"""
+
+import numpy as np
+
+RATE_WINDOW = 0.05  # s
+QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
+LONGEST_WINDOW = 0.5  # s
+FEWEST_HALF = 2  # samples on each side that a parabola needs
+FINEST = 200.0  # Hz: samples nearer to each other are averaged first
+UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
+
+
+def smooth_derivatives(
+    t: np.ndarray, angle: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angle, rate and acceleration (m, k) at the times `at` (m,) s.
+
+    t: (n,) s, rising; angle: (n, k), continuous (no jumps of a whole turn). Fewer than three
+    samples have no derivative: NaN.
+    """
+    shape = (len(at), angle.shape[1])
+    if len(t) < 3:
+        return (np.full(shape, np.nan),) * 3
+    even, thinned = _on_even_grid(t, angle)
+    interval = even[1] - even[0]
+    rate = _filtered(thinned, _slope_kernel(_half(RATE_WINDOW, interval, len(even))) / interval)
+    window = _quiet_window(thinned, interval)
+    bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
+    acceleration = _filtered(thinned, bend)
+    return (
+        _interpolated(at, t, angle),
+        _interpolated(at, even, rate),
+        _interpolated(at, even, acceleration),
+    )
+
+
+def _quiet_window(angle: np.ndarray, interval: float) -> float:
+    """Seconds over which the noise of the angle (n, k) is quiet in the second derivative.
+
+    The noise is read off the third differences of what moves, where a smooth motion leaves next
+    to nothing; jerks at the ends of ramps are fewer than a tenth of them.
+    """
+    rough = np.abs(np.diff(angle, 3, axis=0))
+    rough = rough[rough > 0]
+    if not len(rough):
+        return 0.0
+    noise = float(np.quantile(rough, 0.9)) / 1.645 / np.sqrt(20.0)
+    needed = np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION
+    return min(float(needed**0.4), LONGEST_WINDOW)
+
+
+def _half(window: float, interval: float, count: int) -> int:
+    return min(max(FEWEST_HALF, round(0.5 * window / interval)), max(1, (count - 1) // 2))
+
+
+def _slope_kernel(half: int) -> np.ndarray:
+    """First derivative of the fitted parabola, per sample; symmetric order of samples."""
+    j = np.arange(-half, half + 1.0)
+    return j / (j**2).sum()
+
+
+def _bend_kernel(half: int) -> np.ndarray:
+    """Second derivative of the fitted parabola, per sample squared."""
+    j = np.arange(-half, half + 1.0)
+    centred = j**2 - (j**2).mean()
+    return 2.0 * centred / (centred**2).sum()
+
+
+def _filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Correlation of each column with a kernel; the ends go on straight (odd reflection)."""
+    half = len(kernel) // 2
+    before = 2 * values[:1] - values[half:0:-1]
+    after = 2 * values[-1:] - values[-2 : -half - 2 : -1]
+    padded = np.concatenate([before, values, after])
+    return np.column_stack([np.convolve(c, kernel[::-1], "valid") for c in padded.T])
+
+
+def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The samples at even times, no more than FINEST a second."""
+    steps = np.diff(t)
+    interval = float(np.median(steps))
+    if np.abs(steps - interval).max() > UNEVEN * interval:
+        even = np.arange(t[0], t[-1] + 0.5 * interval, interval)
+        t, angle = even, _interpolated(even, t, angle)
+    group = min(int(1.0 / (FINEST * interval) + 1e-6), len(t) // 5)
+    if group < 2:
+        return t, angle
+    whole = len(t) // group * group
+    means = angle[:whole].reshape(-1, group, angle.shape[1]).mean(axis=1)
+    return t[:whole].reshape(-1, group).mean(axis=1), means
+
+
+def _interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.column_stack([np.interp(at, t, column) for column in values.T])

@@ -1,0 +1,200 @@
+"""What the unit went through over a whole recording, once for everybody.
+
+From the table's encoders where they were recorded, else from a reference pose, else from the
+segments' labels. Where nothing tells, the motion is unknown (NaN), never assumed.
+Frames as in `mimu-recording/1`: n is East-North-Up.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.recording import AXES, Recording, Segment, Stream, Up
+from tasks.motion.smooth import smooth_derivatives
+from tasks.motion.table import mount_of
+
+STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not told and only ratios are taken
+POSE = ("qw", "qx", "qy", "qz")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Attitude and motion of the body at n times, in the body frame; NaN: not known.
+
+    t: (n,) s. up, north: (n, 3) unit vectors. rate: (n, 3) rad/s against the ground.
+    acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s².
+    """
+
+    t: np.ndarray
+    up: np.ndarray
+    north: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+    gravity: float
+
+    @property
+    def known(self) -> np.ndarray:
+        """(n,) bool: the vertical and the rate are known."""
+        return np.isfinite(self.up).all(axis=1) & np.isfinite(self.rate).all(axis=1)
+
+    @property
+    def force(self) -> np.ndarray:
+        """Specific force (n, 3) m/s² of a body at rest: gravity's reaction, upwards."""
+        return self.gravity * self.up
+
+    def taken(self, rows: np.ndarray) -> "Motion":
+        """The motion at some of the times, by index or mask."""
+        return replace(
+            self,
+            t=self.t[rows],
+            up=self.up[rows],
+            north=self.north[rows],
+            rate=self.rate[rows],
+            acceleration=self.acceleration[rows],
+        )
+
+
+def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
+    """The motion at the unit's rows, or at other times t (n,) s of the same time base."""
+    at = recording.imu.t if t is None else t
+    if recording.table is not None and recording.manifest.station.table_axes:
+        return _by_table(recording, recording.table, at)
+    if recording.reference is not None and set(POSE) <= set(recording.reference.columns):
+        return _by_pose(recording, recording.reference, at)
+    return _by_labels(recording, at)
+
+
+def unit_vector(up: Up | None) -> np.ndarray:
+    """The direction (3,) of an axis with its sign, NaN for none."""
+    if up is None:
+        return np.full(3, np.nan)
+    return np.eye(3)[AXES.index(up[1])] * (1.0 if up[0] == "+" else -1.0)  # type: ignore[arg-type]
+
+
+def gravity_of(recording: Recording) -> float:
+    """Local gravity, m/s²; the standard one where it is not told."""
+    return recording.manifest.station.gravity_m_s2 or STANDARD_GRAVITY
+
+
+def _unknown(recording: Recording, at: np.ndarray) -> Motion:
+    nothing = [np.full((len(at), 3), np.nan) for _ in range(4)]
+    return Motion(at, *nothing, gravity=gravity_of(recording))
+
+
+def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
+    """Turns the directions of n, and of each axis, inwards through the table's axes.
+
+    The body rate is Σ sₖ·θ̇ₖ over the axes' directions sₖ in the body. Those change with what
+    turns inside them, so that its derivative is Σ sₖ·θ̈ₖ − (ω_inside × sₖ)·θ̇ₖ.
+    """
+    axes = recording.manifest.station.table_axes or ()
+    angles = table.stack(tuple(f"{axis.name}_angle" for axis in axes))
+    angle, speed, change = smooth_derivatives(table.t, np.unwrap(angles, axis=0), at)
+    heading = recording.manifest.station.heading_deg
+    vectors = [np.tile([0.0, 0.0, 1.0], (len(at), 1)), _north(heading, len(at))]
+    for k, axis in enumerate(axes):
+        direction = np.array(axis.direction) / np.linalg.norm(axis.direction)
+        vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
+        vectors.append(np.tile(direction, (len(at), 1)))
+    up, north, *spins = vectors
+    rate, acceleration = np.zeros((len(at), 3)), np.zeros((len(at), 3))
+    for k in reversed(range(len(axes))):
+        own = speed[:, k, None] * spins[k]
+        acceleration += change[:, k, None] * spins[k] - np.cross(rate, own)
+        rate += own
+    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording))
+    return _mounted(recording, payload)
+
+
+def _north(heading: float | None, count: int) -> np.ndarray:
+    """North in the table's frame at zero angles, Rz(−heading)ᵀ·(0, 1, 0); NaN if not told."""
+    psi = np.radians(np.nan if heading is None else heading)
+    return np.tile([-np.sin(psi), np.cos(psi), 0.0], (count, 1))
+
+
+def _turned(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) turned by angles (n,) rad about one unit direction (Rodrigues)."""
+    if not angle.any():
+        return vector
+    along = (vector @ direction)[:, None] * direction
+    sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    return along + cos * (vector - along) + sin * np.cross(direction, vector)
+
+
+def _mounted(recording: Recording, payload: Motion) -> Motion:
+    """From the payload's frame to the body's: the recording's mount, or each segment's own.
+
+    Where segments carry a mount, what happened outside them (re-fixing) is not known.
+    """
+    manifest = recording.manifest
+    own = [segment for segment in manifest.segments or () if segment.mount is not None]
+    if not own:
+        whole = Segment(name="whole", kind="transition", t_start=0.0, t_end=0.0)
+        return _in_frame(payload, mount_of(manifest, whole))
+    body = _unknown(recording, payload.t)
+    for segment in own:
+        rows = (payload.t >= segment.t_start) & (payload.t < segment.t_end)
+        part = _in_frame(payload.taken(rows), mount_of(manifest, segment))
+        for name in ("up", "north", "rate", "acceleration"):
+            getattr(body, name)[rows] = getattr(part, name)
+    return body
+
+
+def _in_frame(motion: Motion, mount: np.ndarray) -> Motion:
+    """Components along the body's axes, Mᵀ·v for each vector v."""
+    return replace(
+        motion,
+        up=motion.up @ mount,
+        north=motion.north @ mount,
+        rate=motion.rate @ mount,
+        acceleration=motion.acceleration @ mount,
+    )
+
+
+def _by_pose(recording: Recording, pose: Stream, at: np.ndarray) -> Motion:
+    """The attitude of a tracked body; its rate from the small turns between its samples.
+
+    The turns, added up, are an angle vector whose derivative is the body rate.
+    """
+    from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
+
+    attitude = Rotation.from_quat(pose.stack(POSE), scalar_first=True)
+    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
+    summed = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
+    _, rate, acceleration = smooth_derivatives(pose.t, summed, at)
+    inside = (at >= pose.t[0]) & (at <= pose.t[-1])
+    matrix = np.full((len(at), 3, 3), np.nan)
+    matrix[inside] = Slerp(pose.t, attitude)(at[inside]).as_matrix()
+    rate[~inside], acceleration[~inside] = np.nan, np.nan
+    return Motion(at, matrix[:, 2], matrix[:, 1], rate, acceleration, gravity_of(recording))
+
+
+def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
+    """What the labels say: rests, steady turns at the nominal rate, turns by an angle.
+
+    A turn by a known angle is known in the mean only: its angle over its time.
+    """
+    motion = _unknown(recording, at)
+    for segment in recording.manifest.segments or ():
+        turned = _labelled_rate(segment)
+        if turned is None:
+            continue
+        start, stop = np.searchsorted(at, (segment.t_start, segment.t_end))
+        rows = slice(int(start), int(stop))
+        axis = np.eye(3)[AXES.index(segment.axis)] if segment.axis else np.zeros(3)
+        motion.up[rows] = unit_vector(segment.up)
+        motion.rate[rows] = turned * axis
+        if segment.kind != "rotation":
+            motion.acceleration[rows] = 0.0
+    return motion
+
+
+def _labelled_rate(segment: Segment) -> float | None:
+    """Rate (rad/s) about the segment's axis, None where the label tells none."""
+    if segment.kind == "static":
+        return 0.0
+    if segment.kind == "rate" and segment.rate_deg_s is not None:
+        return float(np.radians(segment.rate_deg_s))
+    if segment.kind == "rotation" and segment.angle_deg is not None:
+        return float(np.radians(segment.angle_deg)) / (segment.t_end - segment.t_start)
+    return None

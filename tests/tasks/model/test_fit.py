@@ -1,0 +1,139 @@
+"""Lists of terms fitted: exact without noise, honest with it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from model_unit import flicker, tumbling
+
+from schemas.base import Unusable
+from tasks.model.fit import fit
+from tasks.model.noise import RowNoise
+from tasks.model.simulate import predict
+from tasks.model.term import Inputs, Parameter, Term, nominal_values, parameters_of
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.site import earth_rotation
+from tasks.model.terms.standard import GYRO_TERMS, STANDARD_TERMS
+from tasks.motion.whole import Motion
+
+WITH_SITE = (earth_rotation(0.7), LEVER_ARM, *STANDARD_TERMS)
+
+
+def quiet(motion: Motion, deviation: float = 1e-3) -> RowNoise:
+    count = len(motion.t)
+    return RowNoise(motion.t, np.full((count, 6), deviation**2), np.zeros((3, 6)))
+
+
+def drawn(terms: tuple[Term, ...], seed: int) -> np.ndarray:
+    ranges = np.array([p.plausible for p in parameters_of(terms)])
+    return np.random.default_rng(seed).uniform(*(0.2 * ranges.T)) + 0.8 * nominal_values(terms)
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.integers(0, 10_000))
+def test_what_was_put_in_comes_out_without_noise(seed: int) -> None:
+    motion, values = tumbling(seed=seed), drawn(WITH_SITE, seed)
+    found = fit(WITH_SITE, motion, predict(WITH_SITE, motion, values), quiet(motion))
+    assert found.estimable.all()
+    assert found.values == pytest.approx(values, abs=1e-8)
+    assert found.chi2 < 1e-6
+
+
+def test_the_truth_lies_within_the_stated_uncertainty_in_white_and_flicker_noise() -> None:
+    rng = np.random.default_rng(8)
+    motion = tumbling(400, seed=8)
+    h, deviation, values = 4e-7, 1e-3, drawn(STANDARD_TERMS, 8)
+    drift = np.zeros((3, 6))
+    drift[0] = h
+    noise = replace(quiet(motion, deviation), drift=drift)
+    clean = predict(STANDARD_TERMS, motion, values)
+    z = []
+    for _ in range(60):
+        shaken = np.column_stack([flicker(400, 1.0, h, rng) for _ in range(6)])
+        shaken += deviation * rng.standard_normal(shaken.shape)
+        found = fit(STANDARD_TERMS, motion, clean + shaken, noise)
+        z.append((found.values - values) / found.u)
+    assert np.sqrt(np.mean(np.square(z))) == pytest.approx(1.0, abs=0.06)
+    white = fit(STANDARD_TERMS, motion, clean, quiet(motion, deviation))
+    assert np.median(found.u / white.u) > 1.1  # the flicker counts
+
+
+def test_chi_square_is_the_number_of_degrees_of_freedom() -> None:
+    motion, values = tumbling(2000, seed=3), drawn(STANDARD_TERMS, 3)
+    readings = predict(STANDARD_TERMS, motion, values)
+    readings += 1e-3 * np.random.default_rng(3).standard_normal(readings.shape)
+    found = fit(STANDARD_TERMS, motion, readings, quiet(motion))
+    assert found.degrees == 6 * 2000 - 39
+    assert found.chi2 / found.degrees == pytest.approx(1.0, abs=0.05)
+    assert np.nanstd(found.residuals) == pytest.approx(1e-3, rel=0.02)
+
+
+def test_what_the_rows_do_not_determine_is_not_given() -> None:
+    motion = tumbling(seed=2)
+    level = replace(motion, up=np.tile([0.0, 0.0, 1.0], (len(motion.t), 1)))
+    readings = predict(STANDARD_TERMS, level, nominal_values(STANDARD_TERMS))
+    found = fit(STANDARD_TERMS, level, readings, quiet(level))
+    given_ = {p.symbol for p, v in zip(found.parameters, found.values, strict=True) if v == v}
+    assert {"K_gxy", "p_zx"} <= given_
+    assert not {"B_gx", "g_xz", "g_xx", "K_axx", "K_azz", "B_az"} & given_
+
+
+def test_rows_that_are_missing_or_unknown_are_left_out() -> None:
+    motion, values = tumbling(seed=6), drawn(STANDARD_TERMS, 6)
+    readings = predict(STANDARD_TERMS, motion, values)
+    readings[:50, :3] = np.nan
+    rate = motion.rate.copy()
+    rate[100:130] = np.nan
+    unknown = replace(motion, rate=rate)
+    found = fit(STANDARD_TERMS, unknown, readings, quiet(motion))
+    assert found.values == pytest.approx(values, abs=1e-8)
+    assert np.isnan(found.residuals[:50, :3]).all()
+    assert np.isnan(found.residuals[100:130]).all()
+    assert np.isfinite(found.residuals[:50, 3:]).all()
+
+
+@dataclass(frozen=True)
+class BiasByTime(Term):
+    """A term that nobody knows yet: a bias of one gyro that grows with time."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[dict[int, np.ndarray], ...]:
+        return ({1: motion.t},)
+
+
+CREEP = BiasByTime(
+    "creep", "memory", "sensor", "ω′_y = c·t", "this test",
+    (Parameter("c", "c", "rad/s2", 1.0, (-1e-3, 1e-3)),),
+)  # fmt: skip
+
+
+def test_a_new_term_is_fitted_without_touching_anything_else() -> None:
+    motion = tumbling(seed=7)
+    terms = (*GYRO_TERMS, CREEP)
+    values = np.append(drawn(GYRO_TERMS, 7), 2e-4)
+    found = fit(terms, motion, predict(terms, motion, values), quiet(motion))
+    assert found.values == pytest.approx(values, abs=1e-9)
+
+
+@dataclass(frozen=True)
+class Runaway(Term):
+    """A cube root, from whose zero every step of Newton's leads away."""
+
+    def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
+        return Inputs(inputs.rate + np.cbrt(values[0]), inputs.force)
+
+
+def test_a_fit_that_does_not_settle_is_refused_with_its_terms() -> None:
+    motion = tumbling(seed=9)
+    runaway = Runaway(
+        "runaway",
+        "site",
+        "input",
+        "∛x",
+        "this test",
+        (Parameter("x", "x", "1", 1.0, (-1, 1), 0.5),),
+    )
+    ideal = predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))
+    with pytest.raises(Unusable, match="the fit of runaway, gyro_matrix did not settle"):
+        fit((runaway, GYRO_TERMS[0]), motion, ideal, quiet(motion))

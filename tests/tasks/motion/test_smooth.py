@@ -1,0 +1,49 @@
+"""Derivatives of an encoder's angle."""
+
+import numpy as np
+import pytest
+
+from tasks.motion.smooth import smooth_derivatives
+
+T = np.arange(0.0, 10.0, 0.01)
+
+
+def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return np.sin(2 * t), 2 * np.cos(2 * t), -4 * np.sin(2 * t)
+
+
+@pytest.mark.parametrize("rate_hz", [50.0, 100.0, 1000.0])
+def test_derivatives_of_a_swing(rate_hz: float) -> None:
+    t = np.arange(0.0, 10.0, 1 / rate_hz)
+    found = smooth_derivatives(t, swing(t)[0][:, None], T[100:-100])
+    for seen, true in zip(found, swing(T[100:-100]), strict=True):
+        assert seen[:, 0] == pytest.approx(true, abs=0.02)
+
+
+def test_uneven_stamps_are_no_motion() -> None:
+    t = np.sort(T + np.random.default_rng(3).uniform(-0.003, 0.003, len(T)))
+    _, rate, acceleration = smooth_derivatives(t, 0.5 * t[:, None], T[100:-100])
+    assert rate[:, 0] == pytest.approx(np.full(len(rate), 0.5), abs=1e-9)
+    assert np.abs(acceleration).max() < 1e-6
+
+
+def test_the_noise_of_the_encoder_does_not_become_acceleration() -> None:
+    noise = 5e-6 * np.random.default_rng(4).standard_normal(len(T))
+    angle = (0.3 * T**2 + noise)[:, None]
+    _, _, acceleration = smooth_derivatives(T, angle, T[100:-100])
+    assert acceleration.mean() == pytest.approx(0.6, abs=1e-3)
+    assert acceleration.std() < 0.02
+    assert np.diff(angle[:, 0], 2).std() / 0.01**2 > 0.1  # what it would be without a window
+
+
+def test_ramps_keep_their_sharp_ends() -> None:
+    rate = np.clip(2.0 * (T - 3.0), 0.0, 5.0)
+    angle = np.cumsum(rate) * 0.01
+    _, _, acceleration = smooth_derivatives(T, angle[:, None], T)
+    true = np.where((T > 3.0) & (T < 5.5), 2.0, 0.0)
+    gain = acceleration[:, 0] @ true / (acceleration[:, 0] @ acceleration[:, 0])
+    assert gain == pytest.approx(1.0, abs=0.01)
+
+
+def test_two_samples_have_no_derivative() -> None:
+    assert np.isnan(smooth_derivatives(T[:2], T[:2, None], T[:2])[1]).all()
