@@ -15,8 +15,8 @@ MARKS = (
     "—: no limit is laid down; not determined: no value, the reason stands under the table",
 )
 CHANCES = (
-    "判定栏中的百分数为合格概率 Pc",
-    "the percentage under a verdict is the probability of conformity Pc",
+    "判定栏中的百分数为合格概率 P_c",
+    "the percentage under a verdict is the probability of conformity P_c",
 )
 NEAR = (
     "“有条件”：值距允许限小于 U（ILAC-G8:09/2019）",
@@ -28,10 +28,11 @@ SPECIFIC = (
     "from the measured value and its standard uncertainty u (normal, or t where its degrees of "
     "freedom are finite), without prior knowledge (JCGM 106, 9.3): ",
 )
-ACCEPTING = ("合格判定的错误接受概率 1 − Pc 最大 {} ({})",
-             "false acceptance of a pass, 1 − Pc, at most {} ({})")  # fmt: skip
-REJECTING = ("不合格判定的错误拒绝概率 Pc 最大 {} ({})",
-             "false rejection of a fail, Pc, at most {} ({})")  # fmt: skip
+ACCEPTING = ("合格判定的错误接受概率 1 − P_c 最大 {} ({})",
+             "false acceptance of a pass, 1 − P_c, at most {} ({})")  # fmt: skip
+REJECTING = ("不合格判定的错误拒绝概率 P_c 最大 {} ({})",
+             "false rejection of a fail, P_c, at most {} ({})")  # fmt: skip
+RULE = ("判定规则", "Decision rule")
 GLOBAL = ("{}：用户风险 {}，生产方风险 {}", "{}: consumer's {}, producer's {}")
 
 
@@ -57,13 +58,14 @@ def _rules(decision: Decision) -> list[Field]:
     items: dict[Pair, list[str]] = {}
     for made in decision.limits:
         items.setdefault(_rule(made), []).append(made.item)
-    said = []
-    for (zh, en), names in items.items():
+    if len(items) == 1:
+        return [Field(RULE, pair(*next(iter(items))))]
+    fields = []
+    for number, ((zh, en), names) in enumerate(items.items(), start=1):
         of_zh, of_en = listed(item_name(name) for name in dict.fromkeys(names))
-        said.append((f"{of_zh}：{zh}", f"{of_en}: {en}") if len(items) > 1 else (zh, en))
-    label = ("判定规则", "Decision rule")
-    return [Field(label, pair("；".join(z for z, _ in said), "; ".join(e for _, e in said)))
-            ] if said else []  # fmt: skip
+        label = f"{RULE[0]} {number}", f"{RULE[1]} {number}"
+        fields.append(Field(label, pair(f"{of_zh}：{zh}", f"{of_en}: {en}")))
+    return fields
 
 
 def _rule(made: LimitDecision) -> Pair:
@@ -76,9 +78,9 @@ def _rule(made: LimitDecision) -> Pair:
     asked_zh, asked_en = [f"k = {k}"] if k else [], [f"k = {k}"] if k else []
     if made.min_capability is not None and None not in (made.lower, made.upper):
         needed = max(made.min_capability, made.guard_band_factor)
-        asked_zh.append(f"要求 C_m = T/(2U) ≥ {needed:g}，T 为允许区间宽度")
+        asked_zh.append(f"要求 C_m = T/(2 U) ≥ {needed:g}，T 为允许区间宽度")
         asked_en.append(
-            f"decided on only if C_m = T/(2U) ≥ {needed:g}, with T the width of the limits"
+            f"decided on only if C_m = T/(2 U) ≥ {needed:g}, with T the width of the limits"
         )
     if made.U_max is not None:
         most = quantity_text(f"{made.U_max:g}", made.unit)
@@ -92,18 +94,20 @@ def _specific(decision: Decision) -> list[Field]:
     accepting = [(m.false_acceptance, m) for m in decision.limits if m.false_acceptance is not None]
     rejecting = [(m.false_rejection, m) for m in decision.limits if m.false_rejection is not None]
     parts = [
-        tuple(text.format(probability_text(risk), symbol(made.item, made.element)) for text in form)
+        _largest(form, risks)
         for form, risks in ((ACCEPTING, accepting), (REJECTING, rejecting))
         if risks
-        for risk, made in [max(risks, key=lambda each: each[0])]
     ]
     if not parts:
         return []
-    said = (
-        SPECIFIC[0] + "；".join(p[0] for p in parts),
-        SPECIFIC[1] + "; ".join(p[1] for p in parts),
-    )
-    return [Field(("误判风险", "Risk of a wrong decision"), said)]
+    zh, en = "；".join(zh for zh, _ in parts), "; ".join(en for _, en in parts)
+    return [Field(("误判风险", "Risk of a wrong decision"), (SPECIFIC[0] + zh, SPECIFIC[1] + en))]
+
+
+def _largest(form: Pair, risks: list[tuple[float, LimitDecision]]) -> Pair:
+    risk, made = max(risks, key=lambda each: each[0])
+    said = probability_text(risk), symbol(made.item, made.element)
+    return form[0].format(*said), form[1].format(*said)
 
 
 def _global(decision: Decision) -> list[Field]:
@@ -121,9 +125,11 @@ def _global(decision: Decision) -> list[Field]:
         )
         for item, risks in worst.items()
     ]
-    label = ("总体误判风险（JCGM 106，9.5）", "Risks over the production (JCGM 106, 9.5)")
-    return [Field(label, ("；".join(s[0] for s in said), "; ".join(s[1] for s in said)))
-            ] if said else []  # fmt: skip
+    if not said:
+        return []
+    zh, en = "；".join(zh for zh, _ in said), "; ".join(en for _, en in said)
+    label = ("总体误判风险", "Risks over the production")
+    return [Field(label, (f"{zh}（JCGM 106，9.5）", f"{en} (JCGM 106, 9.5)"))]
 
 
 def _marks(decision: Decision) -> Pair:

@@ -5,7 +5,7 @@ from decimal import Decimal
 
 from schemas.tolerance import LimitDecision, Verdict
 from tasks.certificate.names import SECOND_VALUE, Pair, quantity_text, verdict_words
-from tasks.uncertainty.rounding import round_up, text
+from tasks.uncertainty.rounding import round_like, round_up, text
 
 SURE = 0.999  # a probability nearer to 1 or 0 than this is not told apart from it
 
@@ -51,12 +51,11 @@ def limits_text(made: LimitDecision, exponent: int = 0) -> str:
 
 
 def accepted_text(made: LimitDecision, exponent: int = 0) -> str | None:
-    """The acceptance limits, one place finer than U; None where they are the limits."""
+    """The acceptance limits, to the place of U; None where they are the limits."""
     if not made.guard_band_factor or made.U is None:
         return None
-    finer = round_up(made.U) * Decimal("0.1")
-    edges = (made.accept_lower, made.accept_upper)
-    lower, upper = (None if x is None else Decimal(repr(x)).quantize(finer) for x in edges)
+    place, edges = round_up(made.U), (made.accept_lower, made.accept_upper)
+    lower, upper = (None if edge is None else round_like(edge, place) for edge in edges)
     return interval_text(lower, upper, exponent)
 
 

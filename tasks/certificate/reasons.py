@@ -38,7 +38,7 @@ def conditional(decision: Decision) -> list[Reason]:
             limits = _limits(made)
             said.append(
                 (
-                    f"{en}, is accepted within U of a limit of {limits}{risk_en}",
+                    f"{en}, is accepted but lies within U of its limit, {limits}{risk_en}",
                     f"{zh}，判为符合，但距允许限 {limits} 小于 U{risk_zh}",
                 )
             )
@@ -53,8 +53,8 @@ def too_uncertain(made: LimitDecision) -> Reason:
         most = quantity_text(str(text(_plain(made.U_max))), made.unit)
         why_en, why_zh = f"larger than the agreed {most}", f"大于约定的 {most}"
     elif (needed := max(made.min_capability or 0.0, made.guard_band_factor)) > 1:
-        why_en = f"C_m = T/(2U) = {made.capability:.2g} for {limits}, below {needed:g}"
-        why_zh = f"允许区间 {limits} 的 C_m = T/(2U) = {made.capability:.2g}，小于 {needed:g}"
+        why_en = f"C_m = T/(2 U) = {made.capability:.2g} for {limits}, below {needed:g}"
+        why_zh = f"允许区间 {limits} 的 C_m = T/(2 U) = {made.capability:.2g}，小于 {needed:g}"
     else:
         why_en = f"larger than half the interval {limits}"
         why_zh = f"大于允许区间 {limits} 的一半"

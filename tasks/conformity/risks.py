@@ -13,7 +13,7 @@ Interval = tuple[float, float]
 def probability_of_conformity(
     value: float, u: float, limits: Interval, dof: float = math.inf
 ) -> float:
-    """Probability that the measured quantity lies inside its limits (JCGM 106, eq. (7) ff.).
+    """Probability that the measured quantity lies inside its limits (JCGM 106, 7.2 to 7.4).
 
     The knowledge of the quantity is a normal distribution about the value with the standard
     uncertainty u > 0, or, for finite degrees of freedom, a t distribution of that scale
@@ -40,7 +40,7 @@ def probability_of_nonconformity(
 
 
 def global_risks(prior: Prior, u: float, limits: Interval, accepted: Interval) -> GlobalRisks:
-    """Risks over the production that the prior describes (JCGM 106, eq. (17) and (19)).
+    """Risks over the production that the prior describes (JCGM 106, 9.5.2).
 
     A true value η is drawn from the prior and measured with a normal error of standard
     uncertainty u > 0. Consumer: η outside the limits, its measured value accepted; producer: η
