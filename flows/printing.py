@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from schemas.calibration import Calibration, Item
+from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
 from tasks.certificate.names import item_name, unit_text
 from tasks.uncertainty.rounding import column
@@ -34,13 +34,11 @@ def print_json(document: Any) -> None:
 def print_calibration(calibration: Calibration) -> None:
     """A table of every item, then what is unavailable and what the reader must know."""
     console = stdout()
-    table = Table(title=Text(f"{calibration.recording_id} · {calibration.procedure}"))
-    for name, justify in (("item", "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
-                          ("unit", "left")):  # fmt: skip
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
     for name, item in calibration.items.items():
         _add_item(table, item_name(name)[1], item)
     console.print(table)
+    _print_information(console, calibration)
     for name, reason in calibration.unavailable.items():
         console.print("[yellow]not determined[/] ", end="")
         console.print(f"{item_name(name)[1]}: {reason}", markup=False)
@@ -50,8 +48,31 @@ def print_calibration(calibration: Calibration) -> None:
         console.print(remark.en, markup=False)
 
 
-def _add_item(table: Table, name: str, item: Item) -> None:
-    texts = column(list(item.value.values()), list(item.U.values()))
+def _print_information(console: Console, calibration: Calibration) -> None:
+    """A second table of what stands beside the items, and the sentences to it."""
+    if not calibration.information:
+        return
+    table = _results_table("for information, not decided on", "quantity")
+    for shown in calibration.information.values():
+        if any(value is not None for value in shown.value.values()):
+            _add_item(table, shown.title, shown)
+    console.print(table)
+    for shown in calibration.information.values():
+        console.print(f"[dim]· {shown.title}:[/] ", end="")
+        console.print(shown.en, markup=False)
+
+
+def _results_table(title: str, of: str) -> Table:
+    table = Table(title=Text(title))
+    for name, justify in ((of, "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
+                          ("unit", "left")):  # fmt: skip
+        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    return table
+
+
+def _add_item(table: Table, name: str, item: Item | Information) -> None:
+    U = item.U or {}
+    texts = column(list(item.value.values()), [U.get(element) for element in item.value])
     power = f"×10^{texts.exponent} " if texts.exponent else ""
     rows = zip(item.value, texts.values, texts.uncertainties, strict=True)
     for row, (element, value, expanded) in enumerate(rows):

@@ -99,6 +99,8 @@ def white_noise(curve: AllanCurve, channel: int) -> WhiteNoise | None:
     The shortest averaging times, where the unit's low-pass rules or a line of the mains, are left
     off until the shapes fit. None where too few are left, or where white noise does not show.
     """
+    if not curve.variance[:, channel].all():
+        return None
     for first in range(len(curve.tau) - FEWEST_LEVELS + 1):
         tau, variance = curve.tau[first:], curve.variance[first:, channel]
         known = np.sqrt(2.0 / curve.white_dof[first:] + SHARPEST**2)

@@ -14,6 +14,13 @@ def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
     still = item.value_without_earth_rotation if item else None
     if item is None or still is None or all(value is None for value in still.values()):
         return {}
+    off = max(
+        abs(value - other) / U
+        for element, other in still.items()
+        if other is not None
+        and (value := item.value[element]) is not None
+        and (U := item.U[element])
+    )
     return {
         NAME: Information(
             title="Gyro g-sensitivity without Earth's rotation",
@@ -23,8 +30,10 @@ def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
             u=_where_known(item.u, still),
             U=_where_known(item.U, still),
             about=ITEM,
-            en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal.",
-            zh="已从对角元扣除地球自转的竖直分量 ω_e·sin φ。",
+            en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; the "
+            f"value by eq. (7) contains it and is off by up to {off:.2g} times its U.",
+            zh="已从对角元扣除地球自转的竖直分量 ω_e·sin φ；式(7)的值含该分量，"
+            f"最多偏离 U 的 {off:.2g} 倍。",
         )
     }
 

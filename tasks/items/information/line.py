@@ -9,14 +9,14 @@ of JJF 2003 and eq. (13) of JJF 1536.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, chdtri
 
 from schemas.calibration import Information
 from schemas.recording import AXES
 from tasks.items.evidence import Evidence
 from tasks.items.information.shown import Said, shown
 from tasks.items.linear import solve
-from tasks.items.parts import EXCESS_LEVEL, K_FACTOR
+from tasks.items.parts import EXCESS_LEVEL
 
 PPM = 1e6
 
@@ -59,16 +59,16 @@ def line_information(evidence: Evidence, *, item: str) -> dict[str, Information]
 def nonlinearity(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> Found:
     """Largest residual (absolute) from the line of outputs (n,) over rates (n,), per full scale.
 
-    It is significant where noise alone would give the residuals in less than one case of a
-    hundred.
+    It is significant where noise alone would give the residuals in fewer than one case of a
+    hundred. Takes three different rates.
     """
-    if len(rate) < 3 or len(set(np.round(rate, 6))) < 3:
+    scale = float(np.abs(output).max(initial=0.0))
+    if len(set(np.round(rate, 6))) < 3 or not scale:
         return Found()
     design = np.column_stack([rate, np.ones(len(rate))])
     maker = np.eye(len(rate)) - design @ solve(design).operator
     residual, spread = maker @ output, maker @ covariance @ maker.T
     most = int(np.abs(residual).argmax())
-    scale = float(np.abs(output).max())
     inverse = np.linalg.pinv(spread, rcond=1e-6, hermitian=True)
     chance = float(chdtrc(len(rate) - 2, float(residual @ inverse @ residual)))
     u = float(np.sqrt(max(spread[most, most], 0.0)))
@@ -76,7 +76,10 @@ def nonlinearity(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -
 
 
 def asymmetry(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> Found:
-    """Slope over the positive rates less that over the negative ones, over the mean slope."""
+    """Slope over the positive rates less that over the negative ones, over the mean slope.
+
+    Takes two different rates each way.
+    """
     slopes = []
     for side in (rate > 0, rate < 0):
         if len(set(np.round(rate[side], 6))) < 2:
@@ -85,9 +88,11 @@ def asymmetry(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> F
         design = np.column_stack([rate[side], np.ones(side.sum())])
         operator[side] = solve(design).operator[0]
         slopes.append(operator)
-    apart, mean = slopes[0] - slopes[1], 0.5 * (slopes[0] + slopes[1]) @ output
+    apart, mean = slopes[0] - slopes[1], float(0.5 * (slopes[0] + slopes[1]) @ output)
+    if not mean:
+        return Found()
     value, u = float(apart @ output / mean), float(np.sqrt(apart @ covariance @ apart) / abs(mean))
-    return Found(value, u, abs(value) > K_FACTOR * u)
+    return Found(value, u, value**2 > float(chdtri(1, EXCESS_LEVEL)) * u**2)
 
 
 def _points(evidence: Evidence, channel: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
