@@ -1,27 +1,45 @@
-"""A procedure: the sequence of a specification as data."""
+"""A procedure: the sequence of a specification as data.
 
-from typing import Literal
+All angles are in deg, table axes outer first (the outermost is 0).
+"""
 
-from pydantic import Field
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
 
 from schemas.base import Finite, Frozen
-from schemas.recording import Axis, Standard, Up
+from schemas.recording import Axis, Mount, Standard, Up
 
 
 class Position(Frozen):
-    """A rest at table angles (deg, outer axis first)."""
+    """A rest at table angles. axis: the axis of the unit that it serves, if it serves one."""
 
     kind: Literal["position"] = "position"
     name: str
     item: str
     up: Up
+    axis: Axis | None = None
     turn_deg: Finite | None = None
     angles_deg: tuple[Finite, ...]
     dwell_s: Finite = Field(gt=0)
 
 
+class Sweep(Frozen):
+    """Rests that serve one axis of the unit: a table axis at each of its stops, others held."""
+
+    kind: Literal["sweep"] = "sweep"
+    name: str
+    item: str
+    up: Up
+    axis: Axis
+    table_axis: int = Field(ge=0)
+    angles_deg: tuple[Finite, ...]
+    stops_deg: tuple[Finite, ...] = Field(min_length=1)
+    dwell_s: Finite = Field(gt=0)
+
+
 class RateRun(Frozen):
-    """Rates about one table axis (the outermost is 0), the others held at angles (deg)."""
+    """Rates about one table axis, the others held at angles."""
 
     kind: Literal["rate_run"] = "rate_run"
     name: str
@@ -32,6 +50,35 @@ class RateRun(Frozen):
     angles_deg: tuple[Finite, ...]
     rates_deg_s: tuple[Finite, ...] = Field(min_length=1)
     dwell_s: Finite = Field(gt=0)
+
+
+class Turns(Frozen):
+    """Whole turns of one table axis from rest to rest, forward and then back."""
+
+    kind: Literal["turns"] = "turns"
+    name: str
+    item: str
+    axis: Axis
+    up: Up
+    spin_axis: int = Field(ge=0)
+    angles_deg: tuple[Finite, ...]
+    turns: int = Field(gt=0)
+    rate_deg_s: Finite = Field(gt=0)
+
+
+class Refix(Frozen):
+    """The unit is turned over in its fixture; mount: the attitude of the fixture from then on.
+
+    Everything behind it was measured with this mount. With power_off the unit's supply is off
+    meanwhile, and the unit warms up anew.
+    """
+
+    kind: Literal["refix"] = "refix"
+    name: str
+    mount: Mount
+    instruction: str
+    instruction_zh: str
+    power_off: bool = False
 
 
 class EnvironmentLimits(Frozen):
@@ -54,4 +101,12 @@ class Procedure(Frozen):
     settle_s: Finite = Field(ge=0)
     move_rate_deg_s: Finite = Field(gt=0)
     acceleration_deg_s2: Finite = Field(gt=0)
-    steps: tuple[Position | RateRun, ...] = Field(min_length=1)
+    steps: tuple[Position | Sweep | RateRun | Turns | Refix, ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _measures_after_every_refix(self) -> Self:
+        following = (*self.steps[1:], None)
+        for step, after in zip(self.steps, following, strict=True):
+            if isinstance(step, Refix) and (after is None or isinstance(after, Refix)):
+                raise ValueError(f"nothing is measured after refix {step.name}")
+        return self

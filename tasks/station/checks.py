@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Segment, Stream
-from schemas.station import UnitLink
+from schemas.recording import ANGLE, Segment, Stream
+from schemas.station import AnyLink
 from tasks.station.findings import Finding
 
 RATE_KEPT = 5e-4  # JJF 2003 table 1: rates are steady to 0.05 %
@@ -14,19 +14,26 @@ SPIKE_COUNTS = 20.0
 TO_SIGMA = 1.4826  # from the median absolute deviation, normal noise
 
 
-def check_unit(segment: Segment, imu: Stream, link: UnitLink) -> list[Finding]:
-    """Channels that stand still, and samples far outside their channel's own noise."""
+def check_unit(segment: Segment, imu: Stream, link: AnyLink) -> list[Finding]:
+    """Channels that stand still, and samples far outside their channel's own noise.
+
+    Of an accumulated angle the increments are looked at; at rest it may stand still. A turn from
+    rest to rest has no noise of its own to judge by.
+    """
+    if segment.kind == "rotation":
+        return []
     rows = imu.rows(segment.t_start, segment.t_end)
     found = []
-    for name in GYRO + ACCEL:
+    for name, count in link.counts.items():
         values = imu.columns[name][rows]
+        if name in ANGLE:
+            values = np.diff(values)
         if len(values) < 2:
             continue
-        lsb = link.gyro_lsb_rad_s if name in GYRO else link.accel_lsb_m_s2
         away = np.abs(values - np.median(values))
-        if not away.any():
+        if not away.any() and not (name in ANGLE and segment.kind == "static"):
             found.append(_finding("stuck_channel", segment, name))
-        limit = SPIKE_SIGMAS * TO_SIGMA * float(np.median(away)) + SPIKE_COUNTS * lsb
+        limit = SPIKE_SIGMAS * TO_SIGMA * float(np.median(away)) + SPIKE_COUNTS * count
         spikes = int(np.count_nonzero(away > limit))
         if spikes:
             found.append(_finding("spikes", segment, name, spikes))
@@ -37,7 +44,7 @@ def check_rate(segment: Segment, axis: str, table: Stream) -> list[Finding]:
     """The mean rate of a table axis by its encoder against the rate asked for."""
     rows = table.rows(segment.t_start, segment.t_end)
     t, angle = table.t[rows], table.columns[f"{axis}_angle"][rows]
-    if segment.rate_deg_s is None or len(t) < 2:
+    if segment.kind != "rate" or segment.rate_deg_s is None or len(t) < 2:
         return []
     rate = np.degrees((angle[-1] - angle[0]) / (t[-1] - t[0]))
     off = float(rate / segment.rate_deg_s - 1.0)
@@ -76,7 +83,7 @@ class Trailing:
 class Checks:
     """Segments waiting until the streams have passed them."""
 
-    def __init__(self, link: UnitLink) -> None:
+    def __init__(self, link: AnyLink) -> None:
         self.imu = Trailing()
         self.table = Trailing()
         self._link = link

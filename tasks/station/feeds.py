@@ -11,7 +11,7 @@ from schemas.recording import Stream
 from tasks.station.chamber import COLUMNS, Climate, read_climate
 from tasks.station.clock import StationClock
 from tasks.station.findings import Finding
-from tasks.station.frames import FRAME, lost_between, to_stream
+from tasks.station.frames import RECORDS, lost_between, to_stream
 from tasks.station.modbus import Link
 from tasks.station.table import Block, Table
 from tasks.station.unit import Unit
@@ -126,35 +126,62 @@ class ClimateFeed:
 class UnitFeed:
     """The unit's samples over its own time stamps, moved only if its clock is not the station's.
 
-    `shift_s` is by how much they were moved: 0 unless the first stamps disagree with station
-    time by more than CLOCK_OFF_S (and by more than the delay of the line can explain).
+    `shifts_s` is by how much they were moved, for each time the unit was switched on: first 0,
+    unless the first stamps disagree with station time by more than CLOCK_OFF_S (and by more than
+    the delay of the line can explain).
     """
 
     def __init__(self, unit: Unit, clock: StationClock, say: Say) -> None:
-        self.shift_s = 0.0
+        self.shifts_s = [0.0]
         self.lost_samples = 0
         self._unit = unit
         self._clock = clock
         self._say = say
         self._taken_s = clock.station_s
+        self._is_off = False
+        self._on_s: float | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        none = np.empty(0, RECORDS[self._unit.link.frame])
         self._differences: list[float] = []
         self._decided = False
-        self._held = np.empty(0, FRAME)
-        self._last = np.empty(0, FRAME)
+        self._held = self._last = none
+
+    def switched_off(self) -> None:
+        """The unit is to be switched off: it may be silent now."""
+        self._is_off = True
+        self._unit.switched_off()
+
+    def switched_on(self, station_s: float | None) -> None:
+        """It was switched on again, at a station time (s) where that is known."""
+        self._is_off, self._on_s = False, station_s
+        self._unit.switched_on()
 
     def take(self, final: bool = False) -> Stream:
         """What came since; nothing while the first stamps are still being compared."""
         bad_before = self._unit.bad_frames
-        frames = self._unit.take()
+        before, after = self._unit.take()
         self._note_bad(self._unit.bad_frames - bad_before)
+        stream = self._timed(before, final)
+        if not len(after):
+            return stream
+        self._begin()
+        self.shifts_s.append(0.0)
+        return _joined(stream, self._timed(after, final))
+
+    def _timed(self, frames: np.ndarray, final: bool) -> Stream:
+        link = self._unit.link
         if not self._decided:
             self._compare(frames)
             frames = self._held = np.concatenate([self._held, frames])
-            self._decided = final or len(self._differences) >= SHIFT_TAKES
+            told = self._on_s is not None and len(self.shifts_s) > 1
+            enough = told or len(self._differences) >= SHIFT_TAKES
+            self._decided = final or (enough and not self._is_off)
             if not self._decided:
-                return to_stream(frames[:0], self._unit.link)
-            self._settle_shift()
-        stream = to_stream(frames, self._unit.link, round(self.shift_s * 1e6))
+                return to_stream(frames[:0], link)
+            self._settle_shift(self._on_s if told else None)
+        stream = to_stream(frames, link, round(self.shifts_s[-1] * 1e6))
         self._note_lost(np.concatenate([self._last, frames]))
         if len(frames):
             self._last = frames[-1:]
@@ -165,17 +192,19 @@ class UnitFeed:
             station_s = self._clock.at(self._unit.arrived_s)
             self._differences.append(station_s - frames["stamp"][-1] / 1e6)
 
-    def _settle_shift(self) -> None:
+    def _settle_shift(self, told_s: float | None) -> None:
         """The delay of the line makes every difference too large, so the least is the best."""
-        if self._differences:
+        if told_s is not None:
+            self.shifts_s[-1] = told_s
+        elif self._differences:
             best = min(self._differences)
             if abs(best) > CLOCK_OFF_S + CLOCK_WALL_S * self._clock.speed:
-                self.shift_s = round(best, 6)
+                self.shifts_s[-1] = round(best, 6)
 
     def _note_lost(self, frames: np.ndarray) -> None:
         lost = lost_between(frames["counter"])
         for place in np.flatnonzero(lost):
-            before, after = frames["stamp"][place : place + 2] / 1e6 + self.shift_s
+            before, after = frames["stamp"][place : place + 2] / 1e6 + self.shifts_s[-1]
             self.lost_samples += int(lost[place])
             self._say(Finding("unit_lost_samples", before, after, int(lost[place])))
 
@@ -184,3 +213,10 @@ class UnitFeed:
         if bad:
             self._say(Finding("unit_bad_frames", self._taken_s, now_s, bad))
         self._taken_s = now_s
+
+
+def _joined(one: Stream, other: Stream) -> Stream:
+    return Stream(
+        np.concatenate([one.t, other.t]),
+        {name: np.concatenate([one.columns[name], other.columns[name]]) for name in other.columns},
+    )

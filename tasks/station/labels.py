@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from schemas.procedure import Procedure
-from schemas.recording import Manifest, Segment, Stream
+from schemas.recording import Manifest, Mount, Segment, Stream
 from schemas.station import StationFile
 
 
@@ -15,7 +15,8 @@ class Labels:
     """Segments without holes between them, from the beginning of the run on.
 
     `segments` are over station time; the manifest and the streams of the recording count from
-    `origin_s`, the whole second of station time in which the run began.
+    `origin_s`, the whole second of station time in which the run began. Every segment carries
+    `mount`, where the unit was turned over in its fixture.
     """
 
     def __init__(
@@ -23,6 +24,7 @@ class Labels:
     ) -> None:
         self.origin_s = math.floor(t_start)
         self.segments: list[Segment] = []
+        self.mount: Mount | None = None
         self.extra: dict[str, object] = {
             "procedure": procedure.name,
             "recorded_at": datetime.now().astimezone().isoformat(timespec="seconds"),
@@ -41,7 +43,7 @@ class Labels:
             self.add(Segment(name=numbered, kind=kind, t_start=self._until, t_end=t_end))
 
     def add(self, segment: Segment) -> None:
-        self.segments.append(segment)
+        self.segments.append(segment.model_copy(update={"mount": self.mount}))
         self._until = segment.t_end
 
     def manifest(self) -> Manifest:

@@ -1,19 +1,25 @@
 """A procedure as the flat list of stretches that are run one after another."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from schemas.procedure import Position, Procedure, RateRun
-from schemas.recording import Axis, Segment, Up
+from schemas.procedure import Position, Procedure, RateRun, Refix, Sweep, Turns
+from schemas.recording import Axis, Mount, Segment, Up
 from tasks.station.ramps import move_s, rate_change_s
 
-SERVO_S = 1.0  # what a servo takes to settle, for the estimate of duration only
+# For the estimate of duration only: what a servo takes to settle, a fixture to be turned over.
+SERVO_S = 1.0
+REFIX_S = 60.0
 
 
 @dataclass(frozen=True)
 class Leg:
-    """One labelled stretch: bring the table to angles (deg), perhaps spin an axis, then dwell."""
+    """One labelled stretch: bring the table to angles (deg), perhaps spin an axis, then dwell.
+
+    refix: the unit is turned over before. fixture: the attitude of the fixture, None as long as it
+    is that of the station file. turn_by_deg: whole turns in place of a dwell.
+    """
 
     name: str
     item: str
@@ -25,29 +31,35 @@ class Leg:
     axis: Axis | None = None
     spin_axis: int | None = None
     rate_deg_s: float = 0.0
+    turn_by_deg: float | None = None
+    refix: Refix | None = None
+    fixture: Mount | None = None
 
     @property
-    def kind(self) -> Literal["static", "rate"]:
+    def kind(self) -> Literal["static", "rate", "rotation"]:
+        if self.turn_by_deg is not None:
+            return "rotation"
         return "static" if self.spin_axis is None else "rate"
 
     @property
     def text(self) -> str:
         """What happens, for the person at the bench: «rate x +200 deg/s»."""
         words = self.name.replace("_", " ")
-        return words if self.spin_axis is None else f"{words} deg/s"
+        return f"{words} deg/s" if self.kind == "rate" else words
 
-    def segment(self, t_start: float) -> Segment:
-        """The label of this stretch, from a time (s) on."""
+    def segment(self, t_start: float, t_end: float) -> Segment:
+        """The label of this stretch between two times (s)."""
         return Segment(
             name=self.name,
             kind=self.kind,
             t_start=t_start,
-            t_end=round(t_start + self.dwell_s, 6),
+            t_end=t_end,
             item=self.item,
             up=self.up,
             turn_deg=self.turn_deg,
             axis=self.axis,
             rate_deg_s=None if self.spin_axis is None else self.rate_deg_s,
+            angle_deg=self.turn_by_deg,
         )
 
 
@@ -57,45 +69,71 @@ def legs_of(procedure: Procedure) -> tuple[Leg, ...]:
 
 
 def _walk(procedure: Procedure) -> Iterator[Leg]:
-    angles = (0.0,) * len(procedure.steps[0].angles_deg)
-    rate = 0.0
+    first = next(step for step in procedure.steps if not isinstance(step, Refix))
+    angles = (0.0,) * len(first.angles_deg)
+    rate, refix, fixture = 0.0, None, None
     for step in procedure.steps:
-        stop_s = rate_change_s(rate, procedure.acceleration_deg_s2)
-        before_s = stop_s + _move_s(procedure, angles, step.angles_deg)
-        angles, rate = step.angles_deg, 0.0
-        if isinstance(step, Position):
-            yield _position(procedure, step, before_s)
+        if isinstance(step, Refix):
+            refix, fixture = step, step.mount
             continue
-        for next_rate in step.rates_deg_s:
-            change_s = rate_change_s(next_rate - rate, procedure.acceleration_deg_s2)
-            yield _rate(procedure, step, next_rate, before_s + change_s)
-            before_s, rate = 0.0, next_rate
+        before_s = rate_change_s(rate, procedure.acceleration_deg_s2)
+        before_s += _refix_s(procedure, refix)
+        rate = 0.0
+        for leg in _legs(procedure, step):
+            angles_s = _move_s(procedure, angles, leg.angles_deg)
+            change_s = 0.0
+            if leg.kind == "rate":
+                change_s = rate_change_s(leg.rate_deg_s - rate, procedure.acceleration_deg_s2)
+                rate = leg.rate_deg_s
+            moving_s = before_s + angles_s + change_s + SERVO_S + procedure.settle_s
+            planned_s = moving_s + leg.dwell_s
+            yield replace(leg, planned_s=planned_s, refix=refix, fixture=fixture)
+            before_s, refix, angles = 0.0, None, leg.angles_deg
 
 
-def _position(procedure: Procedure, step: Position, before_s: float) -> Leg:
-    return Leg(
-        name=step.name,
-        item=step.item,
-        up=step.up,
-        turn_deg=step.turn_deg,
-        angles_deg=step.angles_deg,
-        dwell_s=step.dwell_s,
-        planned_s=before_s + SERVO_S + procedure.settle_s + step.dwell_s,
-    )
+def _refix_s(procedure: Procedure, refix: Refix | None) -> float:
+    if refix is None:
+        return 0.0
+    return REFIX_S + (procedure.warm_up_s if refix.power_off else 0.0)
 
 
-def _rate(procedure: Procedure, step: RateRun, rate: float, before_s: float) -> Leg:
-    return Leg(
-        name=f"{step.name}_{rate:+g}",
-        item=step.item,
-        up=step.up,
-        axis=step.axis,
-        angles_deg=step.angles_deg,
-        spin_axis=step.spin_axis,
-        rate_deg_s=rate,
-        dwell_s=step.dwell_s,
-        planned_s=before_s + SERVO_S + procedure.settle_s + step.dwell_s,
-    )
+def _legs(procedure: Procedure, step: Position | Sweep | RateRun | Turns) -> Iterator[Leg]:
+    """The stretches of one step, without what comes before each."""
+    common = Leg(step.name, step.item, step.up, step.angles_deg, 0.0, 0.0, axis=step.axis)
+    match step:
+        case Position():
+            yield replace(common, dwell_s=step.dwell_s, turn_deg=step.turn_deg)
+        case Sweep():
+            for stop in step.stops_deg:
+                angles = list(step.angles_deg)
+                angles[step.table_axis] = stop
+                yield replace(
+                    common,
+                    name=f"{step.name}_{stop:03g}",
+                    angles_deg=tuple(angles),
+                    dwell_s=step.dwell_s,
+                )
+        case RateRun():
+            for rate in step.rates_deg_s:
+                yield replace(
+                    common,
+                    name=f"{step.name}_{rate:+g}",
+                    spin_axis=step.spin_axis,
+                    rate_deg_s=rate,
+                    dwell_s=step.dwell_s,
+                )
+        case Turns():
+            turn, rate = 360.0 * step.turns, step.rate_deg_s
+            turning_s = move_s(turn, rate, procedure.acceleration_deg_s2)
+            for sign, mark in ((1.0, "+"), (-1.0, "-")):
+                yield replace(
+                    common,
+                    name=f"{step.name}_{mark}",
+                    spin_axis=step.spin_axis,
+                    rate_deg_s=sign * rate,
+                    turn_by_deg=sign * turn,
+                    dwell_s=turning_s + SERVO_S,
+                )
 
 
 def _move_s(procedure: Procedure, start: tuple[float, ...], stop: tuple[float, ...]) -> float:

@@ -80,8 +80,12 @@ class Recorder:
         self.write_manifest()
 
     def write_manifest(self) -> None:
-        if self.unit.shift_s:
-            self._labels.extra["unit_clock_shift_s"] = self.unit.shift_s
+        first_s, *again_s = self.unit.shifts_s
+        if first_s:
+            self._labels.extra["unit_clock_shift_s"] = first_s
+        if again_s:
+            since_start = [round(shift_s - self._labels.origin_s, 6) for shift_s in again_s]
+            self._labels.extra["unit_power_on_s"] = since_start
         self._sink.manifest(self._labels.manifest())
 
     def has_passed(self, t: float) -> bool:

@@ -15,6 +15,7 @@ from tasks.station.chamber import read_climate
 from tasks.station.clock import StationClock
 from tasks.station.drive import Driver
 from tasks.station.findings import MEASURED, remarks_on
+from tasks.station.fixture import Ask, check_attended, fixture_of
 from tasks.station.labels import Labels
 from tasks.station.legs import legs_of
 from tasks.station.modbus import Link
@@ -46,19 +47,21 @@ def acquire(
     report: Callable[[Progress], None],
     *,
     recording_id: str,
+    ask: Ask | None = None,
 ) -> Acquired:
     """Run a procedure on a station and write what it gives to the sink as it comes.
 
     Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles
     (rad, `<axis>_angle`) and environment over station time. The manifest is written after
-    every finished segment.
+    every finished segment. `ask` has a person turn the unit over, where the station cannot.
 
     Raises Unusable, with one sentence, where procedure and station do not suit each other,
     where the station does not answer, and where something fails on the way; what was recorded
     until then is in the sink. Whatever ends the run, the table is told to stop.
     """
     check_suits(procedure, station)
-    return asyncio.run(_acquire(_Order(station, procedure, sink, report, recording_id)))
+    check_attended(procedure, station, ask)
+    return asyncio.run(_acquire(_Order(station, procedure, sink, report, recording_id, ask)))
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,7 @@ class _Order:
     sink: Sink
     report: Callable[[Progress], None]
     recording_id: str
+    ask: Ask | None
 
 
 async def _acquire(order: _Order) -> Acquired:
@@ -91,7 +95,8 @@ async def _run(order: _Order, table: Table, unit: Unit, clock: StationClock) -> 
     tracker = Tracker(order.report, clock, total_s)
     recorder = Recorder(table, unit, clock, procedure.environment, order.sink, labels)
     recorder.begin()
-    driver = Driver(table, clock, procedure, recorder, labels, tracker)
+    fixture, mount = fixture_of(order.station, table.link, order.ask), order.station.mount
+    driver = Driver(table, fixture, mount, clock, procedure, recorder, labels, tracker)
     try:
         await _first_to_end(
             driver.run(legs), recorder.encoders.run(), recorder.climate.run(), recorder.run()

@@ -5,9 +5,10 @@ from collections import Counter
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.procedure import Procedure, RateRun
+from schemas.procedure import Position, Procedure, RateRun, Refix, Sweep, Turns
 from schemas.recording import AXES, TableAxis
 from schemas.station import StationFile
+from tasks.station.fixture import mount_in
 from tasks.station.legs import Leg, legs_of
 
 ALIGNED = np.cos(np.radians(5.0))  # a wrong label is off by 90 degrees, a mount by far less
@@ -24,14 +25,15 @@ def check_suits(procedure: Procedure, station: StationFile) -> None:
     legs = legs_of(procedure)
     _check_names(procedure, legs)
     for step in procedure.steps:
+        if isinstance(step, Refix):
+            continue
         if len(step.angles_deg) != len(axes):
             raise Unusable(
                 f"step {step.name} of procedure {procedure.name} gives {len(step.angles_deg)} "
                 f"angles and station {station.station.id} has {len(axes)} axes: choose a "
                 f"procedure made for this table"
             )
-        if isinstance(step, RateRun):
-            _check_rates(procedure, step, len(axes))
+        _check_axes(procedure, step, len(axes))
     for leg in legs:
         _check_attitude(leg, axes, procedure, station)
 
@@ -44,13 +46,18 @@ def _check_names(procedure: Procedure, legs: tuple[Leg, ...]) -> None:
         )
 
 
-def _check_rates(procedure: Procedure, step: RateRun, axes: int) -> None:
-    if step.spin_axis >= axes:
-        raise Unusable(
-            f"step {step.name} of procedure {procedure.name} spins axis {step.spin_axis} and the "
-            f"table has axes 0 to {axes - 1}: correct spin_axis"
-        )
-    if 0.0 in step.rates_deg_s:
+def _check_axes(procedure: Procedure, step: Position | Sweep | RateRun | Turns, axes: int) -> None:
+    moved = {
+        "spin_axis": getattr(step, "spin_axis", 0),
+        "table_axis": getattr(step, "table_axis", 0),
+    }
+    for field, axis in moved.items():
+        if axis >= axes:
+            raise Unusable(
+                f"step {step.name} of procedure {procedure.name} spins axis {axis} and the "
+                f"table has axes 0 to {axes - 1}: correct {field}"
+            )
+    if isinstance(step, RateRun) and 0.0 in step.rates_deg_s:
         raise Unusable(
             f"step {step.name} of procedure {procedure.name} has a rate of 0 in rates_deg_s: "
             f"make the rest a position"
@@ -69,7 +76,8 @@ def _check_attitude(
         if number == leg.spin_axis:
             spin = attitude.apply(direction)
         attitude = attitude * Rotation.from_rotvec(np.radians(angle) * direction)
-    body = attitude * Rotation.from_quat(station.mount.quaternion_wxyz, scalar_first=True)
+    mount = mount_in(leg.fixture, station.mount) if leg.fixture else station.mount
+    body = attitude * Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True)
     up = body.inv().apply([0.0, 0.0, 1.0])
     if up @ _unit(leg.up) < ALIGNED:
         raise Unusable(
@@ -77,7 +85,8 @@ def _check_attitude(
             f"bring {_largest(up)} up on station {station.station.id}: correct the angles, "
             f"station.table_axes or mount"
         )
-    if leg.axis is not None and body.inv().apply(spin) @ _unit(f"+{leg.axis}") < ALIGNED:
+    turns = leg.axis is not None and leg.spin_axis is not None
+    if turns and body.inv().apply(spin) @ _unit(f"+{leg.axis}") < ALIGNED:
         raise Unusable(
             f"step {leg.name} of procedure {procedure.name} says it turns about {leg.axis}, and "
             f"table axis {leg.spin_axis} turns the unit about {_largest(body.inv().apply(spin))} "

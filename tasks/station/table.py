@@ -12,7 +12,7 @@ from schemas.station import (
     AXIS_STATUS,
     AXIS_STRIDE,
     CAPTURE_REGISTERS,
-    CAPTURE_SAMPLES,
+    CAPTURE_VALUES,
     COMMANDS,
     MODES,
     TABLE_DEVICE,
@@ -79,7 +79,7 @@ class Table:
         self.names = names
         self.counts_per_turn = counts_per_turn
         self.period_us = period_us
-        self.block_samples = min(CAPTURE_SAMPLES, 3 * CAPTURE_SAMPLES // len(names))
+        self.block_samples = CAPTURE_VALUES // len(names)
 
     @classmethod
     async def find(cls, link: Link, names: tuple[str, ...]) -> "Table":

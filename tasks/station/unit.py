@@ -9,8 +9,8 @@ from typing import Any, Self
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.station import UnitLink
-from tasks.station.frames import FRAME, find_frames
+from schemas.station import FRAMES, AnyLink
+from tasks.station.frames import RECORDS, find_frames
 
 SILENCE_S = 3.0
 READ_BYTES = 4096
@@ -21,16 +21,20 @@ class Unit:
     """Reads a unit from `with` to the end of the block; `take` gives what has come.
 
     Raises Unusable where the line cannot be opened, breaks, carries no whole frame for
-    SILENCE_S of wall time, or where the unit starts its clock anew.
+    SILENCE_S of wall time, or where the unit starts its clock anew without having been switched
+    off and on between `switched_off` and `switched_on`.
     """
 
-    def __init__(self, link: UnitLink) -> None:
+    def __init__(self, link: AnyLink) -> None:
         self.link = link
         self.bad_frames = 0
         self.arrived_s = 0.0
         self._rest = b""
         self._bytes_since = 0
         self._last_stamp = -1
+        self._is_off = False
+        self._may_restart = False
+        self._other_kind: str | None = None
         self._chunks: queue.SimpleQueue[tuple[float, bytes]] = queue.SimpleQueue()
         self._broken: str | None = None
         self._done = threading.Event()
@@ -66,24 +70,37 @@ class Unit:
         self._done.set()
         self._thread.join()
 
-    def take(self) -> np.ndarray:
-        """The frames that came since the last call, FRAME records (n,); may be none.
+    def switched_off(self) -> None:
+        """From now on it may be silent, and then start its clock anew, once."""
+        self._is_off = self._may_restart = True
 
-        `arrived_s` is then the wall time (time.monotonic) at which the last of them came.
+    def switched_on(self) -> None:
+        """From now on its silence counts again."""
+        self._is_off = False
+        self.arrived_s = time.monotonic()
+
+    def take(self) -> tuple[np.ndarray, np.ndarray]:
+        """The frames that came since the last call: before and after its restart, if it had one.
+
+        Records (n,) and (m,) of the unit's frame; n, m or both may be 0, and m is while it has not
+        been restarted. `arrived_s` is the wall time (time.monotonic) at which the last came.
         """
         data, wall_s = self._received()
-        found = find_frames(self._rest + data)
+        found = find_frames(self._rest + data, self.link.frame)
+        if data and not len(found.frames):
+            self._look_for_others(self._rest + data)
         self._rest = found.rest
         self.bad_frames += found.bad
         self._bytes_since = 0 if len(found.frames) else self._bytes_since + len(data)
         if len(found.frames):
             self.arrived_s = wall_s
-            self._check_stamps(found.frames["stamp"])
-        elif time.monotonic() - self.arrived_s > SILENCE_S:
+            restart = self._restart_in(found.frames["stamp"])
+            return found.frames[:restart], found.frames[restart:]
+        if time.monotonic() - self.arrived_s > SILENCE_S and not self._is_off:
             raise Unusable(self._silence())
-        elif self._broken:
+        if self._broken:
             raise Unusable(self._broken)
-        return found.frames if len(found.frames) else np.empty(0, FRAME)
+        return np.empty(0, RECORDS[self.link.frame]), np.empty(0, RECORDS[self.link.frame])
 
     def _received(self) -> tuple[bytes, float]:
         chunks = []
@@ -93,18 +110,34 @@ class Unit:
             chunks.append(chunk)
         return b"".join(chunks), wall_s
 
-    def _check_stamps(self, stamps: np.ndarray) -> None:
+    def _restart_in(self, stamps: np.ndarray) -> int:
+        """Where in the stamps (n,) the unit's clock starts anew; n where it does not."""
         before = np.concatenate([[self._last_stamp], stamps[:-1].astype(np.int64)])
         back = np.flatnonzero(stamps.astype(np.int64) <= before)
-        if len(back):
+        self._last_stamp = int(stamps[-1])
+        if not len(back):
+            return len(stamps)
+        if not self._may_restart or len(back) > 1:
             raise Unusable(
-                f"the unit's time stamp went back from {before[back[0]] / 1e6:.6f} s to "
-                f"{stamps[back[0]] / 1e6:.6f} s, as after a restart: check its supply and "
+                f"the unit's time stamp went back from {before[back[-1]] / 1e6:.6f} s to "
+                f"{stamps[back[-1]] / 1e6:.6f} s, as after a restart: check its supply and "
                 f"start again"
             )
-        self._last_stamp = int(stamps[-1])
+        self._may_restart = False
+        return int(back[0])
+
+    def _look_for_others(self, data: bytes) -> None:
+        for kind in FRAMES:
+            if len(find_frames(data, kind).frames):
+                self._other_kind = kind
 
     def _silence(self) -> str:
+        if self._other_kind:
+            return (
+                f"the unit on {self.link.url} sends frames of {self._other_kind} where "
+                f"unit_link.frame of the station file says {self.link.frame}: correct the station "
+                f"file, or set the unit to send {self.link.frame}"
+            )
         if self._bytes_since:
             return (
                 f"the unit on {self.link.url} has sent {self._bytes_since} bytes and no whole "

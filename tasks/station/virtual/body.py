@@ -27,16 +27,16 @@ class Body:
         self._mount = mount.as_quat(scalar_first=True)[:, None]
         self._earth = _earth_turn(config.latitude_deg)
         self._gravity = config.gravity_m_s2
-        start = self.attitude(np.zeros((1, len(directions))))
+        start = self.attitude(np.zeros((1, len(directions))), self._mount)
         self._attitude = start
         self._rate = self._rates(np.hstack([start, start]))
 
-    def attitude(self, angles: np.ndarray) -> np.ndarray:
-        """R_n_body at the axes' angles (n, axes), as quaternions (4, n)."""
+    def attitude(self, angles: np.ndarray, mount: np.ndarray) -> np.ndarray:
+        """R_n_body at the axes' angles (n, axes) and mounts (4, n or 1), as quaternions (4, n)."""
         q = self._base
         for direction, angle in zip(self._directions, angles.T, strict=True):
             q = quaternions.product(q, quaternions.about(direction, angle))
-        return quaternions.product(q, self._mount)
+        return quaternions.product(q, mount)
 
     def _rates(self, attitudes: np.ndarray) -> np.ndarray:
         """Inertial rate (3, n−1) between attitudes (4, n): the exact mean over each step."""
@@ -44,14 +44,23 @@ class Body:
         turn = quaternions.product(quaternions.product(back, self._earth), attitudes[:, 1:])
         return quaternions.rotation_vector(turn) / STEP_S
 
-    def follow(self, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def still(self) -> tuple[np.ndarray, np.ndarray]:
+        """Inertial body rate and specific force (3, 1), as long as nothing moves."""
+        return self._rate, quaternions.up_seen_from(self._attitude) * self._gravity
+
+    def follow(
+        self, angles: np.ndarray, mount: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Takes the angles (n, axes) after the next n steps; tells of the times one step before.
+
+        mount: attitude of the unit on the payload, (4, n) or (4, 1); else that of the station.
 
         Returns inertial body rate (rad/s), angular acceleration (rad/s²) and the specific force
         of a point at rest at the axes' intersection (m/s²), each (3, n) in the body frame. Rate
         and acceleration are those of the middle of two steps, so they are where the time is.
         """
-        attitudes = np.hstack([self._attitude, self.attitude(angles)])
+        seat = self._mount if mount is None else mount
+        attitudes = np.hstack([self._attitude, self.attitude(angles, seat)])
         rates = np.hstack([self._rate, self._rates(attitudes)])
         self._attitude, self._rate = attitudes[:, -1:], rates[:, -1:]
         up = quaternions.up_seen_from(attitudes[:, :-1])

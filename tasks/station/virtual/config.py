@@ -3,12 +3,13 @@
 from datetime import date
 from typing import Any
 
+import numpy as np
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Mount, Station, TableAxis, Unit
 from schemas.station import Equipment
-from tasks.station.virtual.unit import UnitTruth, draw_unit
+from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
 
 STEP_S = 1e-3  # of the plant, station time
 STEP_US = 1000
@@ -26,6 +27,7 @@ class TableDesign(Frozen):
 
     axes: tuple[TableAxis, ...] = Field(default=THREE_AXES, min_length=1, max_length=5)
     counts_per_turn: int = Field(default=3_600_000, gt=0)
+    capture_ms: int = Field(default=10, gt=0, description="between two captured encoder samples")
     servo_hz: Finite = Field(default=8.0, gt=0, lt=100)
     servo_damping: Finite = Field(default=0.7, gt=0)
     most_rate_deg_s: Finite = Field(default=1000.0, gt=0)
@@ -54,6 +56,12 @@ class VirtualStation(Frozen):
     unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
 
 
+def ahrs_station(seed: int) -> VirtualStation:
+    """A single-axis station with an AHRS on it, as JJF 1536-2015 has them."""
+    table = TableDesign(axes=(TableAxis(name="table", direction=(0.0, 0.0, 1.0)),), capture_ms=100)
+    return VirtualStation(id="VIRTUAL-2", table=table, unit=draw_ahrs(seed))
+
+
 def station_part(config: VirtualStation, speed: float) -> Station:
     """The manifest's station part; `clock_speed` is station time over wall time."""
     told = {
@@ -69,7 +77,8 @@ def station_part(config: VirtualStation, speed: float) -> Station:
 
 def unit_identity(config: VirtualStation) -> Unit:
     """The name plate of the unit under test."""
-    return Unit(manufacturer="Virtual", model="V-MIMU", serial=f"V{config.unit.seed:05d}")
+    model, letter = ("V-MIMU", "V") if config.unit.angle_lsb is None else ("V-AHRS", "A")
+    return Unit(manufacturer="Virtual", model=model, serial=f"{letter}{config.unit.seed:05d}")
 
 
 def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
@@ -78,7 +87,7 @@ def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
     return (
         Equipment(
             name=f"{axes}-axis position and rate turntable (virtual)",
-            name_zh=f"{axes} 轴位置速率转台（虚拟）",
+            name_zh=f"{axes} 轴位置速率转台（虚拟）" if axes > 1 else "单轴位置速率转台（虚拟）",
             serial="VIRTUAL-T1",
             accuracy="angle 2″, rate 1×10⁻⁴",
             certificate="virtual, not traceable",
@@ -96,9 +105,19 @@ def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
 
 
 def truth(config: VirtualStation) -> dict[str, Any]:
-    """What a calibration of this unit should find, as JSON: SI units, model (1) and (2)."""
+    """What a calibration of this unit should find, as JSON.
+
+    SI units, model (1) and (2) of JJF 2003; of an AHRS also K, the ratios L and the zero offset
+    of JJF 1536.
+    """
     unit = config.unit
-    return {
+    scale = np.array(unit.gyro.scale)
+    ahrs = {
+        "K": np.diag(scale).tolist(),
+        "L": (scale - np.diag(np.diag(scale))).tolist(),
+        "B_deg_s": np.degrees(unit.gyro.bias).tolist(),
+    }
+    return ({} if unit.angle_lsb is None else ahrs) | {
         "Kg": unit.gyro.scale,
         "Bg": unit.gyro.bias,
         "G": unit.g_sensitivity,

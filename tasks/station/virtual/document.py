@@ -9,37 +9,53 @@ from schemas.station import (
     AXIS_STATUS,
     AXIS_STRIDE,
     CAPTURE_REGISTERS,
-    CAPTURE_SAMPLES,
+    CAPTURE_VALUES,
     CHAMBER_DEVICE,
     CHAMBER_REGISTERS,
     COMMANDS,
-    FRAME_BYTES,
-    FRAME_FORMAT,
-    FRAME_SYNC,
+    FIXTURE_DEVICE,
+    FIXTURE_REGISTERS,
+    FIXTURE_STATUS,
+    FRAMES,
     MODES,
     TABLE_DEVICE,
     TABLE_REGISTERS,
     TABLE_STATUS,
+    Frame,
     Register,
 )
 from tasks.station.virtual.faults import FAULTS
 
-FRAME_FIELDS = (
-    ("H", "sync", f"{FRAME_SYNC:#06x}"),
-    ("I", "counter", "counts frames from 0 and turns over at 2³²"),
-    ("Q", "time stamp", "µs since the unit's power-on, on the unit's own clock"),
-    ("3i", "gyro x, y, z", "counts of `unit_link.gyro_lsb_rad_s`"),
-    ("3i", "accelerometer x, y, z", "counts of `unit_link.accel_lsb_m_s2`"),
-    ("h", "temperature", "0.01 °C, the unit's own sensor"),
-    ("H", "check", "CRC-16/XMODEM (polynomial 0x1021, start 0) over all bytes before it"),
-)
 KINDS = {
     "H": "uint16",
     "I": "uint32",
     "Q": "uint64",
     "i": "int32",
+    "q": "int64",
     "h": "int16",
 }
+TRIADS = {
+    "gyro": ("gyro x, y, z", "counts of `unit_link.gyro_lsb_rad_s`"),
+    "accel": ("accelerometer x, y, z", "counts of `unit_link.accel_lsb_m_s2`"),
+    "angle": (
+        "angle x, y, z",
+        "accumulated about each axis of the unit since power-on, counts of "
+        "`unit_link.angle_lsb_rad`",
+    ),
+}
+
+
+def frame_fields(frame: Frame) -> list[tuple[str, str, str]]:
+    """Code for the module struct, name and content of each field of a frame."""
+    return [
+        ("H", "sync", f"{frame.sync:#06x}"),
+        ("I", "counter", "counts frames from 0 and turns over at 2³²"),
+        ("Q", "time stamp", "µs since the unit's power-on, on the unit's own clock"),
+        *((f"3{code}", *TRIADS[name]) for name, code in frame.triads),
+        ("h", "temperature", "0.01 °C, the unit's own sensor"),
+        ("H", "check", "CRC-16/XMODEM (polynomial 0x1021, start 0) over all bytes before it"),
+    ]
+
 
 HEAD = """\
 # The station's protocol
@@ -69,6 +85,14 @@ BEHAVIOUR = """\
   `station.clock_speed` × wall time, or slower where the machine cannot keep up.
 """
 
+FIXTURE = """\
+Writing 1 to `turn` turns the unit over, to the attitude of `qw` to `qz` on the payload (the
+quaternion's length does not count); `ready` is set when it is there. Switching the `supply` off
+ends the unit's frames; switching it on starts its clock, its counter and the angles it accumulates
+anew. Without this device a person turns the unit over: `fixture = "by_hand"` in the station file,
+and the acquisition asks at the terminal.
+"""
+
 
 def _rows(registers: Iterable[Register]) -> list[str]:
     lines = [
@@ -88,19 +112,24 @@ def _bits(title: str, values: dict[str, int]) -> str:
     return f"{title}: " + ", ".join(f"{value} `{name}`" for name, value in values.items()) + "."
 
 
-def _frame_rows() -> list[str]:
-    lines = ["| byte | field | type | content |", "|---:|---|---|---|"]
+def _frame_rows(kind: str) -> list[str]:
+    frame = FRAMES[kind]
+    lines = [
+        f"## The unit's frame of {kind}: `{frame.format}`, little-endian, {frame.size} bytes\n",
+        "| byte | field | type | content |",
+        "|---:|---|---|---|",
+    ]
     offset = 0
-    for code, name, content in FRAME_FIELDS:
+    for code, name, content in frame_fields(frame):
         many = f"{code[:-1]} × " if len(code) > 1 else ""
         lines.append(f"| {offset} | {name} | {many}{KINDS[code[-1]]} | {content} |")
         offset += struct.calcsize(f"<{code}")
-    return lines
+    return [*lines, ""]
 
 
 def text() -> str:
     """The whole document, Markdown."""
-    last = CAPTURE_REGISTERS[-1].address + 6 * CAPTURE_SAMPLES - 1
+    last = CAPTURE_REGISTERS[-1].address + 2 * CAPTURE_VALUES - 1
     lines = [
         HEAD,
         f"## Device {TABLE_DEVICE}, the table (Modbus/TCP, holding registers, high word first)\n",
@@ -121,10 +150,15 @@ def text() -> str:
         f"## Device {CHAMBER_DEVICE}, the chamber\n",
         *_rows(CHAMBER_REGISTERS),
         "",
-        BEHAVIOUR,
-        f"## The unit's frame: `{FRAME_FORMAT}`, little-endian, {FRAME_BYTES} bytes\n",
-        *_frame_rows(),
+        f"## Device {FIXTURE_DEVICE}, the fixture and the unit's supply\n",
+        *_rows(FIXTURE_REGISTERS),
         "",
+        _bits("Bits of `status`", FIXTURE_STATUS),
+        "",
+        FIXTURE,
+        BEHAVIOUR,
+        "The station file names the frame in `unit_link.frame`: `rates`, or `angles` of an AHRS.\n",
+        *(row for kind in FRAMES for row in _frame_rows(kind)),
         "## Faults of the virtual station\n",
         "`NAME` or `NAME@SECONDS` of station time: " + ", ".join(f"`{n}`" for n in FAULTS) + ".",
     ]

@@ -28,6 +28,7 @@ class Condition:
     rate_factor: float = 1.0
     modbus: Literal["answers", "silent", "exception"] = "answers"
     air_degc: float | None = None
+    fixture_stays: bool = False
     counts: tuple[Counts, ...] = ()
     wire: tuple[Wire, ...] = ()
 
@@ -80,6 +81,7 @@ FAULTS: dict[str, Callable[[Condition], Condition]] = {
     "stuck_channel": lambda now: replace(now, counts=(*now.counts, _stick)),
     "spike": lambda now: replace(now, counts=(*now.counts, _spike)),
     "chamber_hot": lambda now: replace(now, air_degc=30.0),
+    "fixture_stays": lambda now: replace(now, fixture_stays=True),
     "table_rate_wrong": lambda now: replace(now, rate_factor=1.02),
 }
 

@@ -1,25 +1,26 @@
-"""Samples as the unit sends them: the frames of `schemas.station.FRAME_FORMAT`."""
+"""Samples as the unit sends them: the frames of `schemas.station.FRAMES`."""
 
 import struct
 from binascii import crc_hqx
 
 import numpy as np
 
-from schemas.station import FRAME_FORMAT, FRAME_SYNC
+from schemas.station import FRAMES
 
-_BODY = struct.Struct(FRAME_FORMAT[:-1])
 _CRC = struct.Struct("<H")
 
 
 def frames(
-    numbers: np.ndarray, stamps_us: np.ndarray, counts: np.ndarray, degc: np.ndarray
+    kind: str, numbers: np.ndarray, stamps_us: np.ndarray, counts: np.ndarray, degc: np.ndarray
 ) -> list[bytes]:
     """One frame for each sample: numbers (n,), unit time (n,) µs, counts (n, 6), degC (n,)."""
+    frame = FRAMES[kind]
+    body_of = struct.Struct(frame.format[:-1])
     counters = (numbers % 2**32).tolist()
     centi = np.rint(np.clip(degc, -300.0, 300.0) * 100.0).astype(int).tolist()
     packed = []
     for row in zip(counters, stamps_us.tolist(), counts.tolist(), centi, strict=True):
         counter, stamp, values, temperature = row
-        body = _BODY.pack(FRAME_SYNC, counter, stamp, *values, temperature)
+        body = body_of.pack(frame.sync, counter, stamp, *values, temperature)
         packed.append(body + _CRC.pack(crc_hqx(body, 0)))
     return packed

@@ -1,12 +1,14 @@
-"""Table, chamber and unit on one clock."""
+"""Table, fixture, chamber and unit on one clock."""
 
 from collections.abc import Iterable
 
 import numpy as np
 
+from tasks.station.virtual.ahrs import Ahrs
 from tasks.station.virtual.body import Body
-from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.config import STEP_S, VirtualStation
 from tasks.station.virtual.faults import Condition, Fault, condition
+from tasks.station.virtual.fixture import Fixture
 from tasks.station.virtual.frames import frames
 from tasks.station.virtual.sensors import UnitUnderTest
 from tasks.station.virtual.table import Table
@@ -20,8 +22,12 @@ class Reality:
         self.faults = tuple(faults)
         self.table = Table(config.table)
         self.condition = Condition()
+        self.fixture = Fixture(config.mount)
+        self.is_supplied = True
+        self.supplied_steps = 0  # when the supply was last switched on
         self._body = Body(config)
-        self._unit = UnitUnderTest(config.unit, config.air.temperature_degc)
+        made = UnitUnderTest if config.unit.angle_lsb is None else Ahrs
+        self._unit = made(config.unit, config.air.temperature_degc)
 
     @property
     def air_degc(self) -> float:
@@ -32,9 +38,26 @@ class Reality:
     def advance(self, steps: int) -> list[bytes]:
         """Lets time pass and returns the frames that the unit sent meanwhile."""
         self._suffer()
-        motion = self._body.follow(self.table.advance(steps))
-        numbers, stamps, counts, degc = self._unit.sense(*motion, self.air_degc)
-        return self._send(numbers, stamps, counts, degc)
+        if self.table.now > max(self.table.still_since(), self.fixture.arrived()):
+            self.table.rest(steps)
+            return self._send(*self._unit.rest(*self._body.still(), steps, self.air_degc))
+        mount = self.fixture.mount((self.table.steps + np.arange(1, steps + 1)) * STEP_S)
+        motion = self._body.follow(self.table.advance(steps), mount)
+        return self._send(*self._unit.sense(*motion, self.air_degc))
+
+    def turn_fixture(self) -> None:
+        """Sets the fixture going, where its drive does what it is told."""
+        if not self.condition.fixture_stays:
+            self.fixture.turn(self.table.now)
+
+    def supply(self, on: bool) -> None:
+        """Switches the unit's supply."""
+        if on and not self.is_supplied:
+            self._unit.switch_on(self.air_degc)
+            self.supplied_steps = self.table.steps
+        elif not on:
+            self._unit.switch_off()
+        self.is_supplied = on
 
     def _suffer(self) -> None:
         before, self.condition = self.condition, condition(self.faults, self.table.now)
@@ -48,7 +71,7 @@ class Reality:
     ) -> list[bytes]:
         for change in self.condition.counts:
             counts = change(numbers, counts)
-        sent = frames(numbers, stamps, counts, degc)
+        sent = frames(self.config.unit.frame, numbers, stamps, counts, degc)
         for transmit in self.condition.wire:
             sent = transmit(numbers, sent)
         return sent

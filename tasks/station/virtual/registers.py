@@ -11,7 +11,7 @@ from schemas.station import (
     AXIS_REGISTERS,
     AXIS_STRIDE,
     CAPTURE_REGISTERS,
-    CAPTURE_SAMPLES,
+    CAPTURE_VALUES,
     CHAMBER_REGISTERS,
     COMMANDS,
     MODES,
@@ -20,9 +20,9 @@ from schemas.station import (
 )
 from tasks.station.virtual.config import STEP_US
 from tasks.station.virtual.reality import Reality
-from tasks.station.virtual.table import CAPTURE_STEPS, DEGREE
+from tasks.station.virtual.table import DEGREE
 
-TABLE_WORDS = CAPTURE_REGISTERS[-1].address + 2 * 3 * CAPTURE_SAMPLES
+TABLE_WORDS = CAPTURE_REGISTERS[-1].address + 2 * CAPTURE_VALUES
 CHAMBER_WORDS = CHAMBER_REGISTERS[-1].address + CHAMBER_REGISTERS[-1].words
 IDENT = 0x4D54
 MAP_VERSION = 1
@@ -60,6 +60,21 @@ class BadAddress(Refused):
 
 class BadValue(Refused):
     """Of a value that means nothing here."""
+
+
+def orders(
+    known: Iterable[Place], address: int, words: list[int]
+) -> Iterable[tuple[Register, int | None, Value]]:
+    """What words from an address on say to the known places; raises BadAddress."""
+    places = {start: (register, axis) for start, register, axis in known}
+    offset = 0
+    while offset < len(words):
+        register, axis = places.get(address + offset, (None, None))
+        end = offset + (register.words if register else 0)
+        if register is None or not register.writable or end > len(words):
+            raise BadAddress
+        yield register, axis, from_words(register, words[offset:end])
+        offset = end
 
 
 class TableRegisters:
@@ -107,7 +122,7 @@ class TableRegisters:
             "station_time": self._table.steps * STEP_US,
             "watchdog": self.watchdog_ms,
             "command": 0,
-            "capture_period": CAPTURE_STEPS * STEP_US,
+            "capture_period": self._table.design.capture_ms * 1000,
         }
 
     def _axis(self, axis: int) -> dict[str, Value]:
@@ -124,7 +139,7 @@ class TableRegisters:
         }
 
     def _block(self) -> tuple[int, np.ndarray]:
-        most = min(CAPTURE_SAMPLES, 3 * CAPTURE_SAMPLES // len(self._table.drives))
+        most = CAPTURE_VALUES // len(self._table.drives)
         return self._table.capture(self._capture_from, most)
 
     def write(self, address: int, words: list[int]) -> None:
@@ -133,27 +148,14 @@ class TableRegisters:
         Raises BadAddress or BadValue, and then nothing has changed. A mode is taken last, so
         that it goes toward the targets of the same write.
         """
-        orders = list(self._orders(address, words))
-        for register, axis, value in orders:
+        taken = list(orders(self._places, address, words))
+        for register, axis, value in taken:
             self._check(register.name, axis, value)
-        for register, axis, value in sorted(orders, key=lambda order: order[0].name == "mode"):
+        for register, axis, value in sorted(taken, key=lambda order: order[0].name == "mode"):
             if axis is None:
                 self._take(register.name, int(value))
             else:
                 self._take_axis(register.name, axis, value)
-
-    def _orders(
-        self, address: int, words: list[int]
-    ) -> Iterable[tuple[Register, int | None, Value]]:
-        places = {start: (register, axis) for start, register, axis in self._places}
-        offset = 0
-        while offset < len(words):
-            register, axis = places.get(address + offset, (None, None))
-            end = offset + (register.words if register else 0)
-            if register is None or not register.writable or end > len(words):
-                raise BadAddress
-            yield register, axis, from_words(register, words[offset:end])
-            offset = end
 
     def _check(self, name: str, axis: int | None, value: Value) -> None:
         design = self._table.design

@@ -63,8 +63,15 @@ class Thermometer:
         self._seen = (float(t[-1]), float(degc[-1]))
         return degc
 
+    def cool(self, t: float, air_degc: float) -> None:
+        """It was off, and took on the temperature of the air, until a station time (s)."""
+        since, started = self._seen
+        left = np.exp(-(t - since) / self._unit.heating_time_s)
+        self._seen = (t, air_degc + (started - air_degc) * float(left))
 
-def _to_counts(triad: TriadTruth, values: np.ndarray) -> np.ndarray:
+
+def to_counts(triad: TriadTruth, values: np.ndarray) -> np.ndarray:
+    """Values (n, 3) in the triad's quantity as its counts, clipped at full scale."""
     clipped = np.clip(values, -triad.full_scale, triad.full_scale)
     return np.rint(clipped / triad.lsb).astype(np.int32)
 
@@ -83,6 +90,17 @@ class UnitUnderTest:
         self._last = np.empty((6, 0))
         self._step = 0  # of the first value that comes next
         self._number = 0  # of the sample that comes next
+        self._on_s = unit.clock_offset_s  # station time of its power-on
+        self._is_on = True
+
+    def switch_off(self) -> None:
+        """No more samples."""
+        self._is_on = False
+
+    def switch_on(self, air_degc: float) -> None:
+        """Its clock, its counter and what it accumulates begin anew; it has cooled meanwhile."""
+        self._is_on, self._number, self._on_s = True, 0, self._step * STEP_S
+        self._thermometer.cool(self._on_s, air_degc)
 
     def sense(
         self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray, air_degc: float
@@ -91,21 +109,49 @@ class UnitUnderTest:
 
         Returns their numbers (m,), unit time in µs (m,), counts (m, 6) and degC (m,).
         """
-        felt = np.vstack([self._gyro(self._turn(rate, gravity)),
-                          self._accel(self._force(rate, angular, gravity))])  # fmt: skip
-        numbers = self._due(self._step + felt.shape[1] - 1)
-        t = self._station_time(numbers)
+        felt, steps = self._moving(rate, angular, gravity), rate.shape[1]
+        numbers, t = self._due(self._step + steps - 1)
         values = self._at(t, felt)
-        self._step += felt.shape[1]
+        self._step += steps
+        return self._read(numbers, t, values, air_degc)
+
+    def rest(
+        self, rate: np.ndarray, gravity: np.ndarray, steps: int, air_degc: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """As many plant steps to samples, rate and gravity (3, 1) the same in all of them."""
+        numbers, t = self._due(self._step + steps - 1)
+        values = self._resting(t, steps, rate, gravity)
+        self._step += steps
+        return self._read(numbers, t, values, air_degc)
+
+    def _read(
+        self, numbers: np.ndarray, t: np.ndarray, values: np.ndarray, air_degc: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         if not len(numbers):
             return numbers, numbers.astype(np.uint64), np.empty((0, 6), np.int32), t
         self._number = int(numbers[-1]) + 1
         degc = self._thermometer.read(t, air_degc)
-        values += self._noise.draw(len(numbers)) + self._bias(degc)
-        gyro = _to_counts(self._unit.gyro, values[:, :3])
-        accel = _to_counts(self._unit.accel, values[:, 3:])
+        counts = self._counts(values, self._noise.draw(len(numbers)) + self._bias(degc))
         stamps = np.rint(numbers / self._unit.rate_hz * 1e6).astype(np.uint64)
-        return numbers, stamps, np.hstack([gyro, accel]), degc
+        return numbers, stamps, counts, degc
+
+    def _moving(self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+        """What the sensors feel at each step, filtered, (6, n)."""
+        return np.vstack([self._gyro(self._turn(rate, gravity)),
+                          self._accel(self._force(rate, angular, gravity))])  # fmt: skip
+
+    def _resting(
+        self, t: np.ndarray, steps: int, rate: np.ndarray, gravity: np.ndarray
+    ) -> np.ndarray:
+        """What they feel at the sample times (m,) at rest, (m, 6): filters have come to rest."""
+        turn, force = self._turn(rate, gravity), self._force(rate, 0.0 * rate, gravity)
+        self._last = np.vstack([turn, force])
+        return np.tile(self._last, len(t)).T
+
+    def _counts(self, values: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        """Counts (m, 6) of what is felt, with the errors of noise and bias."""
+        gyro = to_counts(self._unit.gyro, values[:, :3] + errors[:, :3])
+        return np.hstack([gyro, to_counts(self._unit.accel, values[:, 3:] + errors[:, 3:])])
 
     def _turn(self, rate: np.ndarray, gravity: np.ndarray) -> np.ndarray:
         unit = self._unit
@@ -123,15 +169,12 @@ class UnitUnderTest:
         away = (degc - self._unit.settled_degc)[:, None]
         return np.hstack([gyro.bias, accel.bias]) + away * slope
 
-    def _station_time(self, numbers: np.ndarray) -> np.ndarray:
-        interval = 1.0 / (self._unit.rate_hz * (1.0 + self._unit.clock_skew))
-        return self._unit.clock_offset_s + numbers * interval
-
-    def _due(self, last_step: int) -> np.ndarray:
-        """Numbers of the samples taken up to a step."""
-        since = last_step * STEP_S - self._unit.clock_offset_s
+    def _due(self, last_step: int) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the samples taken up to a step, and their station times (s)."""
         rate = self._unit.rate_hz * (1.0 + self._unit.clock_skew)
-        return np.arange(self._number, int(np.floor(since * rate + 1e-6)) + 1)
+        last = int(np.floor((last_step * STEP_S - self._on_s) * rate + 1e-6)) if self._is_on else -1
+        numbers = np.arange(self._number, last + 1)
+        return numbers, self._on_s + numbers / rate
 
     def _at(self, t: np.ndarray, felt: np.ndarray) -> np.ndarray:
         """The filtered values at the sample times, (m, 6), straight between the steps."""

@@ -10,7 +10,15 @@ from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from schemas.base import Unusable
-from schemas.station import CHAMBER_DEVICE, TABLE_DEVICE, StationFile, UnitLink
+from schemas.station import (
+    CHAMBER_DEVICE,
+    FIXTURE_DEVICE,
+    TABLE_DEVICE,
+    AngleLink,
+    AnyLink,
+    StationFile,
+    UnitLink,
+)
 from tasks.station.virtual.config import (
     STEP_S,
     VirtualStation,
@@ -19,6 +27,7 @@ from tasks.station.virtual.config import (
     unit_identity,
 )
 from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.fixture_registers import FIXTURE_WORDS, FixtureRegisters
 from tasks.station.virtual.reality import Reality
 from tasks.station.virtual.registers import (
     CHAMBER_WORDS,
@@ -58,11 +67,12 @@ def _send(listeners: Iterable[asyncio.Transport], data: bytes) -> None:
 
 
 class Controller:
-    """Devices 1 and 2 of the register map, and the watchdog over them."""
+    """Devices 1 to 3 of the register map, and the watchdog over them."""
 
     def __init__(self, reality: Reality) -> None:
         self._reality = reality
         self._registers = TableRegisters(reality)
+        self._fixture_registers = FixtureRegisters(reality)
         self._heard: float | None = None
         self._never = asyncio.Event()
 
@@ -75,6 +85,7 @@ class Controller:
         return [
             SimDevice(TABLE_DEVICE, plain(TABLE_WORDS), action=self._table),
             SimDevice(CHAMBER_DEVICE, plain(CHAMBER_WORDS), action=self._chamber),
+            SimDevice(FIXTURE_DEVICE, plain(FIXTURE_WORDS), action=self._fixture),
         ]
 
     def watch(self) -> None:
@@ -97,13 +108,26 @@ class Controller:
         self, _code: int, _start: int, address: int, _count: int, words: list[int],
         written: list[int] | list[bool] | None,
     ) -> ExcCodes | None:  # fmt: skip
+        return await self._answer(self._registers, address, words, written)
+
+    async def _fixture(
+        self, _code: int, _start: int, address: int, _count: int, words: list[int],
+        written: list[int] | list[bool] | None,
+    ) -> ExcCodes | None:  # fmt: skip
+        return await self._answer(self._fixture_registers, address, words, written)
+
+    async def _answer(
+        self, device: TableRegisters | FixtureRegisters, address: int, words: list[int],
+        written: list[int] | list[bool] | None,
+    ) -> ExcCodes | None:  # fmt: skip
         if failure := await self._answers():
             return failure
         if written is None:
-            words[:TABLE_WORDS] = self._registers.words()
+            image = device.words()
+            words[: len(image)] = image
             return None
         try:
-            self._registers.write(address, [int(word) for word in written])
+            device.write(address, [int(word) for word in written])
         except BadAddress:
             return ExcCodes.ILLEGAL_ADDRESS
         except BadValue:
@@ -189,18 +213,21 @@ def _port(server: Any) -> int:
 def _station_file(
     config: VirtualStation, speed: float, host: str, modbus_port: int, unit_port: int
 ) -> StationFile:
-    link = UnitLink(
-        url=f"socket://{host}:{unit_port}",
-        gyro_lsb_rad_s=config.unit.gyro.lsb,
-        accel_lsb_m_s2=config.unit.accel.lsb,
-        rate_hz=config.unit.rate_hz,
-    )
     return StationFile(
         modbus_host=host,
         modbus_port=modbus_port,
-        unit_link=link,
+        unit_link=_link(config, f"socket://{host}:{unit_port}"),
         station=station_part(config, speed),
         mount=config.mount,
+        fixture="commanded",
         unit=unit_identity(config),
         equipment=equipment(config),
     )
+
+
+def _link(config: VirtualStation, url: str) -> AnyLink:
+    unit = config.unit
+    line = {"url": url, "rate_hz": unit.rate_hz, "accel_lsb_m_s2": unit.accel.lsb}
+    if unit.angle_lsb is None:
+        return UnitLink.model_validate({**line, "gyro_lsb_rad_s": unit.gyro.lsb})
+    return AngleLink.model_validate({**line, "frame": unit.frame, "angle_lsb_rad": unit.angle_lsb})

@@ -11,8 +11,7 @@ from tasks.station.virtual.config import STEP_S, TableDesign
 from tasks.station.virtual.profile import Profile, to_angle, to_rate
 
 DEGREE = np.pi / 180.0
-CAPTURE_STEPS = 10
-CAPTURE_KEPT = 8192  # 82 s
+CAPTURE_KEPT = 8192  # 82 s of one every 10 ms
 SETTLED_AFTER_S = 0.5
 ANGLE_TOLERANCE = 2.0 / 3600.0 * DEGREE
 RATE_TOLERANCE = 1e-4  # of the rate, and of 1 °/s below it
@@ -20,6 +19,7 @@ MOVING = 0.001 * DEGREE
 # A ramp that turns from +a to −a makes the servo overshoot by 2 × 4.6 % of a.
 OVERSHOOT = 1.1
 HUNTING_HZ = 3.0
+STILL_AFTER_S = 1.0  # by then the servo is where its profile is, to 1e-15
 
 
 @dataclass
@@ -118,6 +118,20 @@ class Table:
         self.angle, self.rate = angles[-1], turned[-1]
         return angles
 
+    def still_since(self) -> float:
+        """Station time (s) since which no axis moves, infinity while one does."""
+        profiles = [drive.profile for drive in self.drives]
+        if self.hunting_rad or any(profile.rate[-1] for profile in profiles):
+            return float("inf")
+        return max(float(profile.t[-1]) for profile in profiles) + STILL_AFTER_S
+
+    def rest(self, steps: int) -> None:
+        """Moves on while it is still."""
+        self._capture(np.broadcast_to(self.angle, (steps, len(self.angle))))
+        self.steps += steps
+        self.rate = np.zeros_like(self.angle)
+        self._judge(np.array([self.now]), self.angle[None], self.rate[None])
+
     def _judge(self, t: np.ndarray, angles: np.ndarray, rates: np.ndarray) -> None:
         for drive, angle, rate in zip(self.drives, angles.T, rates.T, strict=True):
             if drive.mode == MODES["angle"]:
@@ -130,8 +144,10 @@ class Table:
 
     def _capture(self, angles: np.ndarray) -> None:
         numbers = np.arange(self.steps + 1, self.steps + 1 + len(angles))
-        due = numbers % CAPTURE_STEPS == 0
-        self.captured[numbers[due] // CAPTURE_STEPS % CAPTURE_KEPT] = self.counts(angles[due])
+        due = numbers % self.design.capture_ms == 0
+        self.captured[numbers[due] // self.design.capture_ms % CAPTURE_KEPT] = self.counts(
+            angles[due]
+        )
 
     def counts(self, angles: np.ndarray) -> np.ndarray:
         """What the encoders say at the angles (rad), any shape, int64."""
@@ -142,7 +158,7 @@ class Table:
 
         Returns the number of the first one and the counts (n, axes).
         """
-        newest = self.steps // CAPTURE_STEPS
+        newest = self.steps // self.design.capture_ms
         first = max(first, newest - CAPTURE_KEPT + 1)
         numbers = np.arange(first, min(first + most, newest + 1))
         return first, self.captured[numbers % CAPTURE_KEPT]

@@ -1,6 +1,6 @@
 """What a unit under test truly is: drawn from a seed, frozen, and told only afterwards."""
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -32,6 +32,7 @@ class UnitTruth(Frozen):
     gyro, accel: the two triads. g_sensitivity: (rad/s) per (m/s²). places_m: where each
     accelerometer sits, from the intersection of the table's axes, in the body frame. The
     biases hold at `settled_degc`; the unit warms up toward the air plus `self_heating_k`.
+    angle_lsb: rad in a count, of a unit that accumulates angles (an AHRS).
     """
 
     seed: int
@@ -39,12 +40,18 @@ class UnitTruth(Frozen):
     accel: TriadTruth
     g_sensitivity: Matrix
     places_m: Matrix
+    angle_lsb: Finite | None = Field(default=None, gt=0)
     rate_hz: Finite = Field(default=100.0, gt=0, le=1000)
     clock_offset_s: Finite = Field(default=0.0, ge=0, description="station time at power-on")
     clock_skew: Finite = Field(default=0.0, description="the unit's clock runs 1 + skew")
     self_heating_k: Finite = 8.0
     heating_time_s: Finite = Field(default=120.0, gt=0)
     settled_degc: Finite = 28.0
+
+    @property
+    def frame(self) -> Literal["rates", "angles"]:
+        """The frame that it sends, of schemas.station.FRAMES."""
+        return "rates" if self.angle_lsb is None else "angles"
 
     @property
     def rate_sensitivity_m(self) -> np.ndarray:
@@ -55,6 +62,27 @@ class UnitTruth(Frozen):
         """
         parts = np.array(self.accel.scale) * np.array(self.places_m)
         return parts - parts.sum(axis=1, keepdims=True)
+
+
+def draw_ahrs(seed: int) -> UnitTruth:
+    """A unit that accumulates angles, with better gyros; the same for the same seed."""
+    unit = draw_unit(seed)
+    rng = np.random.default_rng(np.random.SeedSequence((seed, 2)))
+    errors = rng.normal(0.0, 1.0, (3, 3)) * np.where(np.eye(3, dtype=bool), 3e-4, 8e-4)
+    better = {
+        "scale": (np.eye(3) + errors).tolist(),
+        "bias": rng.normal(0.0, 2e-3 * DEGREE, 3).tolist(),
+        "bias_per_kelvin": rng.normal(0.0, 2e-5 * DEGREE, 3).tolist(),
+        "white": 1e-5,
+        "flicker": 5e-7,
+    }
+    told = unit.model_dump() | {
+        "gyro": unit.gyro.model_dump() | better,
+        "g_sensitivity": np.zeros((3, 3)).tolist(),
+        "angle_lsb": 1e-5 * DEGREE,
+        "rate_hz": 10.0,
+    }
+    return UnitTruth.model_validate(told)
 
 
 def draw_unit(seed: int) -> UnitTruth:

@@ -5,14 +5,23 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.station import FRAME_BYTES, FRAME_FORMAT, FRAME_SYNC, UnitLink
-from tasks.station.frames import FRAME, crc16, find_frames, lost_between, to_stream
+from schemas.station import FRAMES, AngleLink, UnitLink
+from tasks.station.frames import RECORDS, crc16, find_frames, lost_between, to_stream
 
 LINK = UnitLink(url="socket://nowhere:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100)
+ANGLES = AngleLink(
+    url="socket://nowhere:1", frame="angles", angle_lsb_rad=1e-7, accel_lsb_m_s2=1e-5, rate_hz=10
+)
+FRAME_BYTES = 42
 
 
 def frame(counter: int, stamp_us: int = 0, counts: tuple[int, ...] = (1, 2, 3, 4, 5, 6)) -> bytes:
-    body = struct.pack(FRAME_FORMAT, FRAME_SYNC, counter, stamp_us, *counts, 2512, 0)[:-2]
+    return packed("rates", counter, stamp_us, counts)
+
+
+def packed(kind: str, counter: int, stamp_us: int, counts: tuple[int, ...]) -> bytes:
+    layout = FRAMES[kind]
+    body = struct.pack(layout.format, layout.sync, counter, stamp_us, *counts, 2512, 0)[:-2]
     return body + struct.pack("<H", crc_hqx(body, 0))
 
 
@@ -20,7 +29,7 @@ def fed(data: bytes, pieces: list[int]) -> tuple[list[int], int]:
     """Counters found, and bad frames, when the data come in pieces of these sizes."""
     rest, counters, bad, start = b"", [], 0, 0
     for size in [*pieces, len(data)]:
-        found = find_frames(rest + data[start : start + size])
+        found = find_frames(rest + data[start : start + size], "rates")
         start += size
         rest = found.rest
         bad += found.bad
@@ -35,7 +44,9 @@ GARBAGE = st.lists(
 
 
 def test_layout_is_that_of_the_protocol():
-    assert FRAME.itemsize == FRAME_BYTES == struct.calcsize(FRAME_FORMAT)
+    assert FRAMES["rates"].size == FRAME_BYTES
+    for kind, layout in FRAMES.items():
+        assert RECORDS[kind].itemsize == layout.size == struct.calcsize(layout.format)
 
 
 @given(st.lists(st.binary(min_size=5, max_size=5), min_size=1, max_size=8))
@@ -83,9 +94,29 @@ def test_lost_frames_are_counted_over_the_wrap_of_the_counter():
 
 def test_counts_become_si_over_the_units_own_stamps():
     counts = (1000, -2000, 3000, 980665, -(2**31), 2**31 - 1)
-    stream = to_stream(find_frames(frame(7, 1_500_000, counts)).frames, LINK, shift_us=-250_000)
+    stream = to_stream(
+        find_frames(frame(7, 1_500_000, counts), "rates").frames, LINK, shift_us=-250_000
+    )
     assert stream.t.tolist() == [1.25]
     assert stream.columns["gyro_y"][0] == -2000 * 1e-6
     assert stream.columns["accel_x"][0] == 980665 * 1e-5
     assert stream.columns["accel_z"][0] == (2**31 - 1) * 1e-5
     assert stream.columns["temperature"][0] == 25.12
+
+
+def test_angles_become_radians_however_far_they_have_run_on():
+    counts = (2**40, -(2**40), 3, 980665, -2, 3)
+    sent = packed("angles", 7, 1_500_000, counts)
+    stream = to_stream(find_frames(sent, "angles").frames, ANGLES)
+    assert list(stream.columns) == [
+        *("angle_x", "angle_y", "angle_z"), *("accel_x", "accel_y", "accel_z"), "temperature"
+    ]  # fmt: skip
+    assert stream.columns["angle_x"][0] == 2**40 * 1e-7
+    assert stream.columns["angle_y"][0] == -(2**40) * 1e-7
+    assert stream.columns["accel_x"][0] == 980665 * 1e-5
+
+
+def test_frames_of_one_kind_are_none_of_the_other():
+    sent = packed("angles", 7, 1, (1, 2, 3, 4, 5, 6)) * 5
+    assert len(find_frames(sent, "angles").frames) == 5
+    assert len(find_frames(sent, "rates").frames) == 0

@@ -1,10 +1,9 @@
 """deploy/station.md and schemas/station.py say the same."""
 
-import struct
 from pathlib import Path
 
-from schemas.station import FRAME_BYTES, FRAME_FORMAT
-from tasks.station.virtual.document import FRAME_FIELDS, text
+from schemas.station import FRAMES
+from tasks.station.virtual.document import frame_fields, text
 
 ROOT = Path(__file__).parents[4]
 
@@ -15,5 +14,5 @@ def test_the_document_is_what_the_schema_prints():
 
 
 def test_the_documented_frame_is_the_frame_that_is_sent():
-    assert "<" + "".join(code for code, _, _ in FRAME_FIELDS) == FRAME_FORMAT
-    assert struct.calcsize(FRAME_FORMAT) == FRAME_BYTES
+    for frame in FRAMES.values():
+        assert "<" + "".join(code for code, _, _ in frame_fields(frame)) == frame.format

@@ -1,0 +1,51 @@
+"""The fixture that turns the unit over on the payload, and the unit's supply."""
+
+import numpy as np
+
+from schemas.recording import Mount
+from schemas.station import FIXTURE_STATUS
+from tasks.station.virtual import quaternions
+from tasks.station.virtual.profile import Profile, to_angle, to_rate
+
+SPEED = np.radians(60.0)
+ACCELERATION = np.radians(60.0)
+
+
+class Fixture:
+    """Turns about one axis from an attitude to the wanted one; `seat`: the unit's place in it."""
+
+    def __init__(self, seat: Mount) -> None:
+        self.wanted = np.array([1.0, 0.0, 0.0, 0.0])
+        self._seat = _unit(np.array(seat.quaternion_wxyz))
+        self._from = self.wanted[:, None]
+        self._axis = np.array([0.0, 0.0, 1.0])
+        self._profile: Profile = to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
+
+    def turn(self, now: float) -> None:
+        """Sets out for the wanted attitude from where it is."""
+        self._from = self._attitude(np.array([now]))
+        way = quaternions.product(quaternions.conjugate(self._from), _unit(self.wanted))
+        vector = quaternions.rotation_vector(way if way[0, 0] >= 0 else -way)[:, 0]
+        angle = float(np.linalg.norm(vector))
+        self._axis = vector / angle if angle else self._axis
+        self._profile = to_angle(now, 0.0, 0.0, angle, SPEED, ACCELERATION)
+
+    def arrived(self) -> float:
+        """Station time (s) since which it has been still."""
+        return float(self._profile.t[-1])
+
+    def status(self, now: float) -> int:
+        """Bits of FIXTURE_STATUS."""
+        return FIXTURE_STATUS["ready" if now >= self.arrived() else "turning"]
+
+    def mount(self, t: np.ndarray) -> np.ndarray:
+        """Attitude of the unit on the payload at the times (n,), as quaternions (4, n)."""
+        return quaternions.product(self._attitude(t), self._seat)
+
+    def _attitude(self, t: np.ndarray) -> np.ndarray:
+        angle, _ = self._profile.at(t)
+        return quaternions.product(self._from, quaternions.about(self._axis, angle))
+
+
+def _unit(quaternion: np.ndarray) -> np.ndarray:
+    return (quaternion / np.linalg.norm(quaternion))[:, None]
