@@ -206,6 +206,8 @@ def _print_issued(issued: Any, as_json: bool) -> None:
                 "run": certificate.calibration.run,
                 "due": certificate.due.isoformat(),
                 "reasons": list(certificate.decision.reasons),
+                "conditional": certificate.decision.marginal,
+                "decisions": [made.model_dump(mode="json") for made in certificate.decision.limits],
             }
         )
         return

@@ -11,7 +11,8 @@ from rich.text import Text
 
 from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
-from tasks.certificate.names import item_name, unit_text
+from tasks.certificate.names import item_name, unit_text, verdict_words
+from tasks.certificate.reasons import conditional
 from tasks.uncertainty.rounding import column
 
 if TYPE_CHECKING:
@@ -97,16 +98,13 @@ def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, .
     stdout().print(table)
 
 
-def verdict_text(verdict: Verdict) -> str:
-    return f"[bold {COLOURS[verdict]}]{verdict}[/]"
-
-
 def print_verdict(issued: "Issued") -> None:
-    """The verdict, why, when the unit is due again, and where the certificate lies."""
+    """The verdict, a line for what fails, is open or conditional, the due date, the files."""
     certificate, console = issued.certificate, stdout()
-    verdict = certificate.decision.verdict
-    console.print(f"{certificate.number}: {verdict_text(verdict)} ({certificate.state})")
-    for reason in certificate.decision.reasons:
+    decision = certificate.decision
+    said = f"[bold {COLOURS[decision.verdict]}]{verdict_words(decision)[1]}[/]"
+    console.print(f"{certificate.number}: {said} ({certificate.state})")
+    for reason in (*decision.reasons, *(en for en, _ in conditional(decision))):
         console.print(f"  {reason}", markup=False)
     console.print(f"recalibration due {certificate.due}")
     print(issued.pdf)

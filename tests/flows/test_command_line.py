@@ -99,6 +99,26 @@ def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(mimucal, shared, 
     assert (done.code, done.json["verdict"]) == (0, "fail")
 
 
+def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, shared, tmp_path) -> None:
+    """The limit is put half of U above the largest value: one element is conditional."""
+    run = mimucal("import", shared / "plant/plant_clean", "--json").json["runs"][0]["run"]
+    bias = mimucal("calibrate", run, "--json").json["items"]["gyro_bias"]
+    axis, most = max(bias["value"].items(), key=lambda each: each[1])
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\n'
+        f'elements = ["{axis}"]\nupper = {most + bias["U"][axis] / 2}\n'
+    )
+    done = mimucal("certify", run, "--tolerance", tolerance, "--json").json
+    (made,) = done["decisions"]
+    assert (done["verdict"], done["conditional"], made["marginal"]) == ("pass", True, True)
+    assert 0.1 < made["false_acceptance"] < 0.2
+    said = mimucal("certify", run, "--tolerance", tolerance).out
+    assert "conditional pass (draft)" in said
+    assert "is accepted but lies within U of its limit" in said
+
+
 def test_limits_of_another_model_are_refused(mimucal, shared, tmp_path) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
