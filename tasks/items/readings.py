@@ -81,6 +81,11 @@ READINGS: dict[str, Reading] = {
         "the vertical.",
         "十二位置为 X、Y、Z 轴依次朝天、朝地，各在绕天向相差 180° 的两个方位。",
     ),
+    "jjf2003.u_gx1": Reading(
+        "JJF 2003-2022, Appendix A, A.3.2.3",
+        "N_gx1 and N_gx2 in the sum are U_gx1 and U_gx2, the readings of eq. (7).",
+        "求和式中的 N_gx1、N_gx2 应为 U_gx1、U_gx2，即式(7)的输出值。",
+    ),
     "jjf2003.table_rate": Reading(
         "JJF 2003-2022, 7.2.1.2 eq. (4)",
         "The input X of a point is the angle turned by the table's encoder divided by the time; "
