@@ -47,6 +47,8 @@ class Item(Frozen):
         default=(), description="readings of the specification taken (tasks.items.readings)"
     )
     value_without_earth_rotation: Elements | None = None
+    u_without_earth_rotation: Elements | None = None
+    U_without_earth_rotation: Elements | None = None
     value_model: Elements | None = Field(
         default=None, description="the same with the sign of model (2)"
     )

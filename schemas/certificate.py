@@ -5,13 +5,17 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from schemas.base import Frozen
+from schemas.base import Finite, Frozen
 from schemas.calibration import Calibration
 from schemas.recording import Manifest
-from schemas.station import Equipment
+from schemas.station import Equipment, LimitShape
 from schemas.tolerance import Decision
 
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
+LimitName = Literal[
+    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude",
+    "centring",
+]  # fmt: skip
 
 
 class Party(Frozen):
@@ -23,13 +27,29 @@ class Party(Frozen):
     address_zh: str
 
 
+class EquipmentLimit(Frozen):
+    """How far one property of a laboratory's equipment may be off, and which paper says so.
+
+    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity, m for
+    centring. For «normal» it is an expanded uncertainty with k = 2.
+    """
+
+    half_width: Finite = Field(gt=0)
+    distribution: LimitShape
+    source: str = Field(min_length=1)
+
+
 class Laboratory(Frozen):
-    """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home)."""
+    """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home).
+
+    limits: what its equipment may be off by, in the place of Table 1 of the specification.
+    """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
     party: Party
     certificate_prefix: str = "MIMU"
     equipment: tuple[Equipment, ...] = ()
+    limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     operator: str | None = None
     checker: str | None = None
     issuer: str | None = None

@@ -63,7 +63,9 @@ class Correlation(Frozen):
 class Budget(Frozen):
     """The uncertainty budget of one result, in the result's unit.
 
-    U = k·u_c. `coverage_interval` is stated where it need not be value ± U (Monte Carlo); U is
+    U = k·u_c. `half_width_95`: half width of the interval that holds the result with 95 %
+    probability by propagation of the distributions of this linear budget (JCGM 101); null where
+    inputs are correlated, or where the budget is not one of distributions. `coverage_interval` is stated where it need not be value ± U (Monte Carlo); U is
     then half its length.
     """
 
@@ -79,5 +81,6 @@ class Budget(Frozen):
     k: NotNegative
     coverage_probability: Annotated[float, Field(gt=0, lt=1)]
     U: NotNegative
+    half_width_95: NotNegative | None = None
     evaluation: Evaluation = "GUM"
     coverage_interval: tuple[Finite, Finite] | None = None

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from schemas.calibration import Calibration, EnvironmentSeen, Method, Remark, SegmentUsed
 from schemas.recording import MEASURED, Recording, Stream
+from tasks.items.evaluation import Evaluation
 from tasks.items.evidence import FEWEST_ROWS, Evidence, rows_of
 from tasks.items.information import information
 from tasks.items.parts import Part
@@ -20,6 +21,7 @@ def assemble(
     procedure: str,
     order: tuple[str, ...],
     conditions: Conditions,
+    evaluation: Evaluation,
     run: str,
     code_version: str,
 ) -> Calibration:
@@ -27,6 +29,7 @@ def assemble(
     station = recording.manifest.station
     remarks = (
         *part.remarks,
+        *evaluation.remarks,
         *check_segments(recording, evidence.segments, conditions),
         *_without_rows(recording),
         *_room_not_recorded(recording, conditions),
@@ -38,7 +41,11 @@ def assemble(
         method=method,
         code_version=code_version,
         procedure=procedure,
-        settings={"gravity_m_s2": station.gravity_m_s2, "latitude_deg": station.latitude_deg},
+        settings={
+            "gravity_m_s2": station.gravity_m_s2,
+            "latitude_deg": station.latitude_deg,
+            **evaluation.settings,
+        },
         items={name: part.items[name] for name in order},
         information=information(recording, evidence, part.items),
         unavailable={n: part.unavailable[n][0] for n in order if n in part.unavailable},

@@ -42,22 +42,29 @@ class Evidence:
     rests: dict[str, tuple[int, ...]]
 
     def covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means over all segments.
+        """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
+        return self.noise_covariance(channel) + self.rounding_covariance(channel)
 
-        Where the output's step hides its noise, what a place reads is wrong by the same part of
-        a step each time it is held: q²/12, shared by the segments of one place and one rate.
+    def noise_covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by white noise and drift."""
+        return covariance_of_means(self.segments, self.noise, channel)
+
+    def rounding_covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by the output's step where it hides its noise.
+
+        What a place reads is then wrong by the same part of a step each time it is held: q²/12,
+        shared by the segments of one place and one rate. Zero where the noise shows.
         """
-        covariance = covariance_of_means(self.segments, self.noise, channel)
-        coarse = [bool(coarsely_quantised(segment)[channel]) for segment in self.segments]
-        if not any(coarse):
-            return covariance
+        shared = np.zeros((len(self.segments),) * 2)
+        if not any(coarsely_quantised(segment)[channel] for segment in self.segments):
+            return shared
         step = max(segment.step[channel] for segment in self.segments)
-        place = [
-            (self.up[i], segment.segment.kind, segment.segment.axis, segment.segment.rate_deg_s)
-            for i, segment in enumerate(self.segments)
-        ]
-        shared = np.array([[a == b for b in place] for a in place])
-        return covariance + step**2 / 12.0 * shared
+        labels = [segment.segment for segment in self.segments]
+        place = [(u, s.kind, s.axis, s.rate_deg_s) for u, s in zip(self.up, labels, strict=True)]
+        for each in set(place):
+            held = [i for i, other in enumerate(place) if other == each]
+            shared[np.ix_(held, held)] = step**2 / 12.0
+        return shared
 
 
 def gather(recording: Recording) -> Evidence:

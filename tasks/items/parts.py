@@ -1,5 +1,6 @@
-"""What one clause contributes to a calibration, and how elements become an item."""
+"""What one clause contributes to a calibration."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -12,6 +13,7 @@ from tasks.items.linear import Solution
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 K_FACTOR = 2.0  # both specifications expand with k = 2
+NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where no gravity is told
 EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
 
 OFF_DIAGONAL = tuple((i, j) for i in range(3) for j in range(3) if i != j)
@@ -37,17 +39,6 @@ def joined(parts: Iterable[Part]) -> Part:
     )
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A (3, 3) matrix or (3,) vector of values in SI units with standard uncertainties."""
-
-    value: np.ndarray
-    u: np.ndarray
-
-    def scaled(self, factor: float) -> "Estimate":
-        return Estimate(self.value * factor, self.u * abs(factor))
-
-
 def elements(values: np.ndarray, which: tuple[tuple[int, int], ...] | None = None) -> Elements:
     """Named elements of a (3,) vector (x, y, z) or a (3, 3) matrix (xy: x reads, y is input).
 
@@ -61,39 +52,30 @@ def elements(values: np.ndarray, which: tuple[tuple[int, int], ...] | None = Non
     return {name: float(value) if np.isfinite(value) else None for name, value in named.items()}
 
 
-def make_item(
-    estimate: Estimate,
-    unit: str,
-    clause: str,
-    which: tuple[tuple[int, int], ...] | None = None,
-    readings: tuple[str, ...] = (),
-) -> Item:
-    """An item from its estimate."""
-    u = np.where(np.isfinite(estimate.value), estimate.u, np.nan)
-    return Item(
-        unit=unit,
-        clause=clause,
-        value=elements(estimate.value, which),
-        u=elements(u, which),
-        U=elements(K_FACTOR * u, which),
-        k=K_FACTOR,
-        readings=readings,
-    )
+@dataclass(frozen=True)
+class Excess:
+    """How much more than their noise points scatter, 1 if they do not, and their dof."""
+
+    factor: float = 1.0
+    dof: float = math.inf
 
 
 def excess_scatter(
     solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
-) -> float:
+) -> Excess:
     """Factor by which residuals exceed what the noise explains (Birge ratio), 1 if they do not.
 
     The residuals' own covariance follows from the readings' covariance; a ratio counts only
-    when noise alone would reach it in fewer than one case of a hundred.
+    when noise alone would reach it in fewer than one case of a hundred. Its degrees of freedom
+    are then those of the residuals, n − p.
     """
     maker = np.eye(len(readings)) - design @ solution.operator
     degrees = len(readings) - np.linalg.matrix_rank(design)
     if degrees < 1 or not np.isfinite(readings).all():
-        return 1.0
+        return Excess()
     residuals = maker @ readings
     spread = maker @ covariance @ maker.T
     square = float(residuals @ np.linalg.pinv(spread, rcond=1e-6, hermitian=True) @ residuals)
-    return float(np.sqrt(square / degrees)) if chdtrc(degrees, square) < EXCESS_LEVEL else 1.0
+    if chdtrc(degrees, square) < EXCESS_LEVEL:
+        return Excess(float(np.sqrt(square / degrees)), float(degrees))
+    return Excess()

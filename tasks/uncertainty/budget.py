@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.uncertainty import Budget, BudgetInput, Correlation, Distribution, Kind
+from tasks.uncertainty.coverage import half_width
 from tasks.uncertainty.propagation import (
     TWO_SIGMA,
     checked_correlation,
@@ -89,6 +90,7 @@ def combine(
         k=k,
         coverage_probability=probability,
         U=k * u_c,
+        half_width_95=None if (r != np.eye(len(r))).any() else _half_width(contributions),
     )
 
 
@@ -119,14 +121,29 @@ def repeatability(
     """The type A line of a result that is a linear operator on segment means.
 
     operator: (n,) weights of the means; covariance: (n, n) of the means. u = √(o·V·oᵀ) holds
-    all of their covariances, so the line is independent of the type B ones.
+    all of their covariances, so the line is independent of the type B ones. dof: of the variance;
+    with finitely many the distribution is t.
     """
     variance = float(operator @ covariance @ operator)
+    return observed(math.sqrt(max(variance, 0.0)), unit, dof)
+
+
+def observed(u: float, unit: str, dof: float = math.inf) -> Contribution:
+    """The type A line of a standard uncertainty that was itself observed."""
+    distribution: Distribution = "normal" if math.isinf(dof) else "t"
     quantity = InputQuantity(
-        "u_A", "repeatability", "测量重复性", unit, math.sqrt(max(variance, 0.0)), "A", "normal",
-        dof=dof,
-    )  # fmt: skip
+        "u_A", "repeatability", "测量重复性", unit, u, "A", distribution, dof=dof
+    )
     return Contribution(quantity, 1.0)
+
+
+def _half_width(contributions: Sequence[Contribution]) -> float:
+    return half_width(
+        [
+            (c.quantity.distribution, abs(c.sensitivity) * c.quantity.u, c.quantity.dof)
+            for c in contributions
+        ]
+    )
 
 
 def _line(contribution: Contribution, share: float) -> BudgetInput:

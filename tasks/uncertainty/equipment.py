@@ -1,13 +1,15 @@
 """What the measuring equipment may be wrong by: Table 1 of JJF 2003-2022 and of JJF 1536-2015.
 
-The defaults are the tables' own recommendations; a laboratory's own calibration certificates
-go before them (`dataclasses.replace`). Where a table is silent the entry says «assumed».
+The defaults are the tables' own recommendations; a laboratory's own limits go before them
+(`with_limits`). Where a table is silent the entry says «assumed».
 """
 
 import math
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
+from schemas.certificate import EquipmentLimit, LimitName
+from schemas.station import LimitShape
 from tasks.uncertainty.budget import InputQuantity
 
 ARCSECOND = math.radians(1.0 / 3600.0)
@@ -18,7 +20,6 @@ DIVISORS = {
     "triangular": math.sqrt(6.0),
     "arcsine": math.sqrt(2.0),
 }
-LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
 
 
 @dataclass(frozen=True)
@@ -50,19 +51,20 @@ class Limit:
 
 @dataclass(frozen=True)
 class Equipment:
-    """Table, fixture and site of a calibration.
+    """Table, fixture and site of a calibration; None: not known, or not there.
 
-    rate: relative error of the mean rate over whole turns; ripple: within a turn.
+    rates: relative error of the mean rate over whole turns, each limit from its slowest rate
+    (rad/s) on, fastest first; ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
     fixture: between the fixture's faces. centring: place of the unit on the table.
     """
 
-    rate: Limit
+    rates: tuple[tuple[float, Limit], ...]
     ripple: Limit | None
-    position: Limit
+    position: Limit | None
     repeatability: Limit | None
     axes: Limit | None
-    fixture: Limit
+    fixture: Limit | None
     gravity: Limit
     latitude: Limit
     centring: Limit
@@ -77,6 +79,11 @@ class Equipment:
     def squareness(self) -> tuple[Limit, ...]:
         """What turns the unit by an error common to all positions of one mounting, rad."""
         return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
+
+    def rate_at(self, rate: float) -> tuple[Limit, ...]:
+        """The limit of the mean rate at a nominal rate (rad/s); empty where none is known."""
+        limits = (limit for slowest, limit in self.rates if abs(rate) >= slowest)
+        return tuple(limits)[:1]
 
 
 GRAVITY = Limit(
@@ -97,8 +104,9 @@ def _jjf2003(symbol: str, name: str, zh: str, unit: str, half_width: float, clau
     return Limit(symbol, name, zh, unit, half_width, "rectangular", f"JJF 2003-2022, {clause}")
 
 
+RATE = _jjf2003("ε1", "table rate, whole turns", "转台角速率（360°平均）", "1", 1e-5, "Table 1")
 JJF2003 = Equipment(
-    rate=_jjf2003("ε1", "table rate, whole turns", "转台角速率（360°平均）", "1", 1e-5, "Table 1"),
+    rates=((0.0, RATE),),
     ripple=_jjf2003("ε2", "table rate within a turn", "转台角速率平稳性", "1", 5e-4, "Table 1"),
     position=_jjf2003(
         "α1", "angular positioning", "角位置定位精度", "rad", 10 * ARCSECOND, "Table 1"
@@ -114,28 +122,48 @@ JJF2003 = Equipment(
 )
 
 
-JJF1536_RATES = ((math.radians(10.0), 2e-4), (math.radians(1.0), 2e-3), (0.0, 2e-2))
+def _jjf1536_rate(symbol: str, en: str, zh: str, U: float) -> Limit:
+    """A row of Table 1 of JJF 1536-2015: U_rel of the rate, k = 2."""
+    clause = "JJF 1536-2015, Table 1"
+    return Limit(symbol, f"table rate {en}", f"转台角速率（{zh}）", "1", U, "normal", clause)
 
 
-def jjf1536(rate: float) -> Equipment:
-    """Table 1 of JJF 1536-2015 at a nominal rate (rad/s), on which its U_rel (k = 2) depends."""
-    half_width = next(U for slowest, U in JJF1536_RATES if abs(rate) >= slowest)
-    return Equipment(
-        rate=Limit(
-            "ε1", "table rate", "转台角速率", "1", half_width, "normal", "JJF 1536-2015, Table 1"
-        ),
-        ripple=None,
-        position=Limit(
-            "α1", "table angle", "转台角位移", "rad", 10 * ARCSECOND, "normal",
-            "JJF 1536-2015, Table 1",
-        ),
-        repeatability=None,
-        axes=None,
-        fixture=Limit(
-            "α4", "squareness of fixture", "夹具垂直度", "rad", 5 * ARCSECOND, "rectangular",
-            "JJF 1536-2015, 6.2.2 b)",
-        ),
-        gravity=GRAVITY,
-        latitude=LATITUDE,
-        centring=CENTRING,
-    )  # fmt: skip
+JJF1536 = Equipment(
+    rates=(
+        (math.radians(10.0), _jjf1536_rate("ε1", "from 10 °/s", "≥ 10 °/s", 2e-4)),
+        (math.radians(1.0), _jjf1536_rate("ε2", "1 to 10 °/s", "1~10 °/s", 2e-3)),
+        (0.0, _jjf1536_rate("ε3", "below 1 °/s", "< 1 °/s", 2e-2)),
+    ),
+    ripple=None,
+    position=Limit(
+        "α1", "table angle", "转台角位移", "rad", 10 * ARCSECOND, "normal",
+        "JJF 1536-2015, Table 1",
+    ),
+    repeatability=None,
+    axes=None,
+    fixture=Limit(
+        "α4", "squareness of fixture", "夹具垂直度", "rad", 5 * ARCSECOND, "rectangular",
+        "JJF 1536-2015, 6.2.2 b)",
+    ),
+    gravity=GRAVITY,
+    latitude=LATITUDE,
+    centring=CENTRING,
+)  # fmt: skip
+
+# A unit turned by hand, on a pillar, or on a table that nobody describes.
+UNKNOWN = Equipment((), None, None, None, None, None, GRAVITY, LATITUDE, CENTRING)
+
+
+def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:
+    """The equipment with a laboratory's own limits in the place of the specification's."""
+    changed: dict[str, object] = {}
+    for name, told in own.items():
+        known = RATE if name == "rate" else getattr(JJF2003, name)
+        limit = replace(
+            known,
+            half_width=told.half_width,
+            distribution=told.distribution,
+            clause=told.source,
+        )
+        changed |= {"rates": ((0.0, limit),)} if name == "rate" else {name: limit}
+    return replace(equipment, **changed)  # type: ignore[arg-type]

@@ -61,6 +61,7 @@ def combine_as_example(
             "k": K,
             "U": float(Decimal(repr(u_c)) * Decimal(K)),
             "coverage_probability": TWO_SIGMA,
+            "half_width_95": None,
             "evaluation": "as the specification's example",
         }
     )

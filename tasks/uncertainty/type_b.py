@@ -11,7 +11,7 @@ angle for as long as the unit stays mounted. Cosine errors (α²/2 ≈ 1e-9 for 
 """
 
 import math
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,27 +19,54 @@ from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
 
-HEADINGS, FACES = 2, 6  # 7.2.2.1: six axes up, each at two headings
 TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class Weights:
+    """How much the readings that an attitude error reaches count in a result.
+
+    rests: (n,), each rest by itself; faces: (m,), each mounting (one axis up, all headings).
+    """
+
+    rests: np.ndarray
+    faces: np.ndarray
 
 
 def turning_rate(
     equipment: Equipment, slope: float, operator: np.ndarray, rates: np.ndarray, seconds: np.ndarray
 ) -> tuple[Contribution, ...]:
-    """What the table's rate does to a parameter θ = o·U of eq. (5), with U = slope·X.
+    """What the table's rate does to a parameter θ = o·U of a line, with U = slope·X.
 
-    slope: K_ij; operator, rates (rad/s), seconds: (n,), of each rate point.
-    Whole turns: the relative error ε is common to all points, c = slope·Σ oₖXₖ (K for a scale
-    factor or coupling, 0 for the fit offset). Within a turn: a ripple a·cos θ averages to at
-    most 2a/Θ over the angle Θ turned, differently at each point,
-    c = slope·√Σ(oₖXₖ·min(1, 2/Θₖ))² (silent).
+    JJF 2003 eq. (5), JJF 1536 eq. (14). slope: K_ij; operator, rates (rad/s), seconds: (n,), of
+    each rate point.
+    Whole turns: the relative error ε is common to all points that one limit holds for,
+    c = slope·Σ oₖXₖ over them (K for a scale factor or coupling, 0 for the fit offset); this is
+    c(Ω) of JJF 1536, eq. (A.2). Within a turn: a ripple a·cos θ averages to at most 2a/Θ over the
+    angle Θ turned, differently at each point, c = slope·√Σ(oₖXₖ·min(1, 2/Θₖ))² (silent).
     """
     weights = operator * rates
-    lines = [_line(equipment.rate, slope * float(weights.sum()))]
+    belongs = [equipment.rate_at(float(rate))[:1] for rate in rates]
+    lines = []
+    for _, limit in equipment.rates:
+        held = np.array([limit in each for each in belongs])
+        if held.any():
+            lines.append(_line(limit, slope * float(weights[held].sum())))
     if equipment.ripple is not None:
         turned = np.maximum(np.abs(rates) * seconds, 2.0)
         lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights * 2.0 / turned))))
     return tuple(lines)
+
+
+def turned_angle(
+    equipment: Equipment, slope: float, angles: np.ndarray
+) -> tuple[Contribution, ...]:
+    """What the table's angles do to K_ij from turns by known angles (n,), rad.
+
+    The mean of n turns, each angle wrong by an error of its own: c = K_ij/n·√Σ1/θₖ² (silent).
+    """
+    c = slope * float(np.linalg.norm(1.0 / angles)) / len(angles)
+    return tuple(_line(limit, c) for limit in equipment.angles)
 
 
 def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ...]:
@@ -54,63 +81,67 @@ def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ..
     return tuple(_line(limit, c) for limit in (*equipment.angles, *equipment.squareness))
 
 
-def gyro_bias(equipment: Equipment, k: float = 1.0) -> tuple[Contribution, ...]:
-    """B of eq. (8), mean of twelve positions; rad/s.
+def gyro_bias(equipment: Equipment, weights: Weights, k: float = 1.0) -> tuple[Contribution, ...]:
+    """B of eq. (8), mean of the positions; rad/s.
 
     An attitude error α changes the Earth rate on the axis by ωe·α: c = K·ωe/√12 for table
     angles, K·ωe/√6 for the mounting of each face. Earth's rotation itself cancels over the
     twelve positions, so latitude does not enter (silent).
     """
-    earth = k * EARTH_RATE
-    return _mean_of_faces(equipment, earth, FACES)
+    return _of_each_face(equipment, k * EARTH_RATE, weights)
 
 
 def gyro_g_sensitivity(
-    equipment: Equipment, k: float = 1.0, across: float = 0.0, latitude: float | None = None
+    equipment: Equipment, weights: Weights, k: float = 1.0, across: float = 0.0
 ) -> tuple[Contribution, ...]:
     """g_ij of eq. (8), (U_up − U_down)/2; rad/s per g.
 
     An attitude error α changes the Earth rate on the axis by ωe·α and feeds α·g to the two other
     columns: c = √((K·ωe)² + across²), halved for table angles (four positions), whole for the
-    mounting. across: √Σ g_ik² over the other axes k. latitude (rad): for the diagonal with
-    Earth's rotation removed, c(φ) = K·ωe·cos φ; None: the value of the clause (silent).
+    mounting. across: √Σ g_ik² over the other axes k (silent).
     """
-    c = math.hypot(k * EARTH_RATE, across)
-    lines = _up_minus_down(equipment, c)
-    if latitude is None:
-        return lines
-    return (*lines, _line(equipment.latitude, -k * EARTH_RATE * math.cos(latitude)))
+    return _up_minus_down(equipment, math.hypot(k * EARTH_RATE, across), weights)
+
+
+def earth_removed(equipment: Equipment, k: float, latitude: float) -> tuple[Contribution, ...]:
+    """What the latitude (rad) does to g_ii once K·ωe·sin φ was taken from it: c = −K·ωe·cos φ."""
+    return (_line(equipment.latitude, -k * EARTH_RATE * math.cos(latitude)),)
 
 
 def accel_scale_factor(
-    equipment: Equipment, k: float, gravity: float, across: float = 0.0
+    equipment: Equipment, weights: Weights, k: float, gravity: float, across: float = 0.0
 ) -> tuple[Contribution, ...]:
     """K_ii of eq. (11), (U_up − U_down)/(2g).
 
     c(g) = −K/g. An attitude error α acts through the cross couplings only, c = across =
     √Σ K_ik², halved for table angles (silent).
     """
-    return (_line(equipment.gravity, -k / gravity), *_up_minus_down(equipment, across))
+    lines = _up_minus_down(equipment, across, weights)
+    return (_line(equipment.gravity, -k / gravity), *lines)
 
 
 def accel_cross_coupling(
-    equipment: Equipment, k_ii: float, k_ij: float, gravity: float
+    equipment: Equipment, weights: Weights, k_ii: float, k_ij: float, gravity: float
 ) -> tuple[Contribution, ...]:
     """K_ij of eq. (11), (U_i(j up) − U_i(j down))/(2g).
 
     A vertical off by α puts g·α on axis i: c = K_ii for the mounting, K_ii/2 for table angles
     (four positions); c(g) = −K_ij/g (silent).
     """
-    return (_line(equipment.gravity, -k_ij / gravity), *_up_minus_down(equipment, k_ii))
+    lines = _up_minus_down(equipment, k_ii, weights)
+    return (_line(equipment.gravity, -k_ij / gravity), *lines)
 
 
-def accel_bias(equipment: Equipment, k: float, gravity: float) -> tuple[Contribution, ...]:
+def accel_bias(
+    equipment: Equipment, weights: Weights, k: float, gravity: float
+) -> tuple[Contribution, ...]:
     """B of eq. (11), mean over the positions; m/s².
 
-    The axis lies level in four of six faces, where α reads K·g·α: c = K·g·√8/12 for table
-    angles, K·g·√4/6 for the mounting of each face. Gravity itself cancels (silent).
+    weights: of the positions in which the axis lies level, four of six faces; there α reads
+    K·g·α: c = K·g·√8/12 for table angles, K·g·√4/6 for the mounting of each face. Gravity itself
+    cancels (silent).
     """
-    return _mean_of_faces(equipment, k * gravity, FACES - 2)
+    return _of_each_face(equipment, k * gravity, weights)
 
 
 def accel_rate_sensitivity(
@@ -123,7 +154,7 @@ def accel_rate_sensitivity(
     the table; for the sensor's own p add `place_on_table`.
     """
     tilt = k * gravity / rate**2
-    lines = [_line(equipment.rate, -2.0 * p)]
+    lines = [_line(limit, -2.0 * p) for limit in equipment.rate_at(rate)]
     lines.extend(_line(limit, tilt) for limit in equipment.angles)
     if equipment.axes is not None:
         lines.append(_line(equipment.axes, tilt))
@@ -135,44 +166,44 @@ def place_on_table(equipment: Equipment, k: float = 1.0) -> Contribution:
     return _line(equipment.centring, k)
 
 
-def ahrs_scale_factor(equipment: Equipment, k: float) -> tuple[Contribution, ...]:
-    """K of JJF 1536-2015 eq. (14): c(ε) = −K, eq. (A.2)."""
-    return (_line(equipment.rate, -k),)
+def ahrs_zero_offset(
+    equipment: Equipment, seconds: float, positions: int = 4
+) -> tuple[Contribution, ...]:
+    """B of JJF 1536-2015 eq. (16), ΣN/(n·T) over n positions; rad/s.
 
-
-def ahrs_zero_offset(equipment: Equipment, seconds: float) -> tuple[Contribution, ...]:
-    """B of eq. (16), (N₁ + N₂ + N₃ + N₄)/(4T); rad/s.
-
-    Each N counts with 1/(4T). A table angle that is not held to α moves it by α: c = 1/(2T) for
-    four positions; an axis off its heading by the fixture's α reads ωe·α·T: c = ωe/2 (silent).
+    Each N counts with 1/(n·T). A table angle that is not held to α moves it by α:
+    c = 1/(√n·T), 1/(2T) for four; an axis off its heading by the fixture's α reads ωe·α·T:
+    c = ωe/√n (silent).
     """
-    lines = [_line(limit, 0.5 / seconds) for limit in equipment.angles]
-    return (*lines, _line(equipment.fixture, 0.5 * EARTH_RATE))
+    each = 1.0 / math.sqrt(positions)
+    angles = tuple(_line(limit, each / seconds) for limit in equipment.angles)
+    return angles + tuple(_line(limit, each * EARTH_RATE) for limit in equipment.squareness)
 
 
 def ahrs_misalignment(
-    equipment: Equipment, misalignment: float, turns: float
+    equipment: Equipment, misalignment: float, shares: np.ndarray, angles: np.ndarray
 ) -> tuple[Contribution, ...]:
-    """L of eq. (7) to (9), (N₊ − N₋)/(2·360°·n) as a ratio (rad).
+    """L of eq. (7) to (9) and (17), Σ sₖNₖ/Σ sₖθₖ over turns by θₖ (n,) rad, as a ratio (rad).
 
-    A turned angle wrong by α changes the divisor: c = −L/(360°·n)/√2 for the two turns. The
-    fixture carries over whole: c = 1 (silent).
+    shares: s (n,), +1 and −1 for one turn each way. A turned angle wrong by α changes the
+    divisor: c = −L·√Σsₖ²/Σsₖθₖ, −L/(360°·n)/√2 for two turns of n·360°. The fixture carries over
+    whole: c = 1 (silent).
     """
-    c = -misalignment / (TURN * turns) / math.sqrt(2.0)
-    lines = [_line(limit, c) for limit in equipment.angles]
-    return (*lines, _line(equipment.fixture, 1.0))
+    c = -misalignment * float(np.linalg.norm(shares) / (shares @ angles))
+    lines = tuple(_line(limit, c) for limit in equipment.angles)
+    return lines + tuple(_line(limit, 1.0) for limit in equipment.squareness)
 
 
-def resolution(step: float, unit: str, operator: Sequence[float] | np.ndarray) -> Contribution:
-    """The unit's own resolution: readings rounded to `step`, half-width step/2 (GUM F.2.2.1).
+def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution:
+    """The unit's own resolution: readings rounded to a step, half-width step/2 (GUM F.2.2.1).
 
-    operator: weights of the means, each rounded by its own error: c = ‖o‖. For a unit whose
-    noise is above its step, averaging removes it and the type A line already holds it.
+    sensitivity: ‖o‖ for means with the weights o that are each rounded by an error of their own.
+    For a unit whose noise is above its step, averaging removes it and the type A line already
+    holds it.
     """
-    quantity = InputQuantity(
-        "q", "resolution", "分辨力", unit, step / math.sqrt(12.0), "B", "rectangular"
-    )
-    return Contribution(quantity, float(np.linalg.norm(operator)))
+    u = half_width / math.sqrt(3.0)
+    quantity = InputQuantity("q", "resolution", "分辨力", unit, u, "B", "rectangular")
+    return Contribution(quantity, sensitivity)
 
 
 def step_of(bits: float, full_scale: float) -> float:
@@ -180,17 +211,20 @@ def step_of(bits: float, full_scale: float) -> float:
     return 2.0 * full_scale / 2.0**bits
 
 
-def _mean_of_faces(equipment: Equipment, per_radian: float, faces: int) -> tuple[Contribution, ...]:
-    """A mean over all positions in which `faces` of the six faces feel an angle."""
-    positions = faces * HEADINGS
-    each = per_radian * math.sqrt(positions) / (FACES * HEADINGS)
-    face = per_radian * math.sqrt(faces) / FACES
-    return _by_sort(equipment, each, face)
+def _of_each_face(
+    equipment: Equipment, per_radian: float, weights: Weights
+) -> tuple[Contribution, ...]:
+    """A mean over faces that are each mounted anew: nothing is common to two of them."""
+    each, face = np.linalg.norm(weights.rests), np.linalg.norm(weights.faces)
+    return _by_sort(equipment, per_radian * float(each), per_radian * float(face))
 
 
-def _up_minus_down(equipment: Equipment, per_radian: float) -> tuple[Contribution, ...]:
-    """(up − down)/2 with two headings each: four positions with weight 1/4."""
-    return _by_sort(equipment, per_radian / 2.0, per_radian)
+def _up_minus_down(
+    equipment: Equipment, per_radian: float, weights: Weights
+) -> tuple[Contribution, ...]:
+    """(up − down)/2: what is not square is wrong by the same angle in both."""
+    each, common = np.linalg.norm(weights.rests), np.abs(weights.faces).sum()
+    return _by_sort(equipment, per_radian * float(each), per_radian * float(common))
 
 
 def _by_sort(equipment: Equipment, each: float, mounting: float) -> tuple[Contribution, ...]:

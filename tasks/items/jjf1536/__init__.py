@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Item, Remark
-from schemas.recording import ANGLE, AXES, GYRO, Recording
+from schemas.calibration import Calibration, Remark
+from schemas.recording import ANGLE, GYRO, Recording
 from tasks.items.assemble import assemble
+from tasks.items.evaluation import Evaluation, evaluation_for
 from tasks.items.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.items.jjf1536.misalignment import misalignment_items
 from tasks.items.jjf1536.scale import scale_items
@@ -31,10 +30,14 @@ SLOWEST_SAMPLING = 10.0  # Hz, 7.2.1 and 7.3.1
 LOST = 0.5  # Hz: fewer were lost, not sampled more slowly
 
 
-def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibration:
+def calibrate(
+    recording: Recording, *, run: str, code_version: str, evaluation: Evaluation | None = None
+) -> Calibration:
     """Estimate scale factor (1), zero offset (deg/s) and misalignment (deg) of JJF 1536-2015.
 
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
+    evaluation: of the uncertainties; by the law of propagation with the limits of the recording's
+    specification where it is not given.
     Raises Unusable where the recording holds neither, or in another unit.
     """
     columns = recording.imu.columns
@@ -44,14 +47,16 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
             "and no gyro_* columns in their place, which JJF 1536 calibrates; record the angles "
             "that the AHRS accumulates"
         )
+    evaluation = evaluation or evaluation_for(recording)
     evidence = gather_ahrs(recording)
     wrong = wrong_rate_unit(evidence.segments)
     if wrong is not None:
         told = wrong.replace("gyro columns in rad/s", "angle columns in rad")
         told = told.replace("gyro columns", "angle columns") if evidence.by_angle else wrong
         raise Unusable(f"{recording.manifest.recording_id}: {told}")
-    scale, zero = scale_items(evidence), zero_items(evidence)
-    turns = misalignment_items(evidence, *_zero_offset(zero.items["ahrs_zero_offset"]))
+    scale = scale_items(evidence, evaluation)
+    zero, offset = zero_items(evidence, evaluation)
+    turns = misalignment_items(evidence, offset, evaluation)
     sampling = Part(remarks=tuple(_sampling(evidence)))
     calibration = assemble(
         evidence.recording,
@@ -61,6 +66,7 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
         procedure=PROCEDURE,
         order=ORDER,
         conditions=CONDITIONS,
+        evaluation=evaluation,
         run=run,
         code_version=code_version,
     )
@@ -69,15 +75,6 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
     return calibration.model_copy(
         update={"remarks": tuple(_of_angles(evidence, calibration.remarks))}
     )
-
-
-def _zero_offset(item: Item) -> tuple[np.ndarray, np.ndarray]:
-    """B and its standard uncertainty, (3,) rad/s, NaN where they are not known."""
-    value, u = (
-        np.radians([np.nan if (v := named[axis]) is None else v for axis in AXES])
-        for named in (item.value, item.u)
-    )
-    return value, u
 
 
 def _sampling(evidence: AhrsEvidence) -> Iterator[Remark]:

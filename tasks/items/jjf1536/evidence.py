@@ -36,7 +36,7 @@ class AhrsEvidence(Evidence):
     by_angle: bool = False
     coarse: bool = False
 
-    def covariance(self, channel: int) -> np.ndarray:
+    def noise_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's mean rates: rate noise, drift, and angle noise.
 
         A mean rate is the difference of two readings of the angle over the time; segments that

@@ -1,15 +1,21 @@
 """7.3: misalignment by whole turns forward and back, eq. (7) to (9) and (17)."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis, Recording, Segment
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.jjf1536.evidence import AhrsEvidence
-from tasks.items.parts import DEG, OFF_DIAGONAL, Estimate, Part, make_item
+from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
+from tasks.items.parts import DEG, OFF_DIAGONAL, Part
 from tasks.motion.table import mean_rate
+from tasks.uncertainty.budget import Contribution, InputQuantity, combine
+from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import ahrs_misalignment
 
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
@@ -32,13 +38,15 @@ class Turns:
     angle: np.ndarray
 
 
-def misalignment_items(evidence: AhrsEvidence, zero: np.ndarray, u_zero: np.ndarray) -> Part:
+def misalignment_items(
+    evidence: AhrsEvidence, offset: Mapping[str, Measured], evaluation: Evaluation
+) -> Part:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
-    zero, u_zero: (3,) rad/s, B of 7.2 and its standard uncertainty, NaN where it is not known;
-    they count only where forward and back took different times.
+    offset: B of 7.2 by axis, rad/s; it counts only where forward and back took different times.
     """
-    value, u = np.full((3, 3), np.nan), np.full((3, 3), np.nan)
+    found = {AXES[i] + AXES[j]: UNDETERMINED for i, j in OFF_DIAGONAL}
+    zero = np.array([offset[axis].value for axis in AXES])
     missing: list[Reason] = []
     remarks: list[Remark] = []
     for j, axis in enumerate(AXES):
@@ -49,14 +57,14 @@ def misalignment_items(evidence: AhrsEvidence, zero: np.ndarray, u_zero: np.ndar
             continue
         for i in range(3):
             if i != j:
-                value[i, j], u[i, j] = _ratio(evidence, i, turns, zero[i], u_zero[i])
+                ratio = _ratio(evidence, i, turns, offset[AXES[i]], evaluation.equipment)
+                found[AXES[i] + AXES[j]] = ratio.scaled(DEG)
         remarks += _remarks(evidence, turns, zero)
     readings = ("jjf1536.turns_divisor", "jjf1536.l_yz", "jjf1536.index_order",
                 "jjf1536.turned_angle")  # fmt: skip
-    estimate = Estimate(DEG * value, DEG * u)
-    item = make_item(estimate, "deg", CLAUSE, OFF_DIAGONAL, readings)
-    told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
     name = "ahrs_misalignment"
+    item = make_item(evaluation, name, found, "deg", CLAUSE, readings)
+    told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
     return Part({name: item}, {name: told} if missing else {}, tuple(remarks))
 
 
@@ -88,25 +96,36 @@ def label_angle(segment: Segment) -> float:
 
 
 def _ratio(
-    evidence: AhrsEvidence, channel: int, turns: Turns, zero: float, u_zero: float
-) -> tuple[float, float]:
-    """(N₊ − N₋)/(2·2π·n), rad, and its standard uncertainty.
+    evidence: AhrsEvidence, channel: int, turns: Turns, zero: Measured, equipment: Equipment
+) -> Measured:
+    """(N₊ − N₋)/(2·2π·n), rad, with the lines of its budget.
 
     N₊, N₋: angle gained by the axis that reads, the mean over the turns each way. 2·2π·n: the
     angle turned forward plus the angle turned back.
     """
-    index = list(turns.index)
-    seconds = np.array([evidence.segments[i].seconds for i in index])
     share = _shares(turns)
-    gain = seconds * share / (share @ turns.angle)
-    longer = float(gain.sum()) if np.isfinite(zero) else 0.0
-    known = zero if np.isfinite(zero) else 0.0
-    value = gain @ evidence.means[index, channel] - longer * known
-    covariance = evidence.covariance(channel)[np.ix_(index, index)]
-    variance = gain @ covariance @ gain
+    gain = np.zeros(len(evidence.segments))
+    for i, each in zip(turns.index, share / (share @ turns.angle), strict=True):
+        gain[i] += evidence.segments[i].seconds * each
+    found = measured(evidence, channel, gain)
+    longer = float(gain.sum()) if math.isfinite(zero.value) else 0.0
+    lines = ahrs_misalignment(equipment, found.value, share, turns.angle)
     if longer:
-        variance += (longer * u_zero) ** 2
-    return float(value), float(np.sqrt(variance))
+        found = Measured(found.value - longer * zero.value, found.lines)
+        lines = (*lines, _zero_line(zero, longer))
+    forward, back = np.clip(gain, 0.0, None), np.clip(gain, None, 0.0)
+    # N/(2π·n) of each direction, as if it alone gave the result
+    apart = 2.0 * u_of_means(evidence, channel, np.array([forward, back]))
+    return Measured(found.value, (*found.lines, *lines), tuple(map(float, apart)))
+
+
+def _zero_line(zero: Measured, longer: float) -> Contribution:
+    """The zero offset that does not cancel, where one direction took longer by `longer` s/rad."""
+    known = combine("zero offset", "rad/s", zero.value, zero.lines_in("rad/s"))
+    quantity = InputQuantity(
+        "B", "zero offset", "零偏", "rad/s", known.u_c, "A", "normal", zero.value, known.dof
+    )
+    return Contribution(quantity, -longer)
 
 
 def _shares(turns: Turns) -> np.ndarray:

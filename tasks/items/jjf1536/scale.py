@@ -6,17 +6,21 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_unread
 from tasks.items.linear import solve
-from tasks.items.parts import Estimate, Part, excess_scatter, make_item
+from tasks.items.measured import UNDETERMINED, Measured, measured
+from tasks.items.parts import Part, excess_scatter
+from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import turning_rate
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
 FEWEST_RATES, MOST_RATES = 7, 11
 
 
-def scale_items(evidence: AhrsEvidence) -> Part:
+def scale_items(evidence: AhrsEvidence, evaluation: Evaluation) -> Part:
     """K (3,) of eq. (14): the output of each point less the rests, against the input rate."""
-    value, u = np.full(3, np.nan), np.full(3, np.nan)
+    found: dict[str, Measured] = dict.fromkeys(AXES, UNDETERMINED)
     missing: list[tuple[str, str]] = []
     remarks: list[Remark] = []
     for channel, axis in enumerate(AXES):
@@ -30,15 +34,15 @@ def scale_items(evidence: AhrsEvidence) -> Part:
             ))  # fmt: skip
             continue
         rests = _rests(evidence, points, axis)
-        value[channel], u[channel], factor = _fit(evidence, channel, points, rests)
+        found[axis], factor = _fit(evidence, channel, points, rests, evaluation.equipment)
         remarks += [*_rate_remarks(axis, rates), *_rest_remarks(axis, rests)]
         remarks += _scatter_remark(axis, factor)
     remarks += _unread_remarks(evidence)
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.recording.table is not None else ()
-    item = make_item(Estimate(value, u), "1", CLAUSE, readings=readings)
     told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
     name = "ahrs_scale_factor"
+    item = make_item(evaluation, name, found, "1", CLAUSE, readings)
     return Part({name: item}, {name: told} if missing else {}, tuple(remarks))
 
 
@@ -67,8 +71,9 @@ def _fit(
     channel: int,
     points: list[int],
     rests: tuple[tuple[int, ...], tuple[int, ...]],
-) -> tuple[float, float, float]:
-    """K, its standard uncertainty, and how much more than the noise the points scatter."""
+    equipment: Equipment,
+) -> tuple[Measured, float]:
+    """K with the lines of its budget, and how much more than the noise the points scatter."""
     held = [i for side in rests for i in side]
     indices = [*points, *held]
     outputs = np.hstack([  # F_j = F̄_j − F̄_r, eq. (12), F̄_r the mean of the rests, eq. (11)
@@ -77,11 +82,17 @@ def _fit(
     ])  # fmt: skip
     F = outputs @ evidence.means[indices, channel]
     covariance = outputs @ evidence.covariance(channel)[np.ix_(indices, indices)] @ outputs.T
-    design = np.column_stack([evidence.rate[points], np.ones(len(points))])  # eq. (13)
+    rates = evidence.rate[points]
+    seconds = np.array([evidence.segments[i].seconds for i in points])
+    design = np.column_stack([rates, np.ones(len(points))])  # eq. (13)
     solution = solve(design)
-    factor = excess_scatter(solution, design, F, covariance)
-    K, u = solution.of(F)[0], factor * solution.uncertainty(covariance)[0]
-    return float(K), float(u), factor
+    excess = excess_scatter(solution, design, F, covariance)
+    slope = np.where(solution.estimable[0], solution.operator[0], np.nan)
+    weights = np.zeros(len(evidence.segments))
+    np.add.at(weights, indices, slope @ outputs)
+    found = measured(evidence, channel, weights, excess)
+    lines = turning_rate(equipment, found.value, solution.operator[0], rates, seconds)
+    return found.with_lines(*lines), excess.factor
 
 
 def _rate_remarks(axis: str, rates: np.ndarray) -> Iterator[Remark]:

@@ -7,10 +7,14 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.jjf1536.attitudes import COMPONENTS, points_contradicted
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
-from tasks.items.parts import DEG, Estimate, Part, excess_scatter, make_item
+from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
+from tasks.items.parts import DEG, Excess, Part, excess_scatter
+from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import ahrs_zero_offset
 
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
@@ -38,9 +42,12 @@ class Positions:
         return [i for group in self.groups for i in group]
 
 
-def zero_items(evidence: AhrsEvidence) -> Part:
-    """B (3,) of eq. (16), deg/s: the mean over the positions of the angle gained per second."""
-    value, u = np.full(3, np.nan), np.full(3, np.nan)
+def zero_items(evidence: AhrsEvidence, evaluation: Evaluation) -> tuple[Part, dict[str, Measured]]:
+    """B (3,) of eq. (16): the mean over the positions of the angle gained per second.
+
+    As an item in deg/s, and as what was measured in rad/s.
+    """
+    found: dict[str, Measured] = dict.fromkeys(AXES, UNDETERMINED)
     missing: list[Reason] = []
     remarks: list[Remark] = []
     for channel, axis in enumerate(AXES):
@@ -49,17 +56,13 @@ def zero_items(evidence: AhrsEvidence) -> Part:
         if why is not None:
             missing.append((f"{axis}: {why[0]}", f"{axis}：{why[1]}"))
             continue
-        value[channel], u[channel], factor = _mean(evidence, channel, positions)
+        found[axis], factor = _mean(evidence, channel, positions, evaluation.equipment)
         remarks += [*_remarks(evidence, positions), *_scatter_remark(axis, factor)]
-    item = make_item(
-        Estimate(DEG * value, DEG * u),
-        "deg/s",
-        CLAUSE,
-        readings=("jjf1536.zero_time", "jjf1536.earth_cancels"),
-    )
+    name, readings = "ahrs_zero_offset", ("jjf1536.zero_time", "jjf1536.earth_cancels")
+    printed = {axis: each.scaled(DEG) for axis, each in found.items()}
+    item = make_item(evaluation, name, printed, "deg/s", CLAUSE, readings)
     told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
-    name = "ahrs_zero_offset"
-    return Part({name: item}, {name: told} if missing else {}, tuple(remarks))
+    return Part({name: item}, {name: told} if missing else {}, tuple(remarks)), found
 
 
 def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
@@ -107,22 +110,29 @@ def _not_determined(positions: Positions) -> Reason | None:
     )
 
 
-def _mean(evidence: AhrsEvidence, channel: int, positions: Positions) -> tuple[float, float, float]:
-    """B (rad/s), its standard uncertainty, and how much more than the noise positions differ.
+def _mean(
+    evidence: AhrsEvidence, channel: int, positions: Positions, equipment: Equipment
+) -> tuple[Measured, float]:
+    """B (rad/s) with the lines of its budget, and how much more than the noise positions differ.
 
     Every position counts once, so that Earth's rotation cancels; with one time T for all this is
     ΣN/(n·T).
     """
     rests = positions.rests
     groups = np.array([[i in group for i in rests] for group in positions.groups], float)
-    average = groups / groups.sum(axis=1, keepdims=True)
-    readings = average @ evidence.means[rests, channel]
-    covariance = average @ evidence.covariance(channel)[np.ix_(rests, rests)] @ average.T
-    factor = 1.0
+    average = np.zeros((len(groups), len(evidence.segments)))
+    average[:, rests] = groups / groups.sum(axis=1, keepdims=True)
+    excess = Excess()
     if positions.direction is not None:
+        readings = average[:, rests] @ evidence.means[rests, channel]
+        covariance = average @ evidence.covariance(channel) @ average.T
         design = np.column_stack([np.ones(len(readings)), positions.direction])
-        factor = excess_scatter(solve(design), design, readings, covariance)
-    return float(readings.mean()), float(factor * np.sqrt(covariance.mean())), factor
+        excess = excess_scatter(solve(design), design, readings, covariance)
+    found = measured(evidence, channel, average.mean(axis=0), excess)
+    seconds = float(np.mean([evidence.segments[i].seconds for i in rests]))
+    lines = ahrs_zero_offset(equipment, seconds, len(groups))
+    apart = excess.factor * u_of_means(evidence, channel, average)
+    return Measured(found.value, (*found.lines, *lines), tuple(map(float, apart))), excess.factor
 
 
 def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:

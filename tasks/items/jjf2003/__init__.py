@@ -4,11 +4,12 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.items.assemble import assemble
+from tasks.items.evaluation import Evaluation, evaluation_for
 from tasks.items.evidence import gather
 from tasks.items.jjf2003.rate_sensitivity import rate_sensitivity_item
 from tasks.items.jjf2003.tumble import tumble_items
 from tasks.items.jjf2003.turning import gyro_matrix, turning_items
-from tasks.items.parts import joined
+from tasks.items.parts import NOMINAL_GRAVITY, joined
 from tasks.segments.conditions import Conditions
 
 PROCEDURE = "JJF 2003-2022, 7.2"
@@ -34,9 +35,13 @@ ORDER = (
 )
 
 
-def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibration:
+def calibrate(
+    recording: Recording, *, run: str, code_version: str, evaluation: Evaluation | None = None
+) -> Calibration:
     """Estimate the eight items of JJF 2003-2022 (Table 2) and the fit offset of eq. (4).
 
+    evaluation: of the uncertainties; by the law of propagation with the limits of the recording's
+    specification where it is not given.
     Raises Unusable where the recording holds neither gyro nor accelerometer readings.
     """
     if not any(name in recording.imu.columns for name in GYRO + ACCEL):
@@ -44,17 +49,20 @@ def calibrate(recording: Recording, *, run: str, code_version: str) -> Calibrati
             f"{recording.manifest.recording_id}: there are no gyro_* or accel_* columns, which JJF "
             "2003 calibrates; a recording of accumulated angles belongs to JJF 1536"
         )
+    evaluation = evaluation or evaluation_for(recording)
     evidence = gather(recording)
-    turning = turning_items(recording, evidence)
-    tumble = tumble_items(recording, evidence, gyro_matrix(turning))
+    gravity = recording.manifest.station.gravity_m_s2 or NOMINAL_GRAVITY
+    turning = turning_items(recording, evidence, evaluation)
+    tumble = tumble_items(recording, evidence, gyro_matrix(turning), evaluation)
     return assemble(
         recording,
         evidence,
-        joined((turning, tumble, rate_sensitivity_item(evidence))),
+        joined((turning, tumble, rate_sensitivity_item(evidence, gravity, evaluation))),
         method="jjf2003",
         procedure=PROCEDURE,
         order=ORDER,
         conditions=CONDITIONS,
+        evaluation=evaluation,
         run=run,
         code_version=code_version,
     )

@@ -1,44 +1,54 @@
 """Earth's rotation in the g-sensitivity of eq. (7), and the value without it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from tasks.items.evaluation import Evaluation
 from tasks.items.evidence import Evidence
 from tasks.items.jjf2003.positions import is_paired
-from tasks.items.parts import DEG
+from tasks.items.measured import UNDETERMINED, Measured
+from tasks.items.parts import DEG, MATRIX
 from tasks.motion.table import EARTH_RATE
+from tasks.uncertainty.type_b import earth_removed
 
 
 def without_earth(
     recording: Recording,
     evidence: Evidence,
     positions: dict[str, tuple[int, ...]],
-    value: np.ndarray,
+    found: Mapping[str, Measured],
     gyro_k: np.ndarray,
-) -> tuple[np.ndarray, tuple[str, str] | None]:
-    """G (3, 3) with the vertical part of Earth's rotation removed, and why elements are null.
+    evaluation: Evaluation,
+) -> tuple[dict[str, Measured], tuple[str, str] | None]:
+    """G with the vertical part of Earth's rotation removed, and why elements are undetermined.
 
-    The vertical part reads K·ωe·sin φ along the axis up. The horizontal part cancels in
-    positions held at two headings 180° apart; in others it is not known, and reaches the gyros
-    that are not vertical.
+    The vertical part reads K·ωe·sin φ along the axis up; its budget has the latitude's line
+    beside those of the clause's value. The horizontal part cancels in positions held at two
+    headings 180° apart; in others it is not known, and reaches the gyros that are not vertical.
     """
     latitude = recording.manifest.station.latitude_deg
-    still = value[:, :3].copy()
     if latitude is None:
         why = (
             "without Earth rotation: the latitude is not told",
             "扣除地球自转的值：未给出纬度",
         )
-        return np.full((3, 3), np.nan), why
+        return dict.fromkeys(found, UNDETERMINED), why
     k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3))
-    still -= k * EARTH_RATE * np.sin(np.radians(latitude))
+    phi = float(np.radians(latitude))
     single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
-    for axis in {AXES.index(up[1]) for up in single}:
-        others = [i for i in range(3) if i != axis]
-        still[others, axis] = np.nan
+    unknown = {AXES.index(up[1]) for up in single}
+    still = {}
+    for i, j in MATRIX:
+        element = AXES[i] + AXES[j]
+        seen = found[element]
+        lines = earth_removed(evaluation.equipment, float(k[i, j]), phi)
+        value = seen.value - float(k[i, j]) * EARTH_RATE * float(np.sin(phi))
+        less = replace(seen, value=value).with_lines(*lines)
+        still[element] = UNDETERMINED if i != j and j in unknown else less
     if not single:
         return still, None
     return still, (

@@ -7,9 +7,12 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.evidence import Evidence
-from tasks.items.parts import OFF_DIAGONAL, Estimate, Part, elements, make_item
+from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
+from tasks.items.parts import OFF_DIAGONAL, Part
 from tasks.segments.summarise import ACCEL_COLUMNS
+from tasks.uncertainty import type_b
 
 CLAUSE = "JJF 2003-2022, 7.2.5.2 eq. (12), (13)"
 READINGS = (
@@ -30,9 +33,12 @@ class Run:
     rests: tuple[int, ...]
 
 
-def rate_sensitivity_item(evidence: Evidence) -> Part:
-    """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
-    value, u = np.full((3, 3), np.nan), np.full((3, 3), np.nan)
+def rate_sensitivity_item(evidence: Evidence, gravity: float, evaluation: Evaluation) -> Part:
+    """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13).
+
+    gravity: m/s², of which only the sensitivity to a tilt is made.
+    """
+    found = {AXES[i] + AXES[j]: UNDETERMINED for i, j in OFF_DIAGONAL}
     missing: list[tuple[str, str]] = []
     remarks: list[Remark] = []
     for j, axis in enumerate(AXES):
@@ -42,12 +48,12 @@ def rate_sensitivity_item(evidence: Evidence) -> Part:
             continue
         for i in range(3):
             if i != j:
-                value[i, j], u[i, j] = _difference(evidence, i, runs)
+                found[AXES[i] + AXES[j]] = _difference(evidence, i, runs, gravity, evaluation)
         remarks.extend(_one_sided(evidence, axis, runs))
-    item = make_item(Estimate(value, u), "m", CLAUSE, OFF_DIAGONAL, READINGS).model_copy(
-        update={"value_model": elements(-value, OFF_DIAGONAL)}
-    )
     name = "accel_rate_sensitivity"
+    item = make_item(evaluation, name, found, "m", CLAUSE, READINGS)
+    opposite = {e: None if value is None else -value for e, value in item.value.items()}
+    item = item.model_copy(update={"value_model": opposite})
     reason = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
     return Part({name: item}, {name: reason} if missing else {}, tuple(remarks))
 
@@ -80,27 +86,36 @@ def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[Run, ...], tuple[str, s
     return tuple(runs), None
 
 
-def _difference(evidence: Evidence, channel: int, runs: tuple[Run, ...]) -> tuple[float, float]:
-    """Rest minus turning over ω² for one accelerometer (m), and its standard uncertainty.
+def _difference(
+    evidence: Evidence,
+    channel: int,
+    runs: tuple[Run, ...],
+    gravity: float,
+    evaluation: Evaluation,
+) -> Measured:
+    """Rest minus turning over ω² for one accelerometer (m).
 
     Each run has its own rests, because gravity reads differently up and down. Each direction of
     turning counts once, so that what changes its sign with the direction cancels.
     """
-    operator = np.zeros(len(evidence.segments))
+    rest, turning = np.zeros((2, len(evidence.segments)))
+    squares = []
     for run in runs:
         directions = _directions(evidence, run)
         square = np.mean([np.mean(evidence.rate[direction] ** 2) for direction in directions])
         share = 1.0 / square / len(runs)
+        squares.append(square)
         for i in run.rests:
-            operator[i] += share / len(run.rests)
+            rest[i] += share / len(run.rests)
         for direction in directions:
             for i in direction:
-                operator[i] -= share / len(directions) / len(direction)
-    used = np.flatnonzero(operator)
-    weights, column = operator[used], ACCEL_COLUMNS.start + channel
-    covariance = evidence.covariance(column)[np.ix_(used, used)]
-    value = weights @ evidence.means[used, column]
-    return float(value), float(np.sqrt(max(weights @ covariance @ weights, 0.0)))
+                turning[i] += share / len(directions) / len(direction)
+    column = ACCEL_COLUMNS.start + channel
+    found = measured(evidence, column, rest - turning)
+    rate = float(np.sqrt(np.mean(squares)))
+    lines = type_b.accel_rate_sensitivity(evaluation.equipment, found.value, rate, gravity)
+    apart = u_of_means(evidence, column, np.array([rest, turning]))
+    return Measured(found.value, (*found.lines, *lines), tuple(map(float, apart)))
 
 
 def _directions(evidence: Evidence, run: Run) -> list[list[int]]:

@@ -5,35 +5,28 @@ from collections.abc import Mapping
 import numpy as np
 
 from schemas.calibration import Item, Remark
-from schemas.recording import Recording
+from schemas.recording import AXES, Recording
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.evidence import UPS, Evidence
 from tasks.items.jjf2003.earth import earth_remarks, without_earth
-from tasks.items.jjf2003.positions import (
-    averages,
-    input_matrix,
-    position_remarks,
-    usable_positions,
-)
-from tasks.items.linear import solve
-from tasks.items.parts import (
-    DEG,
-    MATRIX,
-    OFF_DIAGONAL,
-    Estimate,
-    Part,
-    elements,
-    excess_scatter,
-    joined,
-    make_item,
-)
+from tasks.items.jjf2003.positions import position_remarks, usable_positions
+from tasks.items.jjf2003.twelve import Twelve, twelve_positions
+from tasks.items.measured import UNDETERMINED, Measured
+from tasks.items.parts import DEG, MATRIX, NOMINAL_GRAVITY, OFF_DIAGONAL, Part, joined
 from tasks.segments.summarise import CHANNELS
+from tasks.uncertainty import type_b
 
 CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
 CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
+READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
 TRIADS_ZH = {"gyro": "陀螺", "accel": "加速度计"}
 
+Elements = dict[str, Measured]
 
-def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray) -> Part:
+
+def tumble_items(
+    recording: Recording, evidence: Evidence, gyro_k: np.ndarray, evaluation: Evaluation
+) -> Part:
     """All items of the twelve positions.
 
     gyro_k: (3, 3) scales Earth's rotation, NaN where it is not known.
@@ -43,28 +36,10 @@ def tumble_items(recording: Recording, evidence: Evidence, gyro_k: np.ndarray) -
     return joined(
         (
             Part(remarks=tuple(position_remarks(evidence, {**accel, **gyro}))),
-            _gyro_part(recording, evidence, gyro, gyro_k),
-            _accel_part(recording, evidence, accel),
+            _gyro_part(recording, evidence, gyro, gyro_k, evaluation),
+            _accel_part(recording, evidence, accel, evaluation),
         )
     )
-
-
-def _estimate(
-    evidence: Evidence, positions: dict[str, tuple[int, ...]], first: int
-) -> tuple[Estimate, tuple[Remark, ...]]:
-    """Eq. (7), (10): (3, 4) matrix and bias column for channels first, first+1, first+2."""
-    design = input_matrix(tuple(positions))
-    solution, operator = solve(design), averages(evidence, positions)
-    value, u, factors = np.empty((3, 4)), np.empty((3, 4)), np.ones(3)
-    for i in range(3):
-        used = operator.any(axis=0)
-        weights = operator[:, used]
-        readings = weights @ evidence.means[used, first + i]
-        covariance = weights @ evidence.covariance(first + i)[np.ix_(used, used)] @ weights.T
-        factors[i] = excess_scatter(solution, design, readings, covariance)
-        value[i] = solution.of(readings)
-        u[i] = factors[i] * solution.uncertainty(covariance)
-    return Estimate(value, u), _scatter_remarks(first, factors)
 
 
 def _gyro_part(
@@ -72,70 +47,138 @@ def _gyro_part(
     evidence: Evidence,
     positions: dict[str, tuple[int, ...]],
     gyro_k: np.ndarray,
+    evaluation: Evaluation,
 ) -> Part:
     if not positions:
-        reason = _no_rest("gyro")
-        empty = Estimate(np.full((3, 4), np.nan), np.full((3, 4), np.nan))
-        items = _gyro_items(empty, np.full((3, 3), np.nan))
-        return Part(items, dict.fromkeys(items, reason))
-    estimate, remarks = _estimate(evidence, positions, 0)
-    still, why_not = without_earth(recording, evidence, positions, estimate.value, gyro_k)
-    items = _gyro_items(estimate, still)
+        matrix, bias = _nothing()
+        items = _gyro_items(evaluation, matrix, bias)
+        return Part(items, dict.fromkeys(items, _no_rest("gyro")))
+    twelve = twelve_positions(evidence, positions, 0)
+    k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3)).diagonal()
+    matrix, bias = _gyro_elements(twelve, k, evaluation)
+    still, why_not = without_earth(recording, evidence, positions, matrix, gyro_k, evaluation)
+    items = _gyro_items(evaluation, matrix, bias, still)
     unavailable = _undetermined(items, positions)
     if why_not:
         before = unavailable.get("gyro_g_sensitivity")
         unavailable["gyro_g_sensitivity"] = _both_reasons(before, why_not)
-    return Part(items, unavailable, (*earth_remarks(recording, gyro_k), *remarks))
+    remarks = (*earth_remarks(recording, gyro_k), *_scatter_remarks(0, twelve.factors))
+    return Part(items, unavailable, remarks)
 
 
-def _gyro_items(estimate: Estimate, still: np.ndarray) -> dict[str, Item]:
-    """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    sensitivity = Estimate(estimate.value[:, :3], estimate.u[:, :3]).scaled(DEG)
-    bias = Estimate(estimate.value[:, 3], estimate.u[:, 3]).scaled(DEG)
-    readings = ("jjf2003.positions", "jjf2003.input_matrix")
-    sensitivity_item = make_item(
-        sensitivity, "(deg/s)/g", CLAUSE_GYRO, MATRIX, (*readings, "jjf2003.g_earth")
+def _gyro_elements(
+    twelve: Twelve, k: np.ndarray, evaluation: Evaluation
+) -> tuple[Elements, Elements]:
+    """g-sensitivity (rad/s per g) and bias (rad/s) with their budgets' lines; k: (3,) K_ii."""
+    matrix, bias = _nothing()
+    for i, j in MATRIX:
+        weights, across = twelve.weights(j), twelve.across(i, j)
+        lines = type_b.gyro_g_sensitivity(evaluation.equipment, weights, k[i], across)
+        matrix[AXES[i] + AXES[j]] = twelve.found[i][j].with_lines(*lines)
+    for i, axis in enumerate(AXES):
+        lines = type_b.gyro_bias(evaluation.equipment, twelve.weights(3), k[i])
+        bias[axis] = twelve.found[i][3].with_lines(*lines)
+    return matrix, bias
+
+
+def _gyro_items(
+    evaluation: Evaluation, matrix: Elements, bias: Elements, still: Elements | None = None
+) -> dict[str, Item]:
+    """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8); still: without Earth's rate."""
+    name, unit = "gyro_g_sensitivity", "(deg/s)/g"
+    readings = (*READINGS, "jjf2003.g_earth")
+    item = make_item(evaluation, name, _scaled(matrix, DEG), unit, CLAUSE_GYRO, readings)
+    less = make_item(
+        evaluation, name, _scaled(still or _nothing()[0], DEG), unit, CLAUSE_GYRO, readings
     )
     return {
-        "gyro_bias": make_item(bias, "deg/s", CLAUSE_GYRO, readings=readings),
-        "gyro_g_sensitivity": sensitivity_item.model_copy(
-            update={"value_without_earth_rotation": elements(DEG * still)}
+        "gyro_bias": make_item(
+            evaluation, "gyro_bias", _scaled(bias, DEG), "deg/s", CLAUSE_GYRO, READINGS
+        ),
+        name: item.model_copy(
+            update={
+                "value_without_earth_rotation": less.value,
+                "u_without_earth_rotation": less.u,
+                "U_without_earth_rotation": {
+                    e: None if u is None else item.k * u for e, u in less.u.items()
+                },
+            }
         ),
     }
 
 
 def _accel_part(
-    recording: Recording, evidence: Evidence, positions: dict[str, tuple[int, ...]]
+    recording: Recording,
+    evidence: Evidence,
+    positions: dict[str, tuple[int, ...]],
+    evaluation: Evaluation,
 ) -> Part:
     gravity = recording.manifest.station.gravity_m_s2
     if not positions:
-        empty = Estimate(np.full((3, 4), np.nan), np.full((3, 4), np.nan))
-        items = _accel_items(empty, None)
+        items = _accel_items(evaluation, *_nothing())
         return Part(items, dict.fromkeys(items, _no_rest("accel")))
-    estimate, remarks = _estimate(evidence, positions, 3)
-    items = _accel_items(estimate, gravity)
+    twelve = twelve_positions(evidence, positions, 3)
+    items = _accel_items(evaluation, *_accel_elements(twelve, gravity, evaluation))
     unavailable = _undetermined(items, positions)
     if gravity is None:
         why = ("the local gravity is not told", "未给出当地重力加速度")
         for name in ("accel_scale_factor", "accel_cross_coupling"):
             unavailable[name] = _both_reasons(unavailable.get(name), why)
-    return Part(items, unavailable, remarks)
+    return Part(items, unavailable, _scatter_remarks(3, twelve.factors))
 
 
-def _accel_items(estimate: Estimate, gravity: float | None) -> dict[str, Item]:
+def _accel_elements(
+    twelve: Twelve, gravity: float | None, evaluation: Evaluation
+) -> tuple[Elements, Elements]:
+    """K (ratio to local gravity) and bias (m/s²) with their budgets' lines, eq. (11).
+
+    Without a gravity the bias stands, with what the accelerometer reads of it for the
+    sensitivity to a tilt.
+    """
+    equipment = evaluation.equipment
+    matrix, bias = _nothing()
+    reads = [abs(twelve.found[i][i].value) for i in range(3)]  # K_ii·g, m/s²
+    for i, axis in enumerate(AXES):
+        level = reads[i] if np.isfinite(reads[i]) else NOMINAL_GRAVITY
+        lines = type_b.accel_bias(equipment, twelve.weights(3, lying=axis), 1.0, level)
+        bias[axis] = twelve.found[i][3].with_lines(*lines)
+    if gravity is None:
+        return matrix, bias
+    for i, j in MATRIX:
+        found, weights = twelve.found[i][j].scaled(1.0 / gravity), twelve.weights(j)
+        if i == j:
+            across = twelve.across(i, j) / gravity
+            lines = type_b.accel_scale_factor(equipment, weights, found.value, gravity, across)
+        else:
+            k = reads[i] / gravity if np.isfinite(reads[i]) else 1.0
+            lines = type_b.accel_cross_coupling(equipment, weights, k, found.value, gravity)
+        alone = Measured(found.value, found.lines)  # A.1 and A.4 add nothing up
+        matrix[AXES[i] + AXES[j]] = alone.with_lines(*lines)
+    return matrix, bias
+
+
+def _accel_items(evaluation: Evaluation, matrix: Elements, bias: Elements) -> dict[str, Item]:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
-    g = float("nan") if gravity is None else gravity
-    matrix = Estimate(estimate.value[:, :3] / g, estimate.u[:, :3] / g)
-    diagonal = Estimate(np.diag(matrix.value), np.diag(matrix.u))
-    bias = Estimate(estimate.value[:, 3], estimate.u[:, 3])
-    readings = ("jjf2003.positions", "jjf2003.input_matrix")
+    diagonal: Elements = {axis: matrix[axis + axis] for axis in AXES}
+    coupling = {AXES[i] + AXES[j]: matrix[AXES[i] + AXES[j]] for i, j in OFF_DIAGONAL}
+    name, cross = "accel_scale_factor", "accel_cross_coupling"
+    azx = (*READINGS, "jjf2003.k_azx")
     return {
-        "accel_scale_factor": make_item(diagonal, "1", CLAUSE_ACCEL, readings=readings),
-        "accel_cross_coupling": make_item(
-            matrix, "1", CLAUSE_ACCEL, OFF_DIAGONAL, (*readings, "jjf2003.k_azx")
-        ),
-        "accel_bias": make_item(bias, "m/s2", CLAUSE_ACCEL, readings=readings),
+        name: make_item(evaluation, name, diagonal, "1", CLAUSE_ACCEL, READINGS),
+        cross: make_item(evaluation, cross, coupling, "1", CLAUSE_ACCEL, azx),
+        "accel_bias": make_item(evaluation, "accel_bias", bias, "m/s2", CLAUSE_ACCEL, READINGS),
     }
+
+
+def _nothing() -> tuple[Elements, Elements]:
+    """A matrix and a bias of which no element is determined."""
+    matrix = {AXES[i] + AXES[j]: UNDETERMINED for i, j in MATRIX}
+    bias: Elements = dict.fromkeys(AXES, UNDETERMINED)
+    return matrix, bias
+
+
+def _scaled(found: Elements, factor: float) -> Elements:
+    return {element: each.scaled(factor) for element, each in found.items()}
 
 
 def _undetermined(

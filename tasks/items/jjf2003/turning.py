@@ -6,10 +6,14 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.evidence import Evidence
 from tasks.items.linear import solve
-from tasks.items.parts import DEG, OFF_DIAGONAL, Estimate, Part, excess_scatter, make_item
+from tasks.items.measured import UNDETERMINED, Measured, measured
+from tasks.items.parts import DEG, OFF_DIAGONAL, Part, excess_scatter
 from tasks.segments.summarise import CHANNELS
+from tasks.uncertainty import type_b
+from tasks.uncertainty.equipment import Equipment
 
 FEWEST_RATES, MOST_RATES = 7, 11
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
@@ -20,17 +24,13 @@ CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
 class Column:
     """What turning about one axis gives: a column of K, and b of the axis's own gyro (rad/s)."""
 
-    scale: Estimate
-    offset: float = float("nan")
-    u_offset: float = float("nan")
+    scale: tuple[Measured, ...] = (UNDETERMINED,) * 3
+    offset: Measured = UNDETERMINED
     by_angle: bool = False
     remarks: tuple[Remark, ...] = ()
 
 
-NOTHING = Column(Estimate(np.full(3, np.nan), np.full(3, np.nan)))
-
-
-def turning_items(recording: Recording, evidence: Evidence) -> Part:
+def turning_items(recording: Recording, evidence: Evidence, evaluation: Evaluation) -> Part:
     """Scale factor matrix K (3, 3) and fit offset b (3,) of the gyro, eq. (3) to (5).
 
     Where an axis has no rate points but turns by a known angle, those give its column of K.
@@ -39,12 +39,13 @@ def turning_items(recording: Recording, evidence: Evidence) -> Part:
     for j, axis in enumerate(AXES):
         points = [i for i in evidence.points[axis] if evidence.segments[i].has_gyro]
         rates = np.round(np.degrees(evidence.rate[points]), 1)
-        column = NOTHING
+        column = Column()
         if len(set(rates)) >= 2:
-            column = _fit_rates(evidence, j, points, _rate_remarks(axis, rates))
+            remarks = _rate_remarks(axis, rates)
+            column = _fit_rates(evidence, j, points, remarks, evaluation.equipment)
         elif evidence.turns[axis]:
-            column = _fit_turns(evidence, j)
-        if not np.isfinite(column.scale.value[j]):
+            column = _fit_turns(evidence, j, evaluation.equipment)
+        if not np.isfinite(column.scale[j].value):
             reasons.append(
                 (
                     f"{axis}: {len(set(rates))} rates about {axis}, two are needed",
@@ -52,77 +53,95 @@ def turning_items(recording: Recording, evidence: Evidence) -> Part:
                 )
             )
         columns.append(column)
-    return _as_part(tuple(columns), tuple(reasons), recording.table is not None)
+    return _as_part(tuple(columns), tuple(reasons), recording.table is not None, evaluation)
 
 
 def _fit_rates(
-    evidence: Evidence, j: int, points: list[int], remarks: tuple[Remark, ...]
+    evidence: Evidence,
+    j: int,
+    points: list[int],
+    remarks: tuple[Remark, ...],
+    equipment: Equipment,
 ) -> Column:
     """Eq. (5) for the rate points about axis j."""
-    design = np.column_stack([evidence.rate[points], np.ones(len(points))])
+    rates = evidence.rate[points]
+    seconds = np.array([evidence.segments[i].seconds for i in points])
+    design = np.column_stack([rates, np.ones(len(points))])
     solution = solve(design)
-    value, u, factors = np.empty((3, 2)), np.empty((3, 2)), np.ones(3)
+    weights = np.zeros((2, len(evidence.segments)))
+    weights[:, points] = np.where(solution.estimable[:, None], solution.operator, np.nan)
+    scale, factors, offset = [], np.ones(3), UNDETERMINED
     for i in range(3):
         readings = evidence.means[points, i]
         covariance = evidence.covariance(i)[np.ix_(points, points)]
-        factors[i] = excess_scatter(solution, design, readings, covariance)
-        value[i], u[i] = solution.of(readings), factors[i] * solution.uncertainty(covariance)
-    return Column(
-        scale=Estimate(value[:, 0], u[:, 0]),
-        offset=float(value[j, 1]),
-        u_offset=float(u[j, 1]),
-        remarks=(*remarks, *_scatter_remarks(AXES[j], factors)),
-    )
+        excess = excess_scatter(solution, design, readings, covariance)
+        factors[i] = excess.factor
+        found = measured(evidence, i, weights[0], excess)
+        table = (equipment, found.value)
+        lines = type_b.turning_rate(*table, solution.operator[0], rates, seconds)
+        scale.append(found.with_lines(*lines))
+        if i == j:
+            lines = type_b.turning_rate(*table, solution.operator[1], rates, seconds)
+            offset = measured(evidence, i, weights[1], excess).with_lines(*lines)
+    remarks = (*remarks, *_scatter_remarks(AXES[j], factors))
+    return Column(tuple(scale), offset, remarks=remarks)
 
 
-def _fit_turns(evidence: Evidence, j: int) -> Column:
+def _fit_turns(evidence: Evidence, j: int, equipment: Equipment) -> Column:
     """Column j of K from turns by a known angle: (∫ω′dt − B·T)/angle, B from the rests."""
     everything = enumerate(evidence.segments)
     rests = [i for i, s in everything if s.segment.kind == "static" and s.has_gyro]
     turns = [i for i in evidence.turns[AXES[j]] if evidence.segments[i].has_gyro]
     if not rests or not turns:
-        return NOTHING
-    indices = [*turns, *rests]
-    operator = np.zeros(len(indices))
-    for place, turn in enumerate(turns):
-        segment = evidence.segments[turn]
-        angle = np.radians(segment.segment.angle_deg or np.nan)
-        gain = segment.seconds / angle / len(turns)
-        operator[place] += gain
-        operator[len(turns) :] -= gain / len(rests)
-    covariances = [evidence.covariance(i)[np.ix_(indices, indices)] for i in range(3)]
-    value = np.array([operator @ evidence.means[indices, i] for i in range(3)])
-    u = np.sqrt([operator @ covariance @ operator for covariance in covariances])
-    return Column(Estimate(value, u), by_angle=True)
+        return Column()
+    labels = [evidence.segments[i].segment for i in turns]
+    angles = np.radians([label.angle_deg or np.nan for label in labels])
+    weights = np.zeros(len(evidence.segments))
+    for turn, angle in zip(turns, angles, strict=True):
+        gain = evidence.segments[turn].seconds / angle / len(turns)
+        weights[turn] += gain
+        weights[rests] -= gain / len(rests)
+    scale = [measured(evidence, i, weights) for i in range(3)]
+    return Column(
+        tuple(m.with_lines(*type_b.turned_angle(equipment, m.value, angles)) for m in scale),
+        by_angle=True,
+    )
 
 
 def _as_part(
-    columns: tuple[Column, ...], reasons: tuple[tuple[str, str], ...], has_table: bool
+    columns: tuple[Column, ...],
+    reasons: tuple[tuple[str, str], ...],
+    has_table: bool,
+    evaluation: Evaluation,
 ) -> Part:
-    scale = Estimate(
-        np.column_stack([column.scale.value for column in columns]),
-        np.column_stack([column.scale.u for column in columns]),
-    )
-    offset = Estimate(
-        np.array([column.offset for column in columns]),
-        np.array([column.u_offset for column in columns]),
-    )
     by_angle = any(column.by_angle for column in columns)
     readings: tuple[str, ...] = ("jjf2003.table_rate",) if has_table else ()
     readings += ("jjf2003.turned_angle",) if by_angle else ()
-    diagonal = Estimate(np.diag(scale.value), np.diag(scale.u))
+    matrix = np.array([[column.scale[i].value for column in columns] for i in range(3)])
+    lines = type_b.turning_axis
+    scale = {
+        (i, j): columns[j].scale[i].with_lines(*lines(evaluation.equipment, *_across(matrix, i, j)))
+        for i in range(3)
+        for j in range(3)
+    }
+    diagonal: dict[str, Measured] = {a: scale[i, i] for i, a in enumerate(AXES)}
+    coupling = {AXES[i] + AXES[j]: scale[i, j] for i, j in OFF_DIAGONAL}
+    offset: dict[str, Measured] = {
+        a: c.offset.scaled(DEG) for a, c in zip(AXES, columns, strict=True)
+    }
+    name, cross = "gyro_scale_factor", "gyro_cross_coupling"
     items = {
-        "gyro_scale_factor": make_item(diagonal, "1", CLAUSE_SCALE, readings=readings),
-        "gyro_cross_coupling": make_item(
-            scale, "1", CLAUSE_CROSS, OFF_DIAGONAL, (*readings, "jjf2003.k_gzy")
+        name: make_item(evaluation, name, diagonal, "1", CLAUSE_SCALE, readings),
+        cross: make_item(
+            evaluation, cross, coupling, "1", CLAUSE_CROSS, (*readings, "jjf2003.k_gzy")
         ),
-        "gyro_fit_offset": make_item(offset.scaled(DEG), "deg/s", CLAUSE_SCALE),
+        "gyro_fit_offset": make_item(evaluation, "gyro_fit_offset", offset, "deg/s", CLAUSE_SCALE),
     }
     unavailable = {}
     if reasons:
         told = ("; ".join(en for en, _ in reasons), "；".join(zh for _, zh in reasons))
         unavailable = {"gyro_scale_factor": told, "gyro_cross_coupling": told}
-    without = [a for a, b in zip(AXES, offset.value, strict=True) if not np.isfinite(b)]
+    without = [axis for axis, found in offset.items() if not np.isfinite(found.value)]
     if without:
         listed = ", ".join(without)
         unavailable["gyro_fit_offset"] = (
@@ -131,6 +150,12 @@ def _as_part(
         )
     remarks = [remark for column in columns for remark in column.remarks]
     return Part(items, unavailable, (*remarks, *([_by_angle_remark()] if by_angle else [])))
+
+
+def _across(matrix: np.ndarray, i: int, j: int) -> list[float]:
+    """K_ik of row i over the axes k ≠ j; where it is not determined, that of an ideal unit."""
+    row = np.where(np.isfinite(matrix[i]), matrix[i], np.eye(3)[i])
+    return [float(row[k]) for k in range(3) if k != j]
 
 
 def _rate_remarks(axis: str, rates: np.ndarray) -> tuple[Remark, ...]:

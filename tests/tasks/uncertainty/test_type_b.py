@@ -6,25 +6,40 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from tasks.items.jjf2003.tumble import input_matrix
+from schemas.certificate import EquipmentLimit
+from tasks.items.jjf2003.positions import input_matrix
 from tasks.items.linear import solve
 from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty import type_b
 from tasks.uncertainty.budget import Contribution, combine
-from tasks.uncertainty.equipment import ARCSECOND, JJF2003, Equipment, Limit, jjf1536
+from tasks.uncertainty.equipment import (
+    ARCSECOND,
+    JJF1536,
+    JJF2003,
+    RATE,
+    UNKNOWN,
+    Equipment,
+    Limit,
+    with_limits,
+)
+from tasks.uncertainty.type_b import Weights
 
 G = 9.8015
 TENTH = math.radians(0.1)
+MEAN = Weights(rests=np.full(12, 1 / 12), faces=np.full(6, 1 / 6))
+LYING = Weights(rests=np.full(8, 1 / 12), faces=np.full(4, 1 / 6))
+UP_DOWN = Weights(rests=np.array([1, 1, -1, -1]) / 4, faces=np.array([1, -1]) / 2)
 
 
 def alone(limit: str, u: float = 1.0) -> Equipment:
     """Equipment of which only one limit is not zero; its standard uncertainty is u."""
     changed = {}
-    for field in fields(Equipment):
+    for field in fields(Equipment)[1:]:
         known = getattr(JJF2003, field.name)
         half = u * math.sqrt(3.0) if field.name == limit else 0.0
         changed[field.name] = replace(known, half_width=half)
-    return Equipment(**changed)
+    rate = replace(RATE, half_width=u * math.sqrt(3.0) if limit == "rate" else 0.0)
+    return Equipment(rates=((0.0, rate),), **changed)
 
 
 def u_of(contributions: tuple[Contribution, ...]) -> float:
@@ -63,9 +78,9 @@ def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_position
 ) -> None:
     found = scatter(np.array([0.0, 0.0, G]), each, face)
     equipment = alone(sort, 1e-4)
-    bias = u_of(type_b.accel_bias(equipment, 1.0, G))
+    bias = u_of(type_b.accel_bias(equipment, LYING, 1.0, G))
     assert np.mean(found[:, 3]) == pytest.approx(bias, rel=0.05)
-    coupling = u_of(type_b.accel_cross_coupling(equipment, 1.0, 0.0, G))
+    coupling = u_of(type_b.accel_cross_coupling(equipment, UP_DOWN, 1.0, 0.0, G))
     off = np.mean(found[:, :3][~np.eye(3, dtype=bool)]) / G
     # Independent faces average by √2; a fixture that is not square does not.
     assert off == pytest.approx(coupling / (1.0 if each else math.sqrt(2.0)), rel=0.05)
@@ -78,8 +93,8 @@ def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
     earth = EARTH_RATE * np.array([0.0, math.cos(0.7), math.sin(0.7)])
     found = scatter(earth, each, face)
     equipment = alone(sort, 1e-4)
-    bias = u_of(type_b.gyro_bias(equipment))
-    sensitivity = u_of(type_b.gyro_g_sensitivity(equipment))
+    bias = u_of(type_b.gyro_bias(equipment, MEAN))
+    sensitivity = u_of(type_b.gyro_g_sensitivity(equipment, UP_DOWN))
     assert np.max(found[:, 3]) < 1.05 * bias
     assert np.max(found[:, :3]) < 1.05 * sensitivity
     assert np.max(found[:, 3]) > 0.4 * bias
@@ -88,7 +103,7 @@ def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
 
 def test_standard_uncertainties_of_table_1() -> None:
     root3 = math.sqrt(3.0)
-    assert JJF2003.rate.u == pytest.approx(1e-5 / root3)
+    assert RATE.u == pytest.approx(1e-5 / root3)
     assert JJF2003.ripple is not None
     assert JJF2003.ripple.u == pytest.approx(5e-4 / root3)
     assert [limit.u for limit in JJF2003.angles] == pytest.approx(
@@ -99,8 +114,10 @@ def test_standard_uncertainties_of_table_1() -> None:
 
 @pytest.mark.parametrize(("deg_s", "u"), [(0.5, 1e-2), (1.0, 1e-3), (10.0, 1e-4), (-300.0, 1e-4)])
 def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) -> None:
-    assert jjf1536(math.radians(deg_s)).rate.u == pytest.approx(u)
-    assert jjf1536(math.radians(deg_s)).position.u == pytest.approx(5 * ARCSECOND)
+    (limit,) = JJF1536.rate_at(math.radians(deg_s))
+    assert limit.u == pytest.approx(u)
+    assert JJF1536.position is not None
+    assert JJF1536.position.u == pytest.approx(5 * ARCSECOND)
 
 
 @pytest.mark.parametrize(
@@ -133,14 +150,14 @@ def test_ripple_counts_fully_in_less_than_a_turn_and_fades_over_many() -> None:
 
 
 def test_gravity_moves_the_accelerometer_scale_factor() -> None:
-    lines = type_b.accel_scale_factor(alone("gravity", 1e-3), 1.01, G)
+    lines = type_b.accel_scale_factor(alone("gravity", 1e-3), UP_DOWN, 1.01, G)
     assert u_of(lines) == pytest.approx(1.01 * 1e-3 / G)
 
 
 def test_latitude_counts_only_where_earth_rotation_was_removed() -> None:
     equipment, latitude = alone("latitude", TENTH), math.radians(39.9)
-    assert u_of(type_b.gyro_g_sensitivity(equipment, 1.0)) == 0.0
-    removed = u_of(type_b.gyro_g_sensitivity(equipment, 1.0, latitude=latitude))
+    assert u_of(type_b.gyro_g_sensitivity(equipment, UP_DOWN, 1.0)) == 0.0
+    removed = u_of(type_b.earth_removed(equipment, 1.0, latitude))
     change = EARTH_RATE * (math.sin(latitude + TENTH / 2) - math.sin(latitude - TENTH / 2))
     assert removed == pytest.approx(change, rel=1e-6)
 
@@ -160,20 +177,60 @@ def test_rotation_axis_reaches_a_cross_coupling_whole() -> None:
 
 
 def test_jjf1536_items() -> None:
-    equipment = jjf1536(math.radians(100.0))
-    assert u_of(type_b.ahrs_scale_factor(equipment, 1.0)) == pytest.approx(1.0e-4)
+    equipment = JJF1536
+    assert equipment.fixture is not None
+    rates = np.radians([-100.0, 100.0])
+    lines = type_b.turning_rate(equipment, 1.0, rates / (rates @ rates), rates, np.full(2, 30.0))
+    assert u_of(lines) == pytest.approx(1.0e-4)
     offset = u_of(type_b.ahrs_zero_offset(equipment, 1800.0))
     assert offset == pytest.approx(
         math.hypot(5 * ARCSECOND / 3600.0, EARTH_RATE / 2 * equipment.fixture.u)
     )
-    misalignment = u_of(type_b.ahrs_misalignment(equipment, 0.0, 10))
-    assert misalignment == pytest.approx(5 * ARCSECOND / math.sqrt(3.0))
+    turns = 20.0 * math.pi * np.array([1.0, -1.0])
+    misalignment = type_b.ahrs_misalignment(equipment, 0.1, np.array([1.0, -1.0]), turns)
+    table = 0.1 / (20.0 * math.pi) / math.sqrt(2.0) * 5 * ARCSECOND
+    assert u_of(misalignment) == pytest.approx(math.hypot(table, 5 * ARCSECOND / math.sqrt(3.0)))
+
+
+def test_rates_that_a_table_holds_differently_well_have_a_line_each() -> None:
+    rates = np.radians([-100.0, -5.0, 5.0, 100.0])
+    operator = rates / (rates @ rates)
+    fast, slow = type_b.turning_rate(JJF1536, 1.0, operator, rates, np.full(4, 30.0))
+    assert (fast.quantity.u, slow.quantity.u) == pytest.approx((1e-4, 1e-3))
+    assert fast.sensitivity + slow.sensitivity == pytest.approx(1.0)
+    assert slow.sensitivity == pytest.approx(2 * 5.0**2 / (2 * 5.0**2 + 2 * 100.0**2))
+
+
+def test_a_turned_angle_is_as_wrong_as_the_table() -> None:
+    angles = math.pi * np.array([2.0, -2.0])
+    lines = type_b.turned_angle(alone("position", 1e-4), 1.0, angles)
+    assert u_of(lines) == pytest.approx(1e-4 / (2 * math.pi) / math.sqrt(2.0))
+
+
+def test_a_laboratory_s_own_limits_go_before_table_1() -> None:
+    told = EquipmentLimit(half_width=2e-6, distribution="normal", source="certificate 7")
+    own = with_limits(JJF1536, {"rate": told, "axes": told})
+    (rate,) = own.rate_at(0.001)
+    assert (rate.u, rate.clause) == (1e-6, "certificate 7")
+    assert own.axes is not None
+    assert (own.axes.u, own.axes.symbol) == (1e-6, "α3")
+    assert own.position == JJF1536.position
+
+
+def test_a_table_that_nobody_knows_has_no_line() -> None:
+    rates = np.radians([-100.0, 100.0])
+    seconds = np.full(2, 30.0)
+    assert type_b.turning_rate(UNKNOWN, 1.0, rates / (rates @ rates), rates, seconds) == ()
+    assert type_b.gyro_bias(UNKNOWN, MEAN) == ()
+    assert type_b.turning_axis(UNKNOWN, 1.0) == ()
+    (gravity,) = type_b.accel_scale_factor(UNKNOWN, UP_DOWN, 1.0, G)
+    assert gravity.quantity.symbol == "g"
 
 
 def test_resolution_and_effective_bits() -> None:
     step = type_b.step_of(12, 400.0)
     assert step == pytest.approx(800.0 / 4096)
-    line = type_b.resolution(step, "deg/s", [0.5, -0.5])
+    line = type_b.resolution(step / 2.0, "deg/s", math.hypot(0.5, -0.5))
     assert u_of((line,)) == pytest.approx(step / math.sqrt(12.0) * math.sqrt(0.5))
 
 
@@ -182,11 +239,11 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
     all_lines = (
         type_b.turning_rate(JJF2003, 1.0, rates / (rates @ rates), rates, np.array([30.0, 30.0])),
         type_b.turning_axis(JJF2003, 1.0, 1e-3),
-        type_b.gyro_bias(JJF2003),
-        type_b.gyro_g_sensitivity(JJF2003, latitude=0.7),
-        type_b.accel_scale_factor(JJF2003, 1.0, G, 1e-3),
-        type_b.accel_cross_coupling(JJF2003, 1.0, 1e-3, G),
-        type_b.accel_bias(JJF2003, 1.0, G),
+        type_b.gyro_bias(JJF2003, MEAN),
+        type_b.gyro_g_sensitivity(JJF2003, UP_DOWN),
+        type_b.accel_scale_factor(JJF2003, UP_DOWN, 1.0, G, 1e-3),
+        type_b.accel_cross_coupling(JJF2003, UP_DOWN, 1.0, 1e-3, G),
+        type_b.accel_bias(JJF2003, LYING, 1.0, G),
         type_b.accel_rate_sensitivity(JJF2003, 1e-4, 5.0, G),
     )
     for lines in all_lines:
