@@ -11,6 +11,7 @@ import numpy as np
 
 FLICKER = 2.0 * np.log(2.0)  # Allan variance of S(f) = 1/f
 SHARPEST = 0.02  # of a variance: no noise follows the textbook's shapes more closely
+STARTS = 8  # averages begun within one averaging time
 FEWEST_LEVELS = 5  # averaging times that the noise terms are told apart by
 ROUNDS = 4  # of weighting by the model fitted before
 MISFIT = 1.5  # mean squared deviation, in what is known of each level, above which a fit is refused
@@ -40,19 +41,21 @@ class WhiteNoise:
     u: float
 
 
-def overlapping_variance(readings: np.ndarray, size: int) -> np.ndarray:
-    """Overlapping Allan variance (channels,) of (channels, n) readings averaged over `size` rows.
+def overlapping_variances(readings: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
+    """Overlapping Allan variances (sizes, channels) of (channels, n) readings.
 
-    Takes n ≥ 2·size.
+    sizes: rows averaged over, 2·size ≤ n. Multiples of STARTS begin an average at every
+    (size/STARTS)-th row only: what those between would add is nearly nothing.
     """
-    sums = np.cumsum(readings - readings.mean(axis=1, keepdims=True), axis=1)
-    sums = np.concatenate([np.zeros((len(readings), 1)), sums], axis=1)
-    return _mean_square(sums, size)
-
-
-def _mean_square(sums: np.ndarray, size: int) -> np.ndarray:
-    apart = sums[:, 2 * size :] - 2.0 * sums[:, size:-size] + sums[:, : -2 * size]
-    return np.einsum("ij,ij->i", apart, apart) / (2.0 * size**2 * apart.shape[1])
+    sums = np.zeros((len(readings), readings.shape[1] + 1))
+    np.cumsum(readings - readings.mean(axis=1, keepdims=True), axis=1, out=sums[:, 1:])
+    found = np.empty((len(sizes), len(readings)))
+    for level, size in enumerate(sizes):
+        every = 1 if size % STARTS else size // STARTS
+        reach, seen = size // every, sums[:, ::every]
+        apart = seen[:, 2 * reach :] - 2.0 * seen[:, reach:-reach] + seen[:, : -2 * reach]
+        found[level] = np.einsum("ij,ij->i", apart, apart) / (2.0 * size**2 * apart.shape[1])
+    return found
 
 
 def allan_curve(rests: Sequence[np.ndarray], interval: float) -> AllanCurve:
@@ -62,16 +65,11 @@ def allan_curve(rests: Sequence[np.ndarray], interval: float) -> AllanCurve:
     """
     shortest = min(rest.shape[1] for rest in rests)
     sizes = [1 << power for power in range(shortest.bit_length()) if 4 << power <= shortest]
-    total = np.zeros((len(sizes), len(rests[0])))
-    for rest in rests:
-        sums = np.cumsum(rest - rest.mean(axis=1, keepdims=True), axis=1)
-        sums = np.concatenate([np.zeros((len(rest), 1)), sums], axis=1)
-        for level, size in enumerate(sizes):
-            total[level] += _mean_square(sums, size) * rest.shape[1]
     rows = [rest.shape[1] for rest in rests]
+    found = [overlapping_variances(rest, sizes) for rest in rests]
     return AllanCurve(
         tau=interval * np.array(sizes, float),
-        variance=total / sum(rows),
+        variance=np.average(found, axis=0, weights=rows),
         white_dof=np.array([sum(white_dof(n, size) for n in rows) for size in sizes]),
         flicker_dof=np.array([sum(flicker_dof(n, size) for n in rows) for size in sizes]),
     )

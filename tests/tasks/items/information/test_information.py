@@ -107,6 +107,14 @@ def test_rests_with_corrupted_rows_are_not_used_for_the_noise() -> None:
     assert found.value["x"] == pytest.approx(truth, abs=3 * found.u["x"])
 
 
+def test_rests_with_lost_rows_are_not_used_for_the_noise() -> None:
+    recording = resting(60.0, 1)
+    kept = np.delete(np.arange(len(recording.imu)), [500, 501])
+    columns = {name: values[kept] for name, values in recording.imu.columns.items()}
+    lossy = Recording(recording.manifest, Stream(recording.imu.t[kept], columns))
+    assert "3 rests of 60 s" in result(lossy).information["gyro_angle_random_walk"].en
+
+
 def test_on_plant_earth_rotation_the_separated_value_finds_the_truth_and_the_clause_does_not(
     plant: Callable[[str], Recording], shared: Path
 ) -> None:
