@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from tasks.segments.summarise import SegmentMean
-from tasks.uncertainty.drift import INSTANT, contrasts
+from tasks.uncertainty.drift import INSTANT
 from tasks.uncertainty.type_a import ChannelNoise
 
 PER_DIFFERENCE = 0.8  # degrees of freedom of the white noise for each finest Allan difference
@@ -37,8 +37,7 @@ def type_a_dof(
     drift = max(float(weights[used] @ shape @ weights[used]), 0.0)
     weight = float((white**2 / [_white_degrees(segments[i], segments) for i in used]).sum())
     if drift > 0.0:
-        seen = contrasts(segments, noise.shapes, noise.white[:, channel] / seconds, channel)
-        weight += drift**2 / (len(seen.value) or COARSE * len(segments))
+        weight += drift**2 / (noise.contrasts[channel] or COARSE * len(segments))
     return max(variance**2 / weight, 1.0) if weight > 0.0 else math.inf
 
 

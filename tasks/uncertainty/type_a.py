@@ -35,11 +35,13 @@ class ChannelNoise:
     white: (segments, 6) variance of a mean over 1 s, unit²·s.
     drift: (3, 6) flicker h of S(f) = h/f, unit²; random walk, unit²/s; slope², unit²/s².
     shapes: (3, segments, segments) covariance of the segment means per unit of each drift.
+    contrasts: (6,) how many independent contrasts between segments told the drift.
     """
 
     white: np.ndarray
     drift: np.ndarray
     shapes: np.ndarray
+    contrasts: np.ndarray
 
 
 def fit_noise(
@@ -55,19 +57,20 @@ def fit_noise(
     with the drift taken away; it is never less than the rounding of each row to one step.
     """
     if not segments:
-        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)), np.zeros((3, 0, 0)))
+        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)), np.zeros((3, 0, 0)), np.zeros(6))
     if up is not None and rate is not None:
         segments = tuple(map(_corrected, segments, up, rate))
     still = _white(segments, np.zeros((3, 6)))
     shapes = drift_shapes(segments)
     seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
-    drift = np.zeros((3, 6))
+    drift, count = np.zeros((3, 6)), np.zeros(6)
     for channel in range(6):
         pooled = _pooled_allan(segments, channel)
         if pooled is not None:
             seen = contrasts(segments, shapes, still[:, channel] / seconds, channel)
             drift[:, channel] = drift_strengths(seen, pooled)
-    return ChannelNoise(white=_white(segments, drift), drift=drift, shapes=shapes)
+            count[channel] = len(seen.value)
+    return ChannelNoise(_white(segments, drift), drift, shapes, count)
 
 
 def covariance_of_means(
