@@ -5,10 +5,11 @@ import math
 from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.fields import Field, given, listed
-from tasks.certificate.limits import probability_text
+from tasks.certificate.limits import plain, probability_text
 from tasks.certificate.names import RULES, Pair, item_name, quantity_text, symbol
 from tasks.certificate.reasons import conditional
 from tasks.certificate.typography import pair
+from tasks.uncertainty.rounding import text
 
 MARKS = (
     "“—”：未规定允许限；“未得”：未能得到该值，原因见表下",
@@ -55,38 +56,50 @@ def conditions_of_a_pass(decision: Decision) -> tuple[Pair, ...]:
 
 def _rules(decision: Decision) -> list[Field]:
     """Each rule in words; the items that it is for where there are several."""
-    items: dict[Pair, list[str]] = {}
+    limits: dict[Pair, list[LimitDecision]] = {}
     for made in decision.limits:
-        items.setdefault(_rule(made), []).append(made.item)
-    if len(items) == 1:
-        return [Field(RULE, pair(*next(iter(items))))]
+        limits.setdefault(_rule(made), []).append(made)
+    if len(limits) == 1:
+        ((said, under),) = limits.items()
+        return [Field(RULE, _with_figures(said, under))]
     fields = []
-    for number, ((zh, en), names) in enumerate(items.items(), start=1):
-        of_zh, of_en = listed(item_name(name) for name in dict.fromkeys(names))
+    for number, (said, under) in enumerate(limits.items(), start=1):
+        of_zh, of_en = listed(item_name(name) for name in dict.fromkeys(m.item for m in under))
+        zh, en = _with_figures(said, under)
         label = f"{RULE[0]} {number}", f"{RULE[1]} {number}"
-        fields.append(Field(label, pair(f"{of_zh}：{zh}", f"{of_en}: {en}")))
+        fields.append(Field(label, (f"{of_zh}：{zh}", f"{of_en}: {en}")))
     return fields
 
 
 def _rule(made: LimitDecision) -> Pair:
-    """The rule of one limit: its guard band, k of U, and what it asks of U."""
+    """The rule of one limit: its guard band, and what it asks of U."""
     factor = abs(made.guard_band_factor)
     w = "U" if factor == 1 else f"{factor:g} U"
     zh, en = ("内", "inside") if made.guard_band_factor >= 0 else ("外", "outside")
-    rule_zh, rule_en = (text.format(zh=zh, en=en, w=w) for text in RULES[made.rule])
-    k = "" if made.k is None else f"{made.k:g}"
-    asked_zh, asked_en = [f"k = {k}"] if k else [], [f"k = {k}"] if k else []
+    said = [tuple(form.format(zh=zh, en=en, w=w) for form in RULES[made.rule])]
     if made.min_capability is not None and None not in (made.lower, made.upper):
-        needed = max(made.min_capability, made.guard_band_factor)
-        asked_zh.append(f"要求 C_m = T/(2 U) ≥ {needed:g}，T 为允许区间宽度")
-        asked_en.append(
-            f"decided on only if C_m = T/(2 U) ≥ {needed:g}, with T the width of the limits"
+        needed = f"C_m = T/(2 U) ≥ {max(made.min_capability, made.guard_band_factor):g}"
+        said.append(
+            (f"要求 {needed}，T 为允许区间宽度", f"decided on only if {needed}, with T the width")
         )
-    if made.U_max is not None:
-        most = quantity_text(f"{made.U_max:g}", made.unit)
-        asked_zh.append(f"要求 U ≤ {most}")
-        asked_en.append(f"decided on only if U ≤ {most}")
-    return "，".join([rule_zh, *asked_zh]), ", ".join([rule_en, *asked_en])
+    return "，".join(zh for zh, _ in said), ", ".join(en for _, en in said)
+
+
+def _with_figures(rule: Pair, under: list[LimitDecision]) -> Pair:
+    """The rule with the bounds on U that were agreed and the coverage factors of U."""
+    agreed = dict.fromkeys((made.item, plain(made.U_max), made.unit) for made in under)
+    zh, en = [rule[0]], [rule[1]]
+    for item, most, unit in agreed:
+        if most is not None:
+            bound = f"U ≤ {quantity_text(str(text(most)), unit)}"
+            zh.append(f"{item_name(item)[0]}要求 {bound}")
+            en.append(f"{item_name(item)[1]} decided on only if {bound}")
+    factors = sorted({made.k for made in under if made.k is not None})
+    if factors:
+        k = " … ".join(f"{each:g}" for each in dict.fromkeys((factors[0], factors[-1])))
+        zh.append(f"U 的 k = {k}")
+        en.append(f"U has k = {k}")
+    return pair("；".join(zh), "; ".join(en))
 
 
 def _specific(decision: Decision) -> list[Field]:

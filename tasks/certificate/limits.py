@@ -47,7 +47,7 @@ def interval_text(lower: Decimal | None, upper: Decimal | None, exponent: int = 
 
 def limits_text(made: LimitDecision, exponent: int = 0) -> str:
     """The limits, without a unit."""
-    return interval_text(_plain(made.lower), _plain(made.upper), exponent)
+    return interval_text(plain(made.lower), plain(made.upper), exponent)
 
 
 def accepted_text(made: LimitDecision, exponent: int = 0) -> str | None:
@@ -64,7 +64,7 @@ def relative_text(made: LimitDecision) -> str | None:
     if made.nominal is None:
         return None
     lower, upper = (_percent(edge, made.nominal) for edge in (made.lower, made.upper))
-    of = quantity_text(str(text(_plain(made.nominal))), made.unit)
+    of = quantity_text(str(text(plain(made.nominal))), made.unit)
     return f"{interval_text(lower, upper)} % × {of}"
 
 
@@ -78,8 +78,9 @@ def probability_text(probability: float) -> str:
 def _percent(limit: float | None, nominal: float) -> Decimal | None:
     if limit is None:
         return None
-    return _plain(float(f"{100 * (limit - nominal) / abs(nominal):.9g}"))
+    return plain(float(f"{100 * (limit - nominal) / abs(nominal):.9g}"))
 
 
-def _plain(number: float | None) -> Decimal | None:
+def plain(number: float | None) -> Decimal | None:
+    """A number as it was given, without its trailing zeros."""
     return None if number is None else Decimal(repr(number)).normalize()

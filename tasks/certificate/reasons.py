@@ -5,7 +5,13 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration
 from schemas.tolerance import Decision, LimitDecision
-from tasks.certificate.limits import accepted_text, limits_text, probability_text, relative_text
+from tasks.certificate.limits import (
+    accepted_text,
+    limits_text,
+    plain,
+    probability_text,
+    relative_text,
+)
 from tasks.certificate.names import (
     CONDITIONAL,
     QUANTITIES,
@@ -50,7 +56,7 @@ def too_uncertain(made: LimitDecision) -> Reason:
     (en, zh), limits = _decided_on(made), _limits(made)
     measured, U = _value(made), _uncertainty(made)
     if made.U_max is not None and made.U is not None and made.U_max < made.U:
-        most = quantity_text(str(text(_plain(made.U_max))), made.unit)
+        most = quantity_text(str(text(plain(made.U_max))), made.unit)
         why_en, why_zh = f"larger than the agreed {most}", f"大于约定的 {most}"
     elif (needed := max(made.min_capability or 0.0, made.guard_band_factor)) > 1:
         why_en = f"C_m = T/(2 U) = {made.capability:.2g} for {limits}, below {needed:g}"
@@ -175,7 +181,3 @@ def _uncertainty(made: LimitDecision) -> str:
 def _limits(made: LimitDecision) -> str:
     wanted, given = quantity_text(limits_text(made), made.unit), relative_text(made)
     return f"{wanted} ({given})" if given else wanted
-
-
-def _plain(number: float) -> Decimal:
-    return Decimal(repr(number)).normalize()

@@ -191,17 +191,15 @@ def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> di
 def _known(item: Item | None, limit: Limit, element: str) -> Known:
     """The quantity that a limit is applied to, with the uncertainty of that quantity.
 
-    Degrees of freedom are those of the element's budget, where it has one for this quantity.
+    Degrees of freedom are those of the element's budget, where it has one.
     """
     if item is None:
         return Known(None, None, None, math.inf)
     value = _at(getattr(item, limit.applied_to), element)
     own = getattr(item, f"U_{limit.applied_to.removeprefix('value_')}", None)
     U = _positive(_at(item.U if own is None else own, element))
-    budget = item.budgets.get(element) if own is None else None
-    if U and budget and budget.u_c > 0:
-        return Known(value, U, budget.u_c, budget.dof)
-    return Known(value, U, U / item.k if U else None, math.inf)
+    budget = item.budgets.get(element)
+    return Known(value, U, U / item.k if U else None, budget.dof if budget else math.inf)
 
 
 def _at(values: Elements | None, element: str) -> float | None:

@@ -17,12 +17,14 @@ from sample_certificate import (
     laboratory,
     manifest,
     order,
+    tolerance,
 )
 
 from schemas.base import Unusable
 from schemas.calibration import EnvironmentSeen, Remark
 from schemas.certificate import Certificate, Party
 from schemas.station import Equipment
+from schemas.tolerance import Limit
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
 
@@ -232,7 +234,20 @@ def wordy() -> Certificate:
     return certificate(result, decide(result, None))
 
 
-@pytest.mark.parametrize("made", [certificate, failed, bare, attitude_unit, wordy])
+def guarded() -> Certificate:
+    """Acceptance limits and conditional verdicts in every table, of one column and of two."""
+    every = items()
+    limits = [
+        Limit(item=name, unit=each.unit, magnitude=max(abs(v) for v in each.value.values() if v),
+              rule=rule, U_max=each.U["x" if "x" in each.U else "yx"])
+        for name, each in every.items()
+        for rule in ("guard_band", "shared_risk")
+    ]  # fmt: skip
+    result = calibration(items=every)
+    return certificate(result, decide(result, tolerance(limits=tuple(limits))))
+
+
+@pytest.mark.parametrize("made", [certificate, failed, bare, attitude_unit, wordy, guarded])
 def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
     pdf = render(made())
     assert_nothing_is_clipped(pdf)
