@@ -62,7 +62,8 @@ def _say_and_leave(sentence: str, code: int) -> None:
 
 @app.command()
 def demo(
-    speed: options.Speed = 60.0,
+    procedure: options.Procedure = "jjf2003",
+    speed: options.DemoSpeed = None,
     seed: options.Seed = 1,
     as_json: options.Json = False,
 ) -> None:
@@ -72,18 +73,21 @@ def demo(
     """
     from flows.demo import run_demo
 
-    run_demo(speed=speed, seed=seed, as_json=as_json)
+    run_demo(procedure=procedure, speed=speed, seed=seed, as_json=as_json)
 
 
 @app.command()
 def calibrate(
-    run: options.Run, method: options.Method = None, as_json: options.Json = False
+    run: options.Run,
+    method: options.Method = None,
+    uncertainty: options.Uncertainty = "gum",
+    as_json: options.Json = False,
 ) -> None:
     """Estimate every item the run allows.
 
     Says which items it cannot give, and why.
     """
-    calibration = _ordered("calibrate", reference=run, method=method)
+    calibration = _ordered("calibrate", reference=run, method=method, uncertainty=uncertainty)
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
@@ -96,10 +100,12 @@ def calibrate(
 def certify(
     run: options.Run,
     method: options.Method = None,
+    uncertainty: options.Uncertainty = "gum",
     tolerance: options.Tolerance = None,
     laboratory: options.Laboratory = None,
     order: options.Order = None,
     calibrated_on: options.CalibratedOn = None,
+    budget: options.Budget = False,
     as_json: options.Json = False,
 ) -> None:
     """Decide on a run, and make the certificate."""
@@ -107,10 +113,12 @@ def certify(
         "certify",
         reference=run,
         method=method,
+        uncertainty=uncertainty,
         tolerance=tolerance,
         laboratory=laboratory,
         order=order,
         calibrated_on=calibrated_on.date() if calibrated_on else None,
+        budget=budget,
     )
     _print_issued(issued, as_json)
 
@@ -130,7 +138,9 @@ def acquire(
 
     read_station(Path(station_file))  # a bad file is refused before a flow starts
     read_procedure(procedure)
-    run, acquired = _as_flow("acquire", station=station_file, procedure=procedure)
+    run, acquired = _as_flow(
+        "acquire", station=station_file, procedure=procedure, attended=not as_json
+    )
     if as_json:
         warnings = [remark.en for remark in acquired.warnings]
         _json(
@@ -156,21 +166,24 @@ def serve(
     speed: options.Speed = 1.0,
     fault: options.Faults = None,
     seed: options.Seed = 1,
+    ahrs: options.Ahrs = False,
     station_file: options.StationFile = Path("station.json"),
     truth: options.Truth = None,
 ) -> None:
-    """A virtual three-axis station as a server, until it is stopped."""
-    from flows.station import serve_station
+    """A virtual station as a server, until it is stopped."""
+    from flows.station import serve_station, virtual_station
 
-    serve_station(host, port, speed, tuple(fault or ()), seed, station_file, truth)
+    virtual = virtual_station(ahrs, seed)
+    serve_station(virtual, host, port, speed, tuple(fault or ()), station_file, truth)
 
 
 def _ordered(name: str, **parameters: Any) -> Any:
     """Carry out an order: as a flow run where a Prefect server is named, else right here."""
     from flows.server import server_named
-    from tasks.stages.estimate import check_method
+    from tasks.stages.estimate import check_method, check_uncertainty
 
     check_method(parameters["method"])
+    check_uncertainty(parameters["uncertainty"])
     if server_named():
         return _as_flow(name, **parameters)
     from flows import orders

@@ -7,32 +7,40 @@ from pathlib import Path
 from typing import Any
 
 from flows import server
+from flows.papers import read_procedure
 from flows.printing import print_calibration, print_rows, print_verdict
 from flows.progress import working
+from flows.station import virtual_station
 from schemas.base import Unusable
 from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
-from tasks.station.virtual.config import VirtualStation, truth
+from tasks.station.virtual.config import truth
 from tasks.station.virtual.process import running
-from tasks.station.virtual.unit import draw_unit
 
-DAYS_AHEAD = 400  # the demonstration's unit is due in a year
+DAYS_AHEAD = 800  # the demonstration's unit is due in a year, or in two
+SPEED, AHRS_SPEED = 60.0, 300.0  # what two cores keep up with: an AHRS sends less, and rests
 
 
-def run_demo(*, speed: float, seed: int, as_json: bool) -> None:
-    """Run the line once on a virtual station and print the paths of everything it made."""
+def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -> None:
+    """Run the line once on a virtual station and print the paths of everything it made.
+
+    Raises Unusable for a procedure that is none.
+    """
     began = time.monotonic()
     folder = home()
+    ahrs = read_procedure(procedure).standard == "JJF 1536-2015"
     server.prepare(folder)
-    config = VirtualStation(unit=draw_unit(seed))
+    config = virtual_station(ahrs, seed)
     _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
         from flows import line
-    with running(config, speed) as station:
+    with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         station_file = folder.demo / "station.json"
         _write(station_file, station.model_dump_json(indent=1))
-        issued = line.run_now(line.produce, station=str(station_file), **_papers())
+        issued = line.run_now(
+            line.produce, station=str(station_file), procedure=procedure, **_papers(ahrs)
+        )
     made = _made(issued, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
     if as_json:
@@ -52,9 +60,14 @@ def _write(path: Path, text: str) -> None:
         ) from error
 
 
-def _papers() -> dict[str, str]:
+def _papers(ahrs: bool) -> dict[str, str]:
     papers = files("flows") / "demo_papers"
-    return {name: str(papers / f"{name}.toml") for name in ("tolerance", "laboratory", "order")}
+    own = papers / "ahrs" if ahrs else papers
+    return {
+        "tolerance": str(own / "tolerance.toml"),
+        "laboratory": str(papers / "laboratory.toml"),
+        "order": str(own / "order.toml"),
+    }
 
 
 def _made(issued: Issued, folder: Home) -> dict[str, Any]:

@@ -35,10 +35,16 @@ def run_now(named: Flow[..., Any], **parameters: Any) -> Any:
 
 @flow(name="acquire", flow_run_name="acquire on {station}")
 def acquire(
-    station: str, procedure: str = "jjf2003", home_folder: str | None = None
+    station: str,
+    procedure: str = "jjf2003",
+    home_folder: str | None = None,
+    attended: bool = True,
 ) -> tuple[Run, Acquired]:
-    """Acquire a run from the station of a station file."""
-    return orders.acquire(as_tasks, station, procedure, home_folder)
+    """Acquire a run from the station of a station file.
+
+    attended: whether a person at the terminal, if there is one, may be asked.
+    """
+    return orders.acquire(as_tasks, station, procedure, home_folder, attended)
 
 
 @flow(name="produce", flow_run_name="produce on {station}")
@@ -53,15 +59,19 @@ def produce(
     """Acquire a run from a station, estimate every item, decide, publish the certificate."""
     read_papers(tolerance, laboratory, order, None)  # bad papers are refused before it turns
     run, _ = acquire(station, procedure, home_folder)
-    return certify(run.id, None, tolerance, laboratory, order, home_folder=home_folder)
+    papers = {"tolerance": tolerance, "laboratory": laboratory, "order": order}
+    return certify(run.id, **papers, home_folder=home_folder)
 
 
 @flow(name="calibrate", flow_run_name="calibrate {reference}")
 def calibrate(
-    reference: str, method: Method | None = None, home_folder: str | None = None
+    reference: str,
+    method: Method | None = None,
+    uncertainty: str = "gum",
+    home_folder: str | None = None,
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
-    calibration = orders.calibrate(as_tasks, reference, method, home_folder)
+    calibration = orders.calibrate(as_tasks, reference, method, uncertainty, home_folder)
     _show_items(calibration)
     return calibration
 
@@ -70,16 +80,19 @@ def calibrate(
 def certify(
     reference: str,
     method: Method | None = None,
+    uncertainty: str = "gum",
     tolerance: str | None = None,
     laboratory: str | None = None,
     order: str | None = None,
     calibrated_on: date | None = None,
+    budget: bool = False,
     home_folder: str | None = None,
 ) -> Issued:
     """Estimate, decide and publish the certificate of a run."""
     issued = orders.certify(
-        as_tasks, reference, method, tolerance, laboratory, order, calibrated_on, home_folder
-    )
+        as_tasks, reference, method, uncertainty, tolerance, laboratory, order, calibrated_on,
+        budget, home_folder,
+    )  # fmt: skip
     _show_items(issued.certificate.calibration)
     _show_certificate(issued)
     return issued

@@ -17,6 +17,10 @@ def _positive(value: float) -> float:
     return value
 
 
+def _positive_or_none(value: float | None) -> float | None:
+    return value if value is None else _positive(value)
+
+
 def _whole_days(value: datetime | None) -> datetime | None:
     """A day that has come: nothing was calibrated tomorrow."""
     if value is not None and value.date() > datetime.now().date():
@@ -29,6 +33,16 @@ Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a re
 Method = Annotated[
     str | None,
     typer.Option(metavar="NAME", help="jjf2003 or jjf1536; default: the recording's standard."),
+]
+Uncertainty = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="gum: law of propagation; example: as Appendix A of the specification does it.",
+    ),
+]
+Budget = Annotated[
+    bool, typer.Option("--budget", help="Print the uncertainty budgets on the certificate.")
 ]
 Tolerance = Annotated[
     str | None, typer.Option(metavar="FILE", help="Limits of the product model (TOML or JSON).")
@@ -71,6 +85,18 @@ Within = Annotated[int, typer.Option(metavar="DAYS", min=0, max=DAYS, help="Days
 Speed = Annotated[
     float,
     typer.Option(metavar="FACTOR", callback=_positive, help="Station seconds in a wall second."),
+]
+DemoSpeed = Annotated[
+    float | None,
+    typer.Option(
+        metavar="FACTOR",
+        callback=_positive_or_none,
+        help="Station seconds in a wall second; default: what the procedure lets it keep up with.",
+    ),
+]
+Ahrs = Annotated[
+    bool,
+    typer.Option("--ahrs", help="One axis and an AHRS, for JJF 1536; else three and a MIMU."),
 ]
 Seed = Annotated[int, typer.Option(metavar="NUMBER", min=0, help="Which virtual unit.")]
 Host = Annotated[str, typer.Option(metavar="ADDRESS", help="Address on which it listens.")]

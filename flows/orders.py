@@ -9,6 +9,7 @@ from datetime import date
 from pathlib import Path
 from types import ModuleType
 
+from flows import operator
 from flows.ending import ending_as_by_ctrl_c
 from flows.papers import read_papers, read_procedure
 from flows.progress import acquisition_progress
@@ -21,24 +22,32 @@ from tasks.station.sequence import Acquired
 
 
 def acquire(
-    stages: ModuleType, station: str, procedure: str, home_folder: str | None
+    stages: ModuleType, station: str, procedure: str, home_folder: str | None, attended: bool
 ) -> tuple[store.Run, Acquired]:
-    """Acquire a run from the station of a station file."""
+    """Acquire a run from the station of a station file.
+
+    attended: whether a person at the terminal may be asked to turn the unit over.
+    """
     stand = settings.read_station(Path(station))
     steps = read_procedure(procedure)
+    ask = operator.at_terminal() if attended else None
     with ending_as_by_ctrl_c(), acquisition_progress() as report:
         acquired: tuple[store.Run, Acquired]
-        acquired = stages.acquire_run(stand, steps, place(home_folder), report)
+        acquired = stages.acquire_run(stand, steps, place(home_folder), report, ask)
         return acquired
 
 
 def calibrate(
-    stages: ModuleType, reference: str, method: Method | None, home_folder: str | None = None
+    stages: ModuleType,
+    reference: str,
+    method: Method | None,
+    uncertainty: str,
+    home_folder: str | None = None,
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
     folder = place(home_folder)
     run = run_of(reference, folder, stages)
-    calibration: Calibration = stages.estimate_items(run, folder, method)
+    calibration: Calibration = stages.estimate_items(run, folder, method, uncertainty)
     return calibration
 
 
@@ -46,17 +55,19 @@ def certify(
     stages: ModuleType,
     reference: str,
     method: Method | None,
+    uncertainty: str,
     tolerance: str | None,
     laboratory: str | None,
     order: str | None,
     calibrated_on: date | None,
+    budget: bool,
     home_folder: str | None = None,
 ) -> Issued:
     """Estimate, decide and publish the certificate of a run. Bad papers are refused first."""
     folder = place(home_folder)
-    papers = read_papers(tolerance, laboratory, order, calibrated_on)
+    papers = read_papers(tolerance, laboratory, order, calibrated_on, budget)
     run = run_of(reference, folder, stages)
-    calibration = stages.estimate_items(run, folder, method)
+    calibration = stages.estimate_items(run, folder, method, uncertainty, papers.laboratory)
     issued: Issued = stages.publish(run, calibration, folder, papers)
     return issued
 

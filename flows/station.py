@@ -9,23 +9,26 @@ from schemas.station import StationFile
 from tasks.station.virtual import config as virtual
 from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.servers import serve
-from tasks.station.virtual.unit import draw_unit
+
+
+def virtual_station(ahrs: bool, seed: int) -> virtual.VirtualStation:
+    """One axis with an AHRS, or three axes with a MIMU; the seed draws the unit."""
+    return virtual.ahrs_station(seed) if ahrs else virtual.mimu_station(seed)
 
 
 def serve_station(
+    station: virtual.VirtualStation,
     host: str,
     port: int,
     speed: float,
     faults: tuple[str, ...],
-    seed: int,
     station_file: Path,
     truth: Path | None,
 ) -> None:
-    """Serve a virtual three-axis station; its station file and its truth are written first.
+    """Serve a virtual station; its station file and its truth are written first.
 
     Raises Unusable for an unknown fault, a port that is taken, a file that cannot be written.
     """
-    station = virtual.VirtualStation(unit=draw_unit(seed))
     troubles = tuple(Fault.parse(each) for each in faults)
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))

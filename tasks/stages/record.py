@@ -15,6 +15,7 @@ from storage.raw import RawWriter, read_mcap
 from storage.store import Run
 from tasks.stages import refuse
 from tasks.stages.broken_off import BrokenOff
+from tasks.station.fixture import Ask
 from tasks.station.sequence import Acquired, Progress, acquire
 
 
@@ -58,8 +59,11 @@ def acquire_run(
     procedure: Procedure,
     home: Home,
     report: Callable[[Progress], None],
+    ask: Ask | None = None,
 ) -> tuple[Run, Acquired]:
     """A run on a station: raw is written as it comes, then kept as a run.
+
+    ask: has a person turn the unit over, where the station cannot.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as an MCAP
     file, and the sentence of Unusable or BrokenOff says where. A file without a reading of the
@@ -71,7 +75,7 @@ def acquire_run(
     sink = _open(raw)
     try:
         with sink:
-            acquired = acquire(station, procedure, sink, report, recording_id=recording_id)
+            acquired = acquire(station, procedure, sink, report, recording_id=recording_id, ask=ask)
         run, _ = store.keep(read_mcap(raw), home)
     except Unusable as fault:
         raise Unusable(_told(fault, sink, raw)) from fault

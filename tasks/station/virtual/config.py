@@ -56,6 +56,11 @@ class VirtualStation(Frozen):
     unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
 
 
+def mimu_station(seed: int) -> VirtualStation:
+    """A three-axis station with a MIMU on it, as JJF 2003-2022 has them."""
+    return VirtualStation(unit=draw_unit(seed))
+
+
 def ahrs_station(seed: int) -> VirtualStation:
     """A single-axis station with an AHRS on it, as JJF 1536-2015 has them."""
     table = TableDesign(axes=(TableAxis(name="table", direction=(0.0, 0.0, 1.0)),), capture_ms=100)

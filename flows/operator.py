@@ -1,0 +1,35 @@
+"""The person at the terminal, who turns the unit over where the station cannot."""
+
+import asyncio
+import os
+import sys
+import termios
+
+from flows.progress import CONSOLE
+from schemas.base import Unusable
+from schemas.procedure import Refix
+from tasks.station.fixture import Ask
+
+
+def at_terminal() -> Ask | None:
+    """How to ask the person at the terminal; None where standard input is none."""
+    return _ask if sys.stdin is not None and sys.stdin.isatty() else None
+
+
+async def _ask(refix: Refix) -> None:
+    """Say what is to be done and wait for Enter; one that was pressed before does not count.
+
+    Acquisition goes on meanwhile. Raises Unusable where the terminal is closed.
+    """
+    terminal = sys.stdin.fileno()
+    termios.tcflush(terminal, termios.TCIFLUSH)
+    CONSOLE.print(f"{refix.instruction}\n{refix.instruction_zh}", markup=False)
+    CONSOLE.print("Then press Enter. 完成后按回车键。", markup=False)
+    loop, pressed = asyncio.get_running_loop(), asyncio.Event()
+    loop.add_reader(terminal, pressed.set)
+    try:
+        await pressed.wait()
+    finally:
+        loop.remove_reader(terminal)
+    if not os.read(terminal, 4096):
+        raise Unusable("the terminal was closed before the unit was turned over: start again")
