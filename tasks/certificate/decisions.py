@@ -29,10 +29,10 @@ SPECIFIC = (
     "from the measured value and its standard uncertainty u (normal, or t where its degrees of "
     "freedom are finite), without prior knowledge (JCGM 106, 9.3): ",
 )
-ACCEPTING = ("合格判定的错误接受概率 1 − P_c 最大 {} ({})",
-             "false acceptance of a pass, 1 − P_c, at most {} ({})")  # fmt: skip
-REJECTING = ("不合格判定的错误拒绝概率 P_c 最大 {} ({})",
-             "false rejection of a fail, P_c, at most {} ({})")  # fmt: skip
+ACCEPTING = ("合格判定的错误接受概率 1 − P_c，最大者 {} ({})",
+             "false acceptance of a pass, 1 − P_c, the largest {} ({})")  # fmt: skip
+REJECTING = ("不合格判定的错误拒绝概率 P_c，最大者 {} ({})",
+             "false rejection of a fail, P_c, the largest {} ({})")  # fmt: skip
 RULE = ("判定规则", "Decision rule")
 GLOBAL = ("{}：用户风险 {}，生产方风险 {}", "{}: consumer's {}, producer's {}")
 

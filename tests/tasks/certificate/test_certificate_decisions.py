@@ -56,9 +56,9 @@ def test_a_fail_beyond_doubt_is_a_plain_one() -> None:
 
 def test_the_largest_risks_are_told_with_whose_they_are() -> None:
     zh, en = fields(content(made([0.0499, 0.0501, 0.02], tolerance())))["Risk of a wrong decision"]
-    assert "false acceptance of a pass, 1 − P_c, at most 27.9 % (B_gx)" in en
-    assert "false rejection of a fail, P_c, at most 27.9 % (B_gy)" in en
-    assert "错误接受概率 1 − P_c 最大 27.9 %" in zh
+    assert "false acceptance of a pass, 1 − P_c, the largest 27.9 % (B_gx)" in en
+    assert "false rejection of a fail, P_c, the largest 27.9 % (B_gy)" in en
+    assert "错误接受概率 1 − P_c，最大者 27.9 %" in zh
 
 
 def test_a_guard_band_prints_its_rule_its_width_and_its_acceptance_limits() -> None:
