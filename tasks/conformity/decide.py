@@ -196,8 +196,9 @@ def _known(item: Item | None, limit: Limit, element: str) -> Known:
     if item is None:
         return Known(None, None, None, math.inf)
     value = _at(getattr(item, limit.applied_to), element)
-    own = getattr(item, f"U_{limit.applied_to.removeprefix('value_')}", None)
-    U = _positive(_at(item.U if own is None else own, element))
+    without_earth = limit.applied_to == "value_without_earth_rotation"
+    own = item.U_without_earth_rotation if without_earth else None
+    U = _positive(_at(own or item.U, element))
     budget = item.budgets.get(element)
     return Known(value, U, U / item.k if U else None, budget.dof if budget else math.inf)
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
+from scipy.special import ndtr
 
 from schemas.calibration import Remark
 from schemas.tolerance import Limit, Prior
@@ -129,3 +130,16 @@ def test_an_uncertainty_too_large_for_its_rule_says_for_which(
     assert decision.verdict == "inconclusive"
     assert why in decision.reasons[0]
     assert why_zh in decision.reasons_zh[0]
+
+
+def test_the_value_without_earth_rotation_is_decided_on_with_its_own_uncertainty() -> None:
+    g: dict[str, float | None] = dict.fromkeys((a + b for a in "xyz" for b in "xyz"), 0.0095)
+    own = dict.fromkeys(g, 0.004)
+    result = item(g, unit="(deg/s)/g", value_without_earth_rotation=g)
+    limit = Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", magnitude=0.01,
+                  applied_to="value_without_earth_rotation")  # fmt: skip
+    for uncertain, U in ((result, 0.001), (result.model_copy(
+            update={"U_without_earth_rotation": own}), 0.004)):  # fmt: skip
+        made = decide(calibration({"gyro_g_sensitivity": uncertain}), tolerance(limit)).limits[0]
+        assert made.U == U
+        assert made.false_acceptance == pytest.approx(ndtr(-0.0005 / (U / 2)), abs=1e-6)
