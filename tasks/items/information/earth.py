@@ -9,26 +9,34 @@ NAME = "gyro_g_sensitivity_without_earth_rotation"
 
 
 def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
-    """g-sensitivity less K·ωe·sin φ, (deg/s)/g; nothing where the latitude is not told."""
+    """g-sensitivity less K·ωe·sin φ, (deg/s)/g.
+
+    Nothing where the latitude is not told, or where the item's own value is without it.
+    """
     item = items.get(ITEM)
     still = item.value_without_earth_rotation if item else None
-    if item is None or still is None or all(value is None for value in still.values()):
+    if item is None or still is None:
         return {}
     off = max(
-        abs(value - other) / U
-        for element, other in still.items()
-        if other is not None
-        and (value := item.value[element]) is not None
-        and (U := item.U[element])
+        (
+            abs(value - other) / U
+            for element, other in still.items()
+            if other is not None
+            and (value := item.value[element]) is not None
+            and (U := item.U[element])
+        ),
+        default=0.0,
     )
+    if not off:
+        return {}
     return {
         NAME: Information(
             title="Gyro g-sensitivity without Earth's rotation",
             title_zh="扣除地球自转的陀螺加速度敏感系数",
             unit=item.unit,
             value=still,
-            u=_where_known(item.u, still),
-            U=_where_known(item.U, still),
+            u=item.u_without_earth_rotation,
+            U=item.U_without_earth_rotation,
             about=ITEM,
             en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; the "
             f"value by eq. (7) contains it and is off by up to {off:.2g} times its U.",
@@ -36,9 +44,3 @@ def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
             f"最多偏离 U 的 {off:.2g} 倍。",
         )
     }
-
-
-def _where_known(
-    u: Mapping[str, float | None], value: Mapping[str, float | None]
-) -> dict[str, float | None]:
-    return {element: None if value[element] is None else u[element] for element in value}
