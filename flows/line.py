@@ -59,8 +59,9 @@ def produce(
     """Acquire a run from a station, estimate every item, decide, publish the certificate."""
     read_papers(tolerance, laboratory, order, None)  # bad papers are refused before it turns
     run, _ = acquire(station, procedure, home_folder)
-    papers = {"tolerance": tolerance, "laboratory": laboratory, "order": order}
-    return certify(run.id, **papers, home_folder=home_folder)
+    return certify(
+        run.id, tolerance=tolerance, laboratory=laboratory, order=order, home_folder=home_folder
+    )
 
 
 @flow(name="calibrate", flow_run_name="calibrate {reference}")

@@ -10,7 +10,11 @@ from tasks.station import procedures
 
 
 def read_papers(
-    tolerance: str | None, laboratory: str | None, order: str | None, calibrated_on: date | None
+    tolerance: str | None,
+    laboratory: str | None,
+    order: str | None,
+    calibrated_on: date | None,
+    budget: bool = False,
 ) -> Papers:
     """Read the named files. Raises Unusable for a bad one, before anything turns."""
     return Papers(
@@ -18,6 +22,7 @@ def read_papers(
         settings.read_laboratory(Path(laboratory)) if laboratory else None,
         settings.read_order(Path(order)) if order else None,
         calibrated_on,
+        budget,
     )
 
 

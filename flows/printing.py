@@ -13,6 +13,7 @@ from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
 from tasks.certificate.names import item_name, unit_text, verdict_words
 from tasks.certificate.reasons import conditional
+from tasks.items.parts import K_FACTOR
 from tasks.uncertainty.rounding import column
 
 if TYPE_CHECKING:
@@ -65,8 +66,8 @@ def _print_information(console: Console, calibration: Calibration) -> None:
 
 def _results_table(title: str, of: str) -> Table:
     table = Table(title=Text(title))
-    for name, justify in ((of, "left"), ("", "left"), ("value", "right"), ("U (k=2)", "right"),
-                          ("unit", "left")):  # fmt: skip
+    for name, justify in ((of, "left"), ("", "left"), ("value", "right"), ("U", "right"),
+                          ("k", "right"), ("unit", "left")):  # fmt: skip
         table.add_column(name, justify=justify)  # type: ignore[arg-type]
     return table
 
@@ -82,6 +83,7 @@ def _add_item(table: Table, name: str, item: Item | Information) -> None:
             Text(element),
             value or "–",
             expanded or "–",
+            f"{item.k if isinstance(item, Item) else K_FACTOR:g}",
             power + unit_text(item.unit),
             end_section=row == len(item.value) - 1,
         )

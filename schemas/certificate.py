@@ -75,6 +75,7 @@ class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
     calibrated_on: null where nothing tells the day; `due` then counts from `issued_on`.
+    budgets: whether the uncertainty budgets of the calibration are printed.
     """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
@@ -88,6 +89,7 @@ class Certificate(Frozen):
     manifest: Manifest
     calibration: Calibration
     decision: Decision
+    budgets: bool = False
 
     @model_validator(mode="after")
     def _received_before_it_was_calibrated(self) -> Self:

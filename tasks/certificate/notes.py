@@ -9,6 +9,7 @@ from tasks.certificate.appendix import TABLE_ITEMS
 from tasks.certificate.fields import given, listed
 from tasks.certificate.names import Pair, item_name
 from tasks.certificate.typography import clause, pair
+from tasks.items.parts import K_FACTOR
 
 FOLLOWED = ("本次校准依据 {}", "Calibrated according to {}")
 DEVIATED = (
@@ -83,6 +84,11 @@ COVERAGE = (
     "k = {k:g}，正态分布时包含概率约 {percent:.0f} %",
     "k = {k:g}, about {percent:.0f} % coverage probability for a normal distribution",
 )
+COVERAGE_BY_T = (
+    "k = 2 … {k:g}，包含概率约 95 %（有效自由度小于 50 时按 t 分布取 k）",
+    "k = 2 to {k:g}, about 95 % coverage probability (k by Student's t where an element has fewer "
+    "than 50 effective degrees of freedom)",
+)
 BLOCKS = ("本条影响判定：不得判为合格。", "This prevents a pass.")
 SEE_REMARKS = (
     "“说明”中标有“影响判定”的 {} 条。",
@@ -131,11 +137,19 @@ def head_of_results(calibration: Calibration) -> Pair | None:
     """What U contains and which coverage probability goes with k; None without a value."""
     values = [item for item in calibration.items.values() if determined(item)]
     kinds = dict.fromkeys(CONTENTS_IN_SHORT[item.uncertainty_kind] for item in values)
-    ks = dict.fromkeys(item.k for item in values)
-    said = [*kinds, *(_coverage(k) for k in ks)]
-    if not said:
+    if not values:
         return None
+    said = [*kinds, *_coverages(values)]
     return "；".join(zh for zh, _ in said) + "。", "; ".join(en for _, en in said) + "."
+
+
+def _coverages(values: list[Item]) -> list[Pair]:
+    """The coverage probability of k; by Student's t for budgets with few degrees of freedom."""
+    largest = max(item.k for item in values)
+    if largest > K_FACTOR and all(item.uncertainty_kind == "GUM" for item in values):
+        zh, en = COVERAGE_BY_T
+        return [(zh.format(k=largest), en.format(k=largest))]
+    return [_coverage(k) for k in dict.fromkeys(item.k for item in values)]
 
 
 def _coverage(k: float) -> Pair:

@@ -74,6 +74,7 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
         manifest=manifest,
         calibration=calibration,
         decision=decision,
+        budgets=papers.budget,
     )
     pdf, record = store.save_certificate(certificate, render(certificate), home)
     return Issued(certificate, pdf, record)

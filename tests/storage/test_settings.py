@@ -124,3 +124,16 @@ def test_file_that_cannot_be_read_is_not_passed_over(fresh: Home) -> None:
     write(fresh.tolerances / "b.toml", "model = ")
     with pytest.raises(Unusable, match=r"b\.toml is not TOML"):
         settings.tolerance_for("Maker", "U 1", fresh)
+
+
+def test_a_laboratory_tells_its_own_limits_by_name(fresh: Home) -> None:
+    path = fresh.path / "laboratory.toml"
+    own = '[limits.rate]\nhalf_width = 2e-6\ndistribution = "normal"\nsource = "certificate 7"\n'
+    laboratory = settings.read_laboratory(write(path, f"party = {PARTY}\n{own}"))
+    assert laboratory.limits["rate"].half_width == 2e-6
+    write(path, f"party = {PARTY}\n{own.replace('limits.rate', 'limits.colour')}")
+    with pytest.raises(Unusable, match=r"limits\.colour"):
+        settings.read_laboratory(path)
+    write(path, f"party = {PARTY}\n{own.replace('2e-6', '-2e-6')}")
+    with pytest.raises(Unusable, match=r"limits\.rate\.half_width"):
+        settings.read_laboratory(path)
