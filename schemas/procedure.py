@@ -25,7 +25,7 @@ class Position(Frozen):
 
 
 class Sweep(Frozen):
-    """Rests that serve one axis of the unit: a table axis at each of its stops, others held."""
+    """Rests that serve one axis of the unit: a vertical table axis at each of its stops."""
 
     kind: Literal["sweep"] = "sweep"
     name: str

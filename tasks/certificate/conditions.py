@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration, SegmentUsed
 from schemas.recording import AXES, Axis, Manifest
+from tasks.certificate.conditions_ahrs import ahrs_fields
 from tasks.certificate.fields import NOT_GIVEN, Field, given, number
 from tasks.certificate.names import Pair
 from tasks.certificate.typography import pair
@@ -28,9 +29,10 @@ class Rates:
 
 @dataclass(frozen=True)
 class Conditions:
-    """What the certificate says about how it was measured."""
+    """What the certificate says about how it was measured; has_p: whether p is calibrated."""
 
     rates: tuple[Rates, ...]
+    has_p: bool
     fields: tuple[Field, ...]
     sentences: tuple[Pair, ...]
 
@@ -39,12 +41,15 @@ def conditions(calibration: Calibration, manifest: Manifest) -> Conditions:
     """Rate points, dwell, positions, mounting, and whether the largest rate was included."""
     turning = [each for each in calibration.segments if each.kind in ("rate", "rotation")]
     rates = tuple(_rates(calibration, axis) for axis in AXES) if turning else ()
+    of_ahrs = calibration.method == "jjf1536"
     position = (manifest.model_extra or {}).get("mounting_position")
     return Conditions(
         rates=rates,
+        has_p=not of_ahrs,
         fields=(
             Field(("采样时间（最短）", "Dwell (shortest)"), _dwell(calibration)),
             Field(("静止位置", "Positions at rest"), _positions(calibration, manifest)),
+            *(ahrs_fields(calibration, manifest) if of_ahrs else ()),
             Field(
                 ("安装姿态四元数（w, x, y, z）", "Mounting quaternion (w, x, y, z)"),
                 _attitudes(manifest),

@@ -13,6 +13,7 @@ Pair = tuple[str, str]  # Chinese, English
 
 MATRIX = tuple(reads + given for reads in AXES for given in AXES)
 OFF_DIAGONAL = tuple(e for e in MATRIX if e[0] != e[1])
+# The input axis first, as Appendix B of the one and Appendix C of the other list them.
 APPENDIX_B = ("yx", "zx", "xy", "zy", "xz", "yz")
 
 UNITS = {
@@ -96,8 +97,8 @@ ITEMS = {
         "{angle}零偏", "Zero offset of the {angle}", AXES, "deg/s"),
     "ahrs_misalignment": ItemName(
         "失准角", "Misalignment angle", "L", "{e}",
-        "{r} 轴对 {i} 轴失准角", "Misalignment of the {r} axis to the {i} axis",
-        OFF_DIAGONAL, "deg"),
+        "{i} 轴对 {r} 轴失准角", "Misalignment of the {i} axis to the {r} axis",
+        APPENDIX_B, "deg"),
 }  # fmt: skip
 
 QUANTITIES = {

@@ -5,7 +5,7 @@ import re
 from tasks.certificate.names import Pair
 from tasks.uncertainty.rounding import MINUS
 
-_NUMBER = r"\(\d+\)"
+_NUMBER = r"\((?:[A-Z]\.)?\d+\)"
 
 
 def english(text: str) -> str:
@@ -34,6 +34,9 @@ def clause(text: str, specification: str = "") -> Pair:
     short = text.removeprefix(specification).strip(" ,")
     zh = re.sub(r"list under (eq\. \(\d+\))", r"\1下列表", short)
     zh = re.sub(r"Appendix ([A-Z])(?:, (\d+))?", _appendix, zh)
+    zh = re.sub(r"Table (\d)", r"表 \1", zh)
+    zh = re.sub(r"(?<=\d) to (?=\d)", "～", zh)
+    zh = re.sub(r"(?<=\)) and (?=eq\.)", "、", zh)
     zh = chinese(zh).replace(" and ", " 和 ")
     return re.sub(r", (?=式)", " ", zh).replace(", ", "，"), english(short)
 

@@ -139,9 +139,11 @@ READINGS: dict[str, Reading] = {
     ),
     "jjf1536.index_order": Reading(
         "JJF 1536-2015, 7.3.1, Table 3, 7.3.2 eq. (17) and Appendix C",
-        "The first index is the axis that reads, the second the axis that turns, as in eq. (1); "
-        "Table 3 and 7.3 mix the order.",
-        "第一下标为输出轴，第二下标为转动轴，与式(1)一致；表 3 及 7.3 中次序混用。",
+        "The first index is the axis that reads, the second the axis that turns, as in eq. (1) and "
+        "(7): the misalignment of the X axis to the Y axis is L_yx. Table 3, 7.3 and Appendix C mix "
+        "the order.",
+        "第一下标为输出轴，第二下标为转动轴，与式(1)、式(7)一致：X 轴对 Y 轴失准角为 L_yx；"
+        "表 3、7.3 及附录 C 中次序混用。",
     ),
     "jjf1536.turned_angle": Reading(
         "JJF 1536-2015, 7.3.2 eq. (17)",
@@ -160,5 +162,41 @@ READINGS: dict[str, Reading] = {
         "JJF 1536-2015, Appendix B eq. (B.4)",
         "By (B.1), heading is atan2(−T12, T22) and roll atan2(−T31, T33), over all quadrants.",
         "由式(B.1)，航向角为 atan2(−T12, T22)，横滚角为 atan2(−T31, T33)，取全象限。",
+    ),
+    "joint.method": Reading(
+        "JJF 2003-2022, 5.1 eq. (1), 5.2 eq. (2)",
+        "The patent's formulas are cut off; read as: least squares for scale factor times "
+        "installation error, and bias, over all dynamic and static samples; then bias and "
+        "g-sensitivity from the rests; repeated until nothing changes.",
+        "专利文本公式缺失，理解为：对全部动态、静态采样以最小二乘求标度因数与安装误差之积及偏值，"
+        "再由静止采样修正偏值和 g 敏感系数，迭代至收敛。",
+    ),
+    "joint.g_earth": Reading(
+        "JJF 2003-2022, 5.1 eq. (1)",
+        "Earth's rotation is a known input where the latitude is told: the g-sensitivity is "
+        "without it, unlike the value by eq. (7).",
+        "已知纬度时地球自转为已知输入：g 敏感系数不含地球自转，与式(7)的值不同。",
+    ),
+    "joint.fit_offset": Reading(
+        "JJF 2003-2022, 7.2.1.2 eq. (4)",
+        "The offset is the mean of reading less K·rate over the rate points about the axis, K "
+        "of the joint fit; it contains bias, g-sensitivity and Earth's rotation at that attitude.",
+        "拟合零位取绕该轴各角速率点读数减去 K·角速率（K 为联合拟合值）的均值，含该姿态下的偏值、"
+        "g 敏感项及地球自转。",
+    ),
+    "joint.gravity_alone": Reading(
+        "JJF 2003-2022, 5.2 eq. (2)",
+        "With gravity as the only reference, |K⁻¹·(a − B)| = g in every rest. The body axes are "
+        "then defined by the accelerometers: z is the z accelerometer's own axis, y lies in the "
+        "plane of those of y and z; K_yx, K_zx and K_zy are zero by definition.",
+        "仅以重力为参考：各静止位置满足 |K⁻¹·(a − B)| = g。此时体坐标系由加速度计定义："
+        "z 为 z 加速度计敏感轴，y 位于 y、z 敏感轴平面内；K_yx、K_zx、K_zy 按定义为零。",
+    ),
+    "joint.gravity_moves": Reading(
+        "JJF 2003-2022, 5.1 eq. (1)",
+        "Without a table the gyro's matrix comes from the moves between rests: its readings, "
+        "integrated over a move, must turn the vertical of one rest into that of the next.",
+        "无转台时，陀螺矩阵由静止位置之间的运动求得：对运动期间的陀螺输出积分，"
+        "应使前一静止位置的竖直方向转到后一位置的竖直方向。",
     ),
 }

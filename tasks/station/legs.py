@@ -111,6 +111,7 @@ def _legs(procedure: Procedure, step: Position | Sweep | RateRun | Turns) -> Ite
                     common,
                     name=f"{step.name}_{stop:03g}",
                     angles_deg=tuple(angles),
+                    turn_deg=stop,
                     dwell_s=step.dwell_s,
                 )
         case RateRun():

@@ -1,0 +1,82 @@
+"""The pages after Appendix C of JJF 1536-2015: order, wording, positions, turns."""
+
+import io
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any
+
+import pypdf
+import pytest
+from sample_certificate import certificate
+
+from schemas.certificate import Certificate
+from schemas.recording import Recording
+from tasks.certificate.content import Content, content
+from tasks.certificate.pdf import render
+from tasks.conformity import decide
+from tasks.items import jjf1536
+
+# Clause 5.6 to 5.8: X turns, Y reads is «X axis to Y axis», L_yx; the order of Appendix C.
+ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),
+         ("Z", "X", "xz"), ("Z", "Y", "yz")]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def made(plant: Callable[[str], Recording]) -> Certificate:
+    recording = plant("ahrs_clean")
+    result = jjf1536.calibrate(recording, run="r1", code_version="test")
+    return certificate(result, decide(result, None), manifest=recording.manifest)
+
+
+@pytest.fixture(scope="module")
+def written(made: Certificate) -> Content:
+    return content(made)
+
+
+def fields(made: Content) -> dict[str, Any]:
+    return {field.label[1]: field.value for field in made.conditions.fields}
+
+
+def test_misalignment_is_called_by_the_axis_that_turns_and_then_the_one_that_reads(written):
+    rows = written.sections[2].groups[0].rows
+    assert [(row.name[0], row.sub) for row in rows] == [
+        (f"{turns} 轴对 {reads} 轴失准角", element) for turns, reads, element in ORDER
+    ]
+    assert rows[0].name[1] == "Misalignment of the X axis to the Y axis"
+
+
+def test_a_row_of_the_misalignment_has_the_value_of_its_element(made, written):
+    group = written.sections[2].groups[0]
+    values = made.calibration.items["ahrs_misalignment"].value
+    for row in group.rows:
+        shown = float((row.value or "").replace("−", "-")) * 10.0**group.exponent
+        assert shown == pytest.approx(values[row.sub], abs=2e-4)
+
+
+def test_positions_and_turns_of_the_clauses_are_told(written):
+    told = fields(written)
+    assert told["Positions for the zero offset"] == (
+        "X 轴 4 个，各 1800 s；Y 轴 4 个，各 1800 s；Z 轴 4 个，各 1800 s",
+        "X: 4 of 1800 s each; Y: 4 of 1800 s each; Z: 4 of 1800 s each",
+    )
+    assert told["Whole turns"][1].startswith("X: +10, −10 turns at 100 °/s; Y: ")
+    assert told["Whole turns"][0].startswith("X 轴 +10, −10 周，100 °/s；Y 轴 ")
+
+
+def test_no_page_speaks_of_the_rate_for_p(made):
+    pages = pypdf.PdfReader(io.BytesIO(render(made))).pages
+    text = "".join("".join(page.extract_text().split()) for page in pages)
+    assert "Rateused" not in text
+    assert "X轴对Y轴失准角" in text
+
+
+def test_clauses_are_in_chinese_where_the_page_is(written):
+    chinese = [zh for _, (zh, _), _ in written.readings]
+    assert not [zh for zh in chinese if "eq." in zh or "Table" in zh or " to " in zh]
+    assert any("表 3" in zh for zh in chinese)
+    assert any("式(A.4)" in zh for zh in chinese)
+
+
+def test_the_register_says_which_index_turns(written):
+    said = str(asdict(written)["readings"])
+    assert "X 轴对 Y 轴失准角为 L_yx" in said
