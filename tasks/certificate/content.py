@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from schemas.certificate import Certificate
 from tasks.certificate import cover
+from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import Conditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conditions_of_a_pass, conformity
@@ -63,6 +64,7 @@ class Content:
     reasons: tuple[Pair, ...]
     readings: tuple[tuple[str, Pair, Pair], ...]
     remarks: tuple[Pair, ...]
+    budgets: Budgets | None
     trace: tuple[Field, ...]
 
 
@@ -94,6 +96,7 @@ def content(certificate: Certificate) -> Content:
         reasons=(*reasons(calibration, decision), *conditions_of_a_pass(decision)),
         readings=readings(calibration),
         remarks=remarks(calibration),
+        budgets=budgets(calibration) if certificate.budgets else None,
         trace=_trace(certificate),
     )
 

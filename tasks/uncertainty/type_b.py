@@ -19,7 +19,7 @@ from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
 
-TURN = 2.0 * math.pi
+ROUNDING = 1e-12  # of a sum: what is less is zero
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,9 @@ def turning_rate(
     for _, limit in equipment.rates:
         held = np.array([limit in each for each in belongs])
         if held.any():
-            lines.append(_line(limit, slope * float(weights[held].sum())))
+            total = float(weights[held].sum())
+            balanced = abs(total) < ROUNDING * float(np.abs(weights[held]).sum())
+            lines.append(_line(limit, 0.0 if balanced else slope * total))
     if equipment.ripple is not None:
         turned = np.maximum(np.abs(rates) * seconds, 2.0)
         lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights * 2.0 / turned))))
