@@ -32,7 +32,7 @@ Json = Annotated[bool, typer.Option("--json", help="One JSON document on standar
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
 Method = Annotated[
     str | None,
-    typer.Option(metavar="NAME", help="jjf2003 or jjf1536; default: the recording's standard."),
+    typer.Option(metavar="NAME", help="jjf2003, joint or jjf1536; default: the recording's standard."),
 ]
 Uncertainty = Annotated[
     str,

@@ -75,43 +75,49 @@ def fit(
             f"the fit of {names} did not settle in {MOST_STEPS} steps; the recording does not "
             "determine these terms together: leave one out"
         )
-    return _finished(terms, motion, readings, values, equations, inverse, estimable)
+    return _finished(terms, motion, readings, noise, values, equations, inverse, estimable)
 
 
 @dataclass(frozen=True)
 class _Equations:
-    """Normal equations at some values: normal (p, p), right (p,), spread (p, p), used (n, 6)."""
+    """Normal equations at some values: normal (p, p), right (p,), weights (n, 6), 0: not used."""
 
+    design: Design
     normal: np.ndarray
     right: np.ndarray
-    spread: np.ndarray
-    used: np.ndarray
     weights: np.ndarray
 
     @classmethod
     def of(cls, design: Design, readings: np.ndarray, noise: RowNoise) -> "_Equations":
         count = len(design.columns)
-        normal, spread = np.zeros((count, count)), np.zeros((count, count))
-        right = np.zeros(count)
-        used = np.isfinite(readings)
+        normal, right = np.zeros((count, count)), np.zeros(count)
         weights = np.zeros_like(readings)
         for channel in range(CHANNEL_COUNT):
             which, columns = design.of_channel(channel)
-            if not which or not used[:, channel].any():
-                used[:, channel] = False
+            used = np.isfinite(readings[:, channel]) & (noise.white[:, channel] > 0)
+            used &= np.isfinite(columns).all(axis=1)
+            if not which or not used.any():
                 continue
-            rows = used[:, channel] & np.isfinite(columns).all(axis=1)
-            rows &= noise.white[:, channel] > 0
-            used[:, channel] = rows
-            weights[rows, channel] = 1.0 / noise.white[rows, channel]
-            columns = np.where(rows[:, None], columns, 0.0)
-            weighted = columns * weights[:, channel, None]
-            miss = np.where(rows, readings[:, channel] - design.prediction[:, channel], 0.0)
-            block = np.ix_(which, which)
-            normal[block] += columns.T @ weighted
+            weights[used, channel] = 1.0 / noise.white[used, channel]
+            miss = np.where(used, readings[:, channel] - design.prediction[:, channel], 0.0)
+            weighted = _weighted(columns, weights[:, channel])
+            normal[np.ix_(which, which)] += _weighted(columns, used).T @ weighted
             right[which] += weighted.T @ miss
-            spread[block] += noise.gram(channel, weighted)
-        return cls(normal, right, spread, used, weights)
+        return cls(design, normal, right, weights)
+
+    def spread(self, noise: RowNoise) -> np.ndarray:
+        """Covariance (p, p) of the right side, ΦᵀW Σ WΦ, by the whole noise."""
+        spread = np.zeros_like(self.normal)
+        for channel in np.flatnonzero(self.weights.any(axis=0)):
+            which, columns = self.design.of_channel(int(channel))
+            weighted = _weighted(columns, self.weights[:, channel])
+            spread[np.ix_(which, which)] += noise.gram(int(channel), weighted)
+        return spread
+
+
+def _weighted(columns: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Columns (n, k) times weights (n,); zero where the weight is, whatever the column says."""
+    return np.where((weights > 0)[:, None], columns, 0.0) * weights[:, None]
 
 
 def _inverse(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -128,20 +134,21 @@ def _finished(
     terms: tuple[Term, ...],
     motion: Motion,
     readings: np.ndarray,
+    noise: RowNoise,
     values: np.ndarray,
     equations: _Equations,
     inverse: np.ndarray,
     estimable: np.ndarray,
 ) -> Fit:
     miss = readings - predict(terms, motion, values)
-    residuals = np.where(equations.used, miss, np.nan)
-    square = np.where(equations.used, miss**2 * equations.weights, 0.0)
+    used = equations.weights > 0
+    square = np.where(used, miss**2 * equations.weights, 0.0)
     return Fit(
         terms=terms,
         values=np.where(estimable, values, np.nan),
         estimable=estimable,
-        covariance=inverse @ equations.spread @ inverse,
-        residuals=residuals,
+        covariance=inverse @ equations.spread(noise) @ inverse,
+        residuals=np.where(used, miss, np.nan),
         chi2=float(square.sum()),
-        degrees=int(equations.used.sum()) - int(np.linalg.matrix_rank(inverse, hermitian=True)),
+        degrees=int(used.sum()) - int(np.linalg.matrix_rank(inverse, hermitian=True)),
     )

@@ -13,6 +13,7 @@ QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a wind
 LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
+SAMPLE = 20_000  # differences that the encoder's noise is read off
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -46,8 +47,9 @@ def _quiet_window(angle: np.ndarray, interval: float) -> float:
     The noise is read off the third differences of what moves, where a smooth motion leaves next
     to nothing; jerks at the ends of ramps are fewer than a tenth of them.
     """
-    rough = np.abs(np.diff(angle, 3, axis=0))
+    rough = np.abs(np.diff(angle, 3, axis=0)).ravel()
     rough = rough[rough > 0]
+    rough = rough[:: 1 + len(rough) // SAMPLE]
     if not len(rough):
         return 0.0
     noise = float(np.quantile(rough, 0.9)) / 1.645 / np.sqrt(20.0)
@@ -84,7 +86,7 @@ def _filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
 def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The samples at even times, no more than FINEST a second."""
     steps = np.diff(t)
-    interval = float(np.median(steps))
+    interval = float(np.median(steps))  # a lost sample is a long step, not another rate
     if np.abs(steps - interval).max() > UNEVEN * interval:
         even = np.arange(t[0], t[-1] + 0.5 * interval, interval)
         t, angle = even, _interpolated(even, t, angle)

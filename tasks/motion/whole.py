@@ -68,7 +68,7 @@ def unit_vector(up: Up | None) -> np.ndarray:
     """The direction (3,) of an axis with its sign, NaN for none."""
     if up is None:
         return np.full(3, np.nan)
-    return np.eye(3)[AXES.index(up[1])] * (1.0 if up[0] == "+" else -1.0)  # type: ignore[arg-type]
+    return np.eye(3)[AXES.index(up[1])] * (1.0 if up[0] == "+" else -1.0)
 
 
 def gravity_of(recording: Recording) -> float:
@@ -77,8 +77,8 @@ def gravity_of(recording: Recording) -> float:
 
 
 def _unknown(recording: Recording, at: np.ndarray) -> Motion:
-    nothing = [np.full((len(at), 3), np.nan) for _ in range(4)]
-    return Motion(at, *nothing, gravity=gravity_of(recording))
+    up, north, rate, acceleration = (np.full((len(at), 3), np.nan) for _ in range(4))
+    return Motion(at, up, north, rate, acceleration, gravity_of(recording))
 
 
 def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
@@ -89,7 +89,9 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     """
     axes = recording.manifest.station.table_axes or ()
     angles = table.stack(tuple(f"{axis.name}_angle" for axis in axes))
-    angle, speed, change = smooth_derivatives(table.t, np.unwrap(angles, axis=0), at)
+    if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
+        angles = np.unwrap(angles, axis=0)
+    angle, speed, change = smooth_derivatives(table.t, angles, at)
     heading = recording.manifest.station.heading_deg
     vectors = [np.tile([0.0, 0.0, 1.0], (len(at), 1)), _north(heading, len(at))]
     for k, axis in enumerate(axes):

@@ -7,11 +7,15 @@ from schemas.recording import Standard
 from storage import settings, store
 from storage.home import Home
 from storage.store import Run
-from tasks.items import jjf1536, jjf2003
+from tasks.items import jjf1536, jjf2003, joint
 from tasks.items.evaluation import evaluation_for
 from tasks.version import code_version
 
-METHODS = {"jjf2003": jjf2003.calibrate, "jjf1536": jjf1536.calibrate}
+METHODS = {
+    "jjf2003": jjf2003.calibrate,
+    "joint": joint.calibrate,
+    "jjf1536": jjf1536.calibrate,
+}
 BY_STANDARD: dict[Standard, Method] = {"JJF 1536-2015": "jjf1536"}
 
 UNCERTAINTIES: dict[str, UncertaintyKind] = {

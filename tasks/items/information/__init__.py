@@ -6,6 +6,7 @@ from schemas.calibration import Information, Item
 from schemas.recording import Recording
 from tasks.items.evidence import Evidence
 from tasks.items.information.earth import earth_information
+from tasks.items.information.lever_arm import lever_arm_information
 from tasks.items.information.line import line_information
 from tasks.items.information.noise import noise_information
 from tasks.items.information.repeatability import repeatability_information
@@ -20,6 +21,7 @@ def information(
     gravity = recording.manifest.station.gravity_m_s2
     return {
         **earth_information(items),
+        **lever_arm_information(recording, evidence),
         **line_information(evidence, item=scale),
         **repeatability_information(evidence, gravity, ahrs=ahrs),
         **noise_information(recording, evidence, ahrs=ahrs),

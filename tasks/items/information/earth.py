@@ -37,6 +37,7 @@ def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
             value=still,
             u=item.u_without_earth_rotation,
             U=item.U_without_earth_rotation,
+            k=item.k,
             about=ITEM,
             en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; the "
             f"value by eq. (7) contains it and is off by up to {off:.2g} times its U.",

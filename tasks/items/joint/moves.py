@@ -1,0 +1,145 @@
+"""The gyro's matrix from moves by hand between rests.
+
+The gyro's readings over a move, less those of the rests beside it, integrated to a rotation, must
+turn the vertical as the accelerometers saw it before into the vertical after.
+Source: as `gravity_fit`, eq. (12), with the bias taken from both neighbouring rests.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from schemas.recording import GYRO, Stream
+from tasks.segments.summarise import GYRO_COLUMNS, SegmentMean
+
+FEWEST_MOVES = 9  # two equations each, nine parameters, and as many to contradict them
+LONGEST = 60.0  # s: a longer way between two rests drifts
+STEP = 1e-5  # of an element of K⁻¹, to differentiate by
+MOST_STEPS = 20
+SETTLED = 1e-11
+CONDITION = 1e4
+
+
+@dataclass(frozen=True)
+class Moves:
+    """Gyro increments of all moves, made equally long with zeros.
+
+    turns: (moves, rows, 3) rad as the gyro read them, bias taken off; before, after: (moves, 3)
+    unit verticals in the body.
+    """
+
+    turns: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+
+@dataclass(frozen=True)
+class MovesFit:
+    """K (3, 3) of the gyro, its standard uncertainties, their degrees of freedom.
+
+    miss: rms angle (rad) between the verticals after the moves.
+    """
+
+    matrix: np.ndarray
+    u: np.ndarray
+    dof: float
+    miss: float
+    moves: int
+
+
+def gather_moves(imu: Stream, rests: list[SegmentMean], verticals: np.ndarray) -> Moves:
+    """The moves between rests that follow each other; verticals: (n, 3) of the rests."""
+    turns, before, after = [], [], []
+    for k, (first, second) in enumerate(pairwise(rests)):
+        if second.t_start - first.t_end > LONGEST:
+            continue
+        rows = imu.rows(first.t_end, second.t_start)
+        rate = imu.stack_rows(GYRO, rows)
+        if len(rate) < 2 or not np.isfinite(rate).all():
+            continue
+        t = imu.t[rows]
+        share = ((t - t[0]) / (t[-1] - t[0]))[:, None]
+        bias = first.mean[GYRO_COLUMNS] * (1 - share) + second.mean[GYRO_COLUMNS] * share
+        turns.append(_increments(t, rate - bias))
+        before.append(verticals[k])
+        after.append(verticals[k + 1])
+    longest = max(map(len, turns), default=0)
+    padded = np.zeros((len(turns), longest, 3))
+    for k, each in enumerate(turns):
+        padded[k, : len(each)] = each
+    return Moves(padded, np.array(before).reshape(-1, 3), np.array(after).reshape(-1, 3))
+
+
+def fit_moves(moves: Moves) -> MovesFit | None:
+    """Fit K⁻¹ so that the verticals meet; None where the moves do not determine it.
+
+    The uncertainty is that of the scatter of the misses: what shakes and slips during a move by
+    hand is more than the gyro's noise.
+    """
+    count = len(moves.turns)
+    if count < FEWEST_MOVES:
+        return None
+    inverse = np.eye(3)
+    for _ in range(MOST_STEPS):
+        misses = _misses(moves, inverse)
+        slopes = np.column_stack([
+            (_misses(moves, inverse + STEP * unit) - _misses(moves, inverse - STEP * unit))
+            / (2 * STEP)
+            for unit in np.eye(9).reshape(9, 3, 3)
+        ])  # fmt: skip
+        if not np.linalg.cond(slopes) < CONDITION:
+            return None
+        step = np.linalg.lstsq(slopes, -misses, rcond=None)[0].reshape(3, 3)
+        inverse = inverse + step
+        if np.abs(step).max() < SETTLED:
+            break
+    else:
+        return None
+    misses, dof = _misses(moves, inverse), 2.0 * count - 9.0
+    matrix = np.linalg.inv(inverse)
+    covariance = np.linalg.inv(slopes.T @ slopes) * (misses @ misses / dof)
+    # dK = −K·dK⁻¹·K
+    change = -np.einsum("ia,bj->ijab", matrix, matrix).reshape(9, 9)
+    u = np.sqrt(np.diag(change @ covariance @ change.T)).reshape(3, 3)
+    return MovesFit(matrix, u, dof, float(np.sqrt(misses @ misses / count)), count)
+
+
+def _increments(t: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Rotation increments (n − 1, 3): the trapezium, with coning to the second order."""
+    step = np.diff(t)[:, None]
+    straight = 0.5 * step * (rate[:-1] + rate[1:])
+    return straight + step**2 / 12.0 * np.cross(rate[:-1], rate[1:])
+
+
+def _misses(moves: Moves, inverse: np.ndarray) -> np.ndarray:
+    """(3·moves,) difference of the verticals: turned by the gyro, and seen."""
+    quaternions = _quaternions(moves.turns @ inverse.T)
+    while quaternions.shape[1] > 1:
+        if quaternions.shape[1] % 2:
+            still = np.zeros((len(quaternions), 1, 4))
+            still[..., 0] = 1.0
+            quaternions = np.concatenate([quaternions, still], axis=1)
+        quaternions = _product(quaternions[:, ::2], quaternions[:, 1::2])
+    turned = _turned_back(quaternions[:, 0], moves.before)
+    return (turned - moves.after).ravel()
+
+
+def _quaternions(vectors: np.ndarray) -> np.ndarray:
+    """Unit quaternions (…, 4), w first, of rotation vectors (…, 3) rad."""
+    half = 0.5 * np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * vectors], axis=-1)
+
+
+def _product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Quaternion products (…, 4), w first: p, then q in the turned frame."""
+    w = p[..., :1] * q[..., :1] - (p[..., 1:] * q[..., 1:]).sum(axis=-1, keepdims=True)
+    v = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
+    return np.concatenate([w, v], axis=-1)
+
+
+def _turned_back(q: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) that stand still in n, as the body sees them after turning by q (n, 4)."""
+    w, v = q[:, :1], -q[:, 1:]
+    across = 2.0 * np.cross(v, vectors)
+    return vectors + w * across + np.cross(v, across)
