@@ -24,7 +24,8 @@ DISTRIBUTIONS = {
 INTRODUCTION = {
     "GUM": (
         "各输入量相互独立；灵敏系数的单位为结果单位除以输入量单位。U = k·u；"
-        "有效自由度均不小于 50 时 k = 2，否则取该项各元素中最大的 k。95 % 区间半宽由各分布的传播（JJF 1059.2）得到。",
+        "有效自由度均不小于 50 时 k = 2，否则取该项各元素中最大的 k。"
+        "95 % 区间半宽由各分布的传播（JJF 1059.2）得到。",
         "The inputs are independent of each other; a sensitivity is in the unit of the result per "
         "that of the input. U = k·u with k = 2 where no element has fewer than 50 effective "
         "degrees of freedom, else with the largest k of the item's elements. The half width of the "
