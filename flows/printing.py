@@ -13,7 +13,6 @@ from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
 from tasks.certificate.names import item_name, unit_text, verdict_words
 from tasks.certificate.reasons import conditional
-from tasks.items.parts import K_FACTOR
 from tasks.uncertainty.rounding import column
 
 if TYPE_CHECKING:
@@ -83,7 +82,7 @@ def _add_item(table: Table, name: str, item: Item | Information) -> None:
             Text(element),
             value or "–",
             expanded or "–",
-            f"{item.k if isinstance(item, Item) else K_FACTOR:g}",
+            f"{item.k:g}",
             power + unit_text(item.unit),
             end_section=row == len(item.value) - 1,
         )

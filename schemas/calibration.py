@@ -66,6 +66,7 @@ class Information(Frozen):
     value: Elements
     u: Elements | None = None
     U: Elements | None = None
+    k: Finite = 2.0
     about: str | None = None
     en: str = Field(description="what it is and how it was found, as sentences")
     zh: str

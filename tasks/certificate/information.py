@@ -79,10 +79,11 @@ def _most(
 def _contained(name: str, element: str, difference: float, times: float, unit: str) -> Pair:
     zh, en = CONTAINED[name]
     much = quantity_text(str(text(round_up(abs(difference)))), unit)
+    often = f"{float(f'{times:.2g}'):g}"
     return pair(
-        f"{zh}：{element} 处最显著，为 {much}，即 U 的 {times:.2g} 倍；分离后的值见“附加信息”。",
-        f"{en}: most clearly at {element}, {much}, {times:.2g} times U; the value without it "
-        "stands under For information.",
+        f"{zh}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；分离后的值见“附加信息”。",
+        f"{en}: most clearly at {element}, {much}, {often} times U; the value without it stands "
+        "under For information.",
     )
 
 

@@ -25,7 +25,7 @@ def test_information_is_a_second_table_with_its_sentences(
     first, second = capsys.readouterr().out.split("for information, not decided on")
     assert "Gyro scale factor" in first
     row = next(line for line in second.splitlines() if "│ Angle random walk" in line)
-    assert [cell.strip() for cell in row.split("│")[2:6]] == ["x", "0.0843", "0.0014", "°/√h"]
+    assert [cell.strip() for cell in row.split("│")[2:7]] == ["x", "0.0843", "0.0014", "2", "°/√h"]
     assert "From [18] rests." in second
     assert "│ Bias instability" not in second
     assert "· Bias instability: No floor." in second
