@@ -213,3 +213,12 @@ def test_the_same_recording_gives_the_same_budgets_to_the_last_digit(
 ) -> None:
     recording = ideal_run(noise=1e-4)
     assert budgets(calibrated(recording)) == budgets(calibrated(recording))
+
+
+def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run) -> None:
+    old = calibrated(ideal_run()).model_dump(mode="json")
+    for item in old["items"].values():
+        del item["budgets"], item["u_without_earth_rotation"], item["U_without_earth_rotation"]
+        item |= {"uncertainty_kind": "type A", "k": 2.0}
+    old["settings"] = {"gravity_m_s2": 9.8, "latitude_deg": 0.0}
+    assert Calibration.model_validate(old).items["gyro_bias"].budgets == {}

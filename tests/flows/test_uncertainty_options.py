@@ -1,0 +1,91 @@
+"""Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print."""
+
+import re
+from pathlib import Path
+
+import pypdfium2
+import pytest
+
+PLANT = "plant/plant_clean"
+LABORATORY = """
+party = {name = "L", name_zh = "实", address = "a", address_zh = "址"}
+[limits.rate]
+half_width = 2e-4
+distribution = "normal"
+source = "certificate 7"
+"""
+
+
+@pytest.fixture
+def laboratory(tmp_path: Path) -> Path:
+    path = tmp_path / "laboratory.toml"
+    path.write_text(LABORATORY, encoding="utf-8")
+    return path
+
+
+def words_of(pdf: str) -> str:
+    pages = pypdfium2.PdfDocument(pdf)
+    return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
+
+
+def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, shared) -> None:
+    done = mimucal("calibrate", shared / PLANT, "--json").json
+    assert done["settings"]["uncertainty"] == "GUM"
+    assert done["settings"]["limits"] == "JJF 2003-2022, Table 1"
+    item = done["items"]["gyro_scale_factor"]
+    budget = item["budgets"]["x"]
+    assert (budget["u_c"], budget["U"]) == (item["u"]["x"], item["U"]["x"])
+    assert {line["kind"] for line in budget["inputs"]} == {"A", "B"}
+
+
+def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, shared) -> None:
+    gum = mimucal("calibrate", shared / PLANT, "--json").json
+    example = mimucal("calibrate", shared / PLANT, "--uncertainty", "example", "--json").json
+    kinds = {item["uncertainty_kind"] for item in example["items"].values()}
+    assert kinds == {"as the specification's example"}
+    assert example["settings"]["effective bits"] == "12 (the example's)"
+    for name, item in example["items"].items():
+        assert item["value"] == pytest.approx(gum["items"][name]["value"])
+    kept = mimucal("show", gum["run"], "--json").json["results"]
+    assert [each["calibration"]["settings"]["uncertainty"] for each in kept][:2] == [
+        "GUM",
+        "as the specification's example",
+    ]
+    assert kept[1]["why"] == "made with another settings"
+
+
+def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared) -> None:
+    printed = mimucal("calibrate", shared / "real/vn200_imu0_rate_table").out
+    assert re.search(r"Gyro scale factor[^\n]*│ +4\.53 │", printed)
+
+
+def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
+    mimucal, shared, laboratory
+) -> None:
+    done = mimucal("certify", shared / PLANT, "--budget", "--laboratory", laboratory, "--json").json
+    words = words_of(done["pdf"])
+    assert "Uncertainty budgets" in words
+    assert "limit of rate = 0.0002 (certificate 7)" in words
+    assert "Uncertainty budgets" not in words_of(
+        mimucal("certify", shared / PLANT, "--json").json["pdf"]
+    )
+    assert mimucal("verify", "--json").json["faults"] == []
+
+
+def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
+    mimucal, shared, home, laboratory
+) -> None:
+    home.mkdir(parents=True)
+    (home / "laboratory.toml").write_bytes(laboratory.read_bytes())
+    done = mimucal("calibrate", shared / PLANT, "--json").json
+    assert done["settings"]["limit of rate"] == "0.0002 (certificate 7)"
+    assert done["items"]["gyro_scale_factor"]["u"]["x"] == pytest.approx(1e-4, rel=0.01)
+
+
+@pytest.mark.parametrize("command", ["calibrate", "certify"])
+def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str) -> None:
+    done = mimucal(command, "x", "--uncertainty", "guess")
+    assert (done.code, done.out) == (2, "")
+    assert done.err.count("\n") == 1
+    assert "--uncertainty guess" in done.err
+    assert "gum or example" in done.err
