@@ -41,8 +41,8 @@ def earth_information(items: Mapping[str, Item]) -> dict[str, Information]:
             about=ITEM,
             en="The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; the "
             f"value by eq. (7) contains it and is off by up to {off:.2g} times its U. U is "
-            f"evaluated as the item's, k = {item.k:g}.",
+            "evaluated as the item's.",
             zh="已从对角元扣除地球自转的竖直分量 ω_e·sin φ；式(7)的值含该分量，"
-            f"最多偏离 U 的 {off:.2g} 倍。U 的评定同该项结果，k = {item.k:g}。",
+            f"最多偏离 U 的 {off:.2g} 倍。U 的评定同该项结果。",
         )
     }

@@ -94,6 +94,16 @@ def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
     assert "附加信息（不作判定）" in text
 
 
+def test_on_plant_lever_arm_the_certificate_says_that_p_contains_it_and_shows_it_without(
+    plant: Callable[[str], Recording],
+) -> None:
+    made = calibrate(plant("plant_lever_arm"), run="r", code_version="v")
+    text = text_of(render(certificate(made)))
+    assert "The value by eq. (12), (13) contains the lever arm" in text
+    assert "式(12)、式(13)的值含杆臂" in text
+    assert made.information["lever_arm"].title in text
+
+
 def text_of(pdf: bytes) -> str:
     """The words of a PDF, line ends and spaces made one space."""
     pages = pypdfium2.PdfDocument(pdf)
