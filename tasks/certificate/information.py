@@ -11,15 +11,16 @@ from tasks.certificate.names import Pair, quantity_text, unit_text
 from tasks.certificate.typography import pair
 from tasks.uncertainty.rounding import column, round_up, text
 
-# What the clause's value of an item contains that the separated one does not.
+# Which value of an item contains what the separated one does not.
 CONTAINED = {
     "gyro_g_sensitivity_without_earth_rotation": (
-        "式(7)的值含地球自转", "The value by eq. (7) contains Earth's rotation",
+        ("式(7)的值", "The value by eq. (7)"), ("地球自转", "Earth's rotation"),
     ),
     "accel_rate_sensitivity_without_lever_arm": (
-        "式(12)、式(13)的值含杆臂", "The value by eq. (12), (13) contains the lever arm",
+        ("式(12)、式(13)的值", "The value by eq. (12), (13)"), ("杆臂", "the lever arm"),
     ),
 }  # fmt: skip
+BY_NO_EQUATION = ("上述值", "The value")  # of the joint method
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,9 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
 
 def contained(calibration: Calibration, item: str) -> tuple[Pair, ...]:
     """What the clause's value of an item contains, where that is more than its U; how much."""
+    joint = calibration.method == "joint"
     return tuple(
-        _contained(name, *most)
+        _contained(BY_NO_EQUATION if joint else CONTAINED[name][0], CONTAINED[name][1], *most)
         for name, each in calibration.information.items()
         if name in CONTAINED and each.about == item
         for most in _most(calibration, item, each)
@@ -76,14 +78,15 @@ def _most(
         yield worst, apart[worst], times[worst], clause.unit
 
 
-def _contained(name: str, element: str, difference: float, times: float, unit: str) -> Pair:
-    zh, en = CONTAINED[name]
+def _contained(
+    value: Pair, what: Pair, element: str, difference: float, times: float, unit: str
+) -> Pair:
     much = quantity_text(str(text(round_up(abs(difference)))), unit)
     often = f"{float(f'{times:.2g}'):g}"
     return pair(
-        f"{zh}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；分离后的值见“附加信息”。",
-        f"{en}: most clearly at {element}, {much}, {often} times U; the value without it stands "
-        "under For information.",
+        f"{value[0]}含{what[0]}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；分离后的值见“附加信息”。",
+        f"{value[1]} contains {what[1]}: most clearly at {element}, {much}, {often} times U; the "
+        "value without it stands under For information.",
     )
 
 

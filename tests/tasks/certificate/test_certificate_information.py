@@ -63,6 +63,14 @@ def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     assert "即 U 的 11 倍" in zh
 
 
+def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None:
+    made = calibration()
+    made = calibration(information=earth_information(made.items), method="joint")
+    ((zh, en),) = contained(made, "gyro_g_sensitivity")
+    assert en.startswith("The value contains Earth's rotation:")
+    assert zh.startswith("上述值含地球自转：")
+
+
 def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
     made = calibration()
     item = made.items["gyro_g_sensitivity"]
