@@ -84,7 +84,8 @@ def _contained(
     much = quantity_text(str(text(round_up(abs(difference)))), unit)
     often = f"{float(f'{times:.2g}'):g}"
     return pair(
-        f"{value[0]}含{what[0]}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；分离后的值见“附加信息”。",
+        f"{value[0]}含{what[0]}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；"
+        "分离后的值见“附加信息”。",
         f"{value[1]} contains {what[1]}: most clearly at {element}, {much}, {often} times U; the "
         "value without it stands under For information.",
     )
