@@ -49,6 +49,16 @@ COLUMNS = {
         ("(b) 模型式(2)符号", "(b) sign of model (2)"),
     ),
 }
+JOINT_COLUMNS = {
+    "gyro_g_sensitivity": (
+        ("(a) 联合拟合", "(a) joint fit"),
+        ("(b) 扣除地球自转", "(b) less Earth's rate"),
+    ),
+    "accel_rate_sensitivity": (
+        ("(a) 式(12)符号", "(a) sign of eq. (12)"),
+        ("(b) 模型式(2)符号", "(b) sign of model (2)"),
+    ),
+}
 ONE_COLUMN = (("测得值", "Value"),)
 
 NOT_DECIDED_ON = {

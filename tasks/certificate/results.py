@@ -11,6 +11,7 @@ from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.appendix import (
     ALIKE,
     COLUMNS,
+    JOINT_COLUMNS,
     NOT_DECIDED_ON,
     ONE_COLUMN,
     OTHER,
@@ -115,7 +116,8 @@ def _group(calibration: Calibration, decision: Decision, name: str, specificatio
         _row(name, element, exponent, limits, values[i], seconds[i], U[i])
         for i, element in enumerate(elements)
     )
-    columns = COLUMNS.get(name, ONE_COLUMN)
+    named = JOINT_COLUMNS if calibration.method == "joint" else COLUMNS
+    columns = named.get(name, ONE_COLUMN)
     known = determined(item)
     return Group(
         title=item_name(name),

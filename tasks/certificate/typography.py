@@ -38,6 +38,8 @@ def clause(text: str, specification: str = "") -> Pair:
     zh = re.sub(r"(?<=\d) to (?=\d)", "～", zh)
     zh = re.sub(r"(?<=\)) and (?=eq\.)", "、", zh)
     zh = chinese(zh).replace(" and ", " 和 ")
+    zh = zh.replace(", joint method with gravity alone", "（联合法，仅以重力为参考）")
+    zh = zh.replace(", joint method", "（联合法）")
     return re.sub(r", (?=式)", " ", zh).replace(", ", "，"), english(short)
 
 

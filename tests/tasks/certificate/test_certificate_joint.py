@@ -1,0 +1,51 @@
+"""What a certificate of the joint method claims: a fit of the models, and not the clauses."""
+
+import re
+
+from sample_certificate import calibration, items, tolerance
+
+from tasks.certificate.notes import basis
+from tasks.certificate.results import Group, sections
+from tasks.conformity import decide
+from tasks.items.joint.on_table import ACCEL_CLAUSE, GYRO_CLAUSE
+
+SPECIFICATION = "JJF 2003-2022"
+
+
+def groups(method: str) -> dict[str, Group]:
+    made = calibration(
+        method=method,
+        items={
+            name: item.model_copy(
+                update={"clause": GYRO_CLAUSE if name.startswith("gyro") else ACCEL_CLAUSE}
+            )
+            for name, item in items().items()
+        },
+    )
+    found = sections(made, decide(made, tolerance()), SPECIFICATION)
+    return {group.title[1]: group for section in found for group in section.groups}
+
+
+def test_no_value_of_a_joint_fit_is_said_to_be_by_an_equation_of_the_clauses() -> None:
+    headings = [
+        heading
+        for name in ("Gyro g-sensitivity", "Accelerometer rate sensitivity")
+        for column in groups("joint")[name].columns
+        for heading in column
+    ]
+    assert "(a) joint fit" in headings
+    assert not any(re.search(r"by eq\.|^\(a\) 式\(7\)", heading) for heading in headings)
+    assert "(a) by eq. (7)" in dict(groups("jjf2003")["Gyro g-sensitivity"].columns).values()
+
+
+def test_the_clause_of_a_joint_fit_is_named_in_each_language() -> None:
+    assert groups("joint")["Gyro bias"].clause == (
+        "5.1 式(1)（联合法）",
+        "5.1 eq. (1), joint method",
+    )
+
+
+def test_the_basis_says_that_it_is_not_the_computation_of_the_clauses() -> None:
+    zh, en = basis(calibration(method="joint"), SPECIFICATION)[0]
+    assert "not the computation of its clauses" in en
+    assert "非该规范条款规定的计算方法" in zh
