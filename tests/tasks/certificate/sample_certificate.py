@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from datetime import date
 from typing import Any
 
+import numpy as np
+
 from schemas.calibration import Calibration, EnvironmentSeen, Item, Remark
 from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.recording import Manifest, Station, Unit
@@ -11,6 +13,9 @@ from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, Tolerance
 from tasks.certificate.names import APPENDIX_B, MATRIX, OFF_DIAGONAL
 from tasks.conformity import decide
+from tasks.uncertainty import type_b
+from tasks.uncertainty.budget import combine, observed
+from tasks.uncertainty.equipment import JJF2003
 
 AXES = ("x", "y", "z")
 
@@ -59,6 +64,26 @@ def items() -> dict[str, Item]:
             "m", "7.2.5", OFF_DIAGONAL, p, 1.3e-6,
             readings=("jjf2003.p_turning", "jjf2003.p_sign", "jjf2003.p_lever_arm"),
             value_model=dict(zip(OFF_DIAGONAL, (-v for v in p), strict=True))),
+    }  # fmt: skip
+
+
+def with_budgets(made: dict[str, Item]) -> dict[str, Item]:
+    """The items with a budget of seven lines for each element, k above two."""
+    lines = type_b.turning_axis(JJF2003, 0.98)
+    rate = type_b.turning_rate(JJF2003, 1.0, np.array([1.0]), np.array([5.2]), np.array([30.0]))
+    return {
+        name: each.model_copy(
+            update={
+                "k": 2.15,
+                "uncertainty_kind": "GUM",
+                "budgets": {
+                    e: combine(f"{name}.{e}", each.unit, v, [observed(6.1e-5, each.unit, 18.5),
+                                                            *rate, *lines])
+                    for e, v in each.value.items() if v is not None
+                },
+            }
+        )
+        for name, each in made.items()
     }  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from sample_certificate import (
     manifest,
     order,
     tolerance,
+    with_budgets,
 )
 
 from schemas.base import Unusable
@@ -247,7 +248,15 @@ def guarded() -> Certificate:
     return certificate(result, decide(result, tolerance(limits=tuple(limits))))
 
 
-@pytest.mark.parametrize("made", [certificate, failed, bare, attitude_unit, wordy, guarded])
+def budgeted() -> Certificate:
+    """With the uncertainty budgets of every item."""
+    made = certificate(calibration(items=with_budgets(items())))
+    return made.model_copy(update={"budgets": True})
+
+
+@pytest.mark.parametrize(
+    "made", [certificate, failed, bare, attitude_unit, wordy, guarded, budgeted]
+)
 def test_nothing_is_clipped_and_nothing_overlaps(made: Any) -> None:
     pdf = render(made())
     assert_nothing_is_clipped(pdf)
