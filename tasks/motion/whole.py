@@ -54,6 +54,13 @@ class Motion:
         )
 
 
+def attitude_recorded(recording: Recording) -> bool:
+    """Whether encoders or a reference pose tell the attitude, and not the labels alone."""
+    by_table = recording.table is not None and bool(recording.manifest.station.table_axes)
+    pose = recording.reference
+    return by_table or (pose is not None and set(POSE) <= set(pose.columns))
+
+
 def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
     """The motion at the unit's rows, or at other times t (n,) s of the same time base."""
     at = recording.imu.t if t is None else t

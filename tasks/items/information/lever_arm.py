@@ -52,7 +52,8 @@ def lever_arm_information(recording: Recording, evidence: Evidence) -> dict[str,
     Nothing without encoders and gravity, or without ramps about all three axes with the
     accelerometers recorded.
     """
-    cells = _cells(recording)
+    noise_known = np.isfinite(evidence.noise.white[:, ACCEL_COLUMNS]).any()
+    cells = _cells(recording) if noise_known else None
     if cells is None:
         return {}
     try:

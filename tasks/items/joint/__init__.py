@@ -9,6 +9,7 @@ from tasks.items.evidence import gather
 from tasks.items.jjf2003 import CONDITIONS, ORDER
 from tasks.items.joint.by_hand import joint_by_hand
 from tasks.items.joint.on_table import joint_on_table
+from tasks.motion.whole import attitude_recorded
 
 PROCEDURE = "JJF 2003-2022, 5.1, 5.2, joint least squares with zero correction"
 
@@ -29,7 +30,7 @@ def calibrate(
         )
     evaluation = evaluation or evaluation_for(recording)
     evidence = gather(recording)
-    by_hand = not recording.manifest.segments and recording.table is None
+    by_hand = not recording.manifest.segments and not attitude_recorded(recording)
     return assemble(
         recording,
         evidence,

@@ -12,7 +12,13 @@ from schemas.recording import AXES, Recording
 from tasks.items.evidence import Evidence
 from tasks.items.jjf2003.positions import is_paired
 from tasks.motion.table import mean_rate
-from tasks.motion.whole import Motion, gravity_of, unit_vector, whole_motion
+from tasks.motion.whole import (
+    Motion,
+    attitude_recorded,
+    gravity_of,
+    unit_vector,
+    whole_motion,
+)
 
 SAMPLES = 400  # times within a segment at which its attitude is looked up
 SAME_VERTICAL = np.cos(np.radians(10.0))  # encoders and gravity agree on the axis up within this
@@ -69,11 +75,12 @@ def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarra
     shape = (len(segments), SAMPLES, 3)
     up, north = whole.up.reshape(shape).mean(axis=1), whole.north.reshape(shape).mean(axis=1)
     rate = np.array([_rate(recording, evidence, i) for i in range(len(segments))]).reshape(-1, 3)
-    vertical = np.zeros(len(segments), bool)
+    rate = np.where(_turned(evidence), rate, 0.0 * rate)
+    vertical, recorded = np.zeros(len(segments), bool), attitude_recorded(recording)
     for i, segment in enumerate(segments):
         shown = unit_vector(evidence.up[i])
         agrees = not np.isfinite(shown).all() or up[i] @ shown >= SAME_VERTICAL
-        if recording.table is None or not np.isfinite(up[i]).all() or not agrees:
+        if not recorded or not np.isfinite(up[i]).all() or not agrees:
             up[i], north[i] = shown, np.nan
         vertical[i] = np.isfinite(up[i]).all()
         if segment.segment.kind != "static":
@@ -82,6 +89,14 @@ def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarra
                 up[i] = segment.mean[3:] / gravity_of(recording)
     t = np.array([0.5 * (segment.t_start + segment.t_end) for segment in segments])
     return Motion(t, up, north, rate, np.zeros_like(rate), gravity_of(recording)), vertical
+
+
+def _turned(evidence: Evidence) -> np.ndarray:
+    """(3,) bool: axes with a run of rates or a turn; about the others what is left is misalignment.
+
+    Ten microradians of it would be taken for an input, and the axis for one that was turned.
+    """
+    return np.array([bool(evidence.points[axis] or evidence.turns[axis]) for axis in AXES])
 
 
 def _rate(recording: Recording, evidence: Evidence, i: int) -> np.ndarray:
