@@ -103,7 +103,8 @@ class Driver:
         t_start = round(settled_s + self._procedure.settle_s, 6)
         await self._wait_until(t_start)
         if leg.kind == "rotation":
-            t_start = round(self._clock.station_s, 6)  # a fast station may be late
+            late_s = self._clock.station_s - self._procedure.settle_s
+            t_start = round(max(t_start, late_s), 6)  # a fast station may be late
         self._labels.cover("ramp" if leg.kind == "rate" else "move", "transition", settled_s)
         self._labels.cover("settle", "settle", t_start)
         if leg.kind == "rotation":

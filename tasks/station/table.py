@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from schemas.station import (
     TABLE_DEVICE,
     TABLE_REGISTERS,
     TABLE_STATUS,
+    Register,
 )
 from tasks.station.modbus import Link, decode
 
@@ -123,24 +125,27 @@ class Table:
         return table
 
     async def state(self) -> TableState:
-        """The table and its axes now."""
-        head = await self.link.read(TABLE_DEVICE, TABLE_REGISTERS[3:5])
+        """The table and its axes now: one request, so that all of it is of one moment."""
+        first, last = _TABLE["status"].address, AXIS_REGISTERS[-1]
+        end = _base(len(self.names) - 1) + last.address + last.words
+        words = await self.link.read_words(TABLE_DEVICE, first, end - first)
         wall_s = time.monotonic()
-        axes = [
-            await self.link.read(TABLE_DEVICE, AXIS_REGISTERS, _base(axis))
-            for axis in range(len(self.names))
-        ]
+
+        def value(register: Register, base: int = 0) -> Any:
+            start = base + register.address - first
+            return decode(words[start : start + register.words], register.type)
+
         return TableState(
-            station_s=head["station_time"] / 1e6,
+            station_s=value(_TABLE["station_time"]) / 1e6,
             wall_s=wall_s,
-            status=head["status"],
+            status=value(_TABLE["status"]),
             axes=tuple(
                 AxisState(
-                    status=axis["status"],
-                    angle_deg=axis["angle"] * 360.0 / turn,
-                    rate_deg_s=axis["rate"],
+                    status=value(_AXIS["status"], _base(axis)),
+                    angle_deg=value(_AXIS["angle"], _base(axis)) * 360.0 / turn,
+                    rate_deg_s=value(_AXIS["rate"], _base(axis)),
                 )
-                for axis, turn in zip(axes, self.counts_per_turn, strict=True)
+                for axis, turn in enumerate(self.counts_per_turn)
             ),
         )
 

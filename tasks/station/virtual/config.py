@@ -28,6 +28,7 @@ class TableDesign(Frozen):
     axes: tuple[TableAxis, ...] = Field(default=THREE_AXES, min_length=1, max_length=5)
     counts_per_turn: int = Field(default=3_600_000, gt=0)
     capture_ms: int = Field(default=10, gt=0, description="between two captured encoder samples")
+    capture_kept: int = Field(default=8192, gt=0, description="captured samples: 82 s")
     servo_hz: Finite = Field(default=8.0, gt=0, lt=100)
     servo_damping: Finite = Field(default=0.7, gt=0)
     most_rate_deg_s: Finite = Field(default=1000.0, gt=0)
@@ -63,7 +64,8 @@ def mimu_station(seed: int) -> VirtualStation:
 
 def ahrs_station(seed: int) -> VirtualStation:
     """A single-axis station with an AHRS on it, as JJF 1536-2015 has them."""
-    table = TableDesign(axes=(TableAxis(name="table", direction=(0.0, 0.0, 1.0)),), capture_ms=100)
+    vertical = TableAxis(name="table", direction=(0.0, 0.0, 1.0))
+    table = TableDesign(axes=(vertical,), capture_ms=100, capture_kept=2**16)
     return VirtualStation(id="VIRTUAL-2", table=table, unit=draw_ahrs(seed))
 
 

@@ -71,6 +71,8 @@ BEHAVIOUR = """\
   waits for the next `mode`. A write covers whole writable registers: one that does not, or that
   touches another address, is refused with exception 2, a value that means nothing with
   exception 3, and then nothing of it is taken.
+- Addresses of the table that no register takes read as 0, so that its state and all axes can be
+  read in one request. What one request reads is of one moment.
 - `settled` is set when the axis has been within 2″ of its target angle, or within 1e-4 of its
   target rate, for 0.5 s of station time. In mode `off` it is never set.
 - `fault`, `emergency_stop` and `interlock` ramp every axis to rest. Until command `reset` a new

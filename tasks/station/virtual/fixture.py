@@ -17,7 +17,7 @@ class Fixture:
     def __init__(self, seat: Mount) -> None:
         self.wanted = np.array([1.0, 0.0, 0.0, 0.0])
         self._seat = _unit(np.array(seat.quaternion_wxyz))
-        self._from = self.wanted[:, None]
+        self._from = self.wanted[:, None].copy()
         self._axis = np.array([0.0, 0.0, 1.0])
         self._profile: Profile = to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -30,13 +30,13 @@ class Fixture:
         self._axis = vector / angle if angle else self._axis
         self._profile = to_angle(now, 0.0, 0.0, angle, SPEED, ACCELERATION)
 
-    def arrived(self) -> float:
-        """Station time (s) since which it has been still."""
+    def still_since(self) -> float:
+        """Station time (s) since which it does not move."""
         return float(self._profile.t[-1])
 
     def status(self, now: float) -> int:
         """Bits of FIXTURE_STATUS."""
-        return FIXTURE_STATUS["ready" if now >= self.arrived() else "turning"]
+        return FIXTURE_STATUS["ready" if now >= self.still_since() else "turning"]
 
     def mount(self, t: np.ndarray) -> np.ndarray:
         """Attitude of the unit on the payload at the times (n,), as quaternions (4, n)."""

@@ -13,6 +13,8 @@ from tasks.station.virtual.frames import frames
 from tasks.station.virtual.sensors import UnitUnderTest
 from tasks.station.virtual.table import Table
 
+STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e-15
+
 
 class Reality:
     """Moves on in steps of a millisecond of station time."""
@@ -38,7 +40,8 @@ class Reality:
     def advance(self, steps: int) -> list[bytes]:
         """Lets time pass and returns the frames that the unit sent meanwhile."""
         self._suffer()
-        if self.table.now > max(self.table.still_since(), self.fixture.arrived()):
+        still_since = max(self.table.still_since(), self.fixture.still_since())
+        if self.table.now > still_since + STILL_AFTER_S:
             self.table.rest(steps)
             return self._send(*self._unit.rest(*self._body.still(), steps, self.air_degc))
         mount = self.fixture.mount((self.table.steps + np.arange(1, steps + 1)) * STEP_S)

@@ -11,7 +11,6 @@ from tasks.station.virtual.config import STEP_S, TableDesign
 from tasks.station.virtual.profile import Profile, to_angle, to_rate
 
 DEGREE = np.pi / 180.0
-CAPTURE_KEPT = 8192  # 82 s of one every 10 ms
 SETTLED_AFTER_S = 0.5
 ANGLE_TOLERANCE = 2.0 / 3600.0 * DEGREE
 RATE_TOLERANCE = 1e-4  # of the rate, and of 1 °/s below it
@@ -19,7 +18,6 @@ MOVING = 0.001 * DEGREE
 # A ramp that turns from +a to −a makes the servo overshoot by 2 × 4.6 % of a.
 OVERSHOOT = 1.1
 HUNTING_HZ = 3.0
-STILL_AFTER_S = 1.0  # by then the servo is where its profile is, to 1e-15
 
 
 @dataclass
@@ -52,7 +50,7 @@ class Table:
         self.trips: frozenset[str] = frozenset()
         self.rate_factor = 1.0
         self.hunting_rad = 0.0
-        self.captured = np.zeros((CAPTURE_KEPT, axes), dtype=np.int64)
+        self.captured = np.zeros((design.capture_kept, axes), dtype=np.int64)
         omega = 2.0 * np.pi * design.servo_hz
         damping = 2.0 * design.servo_damping * omega
         # How far an axis lags behind its profile, from the mean rate asked in each step: exact
@@ -119,11 +117,11 @@ class Table:
         return angles
 
     def still_since(self) -> float:
-        """Station time (s) since which no axis moves, infinity while one does."""
+        """Station time (s) since which no profile moves an axis, infinity while one does."""
         profiles = [drive.profile for drive in self.drives]
         if self.hunting_rad or any(profile.rate[-1] for profile in profiles):
             return float("inf")
-        return max(float(profile.t[-1]) for profile in profiles) + STILL_AFTER_S
+        return max(float(profile.t[-1]) for profile in profiles)
 
     def rest(self, steps: int) -> None:
         """Moves on while it is still."""
@@ -145,8 +143,8 @@ class Table:
     def _capture(self, angles: np.ndarray) -> None:
         numbers = np.arange(self.steps + 1, self.steps + 1 + len(angles))
         due = numbers % self.design.capture_ms == 0
-        self.captured[numbers[due] // self.design.capture_ms % CAPTURE_KEPT] = self.counts(
-            angles[due]
+        self.captured[numbers[due] // self.design.capture_ms % self.design.capture_kept] = (
+            self.counts(angles[due])
         )
 
     def counts(self, angles: np.ndarray) -> np.ndarray:
@@ -159,9 +157,9 @@ class Table:
         Returns the number of the first one and the counts (n, axes).
         """
         newest = self.steps // self.design.capture_ms
-        first = max(first, newest - CAPTURE_KEPT + 1)
+        first = max(first, newest - self.design.capture_kept + 1)
         numbers = np.arange(first, min(first + most, newest + 1))
-        return first, self.captured[numbers % CAPTURE_KEPT]
+        return first, self.captured[numbers % self.design.capture_kept]
 
     def axis_status(self, axis: int) -> int:
         """Bits of AXIS_STATUS."""

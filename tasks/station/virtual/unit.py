@@ -76,8 +76,10 @@ def draw_ahrs(seed: int) -> UnitTruth:
         "white": 1e-5,
         "flicker": 5e-7,
     }
+    level = {"bias": rng.normal(0.0, 3e-3 * G, 3).tolist()}
     told = unit.model_dump() | {
         "gyro": unit.gyro.model_dump() | better,
+        "accel": unit.accel.model_dump() | level,
         "g_sensitivity": np.zeros((3, 3)).tolist(),
         "angle_lsb": 1e-5 * DEGREE,
         "rate_hz": 10.0,

@@ -1,6 +1,8 @@
 """A sink that keeps everything, and a procedure that is over in half a minute."""
 
+import sys
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,8 @@ import pytest
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Stream
 from tasks.station import procedures
+
+sys.path.insert(0, str(Path(__file__).parent))  # for short_ahrs.py
 
 
 @dataclass

@@ -1,0 +1,105 @@
+"""JJF 1536 in seconds on the virtual single-axis station: procedures, runs, and their truth."""
+
+import json
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from schemas.procedure import Procedure
+from schemas.recording import Mount, Recording
+from schemas.station import AngleLink, StationFile
+from storage.raw import RawWriter, read_mcap
+from tasks.items import jjf1536
+from tasks.station import procedures
+from tasks.station.sequence import Acquired, acquire
+from tasks.station.virtual.config import (
+    VirtualStation,
+    ahrs_station,
+    station_part,
+    truth,
+    unit_identity,
+)
+from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.process import running
+
+SPEED = 200.0
+AXES = "xyz"
+
+
+def ignore(progress: object) -> None:
+    pass
+
+
+def shortened(name: str, seconds: float, **changes: Any) -> Procedure:
+    """A procedure of the program with every dwell this short, and a short warm-up."""
+    told = procedures.load(name).model_dump()
+    steps = [
+        step | ({"dwell_s": min(step["dwell_s"], seconds)} if "dwell_s" in step else {})
+        for step in told["steps"]
+    ]
+    return Procedure.model_validate(told | {"steps": steps, "warm_up_s": 5.0} | changes)
+
+
+def settled() -> VirtualStation:
+    """A station whose unit does not change while it warms up, which here is not waited for."""
+    station = ahrs_station(3)
+    calm = {"bias_per_kelvin": (0.0, 0.0, 0.0)}
+    gyro = station.unit.gyro.model_copy(update=calm)
+    return station.model_copy(update={"unit": station.unit.model_copy(update={"gyro": gyro})})
+
+
+def bench(fixture: Any, mount: Mount | None = None) -> StationFile:
+    """A station file of a single-axis table that nobody listens for."""
+    link = AngleLink(
+        url="socket://nowhere:1", frame="angles", angle_lsb_rad=1e-7, accel_lsb_m_s2=1e-5,
+        rate_hz=10,
+    )  # fmt: skip
+    station = ahrs_station(1)
+    return StationFile(
+        modbus_host="nowhere", modbus_port=502, unit_link=link, fixture=fixture,
+        mount=mount or Mount(), station=station_part(station, 1.0), unit=unit_identity(station),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Run:
+    acquired: Acquired
+    recording: Recording
+    truth: dict[str, Any]
+
+
+def run_of(folder: Any, procedure: Procedure, faults: tuple[Fault, ...] = ()) -> Run:
+    """A run by way of a raw file, as the line makes it."""
+    path, station = folder / "run.mcap", settled()
+    with running(station, SPEED, faults) as found, RawWriter(path) as sink:
+        acquired = acquire(found, procedure, sink, ignore, recording_id="ahrs")
+    told = json.loads(json.dumps(truth(station)))
+    return Run(acquired, replace(read_mcap(path), digest="0" * 64), told)
+
+
+def errors(run: Run) -> dict[str, dict[str, tuple[float, float]]]:
+    """(value − truth, u) of every element that has a value, by item and element."""
+    result = jjf1536.calibrate(run.recording, run="r", code_version="test")
+    true = {
+        "ahrs_scale_factor": dict(zip(AXES, run.truth["K"], strict=True)),
+        "ahrs_zero_offset": dict(zip(AXES, run.truth["B_deg_s"], strict=True)),
+        "ahrs_misalignment": {
+            AXES[i] + AXES[j]: np.degrees(run.truth["L"][i][j]) for i in range(3) for j in range(3)
+        },
+    }
+    return {
+        name: {
+            element: (value - true[name][element], item.u[element])
+            for element, value in item.value.items()
+            if value is not None
+        }
+        for name, item in result.items.items()
+    }
+
+
+def part(*names: str) -> Procedure:
+    """Some of the steps of JJF 1536, short."""
+    whole = shortened("jjf1536", 10.0)
+    steps = tuple(step for step in whole.steps if step.name in names)
+    return whole.model_copy(update={"steps": steps})
