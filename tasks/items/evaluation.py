@@ -68,7 +68,7 @@ def evaluation_for(
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
-        unknown = recording.manifest.standard == "other" and not equipment.rates
+        unknown = not equipment.rates or not equipment.angles
         remarks = (_UNKNOWN_EQUIPMENT,) if unknown else ()
         return Evaluation(equipment, kind, settings=settings, remarks=remarks)
     if "rate" in own:
@@ -81,11 +81,11 @@ def evaluation_for(
 EXAMPLE = "the example's"
 _UNKNOWN_EQUIPMENT = Remark(
     code="equipment_unknown",
-    en="The recording names no specification and the laboratory no limits: what table and fixture "
-    "may be off by is not known and not in the uncertainties, which hold the scatter of the data, "
-    "the unit's resolution, gravity and latitude only.",
-    zh="记录未说明所依据的规范，实验室也未给出设备允许误差：转台和夹具引入的不确定度分量未知、未计入，"
-    "不确定度仅含数据分散性、分辨力、当地重力和纬度的分量。",
+    en="The recording names no specification, and the laboratory does not tell what its table may "
+    "be off by: what is not known of table and fixture is not in the uncertainties, which hold the "
+    "scatter of the data, the unit's resolution, gravity and latitude.",
+    zh="记录未说明所依据的规范，实验室也未给出转台允许误差：转台和夹具未知的不确定度分量未计入，"
+    "不确定度含数据分散性、分辨力、当地重力和纬度的分量。",
     blocks_pass=True,
 )
 

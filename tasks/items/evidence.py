@@ -1,6 +1,7 @@
 """What a recording offers to the items of JJF 2003: positions, rate points, turns, rests."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -41,6 +42,12 @@ class Evidence:
     turns: dict[Axis, tuple[int, ...]]
     rests: dict[str, tuple[int, ...]]
 
+    @cached_property
+    def coarse_channels(self) -> np.ndarray:
+        """Which channels (6,) have a step that hides their noise in some segment."""
+        coarse = [coarsely_quantised(segment) for segment in self.segments]
+        return np.any(coarse, axis=0) if coarse else np.zeros(6, bool)
+
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
         return self.noise_covariance(channel) + self.rounding_covariance(channel)
@@ -56,7 +63,7 @@ class Evidence:
         shared by the segments of one place and one rate. Zero where the noise shows.
         """
         shared = np.zeros((len(self.segments),) * 2)
-        if not any(coarsely_quantised(segment)[channel] for segment in self.segments):
+        if not self.coarse_channels[channel]:
             return shared
         step = max(segment.step[channel] for segment in self.segments)
         labels = [segment.segment for segment in self.segments]

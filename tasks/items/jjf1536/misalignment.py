@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis, Recording, Segment
+from schemas.uncertainty import Distribution
 from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.jjf1536.evidence import AhrsEvidence
 from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
@@ -122,8 +123,9 @@ def _ratio(
 def _zero_line(zero: Measured, longer: float) -> Contribution:
     """The zero offset that does not cancel, where one direction took longer by `longer` s/rad."""
     known = combine("zero offset", "rad/s", zero.value, zero.lines_in("rad/s"))
+    shape: Distribution = "normal" if math.isinf(known.dof) else "t"
     quantity = InputQuantity(
-        "B", "zero offset", "零偏", "rad/s", known.u_c, "A", "normal", zero.value, known.dof
+        "B", "zero offset", "零偏", "rad/s", known.u_c, "A", shape, zero.value, known.dof
     )
     return Contribution(quantity, -longer)
 

@@ -89,7 +89,7 @@ inputs = st.lists(
 )
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(inputs)
 def test_any_sum_covers_as_random_draws_of_it_do(shapes) -> None:
     width = half_width(shapes)
@@ -113,7 +113,7 @@ def test_any_sum_covers_as_random_draws_of_it_do(shapes) -> None:
     assert inside == pytest.approx(PROBABILITY, abs=0.007 if edges else 0.003)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(inputs, st.sampled_from(SHAPES), st.floats(1e-3, 1.0))
 def test_the_width_grows_with_the_probability(shapes, shape: str, size: float) -> None:
     assert half_width(shapes, 0.5) < half_width(shapes, 0.95) < half_width(shapes, 0.99)
