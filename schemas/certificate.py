@@ -13,9 +13,8 @@ from schemas.tolerance import Decision
 
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LimitName = Literal[
-    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude",
-    "centring",
-]  # fmt: skip
+    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
+]
 
 
 class Party(Frozen):
@@ -30,8 +29,8 @@ class Party(Frozen):
 class EquipmentLimit(Frozen):
     """How far one property of a laboratory's equipment may be off, and which paper says so.
 
-    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity, m for
-    centring. For «normal» it is an expanded uncertainty with k = 2.
+    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity.
+    For «normal» it is an expanded uncertainty with k = 2.
     """
 
     half_width: Finite = Field(gt=0)

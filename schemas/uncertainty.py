@@ -65,8 +65,8 @@ class Budget(Frozen):
 
     U = k·u_c. `half_width_95`: half width of the interval that holds the result with 95 %
     probability by propagation of the distributions of this linear budget (JCGM 101); null where
-    inputs are correlated, or where the budget is not one of distributions. `coverage_interval` is stated where it need not be value ± U (Monte Carlo); U is
-    then half its length.
+    inputs are correlated, or where the budget is not one of distributions. `coverage_interval`
+    is stated where it need not be value ± U (Monte Carlo); U is then half its length.
     """
 
     result: str

@@ -56,7 +56,7 @@ class Equipment:
     rates: relative error of the mean rate over whole turns, each limit from its slowest rate
     (rad/s) on, fastest first; ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
-    fixture: between the fixture's faces. centring: place of the unit on the table.
+    fixture: between the fixture's faces.
     """
 
     rates: tuple[tuple[float, Limit], ...]
@@ -67,7 +67,6 @@ class Equipment:
     fixture: Limit | None
     gravity: Limit
     latitude: Limit
-    centring: Limit
 
     @property
     def angles(self) -> tuple[Limit, ...]:
@@ -94,10 +93,6 @@ LATITUDE = Limit(
     "φ", "latitude", "纬度", "rad", math.radians(0.05), "rectangular",
     "assumed: latitude stated to 0.1°",
 )  # fmt: skip
-CENTRING = Limit(
-    "r", "place of the unit on the table", "安装位置", "m", 1e-4, "rectangular",
-    "assumed: centred to 0.1 mm",
-)  # fmt: skip
 
 
 def _jjf2003(symbol: str, name: str, zh: str, unit: str, half_width: float, clause: str) -> Limit:
@@ -118,7 +113,6 @@ JJF2003 = Equipment(
     fixture=_jjf2003("α4", "squareness of fixture", "夹具垂直度", "rad", 10 * ARCSECOND, "6.2"),
     gravity=GRAVITY,
     latitude=LATITUDE,
-    centring=CENTRING,
 )
 
 
@@ -147,11 +141,10 @@ JJF1536 = Equipment(
     ),
     gravity=GRAVITY,
     latitude=LATITUDE,
-    centring=CENTRING,
 )  # fmt: skip
 
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
-UNKNOWN = Equipment((), None, None, None, None, None, GRAVITY, LATITUDE, CENTRING)
+UNKNOWN = Equipment((), None, None, None, None, None, GRAVITY, LATITUDE)
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

@@ -153,7 +153,7 @@ def accel_rate_sensitivity(
 
     c(ε) = −2p, eq. (A.12). A rotation axis off the vertical by α reads K·g·α at rest and averages
     out while turning: c = K·g/ω² (silent). The value of the clause holds for the unit's place on
-    the table; for the sensor's own p add `place_on_table`.
+    the table, so how well it is centred does not enter.
     """
     tilt = k * gravity / rate**2
     lines = [_line(limit, -2.0 * p) for limit in equipment.rate_at(rate)]
@@ -161,11 +161,6 @@ def accel_rate_sensitivity(
     if equipment.axes is not None:
         lines.append(_line(equipment.axes, tilt))
     return tuple(lines)
-
-
-def place_on_table(equipment: Equipment, k: float = 1.0) -> Contribution:
-    """An accelerometer at r from the rotation axis adds K·r to p of eq. (12): c = K (silent)."""
-    return _line(equipment.centring, k)
 
 
 def ahrs_zero_offset(
@@ -206,11 +201,6 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
     u = half_width / math.sqrt(3.0)
     quantity = InputQuantity("q", "resolution", "分辨力", unit, u, "B", "rectangular")
     return Contribution(quantity, sensitivity)
-
-
-def step_of(bits: float, full_scale: float) -> float:
-    """One step of N effective bits over ± full scale: 2·full_scale/2ᴺ."""
-    return 2.0 * full_scale / 2.0**bits
 
 
 def _of_each_face(
