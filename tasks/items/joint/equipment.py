@@ -1,10 +1,12 @@
 """What the equipment may be wrong by, put through the joint solution (type B).
 
 Each limit changes what the unit went through, and the change of the readings goes through the
-operator of the fit: δθ = O·δy. A table angle is wrong by its own amount in every rest; the axis
-of a run of rates, the fixture and the table's squareness by one amount while the unit stays
-mounted. Nobody says which errors two faces of a fixture share: the larger of both readings
-counts, common to an axis up and down, or each face its own.
+operator of the fit: δθ = O·δy. A table angle is wrong by its own amount in every position; a run
+of rates and the rests beside it have one setting. Fixture and axes that are not square are wrong
+by one amount while the unit stays mounted. Nobody says which errors two faces of a fixture share:
+the larger of both readings counts, common to an axis up and down, or each face its own. The
+outermost axis leans from the vertical by as much as angles and axes allow: that shows in rests,
+and averages out in turns.
 """
 
 from collections.abc import Callable, Iterable
@@ -29,13 +31,15 @@ Group = list[int]
 class Disturbed:
     """How the mean readings follow the equipment's errors, per unit of each.
 
-    tilt: (3, n, 6) per rad about each body axis. rate, gravity: (n, 6) per relative error.
+    tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
+    two headings. rate, gravity: (n, 6) per relative error.
     latitude: (n, 6) per rad.
-    each: groups of segments with an angle error of their own; pairs, faces: the two readings of
-    what is common to a mounting. turns: segments turned by an angle (rad).
+    each: groups of segments at one setting of the table; pairs, faces: the two readings of what is
+    common to a mounting. turned: (n,) rad; by_angle: (n,) turns by an angle; speed: (n,) rad/s.
     """
 
     tilt: np.ndarray
+    lean: np.ndarray
     rate: np.ndarray
     gravity: np.ndarray
     latitude: np.ndarray
@@ -52,7 +56,7 @@ class Disturbed:
         """The lines of o·U for one channel; weights: o (n,)."""
         return (
             *self._rates(weights * self.rate[:, channel]),
-            *self._angles(weights * self.tilt[:, :, channel], weights * self.rate[:, channel]),
+            *self._angles(channel, weights),
             *self._line(self.equipment.gravity, weights @ self.gravity[:, channel]
                         / self.local_gravity),
             *self._line(self.equipment.latitude, weights @ self.latitude[:, channel]),
@@ -68,15 +72,17 @@ class Disturbed:
             share = np.minimum(1.0, SLOWLY / np.maximum(self.turned[held], SLOWLY))
             yield from self._line(self.equipment.ripple, float(np.linalg.norm(felt[held] * share)))
 
-    def _angles(self, felt: np.ndarray, rates: np.ndarray) -> Iterable[Contribution]:
-        """felt: (3, n) per rad about each body axis; rates: (n,) per relative error of a turn."""
-        own = float(np.linalg.norm(rates[self.by_angle] / self.turned[self.by_angle]))
-        each = float(np.hypot(_summed(felt, self.each), own))
+    def _angles(self, channel: int, weights: np.ndarray) -> Iterable[Contribution]:
+        turns = (weights * self.rate[:, channel])[self.by_angle] / self.turned[self.by_angle]
+        felt = weights * self.tilt[:, :, channel]
+        lean = float(np.linalg.norm((weights * self.lean[:, :, channel]).sum(axis=1)))
+        each = float(np.hypot(_summed(felt, self.each), np.linalg.norm(turns)))
         mounting = max(_summed(felt, self.pairs), _summed(felt, self.faces))
         for limit in self.equipment.angles:
-            yield from self._line(limit, each)
+            yield from self._line(limit, float(np.hypot(each, lean)))
         for limit in self.equipment.squareness:
-            yield from self._line(limit, mounting)
+            leaning = lean if limit is self.equipment.axes else 0.0
+            yield from self._line(limit, float(np.hypot(mounting, leaning)))
 
     def _line(self, limit: Limit, sensitivity: float) -> Iterable[Contribution]:
         if sensitivity != 0.0:
@@ -109,13 +115,15 @@ def disturbed(
     segments = [segment.segment for segment in evidence.segments]
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
     seconds = np.array([segment.seconds for segment in evidence.segments])
-    still = [s.kind == "static" for s in segments]
-    run = [f"about {s.axis}" for s in segments]
-    place = [f"rest {i}" if rest else run[i] for i, rest in enumerate(still)]
-    face = [(evidence.up[i] or place[i]) if rest else run[i] for i, rest in enumerate(still)]
+    place = [_setting(evidence, i) for i in range(len(segments))]
+    face = [evidence.up[i] or place[i] for i in range(len(segments))]
     pair = [axis.lstrip("+-") for axis in face]
+    level = _level_directions(evidence, motion)
     return Disturbed(
         tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
+        lean=np.array(
+            [changed(replace(motion, up=motion.up + STEP * direction)) for direction in level]
+        ),
         rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
         gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
         latitude=changed(motion, terms_at(STEP)),
@@ -128,6 +136,31 @@ def disturbed(
         equipment=equipment,
         local_gravity=motion.gravity,
     )
+
+
+def _setting(evidence: Evidence, i: int) -> str:
+    """What the table's angles were set for: a rest of its own, or a run of rates with its rests."""
+    label, up = evidence.segments[i].segment, evidence.up[i]
+    if label.kind != "static":
+        return f"run {up or label.axis}"
+    return f"run {up}" if label.item == "rate_sensitivity" and up else f"rest {i}"
+
+
+def _level_directions(evidence: Evidence, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Two level directions (n, 3) across each other, in the body; zero in turns, as on average.
+
+    North and east where they are known, else by the turns that the labels tell.
+    """
+    first = motion.north.copy()
+    for i, segment in enumerate(evidence.segments):
+        up = motion.up[i]
+        if segment.segment.kind != "static":
+            first[i] = 0.0
+        elif not np.isfinite(first[i]).all() and np.isfinite(up).all():
+            across = np.cross(up, np.roll(np.eye(3)[np.abs(up).argmax()], 1))
+            turn = np.radians(segment.segment.turn_deg or 0.0)
+            first[i] = np.cos(turn) * across + np.sin(turn) * np.cross(up, across)
+    return first, np.cross(first, motion.up)
 
 
 def _tilted(motion: Motion, axis: np.ndarray) -> Motion:
