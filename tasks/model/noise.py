@@ -1,7 +1,7 @@
 """White noise of each row, and drift that joins the rows, as far as a fit is concerned.
 
 A weighted sum Σ cⱼ·eⱼ of the noise has the variance cᵀ·Σ·c. The white part is diagonal. Flicker
-of S(f) = h/f has the generalised autocovariance −h·ln|τ|, a random walk −q·|τ|/2
+of S(f) = h/f above 1/(2πL) has the autocovariance h·E₁(|τ|/L), a random walk −q·|τ|/2
 (`tasks.uncertainty.drift`): products with such a matrix are convolutions, done by Fourier
 transform on an even grid, so that the cost grows with n·log n.
 """
@@ -9,8 +9,9 @@ transform on an even grid, so that the cost grows with n·log n.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import exp1
 
-from tasks.uncertainty.drift import UNSEEN
+from tasks.uncertainty.drift import LEVELS, flicker_integral
 
 CELLS = 2**14  # grid cells at most; drift does not change within one
 
@@ -19,8 +20,8 @@ CELLS = 2**14  # grid cells at most; drift does not change within one
 class RowNoise:
     """Noise of the readings of six channels at n times.
 
-    t: (n,) s, rising. white: (n, 6) variance of each row. drift: (3, 6) flicker h (unit²),
-    random walk q (unit²/s), trend squared (unit²/s²), as in `ChannelNoise`.
+    t: (n,) s, rising. white: (n, 6) variance of each row. drift: (DRIFTS, 6) flickers h
+    (unit²), random walk q (unit²/s), trend squared (unit²/s²), as in `ChannelNoise`.
     """
 
     t: np.ndarray
@@ -35,12 +36,12 @@ class RowNoise:
         return gram
 
     def _drifting(self, channel: int, columns: np.ndarray) -> np.ndarray:
-        flicker, walk, trend = self.drift[:, channel]
+        *flickers, walk, trend = self.drift[:, channel]
         cells, width = _on_grid(self.t, columns)
         count = len(cells)
         lags = width * np.arange(count)
-        logarithm = np.log(UNSEEN * count * width) - 1.5 - _mean_log(lags, width)
-        gram = flicker * _toeplitz_gram(cells, logarithm)
+        kernels = [h * _mean_flicker(lags, width, L) for h, L in zip(flickers, LEVELS, strict=True)]
+        gram = _toeplitz_gram(cells, np.sum(kernels, axis=0))
         total = cells.sum(axis=0)
         # A walk and a trend are counted about the mean of this run, as the drift shapes do.
         about_mean = cells - total / count
@@ -59,16 +60,12 @@ def _on_grid(t: np.ndarray, columns: np.ndarray) -> tuple[np.ndarray, float]:
     return np.column_stack(sums), width
 
 
-def _mean_log(lags: np.ndarray, width: float) -> np.ndarray:
-    """Mean of ln|t − s| over two cells as far apart as the lags."""
-
-    def second_integral(x: np.ndarray) -> np.ndarray:
-        return 0.5 * x**2 * np.log(np.where(x > 0, x, 1.0)) - 0.75 * x**2
-
-    near = second_integral(np.abs(lags - width)) + second_integral(lags + width)
-    exact = (near - 2.0 * second_integral(lags)) / width**2
-    # Far apart the second difference loses its digits, and the logarithm is exact enough.
-    return np.where(lags > 50 * width, np.log(np.maximum(lags, width)), exact)
+def _mean_flicker(lags: np.ndarray, width: float, level: float) -> np.ndarray:
+    """Covariance of flicker of unit strength, up to relaxations of `level` s, between two cells."""
+    near = flicker_integral(np.abs(lags - width) / level) + flicker_integral((lags + width) / level)
+    exact = (near - 2.0 * flicker_integral(lags / level)) * (level / width) ** 2
+    # Far apart the second difference loses its digits, and the plain covariance is exact enough.
+    return np.where(lags > 50 * width, exp1(np.maximum(lags, width) / level), exact)
 
 
 def _toeplitz_gram(cells: np.ndarray, kernel: np.ndarray) -> np.ndarray:

@@ -7,8 +7,8 @@ The covariance of the segment means follows in closed form, so that drift betwee
 counts, and what drift is common to two segments cancels in their difference.
 
 Source: IEEE Std 952, annex C (Allan variances); the covariance of flicker noise and random walk
-averaged over intervals is the double integral of the generalised autocovariances −h·ln|τ|
-(S(f) = h/f) and −q·|τ|/2.
+averaged over intervals is the double integral of the autocovariances h·E₁(|τ|/L), which is
+S(f) = h/f above 1/(2πL), and −q·|τ|/2.
 """
 
 from dataclasses import dataclass, replace
@@ -17,15 +17,18 @@ import numpy as np
 
 from schemas.recording import Up
 from tasks.segments.summarise import SegmentMean
+from tasks.uncertainty.contrasts import contrasts
 from tasks.uncertainty.drift import (
+    DRIFTS,
     INSTANT,
     PooledAllan,
-    contrasts,
     drift_allan,
     drift_shapes,
     drift_strengths,
     white_of,
 )
+
+LONG = 0.5  # of the longest segment: shorter ones know less of drift, at other block lengths
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,9 @@ class ChannelNoise:
     """White noise and drift of the six channels.
 
     white: (segments, 6) variance of a mean over 1 s, unit²·s.
-    drift: (3, 6) flicker h of S(f) = h/f, unit²; random walk, unit²/s; slope², unit²/s².
-    shapes: (3, segments, segments) covariance of the segment means per unit of each drift.
+    drift: (DRIFTS, 6) flicker h of S(f) = h/f, unit², by where it ends (`drift.LEVELS`); random
+        walk, unit²/s; slope², unit²/s².
+    shapes: (DRIFTS, segments, segments) covariance of the segment means per unit of each drift.
     contrasts: (6,) how many independent contrasts between segments told the drift.
     """
 
@@ -57,19 +61,20 @@ def fit_noise(
     with the drift taken away; it is never less than the rounding of each row to one step.
     """
     if not segments:
-        return ChannelNoise(np.zeros((0, 6)), np.zeros((3, 6)), np.zeros((3, 0, 0)), np.zeros(6))
+        none = np.zeros((DRIFTS, 6))
+        return ChannelNoise(np.zeros((0, 6)), none, np.zeros((DRIFTS, 0, 0)), np.zeros(6))
     if up is not None and rate is not None:
         segments = tuple(map(_corrected, segments, up, rate))
-    still = _white(segments, np.zeros((3, 6)))
+    still = _white(segments, np.zeros((DRIFTS, 6)))
     shapes = drift_shapes(segments)
     seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
-    drift, count = np.zeros((3, 6)), np.zeros(6)
+    drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
     for channel in range(6):
         pooled = _pooled_allan(segments, channel)
         if pooled is not None:
             seen = contrasts(segments, shapes, still[:, channel] / seconds, channel)
             drift[:, channel] = drift_strengths(seen, pooled)
-            count[channel] = len(seen.value)
+            count[channel] = seen.value.shape[1]
     return ChannelNoise(_white(segments, drift), drift, shapes, count)
 
 
@@ -78,8 +83,8 @@ def covariance_of_means(
 ) -> np.ndarray:
     """Covariance (n, n) of one channel's segment means, unit².
 
-    What it gives a bias is the uncertainty of the bias's mean over ten times the recording's
-    span where it flickers, over the recording itself where it walks or has a trend.
+    What it gives a bias is the uncertainty of its mean over all time where it flickers, over the
+    recording itself where it walks or has a trend.
     """
     seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
     white = np.diag(noise.white[:, channel] / seconds)
@@ -93,14 +98,15 @@ def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:
 
 
 def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAllan | None:
-    """Allan variances of the quiet segments, where there are any and they are not all zero."""
+    """Allan variances of the quiet ones among the longest segments, if they are not all zero."""
     measured = [
         s
         for s in segments
         if s.segment.kind != "rotation" and len(s.tau) and np.isfinite(s.allan[:, channel]).all()
     ]
     levels = max((len(s.tau) for s in measured), default=0)
-    full = [s for s in measured if len(s.tau) == levels]
+    longest = max((s.seconds for s in measured), default=0.0)
+    full = [s for s in measured if len(s.tau) == levels and s.seconds > LONG * longest]
     finest = np.array([s.allan[0, channel] for s in full])
     # A shaking turn would hide the flicker of the quiet segments under its white noise.
     if not full:
@@ -116,10 +122,13 @@ def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAlla
 def _white(segments: tuple[SegmentMean, ...], drift: np.ndarray) -> np.ndarray:
     """N² (segments, 6) of each segment: its Allan variances less the drift, never negative."""
     white = np.full((len(segments), 6), np.nan)
-    for i, segment in enumerate(segments):
-        if len(segment.tau):
-            excess = segment.allan.T - drift.T @ drift_allan(segment.tau)
-            white[i] = np.maximum(white_of(excess, segment.tau), _rounding(segment))
+    for levels in {len(segment.tau) for segment in segments} - {0}:
+        alike = [i for i, segment in enumerate(segments) if len(segment.tau) == levels]
+        tau = np.array([segments[i].tau for i in alike])
+        slow = np.tensordot(drift.T, drift_allan(tau), axes=1)
+        seen = np.array([segments[i].allan.T for i in alike])
+        excess = white_of(seen - slow.swapaxes(0, 1), tau[:, None])
+        white[alike] = np.maximum(excess, [_rounding(segments[i]) for i in alike])
     moving = np.array([segment.segment.kind == "rotation" for segment in segments])
     if moving.any():  # what varies there is the turn itself, not noise
         white[moving] = _median_known(white[~moving])

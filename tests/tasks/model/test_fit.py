@@ -17,13 +17,14 @@ from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import GYRO_TERMS, STANDARD_TERMS
 from tasks.motion.whole import Motion
+from tasks.uncertainty.drift import DRIFTS, WALK
 
 WITH_SITE = (earth_rotation(0.7), LEVER_ARM, *STANDARD_TERMS)
 
 
 def quiet(motion: Motion, deviation: float = 1e-3) -> RowNoise:
     count = len(motion.t)
-    return RowNoise(motion.t, np.full((count, 6), deviation**2), np.zeros((3, 6)))
+    return RowNoise(motion.t, np.full((count, 6), deviation**2), np.zeros((DRIFTS, 6)))
 
 
 def drawn(terms: tuple[Term, ...], seed: int) -> np.ndarray:
@@ -45,8 +46,8 @@ def test_the_truth_lies_within_the_stated_uncertainty_in_white_and_flicker_noise
     rng = np.random.default_rng(8)
     motion = tumbling(400, seed=8)
     h, deviation, values = 4e-7, 1e-3, drawn(STANDARD_TERMS, 8)
-    drift = np.zeros((3, 6))
-    drift[0] = h
+    drift = np.zeros((DRIFTS, 6))
+    drift[WALK - 1] = h  # the flicker that reaches lowest
     noise = replace(quiet(motion, deviation), drift=drift)
     clean = predict(STANDARD_TERMS, motion, values)
     z = []

@@ -6,14 +6,15 @@ from model_unit import flicker
 
 from tasks.model.noise import RowNoise
 from tasks.segments.summarise import SegmentMean
-from tasks.uncertainty.drift import drift_shapes
+from tasks.uncertainty.drift import DRIFTS, TREND, WALK, drift_shapes
 
 COUNT = 300
 T = np.arange(COUNT) * 0.5
 
 
 def noise(flicker: float = 0.0, walk: float = 0.0, trend: float = 0.0) -> RowNoise:
-    drift = np.tile(np.array([[flicker], [walk], [trend]]), (1, 6))
+    drift = np.zeros((DRIFTS, 6))
+    drift[[WALK - 1, WALK, TREND]] = np.array([[flicker], [walk], [trend]])
     return RowNoise(T, np.zeros((COUNT, 6)), drift)
 
 
@@ -32,7 +33,7 @@ def test_the_sums_have_the_covariance_of_the_closed_formulas(which: int) -> None
     strength = [0.0, 0.0, 0.0]
     strength[which] = 2.0
     columns = np.random.default_rng(1).standard_normal((COUNT, 3)) + np.array([0.0, 1.0, 5.0])
-    dense = 2.0 * columns.T @ drift_shapes(rows_as_segments())[which] @ columns
+    dense = 2.0 * columns.T @ drift_shapes(rows_as_segments())[WALK - 1 + which] @ columns
     found = noise(*strength).gram(2, columns)
     scale = np.sqrt(np.outer(np.diag(dense), np.diag(dense)))
     assert found / scale == pytest.approx(dense / scale, abs=0.02)
@@ -41,7 +42,7 @@ def test_the_sums_have_the_covariance_of_the_closed_formulas(which: int) -> None
 def test_white_noise_is_each_rows_own() -> None:
     white = np.random.default_rng(2).uniform(1.0, 4.0, (COUNT, 6))
     columns = np.random.default_rng(3).standard_normal((COUNT, 2))
-    own = RowNoise(T, white, np.zeros((3, 6)))
+    own = RowNoise(T, white, np.zeros((DRIFTS, 6)))
     assert own.gram(4, columns) == pytest.approx(columns.T @ np.diag(white[:, 4]) @ columns)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from schemas.recording import Segment
 from tasks.segments.summarise import BLOCKS, SegmentMean, allan_variances
-from tasks.uncertainty.drift import drift_shapes
+from tasks.uncertainty.drift import WALK, drift_shapes
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 DWELL = 30.0
@@ -162,7 +162,7 @@ def test_a_random_walk_is_counted_about_the_mean_of_the_run() -> None:
     walk = np.cumsum(rng.normal(0.0, np.sqrt(TAU), (4000, 48 * (BLOCKS + GAP) - GAP)), axis=1)
     walk -= walk.mean(axis=1, keepdims=True)
     first, last = walk[:, :BLOCKS].mean(axis=1), walk[:, -BLOCKS:].mean(axis=1)
-    covariance = drift_shapes(segments)[1]
+    covariance = drift_shapes(segments)[WALK]
     assert covariance[0, 0] == pytest.approx(np.mean(first**2), rel=0.1)
     assert covariance[0, -1] == pytest.approx(np.mean(first * last), rel=0.15)
 

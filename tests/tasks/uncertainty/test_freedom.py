@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tasks.items.evidence import Evidence, gather
+from tasks.uncertainty.drift import DRIFTS
 from tasks.uncertainty.freedom import type_a_dof
 
 
@@ -18,7 +19,7 @@ def evidence(ideal_run) -> Evidence:
     columns = {n: v + rng.normal(0.0, 1e-3, len(v)) for n, v in recording.imu.columns.items()}
     stream = type(recording.imu)(recording.imu.t, columns)
     found = gather(type(recording)(recording.manifest, stream, digest="0"))
-    return replace(found, noise=replace(found.noise, drift=np.zeros((3, 6))))
+    return replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
 
 
 def dof_of(evidence: Evidence, weights: np.ndarray) -> float:
@@ -40,7 +41,7 @@ def test_one_segment_knows_its_white_noise_as_well_as_simulated_ones_do(ideal_ru
     found = gather(type(recording)(recording.manifest, stream, digest="0"))
     white = found.noise.white[:, :3]  # 48 segments of three channels, each its own estimate
     seen = 2.0 * white.mean() ** 2 / white.var()
-    evidence = replace(found, noise=replace(found.noise, drift=np.zeros((3, 6))))
+    evidence = replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
     assert dof_of(evidence, only(evidence, 1)) == pytest.approx(seen, rel=0.3)
 
 
@@ -51,7 +52,7 @@ def test_equal_segments_add_their_degrees_of_freedom(evidence) -> None:
 
 
 def test_drift_is_known_by_the_contrasts_that_told_it(evidence) -> None:
-    drift = np.zeros((3, 6))
+    drift = np.zeros((DRIFTS, 6))
     drift[0] = 1.0  # nothing else counts beside it
     contrasts = np.full(6, 17.0)
     drifting = replace(evidence, noise=replace(evidence.noise, drift=drift, contrasts=contrasts))
@@ -59,7 +60,7 @@ def test_drift_is_known_by_the_contrasts_that_told_it(evidence) -> None:
 
 
 def test_drift_that_no_contrast_told_is_known_by_the_longest_blocks(evidence) -> None:
-    drift = np.zeros((3, 6))
+    drift = np.zeros((DRIFTS, 6))
     drift[0] = 1.0
     noise = replace(evidence.noise, drift=drift, contrasts=np.zeros(6))
     alone = replace(evidence, noise=noise)
