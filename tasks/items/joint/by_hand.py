@@ -72,11 +72,10 @@ def _zero(
     design = np.zeros((len(used), 4))
     design[:, 0] = 1.0
     design[rests, 1:] = up
-    samples = np.array([segment.rows for segment in evidence.segments], float)
     earth = 0.0 if latitude is None else EARTH_RATE * np.sin(np.radians(latitude))
     bias, sensitivity, _ = _nothing()
     for i, axis in enumerate(AXES):
-        solved = least_squares(design, used, samples, evidence.means[:, i], evidence.covariance(i))
+        solved = least_squares(design, used, evidence.means[:, i], evidence.covariance(i))
         found = [measured(evidence, i, row, solved.excess[0]) for row in solved.operator]
         bias[axis] = found[0]
         for j, other in enumerate(AXES):

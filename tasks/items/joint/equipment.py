@@ -19,12 +19,12 @@ from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.uncertainty.budget import Contribution
-from tasks.uncertainty.equipment import Equipment, Limit
+from tasks.uncertainty.equipment import Equipment
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
 SLOWLY = 2.0  # rad: over a smaller angle a ripple within the turn does not average out
 
-Group = list[int]
+LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,9 @@ class Disturbed:
     tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
     two headings. rate, gravity: (n, 6) per relative error.
     latitude: (n, 6) per rad.
-    each: groups of segments at one setting of the table; pairs, faces: the two readings of what is
-    common to a mounting. turned: (n,) rad; by_angle: (n,) turns by an angle; speed: (n,) rad/s.
+    each: (n,) numbers of the table's settings; pairs, faces: (n,) the two readings of what is
+    common to a mounting, by number. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
+    speed: (n,) rad/s.
     """
 
     tilt: np.ndarray
@@ -43,9 +44,9 @@ class Disturbed:
     rate: np.ndarray
     gravity: np.ndarray
     latitude: np.ndarray
-    each: tuple[Group, ...]
-    pairs: tuple[Group, ...]
-    faces: tuple[Group, ...]
+    each: np.ndarray
+    pairs: np.ndarray
+    faces: np.ndarray
     turned: np.ndarray
     by_angle: np.ndarray
     speed: np.ndarray
@@ -54,44 +55,73 @@ class Disturbed:
 
     def lines(self, channel: int, weights: np.ndarray) -> tuple[Contribution, ...]:
         """The lines of o·U for one channel; weights: o (n,)."""
-        return (
+        gravity = weights @ self.gravity[:, channel] / self.local_gravity
+        latitude = weights @ self.latitude[:, channel]
+        every = (
             *self._rates(weights * self.rate[:, channel]),
             *self._angles(channel, weights),
-            *self._line(self.equipment.gravity, weights @ self.gravity[:, channel]
-                        / self.local_gravity),
-            *self._line(self.equipment.latitude, weights @ self.latitude[:, channel]),
-        )  # fmt: skip
+            Contribution(self.equipment.gravity.quantity(), float(gravity)),
+            Contribution(self.equipment.latitude.quantity(), float(latitude)),
+        )
+        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
+        least = LEAST_SHARE * max(sizes)
+        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
+
+    def covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by what the model cannot follow: the angles.
+
+        Rate, gravity and latitude change the parameters, not what is left over.
+        """
+        tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
+        leaning, across = lean.T @ lean, tilt.T @ tilt
+        own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
+        setting = across * (self.each[:, None] == self.each) + leaning + own
+        face = across * (self.faces[:, None] == self.faces)
+        total = np.zeros_like(across)
+        for limit in self.equipment.angles:
+            total += limit.u**2 * setting
+        for limit in self.equipment.squareness:
+            total += limit.u**2 * (face + leaning * (limit is self.equipment.axes))
+        if self.equipment.ripple is not None:
+            ripple = self.rate[:, channel] * self._ripple_share()
+            total += self.equipment.ripple.u**2 * np.diag(ripple**2)
+        return total
+
+    def _turned_share(self) -> np.ndarray:
+        """(n,) relative error of a turn's rate per rad of its angle; zero where none is turned."""
+        return np.where(self.by_angle, 1.0 / np.where(self.by_angle, self.turned, 1.0), 0.0)
+
+    def _ripple_share(self) -> np.ndarray:
+        """(n,) what is left of a ripple in the mean rate of a run; zero where none is held."""
+        held = ~self.by_angle & (self.speed > 0)
+        return held * np.minimum(1.0, SLOWLY / np.maximum(self.turned, SLOWLY))
 
     def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
         held = np.flatnonzero(~self.by_angle & (self.speed > 0))
         limits = {i: self.equipment.rate_at(self.speed[i]) for i in held}
         for limit in dict.fromkeys(limit for found in limits.values() for limit in found):
             common = sum(felt[i] for i in held if limit in limits[i])
-            yield from self._line(limit, float(common))
+            yield Contribution(limit.quantity(), float(common))
         if self.equipment.ripple is not None:
-            share = np.minimum(1.0, SLOWLY / np.maximum(self.turned[held], SLOWLY))
-            yield from self._line(self.equipment.ripple, float(np.linalg.norm(felt[held] * share)))
+            left = float(np.linalg.norm(felt * self._ripple_share()))
+            yield Contribution(self.equipment.ripple.quantity(), left)
 
     def _angles(self, channel: int, weights: np.ndarray) -> Iterable[Contribution]:
-        turns = (weights * self.rate[:, channel])[self.by_angle] / self.turned[self.by_angle]
+        turns = weights * self.rate[:, channel] * self._turned_share()
         felt = weights * self.tilt[:, :, channel]
         lean = float(np.linalg.norm((weights * self.lean[:, :, channel]).sum(axis=1)))
         each = float(np.hypot(_summed(felt, self.each), np.linalg.norm(turns)))
         mounting = max(_summed(felt, self.pairs), _summed(felt, self.faces))
         for limit in self.equipment.angles:
-            yield from self._line(limit, float(np.hypot(each, lean)))
+            yield Contribution(limit.quantity(), float(np.hypot(each, lean)))
         for limit in self.equipment.squareness:
             leaning = lean if limit is self.equipment.axes else 0.0
-            yield from self._line(limit, float(np.hypot(mounting, leaning)))
-
-    def _line(self, limit: Limit, sensitivity: float) -> Iterable[Contribution]:
-        if sensitivity != 0.0:
-            yield Contribution(limit.quantity(), sensitivity)
+            yield Contribution(limit.quantity(), float(np.hypot(mounting, leaning)))
 
 
-def _summed(felt: np.ndarray, groups: tuple[Group, ...]) -> float:
-    """√Σ over groups and body axes of what one error common to a group does."""
-    return float(np.linalg.norm([felt[:, group].sum(axis=1) for group in groups]))
+def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
+    """√Σ over groups and body axes (3, n) of what one error common to a group does."""
+    return float(np.linalg.norm([np.bincount(numbers, row) for row in felt]))
 
 
 def disturbed(
@@ -127,9 +157,9 @@ def disturbed(
         rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
         gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
         latitude=changed(motion, terms_at(STEP)),
-        each=_groups(place),
-        pairs=_groups(pair),
-        faces=_groups(face),
+        each=_numbered(place),
+        pairs=_numbered(pair),
+        faces=_numbered(face),
         turned=speed * seconds,
         by_angle=np.array([s.kind == "rotation" for s in segments], bool),
         speed=speed,
@@ -172,8 +202,5 @@ def _tilted(motion: Motion, axis: np.ndarray) -> Motion:
     return replace(motion, **turned)
 
 
-def _groups(names: list[str]) -> tuple[Group, ...]:
-    found: dict[str, Group] = {}
-    for i, name in enumerate(names):
-        found.setdefault(name, []).append(i)
-    return tuple(found.values())
+def _numbered(names: list[str]) -> np.ndarray:
+    return np.unique(names, return_inverse=True)[1] if names else np.zeros(0, int)

@@ -43,8 +43,9 @@ def solve_jointly(
     """Both steps of the method (`zero_correction`), with Earth's rotation taken off, to rest.
 
     The accelerometers need one step: bias, scale factor, cross coupling and rate sensitivity by
-    least squares over everything. Earth's rotation is known but for the scale factor that reads
-    it, so that it is predicted, taken off, and predicted again.
+    least squares over everything. What scatters is measured against the noise and against what
+    the equipment may do to each segment. Earth's rotation is known but for the scale factor that
+    reads it, so that it is predicted, taken off, and predicted again.
     """
     latitude = recording.manifest.station.latitude_deg
 
@@ -55,9 +56,15 @@ def solve_jointly(
     design = linearise(STANDARD_TERMS, taken.motion, nominal_values(STANDARD_TERMS))
     ideal = nominal_values(STANDARD_TERMS)
     values, earth = ideal, np.zeros_like(evidence.means)
+    follows = disturbed(evidence, taken.motion, terms_at, ideal, equipment)
+    covariances = [np.nan_to_num(evidence.covariance(c)) + follows.covariance(c) for c in range(6)]
     for _ in range(ROUNDS):
-        solved = [_channel(evidence, taken, design, c, earth) for c in range(6)]
-        before, values = values, _values(solved, evidence.means - earth, ideal)
+        means = evidence.means - earth
+        solved = [
+            _channel(taken, design, c, means[:, c], covariance)
+            for c, covariance in enumerate(covariances)
+        ]
+        before, values = values, _values(solved, means, ideal)
         if np.abs(values - before).max() < SETTLED:
             break
         turned = predict(terms_at(0.0), taken.motion, values)
@@ -72,18 +79,14 @@ def solve_jointly(
 
 
 def _channel(
-    evidence: Evidence, taken: Stretches, design: Design, channel: int, earth: np.ndarray
+    taken: Stretches, design: Design, channel: int, means: np.ndarray, covariance: np.ndarray
 ) -> Solved:
     """One channel's parameters, in the order of its terms."""
-    means = evidence.means[:, channel] - earth[:, channel]
     columns = np.nan_to_num(design.of_channel(channel)[1])
-    noise = evidence.covariance(channel)
     if channel >= len(AXES):
-        return least_squares(columns, taken.accel, taken.samples, means, noise)
+        return least_squares(columns, taken.accel, means, covariance)
     rates, forces = columns[:, :3], columns[:, 4:]
-    return zero_corrected(
-        rates, forces, taken.gyro, taken.zero, taken.samples, means, np.nan_to_num(noise)
-    )
+    return zero_corrected(rates, forces, taken.gyro, taken.zero, means, covariance)
 
 
 def _parameters(channel: int) -> tuple[tuple[str, str], ...]:

@@ -1,7 +1,7 @@
 """What the unit went through in each segment of a recording, for the joint method.
 
-A segment held at one attitude or rate has one mean reading and one mean motion: fitting the means,
-each as often as it has samples, is fitting all samples at once.
+A segment held at one attitude or rate has one mean reading and one mean motion: fitting the means
+by their covariance is fitting all samples at once.
 """
 
 from dataclasses import dataclass
@@ -29,14 +29,12 @@ class Stretches:
     """The mean motion of the segments, and what each may be used for.
 
     motion: (n segments); a turn about the vertical has no mean north, which averages out.
-    samples: (n,) rows in each mean.
     gyro, accel: (n,) bool, what may be fitted to each triad.
     zero: (n,) bool, the rests that correct gyro bias and g-sensitivity.
     level_unknown: (n,) bool, rests in which the horizontal part of Earth's rotation is not known.
     """
 
     motion: Motion
-    samples: np.ndarray
     gyro: np.ndarray
     accel: np.ndarray
     zero: np.ndarray
@@ -59,7 +57,6 @@ def stretches(recording: Recording, evidence: Evidence) -> Stretches:
     unknown = still & vertical & ~np.isfinite(motion.north).all(axis=1)
     return Stretches(
         motion=motion,
-        samples=np.array([segment.rows - segment.left_out for segment in segments], float),
         gyro=gyro & moved & (vertical | ~still),
         accel=accel & moved & vertical & (still | turning),
         zero=gyro & still & vertical & ~_beside_pairs(evidence, unknown),

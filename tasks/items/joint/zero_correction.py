@@ -1,12 +1,13 @@
 """The two steps of the joint method, as operators on the segment means.
 
 Step 1: least squares on the simplified model (scale factor times installation error, and bias)
-over all dynamic and static samples. The simplified model K_i·(ω_i + ε_ij·ω_j) + B_i is linear in
-K_ij = K_i·ε_ij, and the smallest sum of squares is the same in either form, so the non-linear
-problem is solved exactly. Step 2, the zero correction: bias and g-sensitivity of the theoretical
-model from the rests, with step 1 put in; then step 1 again with the g-sensitivity taken off. At
-rest nothing turns, so that step 2 does not feel step 1 but through Earth's rotation, which the
-caller takes off round by round until nothing changes.
+over all dynamic and static samples, weighted by the inverse of their covariance: what drifts
+together counts less than its number of samples. The simplified model K_i·(ω_i + ε_ij·ω_j) + B_i
+is linear in K_ij = K_i·ε_ij, and the smallest sum of squares is the same in either form, so the
+non-linear problem is solved exactly. Step 2, the zero correction: bias and g-sensitivity of the
+theoretical model from the rests, with step 1 put in; then step 1 again with the g-sensitivity
+taken off. At rest nothing turns, so that step 2 does not feel step 1 but through Earth's
+rotation, which the caller takes off round by round until nothing changes.
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ import numpy as np
 
 from tasks.items.linear import Solution, solve
 from tasks.items.parts import Excess, excess_scatter
+
+QUIETEST = 0.1  # of the median variance
+TINY = 1e-9  # of it: keeps a covariance that drift alone makes invertible
 
 
 @dataclass(frozen=True)
@@ -30,18 +34,19 @@ class Solved:
 
 
 def least_squares(
-    design: np.ndarray, used: np.ndarray, samples: np.ndarray, means: np.ndarray, noise: np.ndarray
+    design: np.ndarray, used: np.ndarray, means: np.ndarray, covariance: np.ndarray
 ) -> Solved:
-    """A channel fitted over the used segments, each counted with its samples.
+    """A channel fitted over the used segments, by generalised least squares.
 
-    design: (n, p); used: (n,) bool; samples, means: (n,); noise: (n, n) covariance of the means.
+    design: (n, p); used: (n,) bool; means: (n,); covariance: (n, n) of the means by noise and by
+    what the equipment does to each.
     """
-    solution = _weighted(design[used], samples[used])
-    excess = Excess()
-    if used.any():
-        block = noise[np.ix_(used, used)]
-        excess = excess_scatter(solution, design[used], means[used], block)
-    operator = np.full((design.shape[1], len(used)), 0.0)
+    operator = np.zeros((design.shape[1], len(used)))
+    if not used.any():
+        return Solved(operator * np.nan, (Excess(),) * design.shape[1])
+    block = covariance[np.ix_(used, used)]
+    solution = _generalised(design[used], block)
+    excess = excess_scatter(solution, design[used], means[used], block)
     operator[:, used] = solution.operator
     operator[~solution.estimable] = np.nan
     return Solved(operator, (excess,) * design.shape[1])
@@ -52,9 +57,8 @@ def zero_corrected(
     forces: np.ndarray,
     used: np.ndarray,
     zero: np.ndarray,
-    samples: np.ndarray,
     means: np.ndarray,
-    noise: np.ndarray,
+    covariance: np.ndarray,
 ) -> Solved:
     """One gyro: three elements of K, bias, three of the g-sensitivity, in this order.
 
@@ -63,20 +67,34 @@ def zero_corrected(
     taken off, and the bias is not determined.
     """
     ones = np.ones((len(means), 1))
-    at_rest = least_squares(np.hstack([ones, forces]), zero, samples, means, noise)
+    at_rest = least_squares(np.hstack([ones, forces]), zero, means, covariance)
     bias, sensitivity = at_rest.operator[:1], at_rest.operator[1:]
     known = np.nan_to_num(sensitivity)
     felt = np.eye(len(means)) - forces @ known  # a reading with what gravity does to it taken off
-    spread = felt @ noise @ felt.T
-    turning = least_squares(
-        np.hstack([rates, ones]), used, samples, felt @ np.nan_to_num(means), spread
+    spread = felt @ covariance @ felt.T
+    turning = least_squares(np.hstack([rates, ones]), used, felt @ np.nan_to_num(means), spread)
+    scale = turning.operator[:3] @ felt
+    offset = bias if np.isfinite(bias).all() else turning.operator[3:] @ felt
+    design = np.hstack([rates, ones, forces * np.isfinite(sensitivity).all(axis=1)])
+    whole = np.nan_to_num(np.vstack([scale, offset, sensitivity]))
+    excess = Excess()
+    if used.any():
+        solution = Solution(whole[:, used], np.ones(len(whole), bool))
+        block = covariance[np.ix_(used, used)]
+        excess = excess_scatter(solution, design[used], means[used], block)
+    return Solved(np.vstack([scale, bias, sensitivity]), (excess,) * 3 + at_rest.excess)
+
+
+def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
+    """Least squares in the norm of the covariance (n, n).
+
+    No mean counts as if its variance were below a tenth of the usual one: a channel that stood
+    still is not the truth.
+    """
+    variance = np.diag(covariance)
+    floor = QUIETEST * np.median(variance) or 1.0
+    root = np.linalg.cholesky(
+        covariance + np.diag(np.maximum(floor - variance, 0.0) + TINY * floor)
     )
-    operator = np.vstack([turning.operator[:3] @ felt, bias, sensitivity])
-    return Solved(operator, turning.excess[:3] + at_rest.excess)
-
-
-def _weighted(design: np.ndarray, samples: np.ndarray) -> Solution:
-    """Least squares in which each mean counts as often as it has samples."""
-    root = np.sqrt(samples)
-    solution = solve(design * root[:, None])
-    return Solution(solution.operator * root, solution.estimable)
+    whitened = solve(np.linalg.solve(root, design))
+    return Solution(np.linalg.solve(root.T, whitened.operator.T).T, whitened.estimable)
