@@ -133,11 +133,9 @@ def acquire(
 
     What was recorded survives whatever happens.
     """
-    from flows.papers import read_procedure
-    from storage.settings import read_station
+    from flows.orders import check_acquisition
 
-    read_station(Path(station_file))  # a bad file is refused before a flow starts
-    read_procedure(procedure)
+    check_acquisition(station_file, procedure, attended=not as_json)
     run, acquired = _as_flow(
         "acquire", station=station_file, procedure=procedure, attended=not as_json
     )

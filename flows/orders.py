@@ -18,7 +18,9 @@ from storage import settings, store
 from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.record import path_of
+from tasks.station.fixture import check_attended
 from tasks.station.sequence import Acquired
+from tasks.station.suits import check_suits
 
 
 def acquire(
@@ -35,6 +37,13 @@ def acquire(
         acquired: tuple[store.Run, Acquired]
         acquired = stages.acquire_run(stand, steps, place(home_folder), report, ask)
         return acquired
+
+
+def check_acquisition(station: str, procedure: str, attended: bool) -> None:
+    """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
+    stand, steps = settings.read_station(Path(station)), read_procedure(procedure)
+    check_suits(steps, stand)
+    check_attended(steps, stand, operator.at_terminal() if attended else None)
 
 
 def calibrate(

@@ -1,0 +1,96 @@
+"""JJF 1536 as a whole: the demonstration's line, and station and acquisition by themselves."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from schemas.procedure import Procedure
+from tasks.station import procedures
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """JJF 1536 of the program in seconds."""
+    whole = procedures.load("jjf1536").model_dump(mode="json")
+    for step in whole["steps"]:
+        if "dwell_s" in step:
+            step["dwell_s"] = 4.0
+    told = Procedure.model_validate(whole | {"name": "short1536", "warm_up_s": 5.0})
+    path = tmp_path / "short1536.json"
+    path.write_text(told.model_dump_json(), encoding="utf-8")
+    return path
+
+
+def mimucal(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    return subprocess.run(
+        [sys.executable, "-m", "flows.cli", *map(str, arguments)],
+        capture_output=True, text=True, timeout=110, stdin=subprocess.DEVNULL,
+        env=keep | {"MIMUCAL_HOME": str(home)},
+    )  # fmt: skip
+
+
+def test_one_command_leads_from_the_station_to_the_certificate(tmp_path, short) -> None:
+    home = tmp_path / "home"
+    done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json")
+    assert done.returncode == 0, done.stderr
+    made = json.loads(done.stdout)
+    assert made["verdict"] == "inconclusive"  # seconds are no 20 s
+    today = date.today()
+    due = date.fromisoformat(made["due"])
+    assert (due.year, due.month) == (today.year + 2, today.month)
+    assert made["reminders"] == [{"unit": "Virtual V-AHRS A00001", "due": made["due"]}]
+    for name in ("raw", "columns", "certificate", "record", "truth"):
+        assert Path(made["paths"][name]).exists()
+    record = json.loads(Path(made["paths"]["record"]).read_text(encoding="utf-8"))
+    items = record["calibration"]["items"]
+    assert list(items) == ["ahrs_scale_factor", "ahrs_zero_offset", "ahrs_misalignment"]
+    truth = json.loads(Path(made["paths"]["truth"]).read_text(encoding="utf-8"))
+    for axis, true in zip("xyz", truth["K"], strict=True):
+        assert items["ahrs_scale_factor"]["value"][axis] == pytest.approx(true, abs=2e-5)
+    decided = {limit["item"]: limit["verdict"] for limit in record["decision"]["limits"]}
+    assert set(decided.values()) == {"pass"}
+
+
+def test_a_procedure_that_is_none_is_said_before_a_station_starts(tmp_path) -> None:
+    done = mimucal(tmp_path / "home", "demo", "--procedure", "jjf1537")
+    assert done.returncode == 2
+    assert "there is no procedure 'jjf1537': choose one of jjf1536, " in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(tmp_path, short):
+    home, station = tmp_path / "home", tmp_path / "station.json"
+    told = json.loads(short.read_text(encoding="utf-8"))
+    few = [s for s in told["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
+    short.write_text(json.dumps(told | {"steps": few}), encoding="utf-8")
+    serving = subprocess.Popen(
+        [sys.executable, "-m", "flows.cli", "station", "serve", "--ahrs", "--port", "0",
+         "--speed", "200", "--station-file", str(station)],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        for _ in range(200):
+            if station.exists() and station.read_text(encoding="utf-8").endswith("}\n"):
+                break
+            time.sleep(0.1)
+        told = json.loads(station.read_text(encoding="utf-8"))
+        done = mimucal(home, "acquire", station, "--procedure", short, "--json")
+        assert done.returncode == 0, done.stderr
+        acquired = json.loads(done.stdout)
+        assert (acquired["lost_samples"], acquired["warnings"]) == (0, [])
+        station.write_text(json.dumps(told | {"fixture": "by_hand"}), encoding="utf-8")
+        alone = mimucal(home, "acquire", station, "--procedure", short)
+        assert alone.returncode == 2
+        assert "the unit turned over by hand 2 times, and nobody is at a terminal" in alone.stderr
+    finally:
+        serving.send_signal(signal.SIGINT)
+        serving.wait(10)
+    assert told["unit_link"]["frame"] == "angles"
