@@ -140,8 +140,8 @@ READINGS: dict[str, Reading] = {
     "jjf1536.index_order": Reading(
         "JJF 1536-2015, 7.3.1, Table 3, 7.3.2 eq. (17) and Appendix C",
         "The first index is the axis that reads, the second the axis that turns, as in eq. (1) and "
-        "(7): the misalignment of the X axis to the Y axis is L_yx. Table 3, 7.3 and Appendix C mix "
-        "the order.",
+        "(7): the misalignment of the X axis to the Y axis is L_yx. Table 3, 7.3 and Appendix C "
+        "mix the order.",
         "第一下标为输出轴，第二下标为转动轴，与式(1)、式(7)一致：X 轴对 Y 轴失准角为 L_yx；"
         "表 3、7.3 及附录 C 中次序混用。",
     ),
@@ -165,10 +165,12 @@ READINGS: dict[str, Reading] = {
     ),
     "joint.method": Reading(
         "JJF 2003-2022, 5.1 eq. (1), 5.2 eq. (2)",
-        "The patent's formulas are cut off; read as: least squares for scale factor times "
-        "installation error, and bias, over all dynamic and static samples; then bias and "
-        "g-sensitivity from the rests; repeated until nothing changes.",
-        "专利文本公式缺失，理解为：对全部动态、静态采样以最小二乘求标度因数与安装误差之积及偏值，"
+        "The patent's formulas are cut off; read as: least squares, weighted by the covariance of "
+        "the samples, for scale factor times installation error, and bias, over all dynamic and "
+        "static samples; then bias and g-sensitivity from the rests; repeated until nothing "
+        "changes.",
+        "专利文本公式缺失，理解为：对全部动态、静态采样以最小二乘（按协方差加权）"
+        "求标度因数与安装误差之积及偏值，"
         "再由静止采样修正偏值和 g 敏感系数，迭代至收敛。",
     ),
     "joint.g_earth": Reading(

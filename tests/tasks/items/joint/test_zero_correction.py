@@ -125,7 +125,7 @@ def test_repeating_the_two_steps_ends_where_the_operator_is() -> None:
     solved = zero_corrected(rates, forces, everything, rests, means, covariance)
     found = solved.operator @ means
     assert found[3:] == pytest.approx([b, *g], rel=1e-6)
-    assert found[:3] == pytest.approx(k, rel=0.02)
+    assert found[:3] == pytest.approx(k, rel=1e-6)
 
 
 def _from_rests(ones: np.ndarray, forces: np.ndarray, weight: np.ndarray) -> np.ndarray:
