@@ -5,7 +5,7 @@ it feels α × r besides. Both together, and the unit's own bias and scale facto
 rests, turns and ramps about the vertical, with the lever arm as a term (`tasks.model`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from tasks.segments.summarise import ACCEL_COLUMNS
 
 CELL = 0.1  # s: ramps are cut into cells of this length
 WITHIN = 5  # times within a ramp's cell at which its angular acceleration is looked up
+FASTEST = 200.0  # Hz
+CORNER = 0.15  # of the angular acceleration, from cell to cell: no smooth ramp bends so
 LONG = 10  # cells that make one where the rate is steady
 RAMPING = 0.02  # rad/s² of angular acceleration: a ramp
 LEVEL = np.radians(0.05)  # rad/s across the vertical: more than this is a move, not a turn
@@ -53,7 +55,7 @@ def lever_arm_information(recording: Recording, evidence: Evidence) -> dict[str,
     accelerometers recorded.
     """
     noise_known = np.isfinite(evidence.noise.white[:, ACCEL_COLUMNS]).any()
-    cells = _cells(recording) if noise_known else None
+    cells = _cells(_thinned(recording)) if noise_known else None
     if cells is None:
         return {}
     try:
@@ -68,6 +70,17 @@ def lever_arm_information(recording: Recording, evidence: Evidence) -> dict[str,
     return _as_information(r, excess * u, p, excess * u_p)
 
 
+def _thinned(recording: Recording) -> Recording:
+    """The recording with encoders read no more than FASTEST times a second: ramps take longer."""
+    table = recording.table
+    if table is None or len(table) < 2:
+        return recording
+    every = int((table.t[-1] - table.t[0]) * FASTEST)
+    step = max(1, len(table) // max(1, every))
+    columns = {name: column[::step] for name, column in table.columns.items()}
+    return replace(recording, table=Stream(table.t[::step], columns))
+
+
 def _cells(recording: Recording) -> Cells | None:
     """The cells of a recording, None where they cannot show a lever arm."""
     manifest, imu = recording.manifest, recording.imu
@@ -80,7 +93,8 @@ def _cells(recording: Recording) -> Cells | None:
     across = motion.rate - (motion.rate * motion.up).sum(axis=1)[:, None] * motion.up
     usable = motion.known & (np.linalg.norm(across, axis=1) < LEVEL)
     changing = np.linalg.norm(motion.acceleration, axis=1) > RAMPING
-    changing = np.convolve(changing, np.ones(3), "same") > 0  # a cell at a ramp's end has some
+    changing = _widened(changing)  # a cell at a ramp's end has some
+    usable &= ~_widened(changing & _at_corner(motion.acceleration))
     about = np.abs(np.nan_to_num(motion.up)).argmax(axis=1)
     if min(np.bincount(about[usable & changing], minlength=3)) < FEWEST_RAMPING:
         return None
@@ -96,6 +110,22 @@ def _cells(recording: Recording) -> Cells | None:
     keep = usable[starts] & full
     whole = Motion(middle, up, north, rate, acceleration, motion.gravity)
     return Cells(whole.taken(keep), readings[keep], CELL * sizes[keep])
+
+
+def _at_corner(acceleration: np.ndarray) -> np.ndarray:
+    """(n,) bool: cells in which the angular acceleration (n, 3) sets in or ends at once.
+
+    There the smoothed acceleration is less than the true one, and the lever arm would be too long.
+    """
+    around = np.pad(acceleration, ((1, 1), (0, 0)), mode="edge")
+    bend = np.linalg.norm(around[2:] - 2 * acceleration + around[:-2], axis=1)
+    size = np.linalg.norm(around, axis=1)
+    return bend > CORNER * np.maximum(np.maximum(size[2:], size[:-2]), size[1:-1])
+
+
+def _widened(flags: np.ndarray) -> np.ndarray:
+    """True also beside each True."""
+    return np.convolve(flags, np.ones(3), "same") > 0
 
 
 def _average_acceleration(recording: Recording, motion: Motion, cells: np.ndarray) -> None:
