@@ -92,3 +92,19 @@ def test_the_units_seat_in_the_fixture_turns_with_it():
     seat = Mount(quaternion_wxyz=(half, 0.0, 0.0, half))
     with pytest.raises(Unusable, match=r"rest_x .* says \+x up, .* bring -y up"):
         check_suits(part("fix_x_up", "rest_x"), bench("commanded", seat))
+
+
+def test_a_unit_that_was_switched_off_where_it_should_not_be_is_said(new_sink):
+    procedure = part("fix_x_up", "rest_x")
+    with running(settled(), 20.0) as station:
+
+        async def careless(refix: Refix) -> None:
+            link = Link(station.modbus_host, station.modbus_port)
+            try:
+                await Commanded(link).turn(refix.model_copy(update={"power_off": True}))
+            finally:
+                link.close()
+
+        by_hand = station.model_copy(update={"fixture": "by_hand"})
+        with pytest.raises(Unusable, match=r"stamp went back .* as after a restart: check its"):
+            acquire(by_hand, procedure, new_sink(), ignore, recording_id="cut", ask=careless)
