@@ -1,8 +1,6 @@
 """The table brought through a procedure, stretch by stretch, while the feeds run."""
 
 import asyncio
-from dataclasses import dataclass
-from typing import Literal
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
@@ -10,46 +8,19 @@ from schemas.recording import Mount
 from tasks.station.clock import StationClock
 from tasks.station.findings import Finding
 from tasks.station.fixture import Fixture, mount_in
+from tasks.station.goals import Goal
 from tasks.station.labels import Labels
 from tasks.station.legs import Leg
 from tasks.station.progress import Tracker
 from tasks.station.ramps import move_s, nearest_turn, rate_change_s
 from tasks.station.recorder import Recorder
-from tasks.station.table import AxisState, Table, TableState, check
+from tasks.station.table import Table, TableState, check
 
 STILL_S = 5.0  # wall time a station's clock may stand still
 PATIENCE_S = 20.0  # station time beyond twice the computed duration
 POLL_STATION_S = 0.25
 CATCH_UP_S = 3.0
 STEP_S = 0.02
-
-# How near a reading has to be before «settled» is believed: the bit may still be that of the
-# goal before. Whether the rate is right to the specification is for the encoders to say.
-NEAR_DEG = 0.1
-NEAR_RATE = (0.05, 0.5)  # relative, deg/s
-REST_DEG_S = 0.05
-
-
-@dataclass(frozen=True)
-class Goal:
-    """Where an axis is to settle: an angle (deg), a rate (deg/s), or rest."""
-
-    axis: int
-    kind: Literal["angle", "rate", "rest"]
-    value: float = 0.0
-
-    def is_reached(self, axis: AxisState) -> bool:
-        if self.kind == "rest":
-            return not axis.has("moving") and abs(axis.rate_deg_s) < REST_DEG_S
-        if self.kind == "angle":
-            return axis.has("settled") and abs(axis.angle_deg - self.value) < NEAR_DEG
-        relative, absolute = NEAR_RATE
-        near = relative * abs(self.value) + absolute
-        return axis.has("settled") and abs(axis.rate_deg_s - self.value) < near
-
-    def text(self) -> str:
-        unit = {"angle": "deg", "rate": "deg/s"}.get(self.kind)
-        return f"at {self.value:g} {unit}" if unit else "at rest"
 
 
 class Driver:
