@@ -153,7 +153,8 @@ def summarise(
     corrupt = _widened(np.any(list(far.values()), axis=0)) if far else None
     kept = values if corrupt is None else values[:, ~corrupt]
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
-    allan, tau = allan_variances(kept, seconds)
+    stamps = t if corrupt is None else t[~corrupt]
+    allan, tau = allan_variances(_without_turning(kept, stamps, segment), seconds)
     return SegmentMean(
         segment=segment,
         origin=origin,
@@ -169,6 +170,22 @@ def summarise(
         step=step,
         deviation=kept[:, :: max(1, kept.shape[1] // SAMPLE_ROWS)].std(axis=1),
     )
+
+
+def _without_turning(values: np.ndarray, t: np.ndarray, segment: Segment) -> np.ndarray:
+    """Values (c, n) of a held rate without what comes back once a turn: it is no noise.
+
+    The ripple of the table, the level parts of Earth's rotation and of gravity average out over
+    whole turns; where less than one was made, nothing is known of them.
+    """
+    rate = np.radians(segment.rate_deg_s or 0.0)
+    if segment.kind != "rate" or abs(rate) * (t[-1] - t[0]) < 2.0 * np.pi:
+        return values
+    angle = rate * (t - t[0])
+    both = np.array([np.cos(angle), np.sin(angle)])
+    both -= both.mean(axis=1, keepdims=True)
+    amplitude = np.linalg.solve(both @ both.T, both @ values.T)
+    return values - amplitude.T @ both
 
 
 def _far_by_channel(values: np.ndarray, step: np.ndarray) -> dict[int, np.ndarray]:

@@ -19,6 +19,7 @@ from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
 
+HEADINGS = 2  # at which 7.2.2.1 holds each face
 ROUNDING = 1e-12  # of a sum: what is less is zero
 
 
@@ -99,10 +100,10 @@ def gyro_g_sensitivity(
     """g_ij of eq. (8), (U_up − U_down)/2; rad/s per g.
 
     An attitude error α changes the Earth rate on the axis by ωe·α and feeds α·g to the two other
-    columns: c = √((K·ωe)² + across²), halved for table angles (four positions), whole for the
-    mounting. across: √Σ g_ik² over the other axes k (silent).
+    columns: c = √((K·ωe)² + across²), halved for table angles (four positions), by √2 for the
+    mounting (two faces). across: √Σ g_ik² over the other axes k (silent).
     """
-    return _up_minus_down(equipment, math.hypot(k * EARTH_RATE, across), weights)
+    return _of_each_face(equipment, math.hypot(k * EARTH_RATE, across), weights)
 
 
 def earth_removed(equipment: Equipment, k: float, latitude: float) -> tuple[Contribution, ...]:
@@ -118,7 +119,7 @@ def accel_scale_factor(
     c(g) = −K/g. An attitude error α acts through the cross couplings only, c = across =
     √Σ K_ik², halved for table angles (silent).
     """
-    lines = _up_minus_down(equipment, across, weights)
+    lines = _of_each_face(equipment, across, weights)
     return (_line(equipment.gravity, -k / gravity), *lines)
 
 
@@ -127,10 +128,10 @@ def accel_cross_coupling(
 ) -> tuple[Contribution, ...]:
     """K_ij of eq. (11), (U_i(j up) − U_i(j down))/(2g).
 
-    A vertical off by α puts g·α on axis i: c = K_ii for the mounting, K_ii/2 for table angles
-    (four positions); c(g) = −K_ij/g (silent).
+    A vertical off by α puts g·α on axis i: c = K_ii/√2 for the mounting (two faces), K_ii/2 for
+    table angles (four positions); c(g) = −K_ij/g (silent).
     """
-    lines = _up_minus_down(equipment, k_ii, weights)
+    lines = _of_each_face(equipment, k_ii, weights)
     return (_line(equipment.gravity, -k_ij / gravity), *lines)
 
 
@@ -203,20 +204,18 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
     return Contribution(quantity, sensitivity)
 
 
+def tilt_of_a_face(equipment: Equipment) -> float:
+    """Variance (rad²) of the tilt of one face: table angles halved by two headings."""
+    each = sum(limit.u**2 for limit in equipment.angles) / HEADINGS
+    return each + sum(limit.u**2 for limit in equipment.squareness)
+
+
 def _of_each_face(
     equipment: Equipment, per_radian: float, weights: Weights
 ) -> tuple[Contribution, ...]:
     """A mean over faces that are each mounted anew: nothing is common to two of them."""
     each, face = np.linalg.norm(weights.rests), np.linalg.norm(weights.faces)
     return _by_sort(equipment, per_radian * float(each), per_radian * float(face))
-
-
-def _up_minus_down(
-    equipment: Equipment, per_radian: float, weights: Weights
-) -> tuple[Contribution, ...]:
-    """(up − down)/2: what is not square is wrong by the same angle in both."""
-    each, common = np.linalg.norm(weights.rests), np.abs(weights.faces).sum()
-    return _by_sort(equipment, per_radian * float(each), per_radian * float(common))
 
 
 def _by_sort(equipment: Equipment, each: float, mounting: float) -> tuple[Contribution, ...]:

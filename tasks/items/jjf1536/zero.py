@@ -8,7 +8,7 @@ import numpy as np
 from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
 from tasks.items.evaluation import Evaluation, make_item
-from tasks.items.jjf1536.attitudes import COMPONENTS, points_contradicted
+from tasks.items.jjf1536.attitudes import COMPONENTS, VERTICAL, points_contradicted
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
 from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
@@ -31,11 +31,13 @@ class Positions:
 
     groups: indices of the rests, those of one position together.
     direction: (positions, 15) where the axis points; None where no label and no table tells.
+    up: (positions, 3) how much of each axis points up.
     """
 
     axis: Axis
     groups: tuple[tuple[int, ...], ...]
     direction: np.ndarray | None
+    up: np.ndarray
 
     @property
     def rests(self) -> list[int]:
@@ -76,15 +78,16 @@ def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
     for i in held:
         points = evidence.pointing[i]
         if points is None:
-            return Positions(axis, tuple((i,) for i in held), None)
+            return Positions(axis, tuple((i,) for i in held), None, np.zeros((len(held), 3)))
         same = [g for g, p in enumerate(first) if np.abs(p - points).max() < ALIKE]
         if same:
             groups[same[0]].append(i)
         else:
             groups.append([i])
             first.append(points)
-    direction = np.array([points[channel] for points in first]).reshape(-1, COMPONENTS)
-    return Positions(axis, tuple(tuple(group) for group in groups), direction)
+    exact = np.array(first).reshape(-1, 3, COMPONENTS).round(9)  # the cosine of 90° is nothing
+    direction, up = exact[:, channel], exact[:, :, VERTICAL]
+    return Positions(axis, tuple(tuple(group) for group in groups), direction, up)
 
 
 def _not_determined(positions: Positions) -> Reason | None:
@@ -126,7 +129,8 @@ def _mean(
     if positions.direction is not None:
         readings = average[:, rests] @ evidence.means[rests, channel]
         covariance = average @ evidence.covariance(channel) @ average.T
-        design = np.column_stack([np.ones(len(readings)), positions.direction])
+        # What gravity does to a gyro follows the attitude, too, and cancels as Earth's rotation.
+        design = np.column_stack([np.ones(len(readings)), positions.direction, positions.up])
         excess = excess_scatter(solve(design), design, readings, covariance)
     found = measured(evidence, channel, average.mean(axis=0), excess)
     seconds = float(np.mean([evidence.segments[i].seconds for i in rests]))

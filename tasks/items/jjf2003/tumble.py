@@ -117,7 +117,8 @@ def _accel_part(
     if not positions:
         items = _accel_items(evaluation, *_nothing())
         return Part(items, dict.fromkeys(items, _no_rest("accel")))
-    twelve = twelve_positions(evidence, positions, 3)
+    tilts = (gravity or 0.0) ** 2 * type_b.tilt_of_a_face(evaluation.equipment)
+    twelve = twelve_positions(evidence, positions, 3, tilts)
     items = _accel_items(evaluation, *_accel_elements(twelve, gravity, evaluation))
     unavailable = _undetermined(items, positions)
     if gravity is None:

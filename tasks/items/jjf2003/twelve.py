@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.recording import AXES
 from tasks.items.evidence import Evidence
 from tasks.items.jjf2003.positions import averages, input_matrix
 from tasks.items.linear import Solution, solve
@@ -46,9 +47,13 @@ class Twelve:
 
 
 def twelve_positions(
-    evidence: Evidence, positions: dict[str, tuple[int, ...]], first: int
+    evidence: Evidence, positions: dict[str, tuple[int, ...]], first: int, tilts: float = 0.0
 ) -> Twelve:
-    """Eq. (7), (10) for channels first, first+1, first+2."""
+    """Eq. (7), (10) for channels first, first+1, first+2.
+
+    tilts: variance, unit of the channel squared, that errors of table and fixture give the
+    reading of a position in which the channel's axis lies level; they are no excess of scatter.
+    """
     design = input_matrix(tuple(positions))
     solution, average = solve(design), averages(evidence, positions)
     operator = np.where(solution.estimable[:, None], solution.operator, np.nan)
@@ -59,7 +64,9 @@ def twelve_positions(
         weights = average[:, used]
         readings = weights @ evidence.means[used, channel]
         covariance = weights @ evidence.covariance(channel)[np.ix_(used, used)] @ weights.T
-        excess = excess_scatter(solution, design, readings, covariance)
+        lying = [up[1] != AXES[i] for up in positions]
+        seen = covariance + tilts * np.diag(lying)
+        excess = excess_scatter(solution, design, readings, seen)
         factors[i] = excess.factor
         u = excess.factor * u_of_means(evidence, channel, average)
         row = []

@@ -82,8 +82,7 @@ def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_position
     assert np.mean(found[:, 3]) == pytest.approx(bias, rel=0.05)
     coupling = u_of(type_b.accel_cross_coupling(equipment, UP_DOWN, 1.0, 0.0, G))
     off = np.mean(found[:, :3][~np.eye(3, dtype=bool)]) / G
-    # Independent faces average by √2; a fixture that is not square does not.
-    assert off == pytest.approx(coupling / (1.0 if each else math.sqrt(2.0)), rel=0.05)
+    assert off == pytest.approx(coupling, rel=0.05)
 
 
 @pytest.mark.parametrize(("sort", "each", "face"), [("position", 1e-4, 0), ("fixture", 0, 1e-4)])
