@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 SETUP := .venv/.done
 
-.PHONY: setup demo test bench lock clean
+.PHONY: setup demo test bench validate lock clean
 
 setup: $(SETUP)
 
@@ -19,6 +19,10 @@ test: setup
 
 bench: setup
 	@$(BIN)/python -m tests.bench
+
+# Show by 1,000 simulated units and by other programs that what is stated holds.
+validate: setup
+	@$(BIN)/mimucal validate
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

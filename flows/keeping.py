@@ -131,3 +131,19 @@ def remind(within: options.Within = 30, as_json: options.Json = False) -> None:
         return
     rows = [(d.unit, d.certificate, d.due.isoformat()) for d in due]
     print_rows(f"Recalibration due within {within} days", ("unit", "certificate", "due"), rows)
+
+
+@app.command()
+def validate(
+    units: options.Units = 1000,
+    seed: options.Seed = 1,
+    out: options.Out = None,
+    as_json: options.Json = False,
+) -> None:
+    """Show by simulated units and other programs that what is stated holds; keep the record.
+
+    A unit passes only on items that a record of this version validates.
+    """
+    from flows.validate import run_validate
+
+    run_validate(units, seed, out, as_json)

@@ -32,7 +32,9 @@ Json = Annotated[bool, typer.Option("--json", help="One JSON document on standar
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
 Method = Annotated[
     str | None,
-    typer.Option(metavar="NAME", help="jjf2003, joint or jjf1536; default: the recording's standard."),
+    typer.Option(
+        metavar="NAME", help="jjf2003, joint or jjf1536; default: the recording's standard."
+    ),
 ]
 Uncertainty = Annotated[
     str,
@@ -119,4 +121,11 @@ StationFile = Annotated[
 ]
 Truth = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Where the unit's truth is written.")
+]
+Units = Annotated[
+    int, typer.Option(metavar="NUMBER", min=1, help="Simulated units; a record needs 1000.")
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Where the record (.json) and its page (.html) go."),
 ]

@@ -74,7 +74,8 @@ class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
     calibrated_on: null where nothing tells the day; `due` then counts from `issued_on`.
-    budgets: whether the uncertainty budgets of the calibration are printed.
+    budgets: whether the uncertainty budgets of the calibration are printed. validation: which
+    record validates the estimation, and how many items (English, Chinese).
     """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
@@ -89,6 +90,7 @@ class Certificate(Frozen):
     calibration: Calibration
     decision: Decision
     budgets: bool = False
+    validation: tuple[str, str] | None = None
 
     @model_validator(mode="after")
     def _received_before_it_was_calibrated(self) -> Self:

@@ -12,6 +12,7 @@ from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.tolerance import Tolerance
 from schemas.uncertainty import Budget
+from schemas.validation import ValidationRecord
 
 FOLDER = Path(__file__).parent / "json"
 PUBLISHED: dict[str, type[BaseModel]] = {
@@ -24,6 +25,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-laboratory": Laboratory,
     "mimu-order": Order,
     "mimu-certificate-record": Certificate,
+    "mimu-validation": ValidationRecord,
 }
 
 

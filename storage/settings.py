@@ -12,9 +12,11 @@ from schemas.certificate import Laboratory, Order
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from schemas.tolerance import Tolerance
+from schemas.validation import ValidationRecord
 from storage.home import Home
 
 LABORATORY = "laboratory.toml"
+VALIDATION = "validation.json"
 READERS = {".toml": tomllib.loads, ".json": json.loads}
 
 Model = TypeVar("Model", bound=Frozen)
@@ -74,6 +76,12 @@ def laboratory(home: Home) -> Laboratory | None:
     """The laboratory that the home belongs to, or None where `laboratory.toml` is missing."""
     path = home.path / LABORATORY
     return read_laboratory(path) if path.exists() else None
+
+
+def validation(home: Home) -> ValidationRecord | None:
+    """The record that `mimucal validate` left in the home, or None where there is none."""
+    path = home.path / VALIDATION
+    return _read(path, ValidationRecord) if path.exists() else None
 
 
 def _plain(*names: str) -> tuple[str, ...]:

@@ -91,7 +91,7 @@ def content(certificate: Certificate) -> Content:
         conditions=conditions(calibration, certificate.manifest),
         sections=sections(calibration, decision, specification),
         information=information_rows(calibration),
-        uncertainty=uncertainty(calibration),
+        uncertainty=(*uncertainty(calibration), *_validation(certificate)),
         conformity=conformity(decision),
         reasons=(*reasons(calibration, decision), *conditions_of_a_pass(decision)),
         readings=readings(calibration),
@@ -99,6 +99,14 @@ def content(certificate: Certificate) -> Content:
         budgets=budgets(calibration) if certificate.budgets else None,
         trace=_trace(certificate),
     )
+
+
+def _validation(certificate: Certificate) -> tuple[Pair, ...]:
+    """Which record validates the estimation."""
+    if certificate.validation is None:
+        return ()
+    en, zh = certificate.validation
+    return ((f"{zh}。", f"{en}."),)
 
 
 def _standards(certificate: Certificate) -> tuple[tuple[Pair, str, str, str, str], ...]:

@@ -19,6 +19,7 @@ from storage.store import Run
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
 from tasks.stages.papers import Papers
+from tasks.validation import record
 
 MONTHS = {"jjf1536": 24}  # clause 9 of JJF 1536-2015; the others' is that of JJF 2003-2022
 DEFAULT_MONTHS = 12
@@ -59,7 +60,9 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
     calibrated_on = _calibrated_on(said, papers, run)
     _check_order(order, calibrated_on)
     expired = conformity.expired(equipment, calibrated_on or today)
-    decision = conformity.decide(calibration, tolerance, expired)
+    validated = settings.validation(home) or record.shipped()
+    doubts = {name: (why,) for name, why in record.doubts_of(validated, calibration).items()}
+    decision = conformity.decide(calibration, tolerance, expired, doubts)
     usual = MONTHS.get(calibration.method, DEFAULT_MONTHS)
     months = (order.interval_months if order else None) or usual
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
@@ -75,9 +78,10 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
         calibration=calibration,
         decision=decision,
         budgets=papers.budget,
+        validation=record.named(validated, calibration),
     )
-    pdf, record = store.save_certificate(certificate, render(certificate), home)
-    return Issued(certificate, pdf, record)
+    pdf, kept = store.save_certificate(certificate, render(certificate), home)
+    return Issued(certificate, pdf, kept)
 
 
 def _said(free: dict[str, object], run: Run) -> _Said:

@@ -37,8 +37,10 @@ def mimucal(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def test_one_command_leads_from_the_station_to_the_certificate(tmp_path, short) -> None:
+def test_one_command_leads_from_the_station_to_the_certificate(tmp_path, short, validated) -> None:
     home = tmp_path / "home"
+    home.mkdir()
+    (home / "validation.json").write_text(validated.model_dump_json(), encoding="utf-8")
     done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json")
     assert done.returncode == 0, done.stderr
     made = json.loads(done.stdout)

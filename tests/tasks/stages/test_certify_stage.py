@@ -19,6 +19,7 @@ from storage.store import Run
 from tasks.stages.certify import certify
 from tasks.stages.estimate import estimate
 from tasks.stages.papers import Papers
+from tasks.validation import record
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 STANDARD = {"name": "Table", "name_zh": "台", "serial": "1", "accuracy": "1″", "certificate": "C",
@@ -116,6 +117,24 @@ def test_what_is_refused_costs_no_number(
 def test_names_of_limits_match_without_case_and_space(kept: Keep) -> None:
     papers = Papers(tolerance=tolerance(manufacturer=" TEST ", model="Ideal"))
     assert certify(*kept(), papers).certificate.decision.limits
+
+
+def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, validated) -> None:
+    """Missing, then there; a record in the home goes before the one that is shipped."""
+    given = kept()
+    monkeypatch.setattr(record, "shipped", lambda: None)
+    without = certify(*given, Papers(tolerance=tolerance())).certificate
+    assert without.decision.verdict == "inconclusive"
+    assert any("run mimucal validate" in reason for reason in without.decision.reasons)
+    assert without.validation is not None
+    assert without.validation[0].startswith("No validation record")
+    given[2].path.joinpath("validation.json").write_text(validated.model_dump_json(), "utf-8")
+    with_it = certify(*given, Papers(tolerance=tolerance())).certificate
+    assert not any("mimucal validate" in reason for reason in with_it.decision.reasons)
+    assert with_it.validation == (
+        "Estimation validated by the record of 2026-11-21, test: 9 of 9 items",
+        "估计方法经验证，记录 2026-11-21, test：9 项中 9 项通过",
+    )
 
 
 def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) -> None:

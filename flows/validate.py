@@ -1,0 +1,52 @@
+"""`mimucal validate`: show that what the methods state holds, and keep the record of it."""
+
+from pathlib import Path
+
+from flows.printing import print_rows, stdout
+from flows.progress import counting
+from schemas.base import Unusable
+from schemas.validation import ValidationRecord
+from storage.home import home
+from storage.settings import VALIDATION
+from tasks.stages.estimate import METHODS
+from tasks.validation.page import page
+from tasks.validation.record import make_record
+from tasks.version import code_version
+
+
+def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None:
+    """Make the record of all methods; it and its page go into the home, or where it is told."""
+    record_file = out or home().path / VALIDATION
+    if record_file.suffix != ".json":
+        raise Unusable(f"--out {record_file}: the record is a .json file; name it so")
+    with counting(f"validate {len(METHODS)} methods") as report:
+        record = make_record(METHODS, units, seed, code_version(), report)
+    text = record.model_dump_json(indent=1) + "\n"
+    try:
+        record_file.parent.mkdir(parents=True, exist_ok=True)
+        record_file.write_text(text, encoding="utf-8")
+        record_file.with_suffix(".html").write_text(page(record), encoding="utf-8")
+    except OSError as error:
+        raise Unusable(f"{record_file} cannot be written ({error.strerror})") from error
+    if as_json:
+        print(text, end="")
+        return
+    _print(record, record_file)
+
+
+def _print(record: ValidationRecord, record_file: Path) -> None:
+    rows = [
+        (
+            method,
+            name,
+            f"{100 * item.coverage.inside_95:.1f} %" if item.coverage else "-",
+            f"{item.coverage.rms_z:.2f}" if item.coverage else "-",
+            "yes" if item.valid else ", ".join(k for k, c in item.checks.items() if not c.passed),
+        )
+        for method, found in record.methods.items()
+        for name, item in found.items.items()
+    ]
+    print_rows("Validation", ("method", "item", "inside 95 %", "rms z", "valid"), rows)
+    console = stdout(markup=False)
+    console.print(f"record {record_file}")
+    console.print(f"page   {record_file.with_suffix('.html')}")

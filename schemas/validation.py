@@ -1,0 +1,68 @@
+"""How it was shown that what a method states holds: one record for a version of the code."""
+
+from datetime import date
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.base import Finite, Frozen
+from schemas.calibration import Method
+
+Evidence = Literal["worked example", "truth recovery", "coverage", "independent program"]
+EVIDENCE: tuple[Evidence, ...] = (
+    "worked example", "truth recovery", "coverage", "independent program",
+)  # fmt: skip
+
+
+class Check(Frozen):
+    """One piece of evidence: what was compared, the figures, and whether they agree."""
+
+    passed: bool
+    en: str
+    zh: str
+
+
+class Coverage(Frozen):
+    """How often intervals held the truth, over `units` simulated units and their elements.
+
+    inside_95: share inside the stated 95 % interval, with its own 95 % interval over the units
+    (Wilson). inside_expanded: share inside ± U. rms_z: root mean square of error over u.
+    """
+
+    units: int = Field(ge=1)
+    elements: int = Field(ge=1)
+    inside_95: float = Field(ge=0, le=1)
+    confidence: tuple[Finite, Finite]
+    inside_expanded: float = Field(ge=0, le=1)
+    rms_z: Finite
+    by_element: dict[str, float] = Field(description="share inside the 95 % interval, of each")
+
+
+class ItemValidation(Frozen):
+    """The evidence for one item by one method."""
+
+    checks: dict[Evidence, Check]
+    coverage: Coverage | None = None
+
+    @property
+    def valid(self) -> bool:
+        """Whether every kind of evidence was given and none failed."""
+        return all(kind in self.checks and self.checks[kind].passed for kind in EVIDENCE)
+
+
+class MethodValidation(Frozen):
+    """The evidence for one method; `fingerprint` is that of the source its numbers come from."""
+
+    fingerprint: str
+    items: dict[str, ItemValidation]
+
+
+class ValidationRecord(Frozen):
+    """Format `mimu-validation/1`: made by `mimucal validate`."""
+
+    format: Literal["mimu-validation/1"] = "mimu-validation/1"
+    made_on: date
+    code_version: str
+    seed: int
+    seconds: Finite
+    methods: dict[Method, MethodValidation]

@@ -1,0 +1,56 @@
+"""Which source a method's numbers come from, as a hash that its validation record carries."""
+
+import ast
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+# What is said beside the results, and stands in no result of an item.
+BESIDE = ("tasks.items.information", "tasks.items.readings", "tasks.version")
+
+
+def fingerprint(method: str) -> str:
+    """SHA-256 (first 16 hex digits) of every source file in `tasks` that a method imports.
+
+    Directly or through others, without `BESIDE`. A record with another fingerprint is of another
+    version of the estimation.
+    """
+    digest = hashlib.sha256()
+    for source in sources(method):
+        digest.update(source.relative_to(ROOT).as_posix().encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def sources(method: str) -> list[Path]:
+    """The files, sorted."""
+    found: set[Path] = set()
+    waiting = [f"tasks.items.{method}"]
+    while waiting:
+        path = _file(waiting.pop())
+        if path is not None and path not in found:
+            found.add(path)
+            waiting.extend(_imported(path))
+    return sorted(found)
+
+
+def _file(module: str) -> Path | None:
+    """The file of a module in `tasks`; None for a name that is no module or lies beside."""
+    if any(module == each or module.startswith(f"{each}.") for each in BESIDE):
+        return None
+    path = ROOT.joinpath(*module.split(".")[1:])
+    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+def _imported(path: Path) -> Iterator[str]:
+    """Names of modules in `tasks`, and of what is imported from them, that a file mentions."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names if each.name.startswith("tasks."))
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tasks"):
+            yield str(node.module)
+            yield from (f"{node.module}.{each.name}" for each in node.names)

@@ -1,0 +1,160 @@
+"""Other programs on the same data: plain least squares for values, GTC for the budgets."""
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.calibration import Item
+from schemas.recording import ACCEL, ANGLE, AXES, GYRO, Recording, Segment
+from schemas.uncertainty import Budget
+from schemas.validation import Check
+from tasks.validation.coverage import Calibrate, simulate
+from tasks.validation.run2003 import matrix, vector
+
+SAME = 1e-3  # of u: the clauses' values are the same formulas
+ALIKE = 1.0  # of u: the joint fit weighs the same data otherwise
+CLOSE = 1e-6  # relative, of combined uncertainty and degrees of freedom
+Values = dict[str, dict[str, float]]
+
+
+def independent_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, Check]:
+    """Values against least squares on plain means, budgets against GTC, for each item."""
+    recording, _ = simulate(method, seed)
+    calibration = calibrate(recording, run="simulated", code_version="-")
+    plain = plain_1536(recording) if method == "jjf1536" else plain_2003(recording)
+    if method == "joint":
+        plain["gyro_g_sensitivity"] = _without_earth(recording, plain)
+    limit = ALIKE if method == "joint" else SAME
+    gtc = _gtc()
+    return {
+        name: _check(item, plain[name], limit, gtc)
+        for name, item in calibration.items.items()
+        if name in plain
+    }
+
+
+def _check(item: Item, plain: dict[str, float], limit: float, gtc: Any) -> Check:
+    apart = [
+        abs(value - plain[e]) / float(item.u[e] or np.nan)
+        for e, value in item.value.items()
+        if value is not None
+    ]
+    worst = max(apart, default=np.inf)
+    budgets = max((gtc_difference(b, gtc) for b in item.budgets.values()), default=np.inf)
+    return Check(
+        passed=worst <= limit and budgets <= CLOSE,
+        en=f"plain least squares is {worst:.1e} u away ({limit:g} u allowed); GTC agrees with the "
+        f"budgets within {budgets:.1e} ({CLOSE:.0e} allowed)",
+        zh=f"与独立最小二乘相差 {worst:.1e} u（允许 {limit:g} u）；与 GTC 的不确定度预算相差 "
+        f"{budgets:.1e}（允许 {CLOSE:.0e}）",
+    )
+
+
+def _gtc() -> Any:
+    try:
+        return import_module("GTC")
+    except ImportError as absent:
+        raise Unusable(
+            "the package GTC is not installed, which budgets are compared with: install mimucal "
+            "with its extra «dev» (make setup)"
+        ) from absent
+
+
+def gtc_difference(budget: Budget, gtc: Any) -> float:
+    """Relative difference of a budget from GTC's: of u_c, and of the degrees of freedom."""
+    total = gtc.ureal(budget.value, 0.0)
+    for line in budget.inputs:
+        total = total + line.sensitivity * gtc.ureal(0.0, line.u, line.dof)
+    u = abs(total.u - budget.u_c) / budget.u_c if budget.u_c else abs(total.u)
+    if np.isinf(budget.dof) or np.isinf(total.df):
+        return u if budget.dof == total.df else np.inf
+    return max(u, abs(total.df - budget.dof) / budget.dof)
+
+
+def plain_2003(recording: Recording) -> Values:
+    """Every item of JJF 2003 by numpy.linalg.lstsq on plain means, in printed units."""
+    means = _means(recording, GYRO + ACCEL)
+    gravity = float(recording.manifest.station.gravity_m_s2 or np.nan)
+    degree = np.pi / 180.0
+    Kg, offset, p = np.empty((3, 3)), np.empty(3), np.zeros((3, 3))
+    for j, axis in enumerate(AXES):
+        points = [(s, m) for s, m in means if s.kind == "rate" and s.axis == axis]
+        rate = np.array([s.rate_deg_s or 0.0 for s, _ in points]) * degree
+        read = np.array([m for _, m in points])
+        (Kg[:, j], line), *_ = np.linalg.lstsq(
+            np.column_stack([rate, np.ones(len(rate))]), read[:, :3], rcond=None
+        )
+        offset[j] = line[j]
+        rests = [m for s, m in means if s.item == "rate_sensitivity" and s.up == f"+{axis}"]
+        fast = np.abs(rate) == np.abs(rate).max()
+        turning = read[fast, 3:].mean(axis=0)
+        p[:, j] = (np.mean(rests, axis=0)[3:] - turning) / rate[fast][0] ** 2
+    rows: list[list[float]] = []
+    told: list[np.ndarray] = []
+    for s, m in means:
+        if s.item == "twelve_position" and s.up:
+            rows.append([(s.up[1] == a) * (1.0 if s.up[0] == "+" else -1.0) for a in AXES] + [1.0])
+            told.append(m)
+    both, *_ = np.linalg.lstsq(np.array(rows), np.array(told), rcond=None)
+    return {
+        "gyro_scale_factor": vector(np.diag(Kg)),
+        "gyro_cross_coupling": matrix(Kg, off_diagonal=True),
+        "gyro_fit_offset": vector(offset / degree),
+        "gyro_bias": vector(both[3, :3] / degree),
+        "gyro_g_sensitivity": matrix(both[:3, :3].T / degree),
+        "accel_scale_factor": vector(np.diag(both[:3, 3:]) / gravity),
+        "accel_cross_coupling": matrix(both[:3, 3:].T / gravity, off_diagonal=True),
+        "accel_bias": vector(both[3, 3:]),
+        "accel_rate_sensitivity": matrix(p, off_diagonal=True),
+    }
+
+
+def plain_1536(recording: Recording) -> Values:
+    """Every item of JJF 1536 from the angles at both ends of each segment, in printed units."""
+    gains = [(s, *_gained(recording, s)) for s in recording.manifest.segments or ()]
+    degree = np.pi / 180.0
+    K, B, L = np.empty(3), np.empty(3), np.zeros((3, 3))
+    for j, axis in enumerate(AXES):
+        about = [(s, n, t) for s, n, t in gains if s.axis == axis]
+        rest = np.mean([n[j] / t for s, n, t in about
+                        if s.kind == "static" and s.item == "scale_factor"])  # fmt: skip
+        points = [(s.rate_deg_s or 0.0, n[j] / t - rest) for s, n, t in about if s.kind == "rate"]
+        rate, read = np.array(points).T
+        K[j] = np.polyfit(rate * degree, read, 1)[0]
+        B[j] = np.mean([n[j] / t for s, n, t in about if s.item == "four_position"])
+        turns = {s.angle_deg or 0.0: n for s, n, _ in about if s.kind == "rotation"}
+        forward, back = max(turns), min(turns)
+        L[:, j] = (turns[forward] - turns[back]) / (forward - back)
+    return {
+        "ahrs_scale_factor": vector(K),
+        "ahrs_zero_offset": vector(B / degree),
+        "ahrs_misalignment": matrix(L / degree**2, off_diagonal=True),
+    }
+
+
+def _without_earth(recording: Recording, plain: Values) -> dict[str, float]:
+    """The g-sensitivity less the vertical part of Earth's rotation, read through K."""
+    latitude = np.radians(recording.manifest.station.latitude_deg or 0.0)
+    vertical = np.degrees(7.292115e-5) * np.sin(latitude)
+    K = {a + a: value for a, value in plain["gyro_scale_factor"].items()}
+    K |= plain["gyro_cross_coupling"]
+    return {e: v - K[e] * vertical for e, v in plain["gyro_g_sensitivity"].items()}
+
+
+def _means(recording: Recording, names: tuple[str, ...]) -> list[tuple[Segment, np.ndarray]]:
+    t = recording.imu.t
+    columns = np.array([recording.imu.columns[name] for name in names])
+    return [
+        (s, columns[:, (t >= s.t_start) & (t < s.t_end)].mean(axis=1))
+        for s in recording.manifest.segments or ()
+    ]
+
+
+def _gained(recording: Recording, segment: Segment) -> tuple[np.ndarray, float]:
+    """Angles (3,) rad gained over a segment, and its time in s."""
+    t = recording.imu.t
+    ends = np.searchsorted(t, (segment.t_start - 1e-9, segment.t_end - 1e-9))
+    angles = np.array([recording.imu.columns[name][ends] for name in ANGLE])
+    return angles[:, 1] - angles[:, 0], float(t[ends[1]] - t[ends[0]])

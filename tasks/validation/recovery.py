@@ -1,0 +1,24 @@
+"""Truth recovery: what an ideal run without noise says of a unit whose truth is known."""
+
+from schemas.validation import Check
+from tasks.validation.coverage import STILL, Calibrate, errors_of, simulate
+
+CLOSE = 1e-9  # in the printed unit of the item
+
+
+def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, Check]:
+    """Largest error of each item in an ideal run: no noise, no errors of the equipment."""
+    recording, truth = simulate(method, seed, ideal=True)
+    calibration = calibrate(recording, run="ideal", code_version="-")
+    errors = errors_of(calibration, truth)
+    checks = {}
+    for name, elements in errors.items():
+        largest = max(abs(error) for error, *_ in elements.values())
+        unit = calibration.items["gyro_g_sensitivity" if name == STILL else name].unit
+        checks[name] = Check(
+            passed=largest <= CLOSE,
+            en=f"an ideal run gives the truth back within {largest:.1e} {unit}; {CLOSE:.0e} is "
+            "asked",
+            zh=f"理想运行恢复真值，最大偏差 {largest:.1e} {unit}；要求 {CLOSE:.0e}",
+        )
+    return checks

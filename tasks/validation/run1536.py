@@ -1,0 +1,103 @@
+"""A whole JJF 1536 run of a simulated unit on a single-axis table, re-fixed between the axes."""
+
+import numpy as np
+
+from schemas.recording import ANGLE, AXES, Manifest, Recording, Stream
+from tasks.station.virtual.sensors import Noise
+from tasks.station.virtual.unit import DEGREE
+from tasks.uncertainty.equipment import JJF1536
+from tasks.validation.draw import GRAVITY, LATITUDE, Case
+from tasks.validation.journey import Journey, TableErrors, accumulated_angles
+from tasks.validation.run2003 import air, matrix, vector
+
+RATE_HZ = 4.0
+REST_S, RATE_S, POSITION_S, TURNS_S = 20.0, 20.0, 1800.0, 36.0  # 7.1.1, 7.2.1, 7.3.1
+RATES = (-300.0, -200.0, -100.0, -10.0, 10.0, 100.0, 200.0, 300.0)
+TURNING = 100.0  # deg/s, ten turns in TURNS_S
+RATE_LIMIT = JJF1536.rate_at(RATES[0] * DEGREE)
+COMPASS = {"E": (1, 0, 0), "W": (-1, 0, 0), "N": (0, 1, 0), "S": (0, -1, 0),
+           "U": (0, 0, 1), "D": (0, 0, -1)}  # fmt: skip
+UPRIGHT = {"x": "UEN", "y": "NUE", "z": "ENU"}
+FOUR = {"x": ("ENU", "ESD", "WSU", "WND"), "y": ("UEN", "DES", "UWS", "DWN"),
+        "z": ("NUE", "SDE", "SUW", "NDW")}  # fmt: skip
+
+
+def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, float]]]:
+    """The recording of a case, and the truth of every item by its elements, in printed units.
+
+    Errors of Table 1: the rate's for the run; the fixture's for each mounting; the table's angle
+    creeps while a position is held.
+    """
+    errors = TableErrors(rate=case.error(*RATE_LIMIT))
+    site = case.site(JJF1536.gravity, JJF1536.latitude)
+    journey = _journey(case)
+    noise = None if case.ideal else Noise(case.unit)
+    angles = accumulated_angles(journey.track(), errors, site, case.unit, noise)
+    return _recording(journey, angles, number), _truth(case)
+
+
+def _truth(case: Case) -> dict[str, dict[str, float]]:
+    K = np.array(case.unit.gyro.scale)
+    return {
+        "ahrs_scale_factor": vector(np.diag(K)),
+        "ahrs_zero_offset": vector(np.array(case.unit.gyro.bias) / DEGREE),
+        "ahrs_misalignment": matrix(K / DEGREE, off_diagonal=True),
+    }
+
+
+def _journey(case: Case) -> Journey:
+    journey = Journey(RATE_HZ)
+    fixed = {axis: case.errors(3, JJF1536.fixture) for axis in AXES}
+    for axis in AXES:
+        upright = {"axis": axis, "up": f"+{axis}"}
+        journey.place(*_angles(UPRIGHT[axis]), fixed[axis])
+        journey.stay(REST_S, {"name": f"rest_start_{axis}", "kind": "static", **upright,
+                              "item": "scale_factor"})  # fmt: skip
+        for rate in RATES:
+            journey.change_rate(rate * DEGREE)
+            journey.stay(RATE_S, {"name": f"rate_{axis}_{rate:+.0f}", "kind": "rate", **upright,
+                                  "item": "scale_factor", "rate_deg_s": rate})  # fmt: skip
+        journey.change_rate(0.0)
+        journey.stay(REST_S, {"name": f"rest_end_{axis}", "kind": "static", **upright,
+                              "item": "scale_factor"})  # fmt: skip
+    for held, positions in FOUR.items():
+        for points in positions:
+            journey.place(*_angles(points), case.errors(3, JJF1536.fixture))
+            journey.stay(POSITION_S, {
+                "name": f"zero_{held}_{points}", "kind": "static", "item": "four_position",
+                "axis": held, "points": dict(zip(AXES, points, strict=True)),
+            }, creep=case.errors(3, *JJF1536.angles))  # fmt: skip
+    for axis in AXES:
+        journey.place(*_angles(UPRIGHT[axis]), fixed[axis])
+        for sign in (1.0, -1.0):
+            journey.change_rate(sign * TURNING * DEGREE)
+            journey.stay(TURNS_S, {
+                "name": f"turns_{axis}_{sign:+.0f}", "kind": "rotation", "item": "misalignment",
+                "axis": axis, "up": f"+{axis}", "angle_deg": sign * TURNING * TURNS_S,
+            })  # fmt: skip
+            journey.change_rate(0.0)
+    return journey
+
+
+def _angles(points: str) -> tuple[float, float, float]:
+    """Angles about z, then x, then z (rad) that point x, y, z to three letters of the compass."""
+    attitude = np.array([COMPASS[letter] for letter in points], float).T
+    middle = float(np.arccos(np.clip(attitude[2, 2], -1.0, 1.0)))
+    if abs(np.sin(middle)) < 1e-9:
+        return float(np.arctan2(attitude[1, 0], attitude[0, 0])), middle, 0.0
+    outer = float(np.arctan2(attitude[0, 2], -attitude[1, 2]))
+    return outer, middle, float(np.arctan2(attitude[2, 0], attitude[2, 1]))
+
+
+def _recording(journey: Journey, angles: np.ndarray, number: int) -> Recording:
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": f"simulated-1536-{number}",
+        "standard": "JJF 1536-2015",
+        "unit": {"manufacturer": "Virtual", "model": "V-AHRS", "serial": f"S{number}"},
+        "station": {"id": "simulated", "gravity_m_s2": GRAVITY, "heading_deg": 0.0,
+                    "latitude_deg": float(np.degrees(LATITUDE))},
+        "segments": journey.segments,
+    })  # fmt: skip
+    t = np.arange(angles.shape[1]) / RATE_HZ
+    imu = Stream(t, dict(zip(ANGLE, angles, strict=True)))
+    return Recording(manifest, imu, environment=air(t), digest="0" * 64)

@@ -1,0 +1,136 @@
+"""A whole JJF 2003 run of a simulated unit: twelve positions, ten rates about each axis, rests."""
+
+import numpy as np
+
+from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
+from tasks.station.virtual.config import EARTH_RATE_RAD_S, THREE_AXES
+from tasks.station.virtual.sensors import Noise
+from tasks.station.virtual.unit import DEGREE
+from tasks.uncertainty.equipment import JJF2003
+from tasks.validation.draw import GRAVITY, LATITUDE, Case
+from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
+
+RATE_HZ = 20.0
+DWELL_S, WHOLE_TURNS_S = 30.0, 36.0  # of a point; in which every rate makes whole turns
+RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
+PLACES = {  # middle and inner angle, degrees, that bring an axis up
+    "+x": (90.0, 90.0), "-x": (90.0, -90.0), "+y": (90.0, 0.0), "-y": (90.0, 180.0),
+    "+z": (0.0, 0.0), "-z": (180.0, 0.0),
+}  # fmt: skip
+
+
+def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, float]]]:
+    """The recording of a case, and the truth of every item by its elements, in printed units.
+
+    Errors of Table 1: the rate's for the run; the outer axis off the vertical for the run; table
+    angles anew for each setting of middle and inner axis; squareness of axes and fixture for
+    each face, at rest and turning. The ideal case turns whole turns, in which the level part of
+    Earth's rotation averages out.
+    """
+    errors = TableErrors(
+        rate=case.error(*JJF2003.rate_at(RATES[0] * DEGREE)),
+        ripple=case.error(JJF2003.ripple),
+        phase=case.random.uniform(0.0, 2.0 * np.pi),
+        level=(case.error(*JJF2003.angles, JJF2003.axes),
+               case.error(*JJF2003.angles, JJF2003.axes)),
+    )  # fmt: skip
+    site = case.site(JJF2003.gravity, JJF2003.latitude)
+    journey = _journey(case)
+    noise = None if case.ideal else Noise(case.unit)
+    read = sensed_rates(journey.track(), errors, site, case.unit, noise)
+    return _recording(journey, read, number), truth(case, site)
+
+
+def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
+    """What each item of JJF 2003 should find of a unit: element to value, in printed units.
+
+    The clause's g-sensitivity and the fit offset hold Earth's rotation, as their equations do;
+    `gyro_g_sensitivity_without_earth_rotation` does not.
+    """
+    unit = case.unit
+    Kg, Ka = np.array(unit.gyro.scale), np.array(unit.accel.scale)
+    still = np.array(unit.g_sensitivity) * site.gravity / DEGREE
+    earth = Kg * EARTH_RATE_RAD_S * np.sin(site.latitude) / DEGREE
+    bias = np.array(unit.gyro.bias) / DEGREE
+    return {
+        "gyro_scale_factor": vector(np.diag(Kg)),
+        "gyro_cross_coupling": matrix(Kg, off_diagonal=True),
+        "gyro_fit_offset": vector(bias + np.diag(still + earth)),
+        "gyro_bias": vector(bias),
+        "gyro_g_sensitivity": matrix(still + earth),
+        "gyro_g_sensitivity_without_earth_rotation": matrix(still),
+        "accel_scale_factor": vector(np.diag(Ka)),
+        "accel_cross_coupling": matrix(Ka, off_diagonal=True),
+        "accel_bias": vector(np.array(unit.accel.bias)),
+        "accel_rate_sensitivity": matrix(-unit.rate_sensitivity_m, off_diagonal=True),
+    }
+
+
+def _journey(case: Case) -> Journey:
+    journey, dwell = Journey(RATE_HZ), WHOLE_TURNS_S if case.ideal else DWELL_S
+    faces = {up: case.errors(3, *JJF2003.squareness) for up in PLACES}
+    for up, (middle, inner) in PLACES.items():
+        for turn in (0.0, 180.0):
+            setting = faces[up] + case.errors(3, *JJF2003.angles)
+            journey.place(turn * DEGREE, middle * DEGREE, inner * DEGREE, setting)
+            label = {"name": f"position_{up}_{turn:03.0f}", "kind": "static", "up": up,
+                     "item": "twelve_position", "turn_deg": turn}  # fmt: skip
+            journey.stay(dwell, label)
+    for axis in AXES:
+        up = f"+{axis}"
+        middle, inner = PLACES[up]
+        setting = faces[up] + case.errors(3, *JJF2003.angles)
+        journey.place(0.0, middle * DEGREE, inner * DEGREE, setting)
+        rest = {"kind": "static", "item": "rate_sensitivity", "up": up}
+        journey.stay(dwell, {"name": f"rest_before_{axis}", **rest})
+        for rate in RATES:
+            journey.change_rate(rate * DEGREE)
+            label = {"name": f"rate_{axis}_{rate:+.0f}", "kind": "rate", "item": "scale_factor",
+                     "axis": axis, "up": up, "rate_deg_s": rate}  # fmt: skip
+            journey.stay(dwell, label)
+        journey.change_rate(0.0)
+        journey.stay(dwell, {"name": f"rest_after_{axis}", **rest})
+    return journey
+
+
+def _recording(journey: Journey, read: np.ndarray, number: int) -> Recording:
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": f"simulated-2003-{number}",
+        "standard": "JJF 2003-2022",
+        "unit": {"manufacturer": "Virtual", "model": "V-MIMU", "serial": f"S{number}"},
+        "station": {"id": "simulated", "gravity_m_s2": GRAVITY, "heading_deg": 0.0,
+                    "latitude_deg": float(np.degrees(LATITUDE)), "table_axes": THREE_AXES},
+        "segments": journey.segments,
+    })  # fmt: skip
+    t = np.arange(read.shape[1]) / RATE_HZ
+    angles = journey.track()[:3, ::2]
+    table = {f"{axis.name}_angle": angle for axis, angle in zip(THREE_AXES, angles, strict=True)}
+    return Recording(
+        manifest,
+        Stream(t, dict(zip(GYRO + ACCEL, read, strict=True))),
+        table=Stream(t, table),
+        environment=air(t),
+        digest="0" * 64,
+    )
+
+
+def air(t: np.ndarray) -> Stream:
+    """A room within the conditions, one row in ten seconds."""
+    seconds = np.arange(0.0, t[-1], 10.0)
+    room = {"temperature": np.full(len(seconds), 20.0), "humidity": np.full(len(seconds), 45.0)}
+    return Stream(seconds, room)
+
+
+def vector(values: np.ndarray) -> dict[str, float]:
+    """Elements of a (3,) vector."""
+    return {axis: float(value) for axis, value in zip(AXES, values, strict=True)}
+
+
+def matrix(values: np.ndarray, off_diagonal: bool = False) -> dict[str, float]:
+    """Elements of a (3, 3) matrix: the axis that reads, then the input axis."""
+    return {
+        AXES[i] + AXES[j]: float(values[i, j])
+        for i in range(3)
+        for j in range(3)
+        if i != j or not off_diagonal
+    }

@@ -1,0 +1,72 @@
+"""Worked examples, truth recovery and other programs, and that they notice what is wrong."""
+
+import pytest
+
+from tasks.items import jjf1536, jjf2003
+from tasks.validation import independent
+from tasks.validation.examples import EXAMPLES, example_check
+from tasks.validation.independent import independent_checks
+from tasks.validation.recovery import recovery_checks
+
+METHODS = {"jjf2003": jjf2003.calibrate, "jjf1536": jjf1536.calibrate}
+
+
+@pytest.mark.parametrize("item", EXAMPLES)
+def test_every_worked_example_comes_out(item: str) -> None:
+    assert example_check(item).passed
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_ideal_run_gives_the_truth_back(method: str) -> None:
+    checks = recovery_checks(method, METHODS[method], seed=2)
+    assert checks
+    assert all(check.passed for check in checks.values()), checks
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_other_programs_find_the_same(method: str) -> None:
+    checks = independent_checks(method, METHODS[method], seed=2)
+    assert checks
+    assert all(check.passed for check in checks.values()), checks
+
+
+def wrong_by(method: str, part: float):
+    """A method whose first element of each item is off by a little."""
+
+    def calibrate(*args, **more):
+        calibration = METHODS[method](*args, **more)
+        items = {}
+        for name, item in calibration.items.items():
+            first = next(iter(item.value))
+            value = {**item.value, first: (item.value[first] or 0.0) + part}
+            items[name] = item.model_copy(update={"value": value})
+        return calibration.model_copy(update={"items": items})
+
+    return calibrate
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_wrong_value_is_noticed(method: str) -> None:
+    recovered = recovery_checks(method, wrong_by(method, 1e-4), seed=2)
+    still = "gyro_g_sensitivity_without_earth_rotation"  # another field of its item
+    assert {name for name, check in recovered.items() if check.passed} <= {still}
+
+
+def test_a_budget_that_does_not_add_up_is_noticed() -> None:
+    def calibrate(*args, **more):
+        calibration = jjf2003.calibrate(*args, **more)
+        item = calibration.items["gyro_bias"]
+        budgets = {e: b.model_copy(update={"u_c": b.u_c * 1.001}) for e, b in item.budgets.items()}
+        changed = item.model_copy(update={"budgets": budgets})
+        return calibration.model_copy(update={"items": {"gyro_bias": changed}})
+
+    checks = independent_checks("jjf2003", calibrate, seed=2)
+    assert not checks["gyro_bias"].passed
+
+
+def test_the_joint_methods_g_sensitivity_is_compared_without_earth() -> None:
+    recording, _ = independent.simulate("jjf2003", 2)
+    plain = independent.plain_2003(recording)
+    still = independent._without_earth(recording, plain)
+    taken = plain["gyro_g_sensitivity"]["zz"] - still["zz"]
+    assert taken == pytest.approx(0.00268, abs=2e-5)

@@ -1,0 +1,96 @@
+"""The record that ships with the code, and what the gate makes of records."""
+
+from datetime import date
+
+import pytest
+
+from schemas.validation import (
+    EVIDENCE,
+    Check,
+    ItemValidation,
+    MethodValidation,
+    ValidationRecord,
+)
+from tasks.items import jjf2003
+from tasks.validation.fingerprint import fingerprint, sources
+from tasks.validation.page import page
+from tasks.validation.record import doubts_of, named, shipped
+
+METHODS = ("jjf2003", "joint", "jjf1536")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_shipped_record_is_of_this_code(method: str) -> None:
+    record = shipped()
+    assert record is not None
+    assert record.methods[method].fingerprint == fingerprint(method), (
+        "the estimation was changed since the record was made: run make validate and copy the "
+        "record to tasks/validation/record.json"
+    )
+
+
+def test_a_fingerprint_covers_what_the_numbers_come_from() -> None:
+    names = {path.name for path in sources("jjf2003")}
+    assert {"tumble.py", "turning.py", "type_a.py", "summarise.py", "linear.py"} <= names
+    assert "zero_correction.py" not in names
+    assert "zero_correction.py" in {path.name for path in sources("joint")}
+
+
+@pytest.fixture(scope="module")
+def calibration(ideal_run):
+    return jjf2003.calibrate(ideal_run(), run="r", code_version="v")
+
+
+def record_of(calibration, print_: str, failed: str = "", missing: str = "") -> ValidationRecord:
+    good = {kind: Check(passed=True, en="shown", zh="已证明") for kind in EVIDENCE}
+    bad = {**good, "coverage": Check(passed=False, en="80 %", zh="80 %")}
+    items = {
+        name: ItemValidation(checks=bad if name == failed else good)
+        for name in calibration.items
+        if name != missing
+    }
+    return ValidationRecord(
+        made_on=date(2026, 11, 21),
+        code_version="0.1.0+abc numpy",
+        seed=1,
+        seconds=1.0,
+        methods={"jjf2003": MethodValidation(fingerprint=print_, items=items)},
+    )
+
+
+def test_a_record_that_fits_leaves_no_doubt(calibration) -> None:
+    record = record_of(calibration, fingerprint("jjf2003"))
+    assert doubts_of(record, calibration) == {}
+    assert "9 of 9 items" in named(record, calibration)[0]
+    assert "2026-11-21" in named(record, calibration)[0]
+
+
+def test_without_a_record_every_item_is_doubted_with_the_way_out(calibration) -> None:
+    doubts = doubts_of(None, calibration)
+    assert set(doubts) == set(calibration.items)
+    assert all("mimucal validate" in en and "mimucal validate" in zh for en, zh in doubts.values())
+
+
+def test_a_record_of_other_code_counts_as_none(calibration) -> None:
+    record = record_of(calibration, "0" * 16)
+    assert doubts_of(record, calibration).keys() == calibration.items.keys()
+    assert named(record, calibration)[0].startswith("No validation record")
+
+
+@pytest.mark.parametrize("how", ["failed", "missing"])
+def test_one_item_that_failed_or_is_missing_is_doubted_alone(calibration, how: str) -> None:
+    record = record_of(calibration, fingerprint("jjf2003"), **{how: "gyro_bias"})
+    assert set(doubts_of(record, calibration)) == {"gyro_bias"}
+    assert "8 of 9" in named(record, calibration)[0]
+
+
+def test_a_record_survives_being_written_and_read(calibration) -> None:
+    record = record_of(calibration, "0" * 16)
+    assert ValidationRecord.model_validate_json(record.model_dump_json()) == record
+
+
+def test_the_page_shows_every_item_and_what_is_open(calibration) -> None:
+    text = page(record_of(calibration, "0" * 16, failed="gyro_bias"))
+    assert all(name in text for name in calibration.items)
+    assert "8 of 9 items are validated" in text
+    assert "http" not in text.replace("http-equiv", "")
