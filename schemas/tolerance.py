@@ -12,6 +12,9 @@ Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
 Probability = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
+Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False)]
+
+FACTOR = "r in w = r·U; below −1 a value wholly outside its limits would pass"
 FULL_GUARD_BAND = 1.0  # w = U
 USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 
@@ -41,12 +44,14 @@ class Limit(Frozen):
     elements: tuple[str, ...] | None = None
     applied_to: Quantity = "value"
     rule: Rule | None = None
-    guard_band_factor: Finite | None = Field(default=None, description="r in w = r·U")
+    guard_band_factor: Factor | None = Field(default=None, description=FACTOR)
     min_capability: Positive | None = Field(
         default=None, description="smallest C_m = T/(2·U) at which a two-sided limit is decided on"
     )
     U_max: Positive | None = Field(
-        default=None, description="largest U, in the unit, at which the limit is decided on"
+        default=None,
+        description="largest U, in the unit, at which the limit is decided on; a one-sided "
+        "limit with neither this nor a guard band is decided on only where it is clear",
     )
     prior: Prior | None = Field(default=None, description="for the risks of the production")
 
@@ -81,7 +86,7 @@ class Tolerance(Frozen):
     model: str
     document: str = Field(description="where the limits come from, for the certificate")
     rule: Rule = "simple_acceptance"
-    guard_band_factor: Finite | None = Field(default=None, description="r in w = r·U")
+    guard_band_factor: Factor | None = Field(default=None, description=FACTOR)
     min_capability: Positive | None = Field(
         default=None, description="smallest C_m = T/(2·U) at which a two-sided limit is decided on"
     )
@@ -160,9 +165,9 @@ class LimitDecision(Frozen):
     """One element against one limit.
 
     A value is accepted between `accept_lower` and `accept_upper`, which are the limits moved
-    inwards by the guard band. `marginal`: it was decided on and lies within U of a limit, so
-    the verdict is a conditional one (ILAC-G8:09/2019). The risk of the verdict is a probability
-    of false acceptance for a pass, of false rejection for a fail.
+    inwards by the guard band. `marginal`: it was decided on and lies within U of a limit, or was
+    accepted outside one, so the verdict is a conditional one (ILAC-G8:09/2019). The risk of the
+    verdict is a probability of false acceptance for a pass, of false rejection for a fail.
     """
 
     item: str

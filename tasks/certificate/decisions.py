@@ -20,8 +20,8 @@ CHANCES = (
     "the percentage under a verdict is the probability of conformity P_c",
 )
 NEAR = (
-    "“有条件”：值距允许限小于 U（ILAC-G8:09/2019）",
-    "conditional: the value lies within U of a limit (ILAC-G8:09/2019)",
+    "“有条件”：值距允许限小于 U，或超出允许限而按规则接受（ILAC-G8:09/2019）",
+    "conditional: the value lies within U of a limit, or is accepted outside it (ILAC-G8:09/2019)",
 )
 SPECIFIC = (
     "由测得值、标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息"
@@ -33,6 +33,10 @@ ACCEPTING = ("合格判定的错误接受概率 1 − P_c，最大者 {} ({})",
              "false acceptance of a pass, 1 − P_c, the largest {} ({})")  # fmt: skip
 REJECTING = ("不合格判定的错误拒绝概率 P_c，最大者 {} ({})",
              "false rejection of a fail, P_c, the largest {} ({})")  # fmt: skip
+UNBOUNDED = (
+    "单侧允许限且未约定 U 的上限：仅当 P_c ≥ 95 % 或 ≤ 5 % 时判定",
+    "one-sided limits for which no largest U is agreed are decided on only if P_c ≥ 95 % or ≤ 5 %",
+)
 RULE = ("判定规则", "Decision rule")
 GLOBAL = ("{}：用户风险 {}，生产方风险 {}", "{}: consumer's {}, producer's {}")
 
@@ -82,6 +86,9 @@ def _rule(made: LimitDecision) -> Pair:
         said.append(
             (f"要求 {needed}，T 为允许区间宽度", f"decided on only if {needed}, with T the width")
         )
+    one_sided = None in (made.lower, made.upper)
+    if one_sided and made.guard_band_factor <= 0 and made.U_max is None:
+        said.append(UNBOUNDED)
     return "，".join(zh for zh, _ in said), ", ".join(en for _, en in said)
 
 

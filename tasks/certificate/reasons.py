@@ -36,16 +36,19 @@ def outside(made: LimitDecision) -> Reason:
 
 
 def conditional(decision: Decision) -> list[Reason]:
-    """One sentence for each pass that lies within U of a limit."""
+    """One sentence for each pass that lies within U of a limit, or outside it."""
     said = []
     for made in decision.limits:
         if made.marginal and made.verdict == "pass":
             (en, zh), (risk_en, risk_zh) = _measured(made), _risk(made)
+            where_en, where_zh = "within U of its limit", "距允许限 {} 小于 U"
+            if not _inside(Decimal(repr(made.value)), made.lower, made.upper):
+                where_en, where_zh = "outside its limit", "超出允许限 {}"
             limits = _limits(made)
             said.append(
                 (
-                    f"{en}, is accepted but lies within U of its limit, {limits}{risk_en}",
-                    f"{zh}，判为符合，但距允许限 {limits} 小于 U{risk_zh}",
+                    f"{en}, is accepted but lies {where_en}, {limits}{risk_en}",
+                    f"{zh}，判为符合，但{where_zh.format(limits)}{risk_zh}",
                 )
             )
     return said
@@ -58,6 +61,13 @@ def too_uncertain(made: LimitDecision) -> Reason:
     if made.U_max is not None and made.U is not None and made.U_max < made.U:
         most = quantity_text(str(text(plain(made.U_max))), made.unit)
         why_en, why_zh = f"larger than the agreed {most}", f"大于约定的 {most}"
+    elif made.probability_of_conformity is not None:
+        chance = probability_text(made.probability_of_conformity)
+        why_en = (
+            f"the probability of conformity with {limits} is {chance}, and nothing bounds U: state "
+            "U_max, the largest U at which this limit is decided on"
+        )
+        why_zh = f"相对允许限 {limits} 的合格概率为 {chance}，且 U 无上限约定：请给出 U_max"
     elif (needed := max(made.min_capability or 0.0, made.guard_band_factor)) > 1:
         why_en = f"C_m = T/(2 U) = {made.capability:.2g} for {limits}, below {needed:g}"
         why_zh = f"允许区间 {limits} 的 C_m = T/(2 U) = {made.capability:.2g}，小于 {needed:g}"

@@ -167,11 +167,12 @@ def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> di
     """The verdict with its risk; both only where there is something to decide on."""
     if undecided or known.value is None or known.U is None or known.u is None:
         return {"verdict": "inconclusive"}
-    verdict = rule.verdict(known.value, known.U)
-    if verdict == "inconclusive":
-        return {"verdict": verdict}
     about = (known.value, known.u, rule.limits, known.dof)
     conforms, not_so = probability_of_conformity(*about), probability_of_nonconformity(*about)
+    verdict = rule.verdict(known.value, known.U, conforms)
+    if verdict == "inconclusive":
+        said = {"probability_of_conformity": conforms} if rule.unbounded else {}
+        return {"verdict": verdict, **said}
     accepted = verdict == "pass"
     risk: dict[str, Any] = {
         "false_acceptance": not_so if accepted else None,
@@ -182,7 +183,7 @@ def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> di
         risk["global_risks"] = global_risks(limit.prior, known.u, rule.limits, interval)
     return {
         "verdict": verdict,
-        "marginal": rule.marginal(known.value, known.U),
+        "marginal": rule.marginal(known.value, known.U, verdict),
         "probability_of_conformity": conforms,
         **risk,
     }

@@ -14,6 +14,8 @@ from schemas.tolerance import (
     rule_of,
 )
 
+CLEAR = 0.95  # probability at which a one-sided limit without a bound on U is decided on
+
 
 @dataclass(frozen=True)
 class Criterion:
@@ -42,27 +44,44 @@ class Criterion:
         """C_m = T/(2·U), the measurement capability index (JCGM 106, 7.6); U > 0."""
         return (self.upper - self.lower) / (2 * U)
 
-    def decides(self, U: float) -> bool:
-        """Whether U is small enough: for the rule, and to leave an acceptance interval."""
+    @property
+    def unbounded(self) -> bool:
+        """Whether nothing bounds U: one limit alone, no guard band, no U_max.
+
+        Simple acceptance presumes a bound on U (JCGM 106, 8.2.2); two limits give one by their
+        distance, a guard band by what it takes from the acceptance interval.
+        """
+        one_sided = math.isinf(self.lower) or math.isinf(self.upper)
+        return one_sided and self.factor <= 0.0 and self.U_max is None
+
+    def decides(self, U: float, conforms: float) -> bool:
+        """Whether U is small enough: for the rule, and to leave an acceptance interval.
+
+        conforms: probability of conformity; where nothing bounds U it has to be clear itself.
+        """
         if self.U_max is not None and self.U_max < U:
             return False
+        if self.unbounded:
+            return not 1.0 - CLEAR < conforms < CLEAR
         return self.capability(U) >= max(self.min_capability or 0.0, self.factor)
 
-    def verdict(self, value: float, U: float) -> Verdict:
+    def verdict(self, value: float, U: float, conforms: float) -> Verdict:
         """Pass inside the acceptance interval, limits included, else fail; U > 0.
 
-        Inconclusive where U is too large. What lies outside its limits with the whole of
-        value ± U fails however large U is.
+        conforms: probability of conformity of the value. Inconclusive where U is too large. What
+        lies outside its limits with the whole of value ± U fails however large U is.
         """
         wholly_outside = value + U < self.lower or value - U > self.upper
-        if not self.decides(U):
+        if not self.decides(U, conforms):
             return "fail" if wholly_outside else "inconclusive"
         low, high = self.accepted(U)
         return "pass" if low <= value <= high else "fail"
 
-    def marginal(self, value: float, U: float) -> bool:
-        """Whether a value lies nearer than U to a limit, on either side of it."""
-        return min(abs(value - self.lower), abs(value - self.upper)) < U
+    def marginal(self, value: float, U: float, verdict: Verdict) -> bool:
+        """Whether a value lies nearer than U to a limit, or is accepted outside its limits."""
+        outside = not self.lower <= value <= self.upper
+        near = min(abs(value - self.lower), abs(value - self.upper)) < U
+        return near or (outside and verdict == "pass")
 
 
 def criterion(tolerance: Tolerance, limit: Limit) -> Criterion:

@@ -56,6 +56,8 @@ def test_a_guard_band_is_u_where_no_factor_is_given() -> None:
         ({"magnitude": 1}, {"rule": "shared_risk"}, "no bound on U is agreed"),
         ({"upper": 1}, {"rule": "shared_risk", "min_capability": 3}, "no bound on U is agreed"),
         ({"magnitude": 1, "U_max": 0}, {}, "U_max"),
+        ({"magnitude": 1}, {"rule": "guard_band", "guard_band_factor": -1.01}, "guard_band_factor"),
+        ({"magnitude": 1, "rule": "guard_band", "guard_band_factor": -1.2}, {}, "equal to -1"),
         ({"magnitude": 1, "prior": {"mean": 0, "sd": 0}}, {}, "sd"),
         ({"magnitude": 1, "rule": "guess"}, {}, "guess"),
     ],

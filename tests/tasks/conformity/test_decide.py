@@ -13,6 +13,7 @@ from schemas.base import Unusable
 from schemas.calibration import Remark
 from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit
+from tasks.certificate.reasons import conditional
 from tasks.conformity import decide, expired
 
 
@@ -186,7 +187,24 @@ def test_a_value_wholly_outside_fails_however_uncertain_it_is() -> None:
 
 
 def test_a_one_sided_limit_has_no_interval_to_compare_with() -> None:
-    assert with_uncertainty(0.01, 5.0, lower=None).verdict == "pass"
+    assert with_uncertainty(0.01, 5.0, lower=None, U_max=6.0).verdict == "pass"
+
+
+def test_a_one_sided_limit_without_a_bound_on_u_asks_for_one() -> None:
+    decision = with_uncertainty(0.01, 5.0, lower=None)
+    assert decision.verdict == "inconclusive"
+    assert {made.verdict for made in decision.limits} == {"inconclusive"}
+    assert "is 50.6 %, and nothing bounds U: state U_max" in decision.reasons[0]
+    assert "合格概率为 50.6 %" in decision.reasons_zh[0]
+    assert with_uncertainty(0.01, 0.02, lower=None).verdict == "pass"
+
+
+def test_a_pass_outside_the_limits_is_conditional() -> None:
+    decision = with_uncertainty(
+        0.0625, 0.0125, lower=None, rule="guard_band", guard_band_factor=-1.0, U_max=1.0
+    )
+    assert (decision.verdict, decision.marginal) == ("pass", True)
+    assert "accepted but lies outside its limit" in conditional(decision)[0][0]
 
 
 @pytest.mark.parametrize("U", [None, 0.0])
