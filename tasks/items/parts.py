@@ -15,6 +15,7 @@ DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 K_FACTOR = 2.0  # both specifications expand with k = 2
 NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where no gravity is told
 EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
+BLOCKING_EXCESS = 10.0  # beyond it no larger uncertainty makes up for what is wrong
 
 OFF_DIAGONAL = tuple((i, j) for i in range(3) for j in range(3) if i != j)
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))

@@ -75,9 +75,10 @@ def steps(imu: Stream) -> np.ndarray:
     found = np.zeros(len(CHANNELS))
     for channel, name in enumerate(CHANNELS):
         if name in imu.columns:
-            sample = np.sort(imu.columns[name][::every])
+            sample = imu.columns[name][::every]
+            sample = np.sort(sample[np.isfinite(sample)])  # rows without the triad say nothing
             apart = np.diff(sample)
-            resolution = 8 * np.finfo(float).eps * np.abs(sample).max()
+            resolution = 8 * np.finfo(float).eps * np.abs(sample).max(initial=0.0)
             found[channel] = apart[apart > resolution].min(initial=np.inf)
     return np.where(np.isfinite(found), found, 0.0)
 

@@ -10,7 +10,7 @@ from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_unread
 from tasks.items.linear import solve
 from tasks.items.measured import UNDETERMINED, Measured, measured
-from tasks.items.parts import Part, excess_scatter
+from tasks.items.parts import BLOCKING_EXCESS, Part, excess_scatter
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import turning_rate
 
@@ -159,4 +159,5 @@ def _scatter_remark(axis: str, factor: float) -> Iterator[Remark]:
             "times more than the noise explains; the uncertainty was enlarged by as much.",
             zh=f"{axis} 轴：各角速率点对式(13)直线的离散为噪声的 {factor:.1f} 倍，"
             "不确定度已按此放大。",
+            blocks_pass=factor > BLOCKING_EXCESS,
         )

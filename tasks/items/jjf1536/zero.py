@@ -12,7 +12,7 @@ from tasks.items.jjf1536.attitudes import COMPONENTS, VERTICAL, points_contradic
 from tasks.items.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.items.linear import solve
 from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
-from tasks.items.parts import DEG, Excess, Part, excess_scatter
+from tasks.items.parts import BLOCKING_EXCESS, DEG, Excess, Part, excess_scatter
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_zero_offset
 
@@ -205,4 +205,5 @@ def _scatter_remark(axis: str, factor: float) -> Iterator[Remark]:
             "and the noise explain; the uncertainty was enlarged by as much.",
             zh=f"{axis} 轴：各位置之差为地球自转与噪声所能解释的 {factor:.1f} 倍，"
             "不确定度已按此放大。",
+            blocks_pass=factor > BLOCKING_EXCESS,
         )

@@ -1,6 +1,7 @@
 """The positions of 7.2.2.1: which axes were up, at which headings, and their averages U_i."""
 
 from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,6 +9,21 @@ from schemas.calibration import Remark
 from schemas.recording import AXES
 from tasks.items.evidence import UPS, Evidence
 from tasks.segments.summarise import SegmentMean
+
+
+@dataclass(frozen=True)
+class Triad:
+    """Three sensors that are recorded together: their name, and which segments hold them."""
+
+    en: str
+    zh: str
+    serves: Callable[[SegmentMean], bool]
+
+
+TRIADS = (
+    Triad("gyro", "陀螺", lambda segment: segment.has_gyro),
+    Triad("accelerometer", "加速度计", lambda segment: segment.has_accel),
+)
 
 
 def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
@@ -69,23 +85,47 @@ def is_paired(evidence: Evidence, indices: tuple[int, ...]) -> bool:
     return any(_opposite(heading, headings) for heading in headings)
 
 
-def position_remarks(evidence: Evidence, positions: dict[str, tuple[int, ...]]) -> Iterator[Remark]:
-    """Conditions of 7.2.2.1 a): six axes up, each at two headings."""
-    absent = [up for up in UPS if up not in positions]
-    if absent:
-        yield Remark(
-            code="positions_missing",
-            en=f"No usable rest with {', '.join(absent)} up; 7.2.2.1 asks for all six.",
-            zh=f"缺少 {', '.join(absent)} 朝天的可用静止位置；7.2.2.1 要求六个方向齐全。",
-            blocks_pass=True,
-        )
-    single = [up for up, indices in positions.items() if not is_paired(evidence, indices)]
-    if single:
-        yield Remark(
-            code="one_heading",
-            en=f"{', '.join(single)} up: not held at two headings 180° apart as 7.2.2.1 asks; the "
-            "horizontal part of Earth's rotation and of the table's tilt does not cancel.",
-            zh=f"{', '.join(single)} 朝天：未按 7.2.2.1 在相差 180° 的两个方位测量，"
-            "地球自转及转台倾斜的水平分量未抵消。",
-            blocks_pass=True,
-        )
+def position_remarks(evidence: Evidence) -> Iterator[Remark]:
+    """Conditions of 7.2.2.1 a): six axes up, each at two headings, for each triad recorded."""
+    absent: dict[tuple[str, ...], list[Triad]] = {}
+    single: dict[tuple[str, ...], list[Triad]] = {}
+    for triad in _recorded(evidence):
+        positions = usable_positions(evidence, triad.serves)
+        absent.setdefault(tuple(up for up in UPS if up not in positions), []).append(triad)
+        alone = (up for up, rests in positions.items() if not is_paired(evidence, rests))
+        single.setdefault(tuple(alone), []).append(triad)
+    for ups, triads in absent.items():
+        if ups:
+            yield _missing(", ".join(ups), triads)
+    for ups, triads in single.items():
+        if ups:
+            yield _one_heading(", ".join(ups), triads)
+
+
+def _recorded(evidence: Evidence) -> tuple[Triad, ...]:
+    """The triads that some segment has; both where there is none."""
+    found = tuple(t for t in TRIADS if any(t.serves(segment) for segment in evidence.segments))
+    return found or TRIADS
+
+
+def _missing(listed: str, triads: list[Triad]) -> Remark:
+    return Remark(
+        code="positions_missing",
+        en=f"No usable rest with {listed} up of the {' and '.join(t.en for t in triads)} triad; "
+        "7.2.2.1 asks for all six.",
+        zh=f"{'和'.join(t.zh for t in triads)}缺少 {listed} 朝天的可用静止位置；"
+        "7.2.2.1 要求六个方向齐全。",
+        blocks_pass=True,
+    )
+
+
+def _one_heading(listed: str, triads: list[Triad]) -> Remark:
+    return Remark(
+        code="one_heading",
+        en=f"{listed} up: {' and '.join(t.en for t in triads)} not recorded at two headings 180° "
+        "apart as 7.2.2.1 asks; the horizontal part of Earth's rotation and of the table's tilt "
+        "does not cancel.",
+        zh=f"{listed} 朝天：{'和'.join(t.zh for t in triads)}未按 7.2.2.1 在相差 180° 的两个方位"
+        "测量，地球自转及转台倾斜的水平分量未抵消。",
+        blocks_pass=True,
+    )

@@ -12,7 +12,15 @@ from tasks.items.jjf2003.earth import earth_remarks, without_earth
 from tasks.items.jjf2003.positions import position_remarks, usable_positions
 from tasks.items.jjf2003.twelve import Twelve, twelve_positions
 from tasks.items.measured import UNDETERMINED, Measured
-from tasks.items.parts import DEG, MATRIX, NOMINAL_GRAVITY, OFF_DIAGONAL, Part, joined
+from tasks.items.parts import (
+    BLOCKING_EXCESS,
+    DEG,
+    MATRIX,
+    NOMINAL_GRAVITY,
+    OFF_DIAGONAL,
+    Part,
+    joined,
+)
 from tasks.segments.summarise import CHANNELS
 from tasks.uncertainty import type_b
 
@@ -35,7 +43,7 @@ def tumble_items(
     accel = usable_positions(evidence, lambda segment: segment.has_accel)
     return joined(
         (
-            Part(remarks=tuple(position_remarks(evidence, {**accel, **gyro}))),
+            Part(remarks=tuple(position_remarks(evidence))),
             _gyro_part(recording, evidence, gyro, gyro_k, evaluation),
             _accel_part(recording, evidence, accel, evaluation),
         )
@@ -222,5 +230,6 @@ def _scatter_remarks(first: int, factors: np.ndarray) -> tuple[Remark, ...]:
         en=f"The positions disagree with the model more than the noise explains ({listed} times); "
         "the uncertainties were enlarged by as much.",
         zh=f"各位置与模型的偏差超过噪声（{listed} 倍），不确定度已按此放大。",
+        blocks_pass=bool(factors.max() > BLOCKING_EXCESS),
     )
     return (remark,)

@@ -10,7 +10,7 @@ from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.evidence import Evidence
 from tasks.items.linear import solve
 from tasks.items.measured import UNDETERMINED, Measured, measured
-from tasks.items.parts import DEG, OFF_DIAGONAL, Part, excess_scatter
+from tasks.items.parts import BLOCKING_EXCESS, DEG, OFF_DIAGONAL, Part, excess_scatter
 from tasks.segments.summarise import CHANNELS
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
@@ -200,6 +200,7 @@ def _scatter_remarks(axis: str, factors: np.ndarray) -> tuple[Remark, ...]:
         f"noise explains ({listed} times); the uncertainties were enlarged by as much.",
         zh=f"绕 {axis} 轴转动时，各点对式(4)直线的离散超过噪声（{listed} 倍），"
         "不确定度已按此放大。",
+        blocks_pass=bool(factors.max() > BLOCKING_EXCESS),
     )
     return (remark,)
 

@@ -24,7 +24,7 @@ def claim_remarks(evidence: Evidence) -> Iterator[Remark]:
             f"{FEWEST_RATES} 个角速率点，并包括最大角速率。",
             blocks_pass=True,
         )
-    turned = {evidence.up[i] for axis in AXES for i in evidence.points[axis]}
+    turned = {evidence.up[i] for axis in AXES for i in _recorded(evidence, axis)}
     absent = [up for up in UPS if up not in turned]
     if absent and len(absent) < len(UPS):
         yield Remark(
@@ -42,9 +42,15 @@ def claim_remarks(evidence: Evidence) -> Iterator[Remark]:
         )
 
 
+def _recorded(evidence: Evidence, axis: Axis) -> tuple[int, ...]:
+    """The points about an axis at which the gyro was recorded; all where the unit has no gyro."""
+    gyro = [segment.has_gyro for segment in evidence.segments]
+    return tuple(i for i in evidence.points[axis] if gyro[i] or not any(gyro))
+
+
 def _few(evidence: Evidence, axis: Axis) -> Iterator[str]:
     """Directions of turning about an axis with too few rates, and how many they have."""
-    rates = np.round(np.degrees(evidence.rate[list(evidence.points[axis])]), 1)
+    rates = np.round(np.degrees(evidence.rate[list(_recorded(evidence, axis))]), 1)
     for sign, mark in ((1, "+"), (-1, "-")):
         count = len({rate for rate in rates if rate * sign > 0})
         if count < FEWEST_RATES:
@@ -53,7 +59,7 @@ def _few(evidence: Evidence, axis: Axis) -> Iterator[str]:
 
 def _rising(evidence: Evidence, axis: Axis) -> bool:
     """Whether the rates of each direction and orientation rise in time."""
-    points = sorted(evidence.points[axis], key=lambda i: evidence.segments[i].t_start)
+    points = sorted(_recorded(evidence, axis), key=lambda i: evidence.segments[i].t_start)
     for sign in (1, -1):
         for up in {evidence.up[i] for i in points}:
             sizes = [

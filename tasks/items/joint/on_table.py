@@ -6,7 +6,7 @@ from schemas.calibration import Item
 from schemas.recording import AXES, Recording
 from tasks.items.evaluation import Evaluation, make_item
 from tasks.items.evidence import UPS, Evidence
-from tasks.items.jjf2003.positions import position_remarks, usable_positions
+from tasks.items.jjf2003.positions import position_remarks
 from tasks.items.joint.claims import claim_remarks
 from tasks.items.joint.reasons import level_unknown, table_reasons
 from tasks.items.joint.remarks import earth_remarks, scatter_remarks
@@ -31,9 +31,8 @@ def joint_on_table(recording: Recording, evidence: Evidence, evaluation: Evaluat
         **_gyro_items(recording, joint, taken, evidence, evaluation),
         **_accel_items(recording, joint, evaluation),
     }
-    positions = usable_positions(evidence, lambda s: s.has_gyro or s.has_accel)
     remarks = (
-        *position_remarks(evidence, positions),
+        *position_remarks(evidence),
         *claim_remarks(evidence),
         *earth_remarks(recording, joint, taken),
         *scatter_remarks(joint),

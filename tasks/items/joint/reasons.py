@@ -25,11 +25,7 @@ def table_reasons(
     """Why elements are null: what would determine them."""
     absent = [up for up in UPS if not any(s == up and z for s, z in _rests(evidence, taken.zero))]
     no_rest = [up for up in UPS if not any(s == up and a for s, a in _rests(evidence, taken.accel))]
-    unturned = [
-        axis
-        for axis in AXES
-        if not any(taken.gyro[i] for i in (*evidence.points[axis], *evidence.turns[axis]))
-    ]
+    unturned = [axis for axis, turned in zip(AXES, taken.turned, strict=True) if not turned]
     unfelt = [axis for axis in AXES if not any(taken.accel[i] for i in evidence.points[axis])]
     causes = {
         "gyro_scale_factor": _not_turned(unturned, "gyro"),
@@ -86,10 +82,12 @@ def _not_turned(axes: Sequence[str], triad: str) -> tuple[str, str]:
         return NOT_TOLD_APART
     listed = ", ".join(axes)
     zh = {"gyro": "陀螺", "accel": "加速度计"}[triad]
-    beside = " about a known vertical" if triad == "accel" else ""
+    known, known_zh = ("fewer than two known rates", "少于两个")
+    if triad == "accel":
+        known, known_zh = ("no known rate about a known vertical", "缺失")
     return (
-        f"no known rate{beside} about {listed} with the {triad} triad recorded",
-        f"没有绕 {listed} 轴转动且记录了{zh}数据的已知角速率段",
+        f"{known} about {listed} with the {triad} triad recorded",
+        f"绕 {listed} 轴转动且记录了{zh}数据的已知角速率段{known_zh}",
     )
 
 

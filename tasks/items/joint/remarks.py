@@ -8,6 +8,7 @@ from tasks.items.joint.gravity_fit import GravityFit
 from tasks.items.joint.moves import MovesFit
 from tasks.items.joint.solution import Joint
 from tasks.items.joint.stretches import Stretches
+from tasks.items.parts import BLOCKING_EXCESS
 from tasks.segments.summarise import CHANNELS
 
 EARTH_NOT_REMOVED = Remark(
@@ -69,6 +70,7 @@ def scatter_remarks(joint: Joint) -> list[Remark]:
             en=f"The segments disagree with the model more than the noise explains ({listed} "
             "times); the uncertainties were enlarged by as much.",
             zh=f"各段与模型的偏差超过噪声（{listed} 倍），不确定度已按此放大。",
+            blocks_pass=bool(joint.excess.max() > BLOCKING_EXCESS),
         )
     ]
 

@@ -83,9 +83,14 @@ def _channel(
 ) -> Solved:
     """One channel's parameters, in the order of its terms."""
     columns = np.nan_to_num(design.of_channel(channel)[1])
+    if not taken.alive[channel]:
+        return Solved(np.full(columns.T.shape, np.nan), (Excess(),) * columns.shape[1])
     if channel >= len(AXES):
-        return least_squares(columns, taken.accel, means, covariance)
-    rates, forces = columns[:, :3], columns[:, 4:]
+        # Turning about its own axis, a misaligned sensor off the centre feels K_ij·r_j·ω_i².
+        own = np.nan_to_num(taken.motion.rate[:, channel - len(AXES), None]) ** 2
+        solved = least_squares(np.hstack([columns, own]), taken.accel, means, covariance)
+        return Solved(solved.operator[:-1], solved.excess[:-1])
+    rates, forces = columns[:, :3] * taken.turned, columns[:, 4:]
     return zero_corrected(rates, forces, taken.gyro, taken.zero, means, covariance)
 
 

@@ -30,6 +30,8 @@ class Stretches:
 
     motion: (n segments); a turn about the vertical has no mean north, which averages out.
     gyro, accel: (n,) bool, what may be fitted to each triad.
+    alive: (6,) bool, channels that do not read one and the same number throughout.
+    turned: (3,) bool, axes about which the gyro was recorded at two or more rates, or in a turn.
     zero: (n,) bool, the rests that correct gyro bias and g-sensitivity.
     level_unknown: (n,) bool, rests in which the horizontal part of Earth's rotation is not known.
     """
@@ -37,6 +39,8 @@ class Stretches:
     motion: Motion
     gyro: np.ndarray
     accel: np.ndarray
+    alive: np.ndarray
+    turned: np.ndarray
     zero: np.ndarray
     level_unknown: np.ndarray
 
@@ -54,14 +58,22 @@ def stretches(recording: Recording, evidence: Evidence) -> Stretches:
     moved = np.isfinite(motion.rate).all(axis=1)
     gyro = np.array([segment.has_gyro for segment in segments], bool)
     accel = np.array([segment.has_accel for segment in segments], bool)
+    turned, alone = _turned_by_gyro(evidence, motion, gyro & moved)
     unknown = still & vertical & ~np.isfinite(motion.north).all(axis=1)
     return Stretches(
         motion=motion,
-        gyro=gyro & moved & (vertical | ~still),
+        gyro=gyro & moved & (vertical | ~still) & ~alone,
         accel=accel & moved & vertical & (still | turning),
+        alive=_alive(evidence),
+        turned=turned,
         zero=gyro & still & vertical & ~_beside_pairs(evidence, unknown),
         level_unknown=unknown & ~_paired(evidence),
     )
+
+
+def _alive(evidence: Evidence) -> np.ndarray:
+    steps = np.array([segment.step for segment in evidence.segments]).reshape(-1, 6)
+    return np.asarray((steps > 0.0).any(axis=0))
 
 
 def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarray]:
@@ -86,6 +98,23 @@ def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarra
                 up[i] = segment.mean[3:] / gravity_of(recording)
     t = np.array([0.5 * (segment.t_start + segment.t_end) for segment in segments])
     return Motion(t, up, north, rate, np.zeros_like(rate), gravity_of(recording)), vertical
+
+
+def _turned_by_gyro(
+    evidence: Evidence, motion: Motion, read: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) bool, axes that the gyro read turning, and (n,) bool, the runs about the others.
+
+    A turn by a known angle will do, or runs at two rates: one rate is no line, and what it reads
+    must not be laid upon the other axes. read: (n,) bool.
+    """
+    turned, alone = np.zeros(3, bool), np.zeros(len(read), bool)
+    for j, axis in enumerate(AXES):
+        runs = [i for i in (*evidence.points[axis], *evidence.turns[axis]) if read[i]]
+        rates = set(np.round(np.degrees(motion.rate[runs, j]), 1))
+        turned[j] = len(rates) > 1 or any(i in runs for i in evidence.turns[axis])
+        alone[runs] = not turned[j]
+    return turned, alone
 
 
 def _turned(evidence: Evidence) -> np.ndarray:

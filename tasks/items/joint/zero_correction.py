@@ -18,7 +18,7 @@ from tasks.items.linear import Solution, solve
 from tasks.items.parts import Excess, excess_scatter
 
 QUIETEST = 0.1  # of the median variance
-TINY = 1e-9  # of it: keeps a covariance that drift alone makes invertible
+TINY = 1e-9  # of a variance: keeps a covariance that drift or tilt alone makes invertible
 
 
 @dataclass(frozen=True)
@@ -93,8 +93,7 @@ def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
     """
     variance = np.diag(covariance)
     floor = QUIETEST * np.median(variance) or 1.0
-    root = np.linalg.cholesky(
-        covariance + np.diag(np.maximum(floor - variance, 0.0) + TINY * floor)
-    )
+    raised = np.maximum(variance, floor)
+    root = np.linalg.cholesky(covariance + np.diag(raised - variance + TINY * raised))
     whitened = solve(np.linalg.solve(root, design))
     return Solution(np.linalg.solve(root.T, whitened.operator.T).T, whitened.estimable)
