@@ -8,10 +8,11 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 # What is said beside the results, and stands in no result of an item.
 BESIDE = ("tasks.items.information", "tasks.items.readings", "tasks.version")
+DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def fingerprint(method: str) -> str:
-    """SHA-256 (first 16 hex digits) of every source file in `tasks` that a method imports.
+    """SHA-256 (first 16 hex digits) of the code of every file in `tasks` that a method imports.
 
     Directly or through others, without `BESIDE`. A record with another fingerprint is of another
     version of the estimation.
@@ -19,8 +20,18 @@ def fingerprint(method: str) -> str:
     digest = hashlib.sha256()
     for source in sources(method):
         digest.update(source.relative_to(ROOT).as_posix().encode())
-        digest.update(source.read_bytes())
+        digest.update(code(source.read_text(encoding="utf-8")).encode())
     return digest.hexdigest()[:16]
+
+
+def code(text: str) -> str:
+    """What a source file computes, in one form: without comments, docstrings and layout."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(node, DOCUMENTED) and body and ast.get_docstring(node) is not None:
+            node.body = body[1:]
+    return ast.dump(tree)
 
 
 def sources(method: str) -> list[Path]:

@@ -12,7 +12,7 @@ from schemas.validation import (
     ValidationRecord,
 )
 from tasks.items import jjf2003
-from tasks.validation.fingerprint import fingerprint, sources
+from tasks.validation.fingerprint import code, fingerprint, sources
 from tasks.validation.page import page
 from tasks.validation.record import doubts_of, named, shipped
 
@@ -34,6 +34,23 @@ def test_a_fingerprint_covers_what_the_numbers_come_from() -> None:
     assert {"tumble.py", "turning.py", "type_a.py", "summarise.py", "linear.py"} <= names
     assert "zero_correction.py" not in names
     assert "zero_correction.py" in {path.name for path in sources("joint")}
+
+
+PLAIN = "def f(x):\n    return 2 * x\n"
+
+
+@pytest.mark.parametrize("told", [
+    '"""About."""\n' + PLAIN,
+    "# Why.\n\n" + PLAIN,
+    'def f(x):\n    """Twice."""\n    return (2*x)',
+])  # fmt: skip
+def test_what_is_said_about_the_code_is_not_in_its_fingerprint(told: str) -> None:
+    assert code(told) == code(PLAIN)
+
+
+def test_what_the_code_computes_is_in_its_fingerprint() -> None:
+    assert code(PLAIN.replace("2", "3")) != code(PLAIN)
+    assert code('TEXT = "about"') != code('TEXT = "of"')
 
 
 @pytest.fixture(scope="module")
