@@ -15,6 +15,7 @@ from flows.papers import read_papers
 from flows.server import server_named
 from schemas.calibration import Calibration, Method
 from storage.store import Due, Run
+from tasks.certificate.names import verdict_words
 from tasks.stages import as_tasks
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
@@ -114,10 +115,11 @@ def remind(within_days: int = 30, home_folder: str | None = None) -> list[Due]:
 def _show_certificate(issued: Issued) -> None:
     """The verdict, why, and where the certificate lies, as a Prefect artifact."""
     certificate = issued.certificate
+    verdict = verdict_words(certificate.decision)[1]
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
     create_markdown_artifact(
         key="certificate",
-        markdown=f"# {certificate.number}: {certificate.decision.verdict}\n\n{reasons}\n\n"
+        markdown=f"# {certificate.number}: {verdict}\n\n{reasons}\n\n"
         f"Recalibration due {certificate.due}. PDF: `{issued.pdf}`",
         description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
     )

@@ -73,7 +73,7 @@ def _results_table(title: str, of: str) -> Table:
 
 def _add_item(table: Table, name: str, item: Item | Information) -> None:
     U = item.U or {}
-    texts = column(list(item.value.values()), [U.get(element) for element in item.value])
+    texts = column(list(item.value.values()), [U.get(element) for element in item.value], item.k)
     power = f"×10^{texts.exponent} " if texts.exponent else ""
     rows = zip(item.value, texts.values, texts.uncertainties, strict=True)
     for row, (element, value, expanded) in enumerate(rows):

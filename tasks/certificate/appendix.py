@@ -49,11 +49,7 @@ COLUMNS = {
         ("(b) 模型式(2)符号", "(b) sign of model (2)"),
     ),
 }
-JOINT_COLUMNS = {
-    "gyro_g_sensitivity": (
-        ("(a) 联合拟合", "(a) joint fit"),
-        ("(b) 扣除地球自转", "(b) less Earth's rate"),
-    ),
+JOINT_COLUMNS = {  # of the g-sensitivity the joint fit gives one value
     "accel_rate_sensitivity": (
         ("(a) 式(12)符号", "(a) sign of eq. (12)"),
         ("(b) 模型式(2)符号", "(b) sign of model (2)"),
@@ -84,5 +80,15 @@ SENTENCES: dict[str, tuple[Pair, ...]] = {
          "补偿时应使用 (b)。p 的值仅对本次安装位置有效。",
          "The unit m is m/s² per (rad/s)². (a) is rest minus turning, the negative of p in model "
          "(2); compensate with (b). The values of p hold for this mounting position."),
+    ),
+}  # fmt: skip
+JOINT_SENTENCES: dict[str, tuple[Pair, ...]] = {
+    **SENTENCES,
+    "accel_rate_sensitivity": (
+        ("单位 m 即 (m/s²)/(rad/s)²。联合拟合直接得到模型式(2)的 p，即 (b)，补偿时应使用 (b)；"
+         "(a) 为其相反数，与式(12)、式(13)的符号一致。p 的值仅对本次安装位置有效。",
+         "The unit m is m/s² per (rad/s)². The joint fit gives p of model (2), which is (b): "
+         "compensate with it; (a) is its negative, the sign of eq. (12) and (13). The values of p "
+         "hold for this mounting position."),
     ),
 }  # fmt: skip

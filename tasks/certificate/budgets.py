@@ -116,7 +116,7 @@ def _table(name: str, item: Item) -> BudgetTable:
     budgets = item.budgets
     largest = max(budgets, key=lambda element: budgets[element].u_c)
     values = [budget.value for budget in budgets.values()]
-    expanded = column(values, [budget.U for budget in budgets.values()])
+    expanded = column(values, [budget.U for budget in budgets.values()], item.k)
     return BudgetTable(
         title=item_name(name),
         kind=KINDS[item.uncertainty_kind],

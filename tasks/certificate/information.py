@@ -94,7 +94,7 @@ def _contained(
 def _row(shown: Information) -> InformationRow:
     U: Elements = shown.U or {}
     elements = tuple(shown.value)
-    made = column([shown.value[e] for e in elements], [U.get(e) for e in elements])
+    made = column([shown.value[e] for e in elements], [U.get(e) for e in elements], shown.k)
     cells = {e: Cell(e, made.values[i], made.uncertainties[i]) for i, e in enumerate(elements)}
     known = any(value is not None for value in made.values)
     return InformationRow(

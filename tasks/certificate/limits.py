@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from schemas.tolerance import LimitDecision, Verdict
-from tasks.certificate.names import SECOND_VALUE, Pair, quantity_text, verdict_words
-from tasks.uncertainty.rounding import round_like, round_up, text
+from tasks.certificate.names import Pair, quantity_text, verdict_words
+from tasks.uncertainty.rounding import USUAL_K, round_like, round_up, text
 
 SURE = 0.999  # a probability nearer to 1 or 0 than this is not told apart from it
 
@@ -26,13 +26,13 @@ def mark(made: LimitDecision) -> Mark:
     return Mark(made.verdict, verdict_words(made), said)
 
 
-def limit_lines(made: LimitDecision, exponent: int) -> tuple[str, ...]:
+def limit_lines(made: LimitDecision, exponent: int, two: bool) -> tuple[str, ...]:
     """The limits and, where they differ, the acceptance limits AL, without a unit.
 
-    (a), (b) name the column where an item has two values.
+    two: whether the item shows two values; (a), (b) then name the column.
     """
     wanted, accepted = limits_text(made, exponent), accepted_text(made, exponent)
-    if made.item in SECOND_VALUE:
+    if two:
         wanted = f"({'a' if made.applied_to == 'value' else 'b'}) {wanted}"
     return (wanted, f"AL {accepted}") if accepted else (wanted,)
 
@@ -54,7 +54,7 @@ def accepted_text(made: LimitDecision, exponent: int = 0) -> str | None:
     """The acceptance limits, to the place of U; None where they are the limits."""
     if not made.guard_band_factor or made.U is None:
         return None
-    place, edges = round_up(made.U), (made.accept_lower, made.accept_upper)
+    place, edges = round_up(made.U, made.k or USUAL_K), (made.accept_lower, made.accept_upper)
     lower, upper = (None if edge is None else round_like(edge, place) for edge in edges)
     return interval_text(lower, upper, exponent)
 

@@ -139,6 +139,7 @@ KINDS = {
     "type A": ("A 类评定", "type A"),
     "GUM": ("GUM 法，A 类与 B 类合成", "GUM, type A and B combined"),
     "as the specification's example": ("按规范附录 A 示例", "as Appendix A of the specification"),
+    "Monte Carlo": ("蒙特卡洛法，A 类与 B 类合成", "Monte Carlo, type A and B combined"),
 }
 
 VERDICTS = {

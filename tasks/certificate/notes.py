@@ -43,11 +43,11 @@ SPECIFICATION_TITLES = {
 TABLES = {"JJF 2003-2022": ("表 2 ", "Table 2"), "JJF 1536-2015": ("第 7 章", "clause 7")}
 
 ROUNDING = (
-    "U 为扩展不确定度，U = k·u，包含因子 k 列于各项标题。U 按 JJF 1059.1 取两位有效数字，只进不舍；"
-    "测得值修约至与 U 相同的末位。",
+    "U 为扩展不确定度，U = k·u，包含因子 k 列于各项标题。u 先修约至三位有效数字，U 按 JJF 1059.1 "
+    "取两位有效数字，只进不舍；测得值修约至与 U 相同的末位。",
     "U is the expanded uncertainty, U = k·u; the coverage factor k stands in the heading of each "
-    "item. By JJF 1059.1, U has two significant digits and is rounded up; the value is rounded to "
-    "the same last place.",
+    "item. u is rounded to three significant digits first; by JJF 1059.1, U has two and is rounded "
+    "up; the value is rounded to the same last place.",
 )
 CONTENTS_OF_U = {
     "type A": (

@@ -20,7 +20,7 @@ from tasks.certificate.names import (
     quantity_text,
     symbol,
 )
-from tasks.uncertainty.rounding import round_like, round_up, text
+from tasks.uncertainty.rounding import USUAL_K, round_like, round_up, text
 
 Reason = tuple[str, str]  # English, Chinese
 
@@ -164,8 +164,7 @@ def _risk(made: LimitDecision) -> Reason:
 def _value(made: LimitDecision) -> str:
     """The value rounded to the place of U; in full where that would hide what was decided."""
     assert made.value is not None  # else nothing was decided
-    assert made.U is not None
-    full, rounded = Decimal(repr(made.value)), round_like(made.value, round_up(made.U))
+    full, rounded = Decimal(repr(made.value)), round_like(made.value, _rounded(made))
     shown = rounded if _sides(rounded, made) == _sides(full, made) else full
     return quantity_text(str(text(shown)), made.unit)
 
@@ -183,9 +182,13 @@ def _inside(value: Decimal, lower: float | None, upper: float | None) -> bool:
     return above and (upper is None or value <= Decimal(repr(upper)))
 
 
+def _rounded(made: LimitDecision) -> Decimal:
+    assert made.U is not None  # else nothing was decided
+    return round_up(made.U, made.k or USUAL_K)
+
+
 def _uncertainty(made: LimitDecision) -> str:
-    assert made.U is not None
-    return quantity_text(str(text(round_up(made.U))), made.unit)
+    return quantity_text(str(text(_rounded(made))), made.unit)
 
 
 def _limits(made: LimitDecision) -> str:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration, Item
 from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.appendix import (
-    ALIKE,
     COLUMNS,
     JOINT_COLUMNS,
+    JOINT_SENTENCES,
     NOT_DECIDED_ON,
     ONE_COLUMN,
     OTHER,
@@ -33,15 +33,16 @@ from tasks.certificate.names import (
     unit_text,
 )
 from tasks.certificate.notes import determined, identifiers
+from tasks.certificate.numbers import Numbers, numbers
 from tasks.certificate.typography import clause, pair
-from tasks.uncertainty.rounding import column
 
 
 @dataclass(frozen=True)
 class Row:
     """One element: name, symbol, value, second value, U, limits and marks; None: no number.
 
-    limits: the limits and, where they differ, the acceptance limits AL.
+    U_second: of the second value. limits: the limits and, where they differ, the acceptance
+    limits AL.
     """
 
     name: Pair
@@ -50,6 +51,7 @@ class Row:
     value: str | None
     second: str | None
     U: str | None
+    U_second: str | None
     limits: tuple[str, ...]
     marks: tuple[Mark, ...]
 
@@ -67,7 +69,8 @@ class Matrix:
 class Group:
     """One item: its heading, unit and rows, and what has to be said about it.
 
-    determined: whether there is any value; if not, there is nothing to tabulate.
+    determined: whether there is any value; if not, there is nothing to tabulate. U_apart: whether
+    the second values have a U of their own.
     """
 
     title: Pair
@@ -78,6 +81,7 @@ class Group:
     unit: str
     exponent: int
     columns: tuple[Pair, ...]
+    U_apart: bool
     rows: tuple[Row, ...]
     matrices: tuple[Matrix, ...]
     readings: tuple[str, ...]
@@ -109,15 +113,13 @@ def sections(
 def _group(calibration: Calibration, decision: Decision, name: str, specification: str) -> Group:
     item = calibration.items.get(name)
     elements = _elements(item, name)
-    exponent, values, seconds, U = _numbers(calibration, name, elements)
+    joint = calibration.method == "joint"
+    columns = (JOINT_COLUMNS if joint else COLUMNS).get(name, ONE_COLUMN)
+    two = len(columns) > 1
+    made = numbers(calibration, name, elements, two)
     limits = [made for made in decision.limits if made.item == name]
     shorts = identifiers(calibration)
-    rows = tuple(
-        _row(name, element, exponent, limits, values[i], seconds[i], U[i])
-        for i, element in enumerate(elements)
-    )
-    named = JOINT_COLUMNS if calibration.method == "joint" else COLUMNS
-    columns = named.get(name, ONE_COLUMN)
+    rows = tuple(_row(name, element, made, i, limits, two) for i, element in enumerate(elements))
     known = determined(item)
     return Group(
         title=item_name(name),
@@ -126,15 +128,16 @@ def _group(calibration: Calibration, decision: Decision, name: str, specificatio
         k=f"{item.k:g}" if item else "",
         kind=KINDS[item.uncertainty_kind] if item else None,
         unit=unit_text(item.unit if item else ITEMS[name].unit),
-        exponent=exponent,
+        exponent=made.exponent,
         columns=columns,
+        U_apart=made.separate,
         rows=rows,
-        matrices=_matrices(name, elements, columns, values, seconds),
+        matrices=_matrices(name, elements, columns, (made.values, made.seconds)),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
-            *(_about(name, limits) if known else ()),
+            *(_about(name, limits, joint, two) if known else ()),
             *(contained(calibration, name) if known else ()),
-            *_missing(calibration, name),
+            *_missing(calibration, name, two),
         ),
     )
 
@@ -144,31 +147,8 @@ def _elements(item: Item | None, name: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*named, *(item.value if item else ()))))
 
 
-def _numbers(
-    calibration: Calibration, name: str, elements: tuple[str, ...]
-) -> tuple[int, Sequence[str | None], Sequence[str | None], Sequence[str | None]]:
-    """Exponent, values, second values and U; an item alike shares the power of ten."""
-    items = calibration.items
-    item, alike = items.get(name), items.get(ALIKE.get(name, ""))
-    second = getattr(item, SECOND_VALUE.get(name, ""), None)
-    sources = [item.value if item else {}, second or {}]
-    U = item.U if item else {}
-    pairs = [(source.get(e), U.get(e)) for source in sources for e in elements]
-    others = [(value, alike.U.get(e)) for e, value in alike.value.items()] if alike else []
-    every = [*pairs, *others]
-    made = column([value for value, _ in every], [uncertain for _, uncertain in every])
-    n = len(elements)
-    return made.exponent, made.values[:n], made.values[n : 2 * n], made.uncertainties[:n]
-
-
 def _row(
-    name: str,
-    element: str,
-    exponent: int,
-    limits: list[LimitDecision],
-    value: str | None,
-    second: str | None,
-    U: str | None,
+    name: str, element: str, shown: Numbers, i: int, limits: list[LimitDecision], two: bool
 ) -> Row:
     printed: ItemName | None = ITEMS.get(name)
     mine = [made for made in limits if made.element == element]
@@ -176,22 +156,25 @@ def _row(
         name=printed.of(element) if printed else (element, element),
         letter=printed.letter if printed else "",
         sub=printed.subscript(element) if printed else "",
-        value=value,
-        second=second,
-        U=U,
-        limits=tuple(line for made in mine for line in limit_lines(made, exponent)),
+        value=shown.values[i],
+        second=shown.seconds[i],
+        U=shown.U[i],
+        U_second=shown.U_second[i],
+        limits=tuple(line for made in mine for line in limit_lines(made, shown.exponent, two)),
         marks=tuple(map(mark, mine)),
     )
 
 
-def _about(name: str, limits: list[LimitDecision]) -> tuple[Pair, ...]:
+def _about(name: str, limits: list[LimitDecision], joint: bool, two: bool) -> tuple[Pair, ...]:
     """What the reader of an item must know, and whether and on what it is decided."""
     undecided = () if limits or name not in NOT_DECIDED_ON else (NOT_DECIDED_ON[name],)
-    return (*undecided, *SENTENCES.get(name, ()), *_applied(limits), *_relative(limits))
+    said = (JOINT_SENTENCES if joint else SENTENCES).get(name, ())
+    return (*undecided, *said, *(_applied(limits) if two else ()), *_relative(limits))
 
 
 def _applied(limits: list[LimitDecision]) -> list[Pair]:
-    if not limits or limits[0].item not in SECOND_VALUE:
+    """Which of two values was decided on."""
+    if not limits:
         return []
     names = [QUANTITIES[quantity] for quantity in dict.fromkeys(m.applied_to for m in limits)]
     zh, en = "；".join(zh for zh, _ in names), "; ".join(en for _, en in names)
@@ -204,7 +187,7 @@ def _relative(limits: list[LimitDecision]) -> list[Pair]:
     return [(f"相对允许限：{each}。", f"Relative limits: {each}.") for each in given]
 
 
-def _missing(calibration: Calibration, name: str) -> list[Pair]:
+def _missing(calibration: Calibration, name: str, two: bool) -> list[Pair]:
     """Why an element, or the whole item, has no number."""
     item = calibration.items.get(name)
     said = []
@@ -215,7 +198,7 @@ def _missing(calibration: Calibration, name: str) -> list[Pair]:
         said.append(("本次校准未包含此项", "this item is not part of this calibration"))
     elif any(item.value.get(element) is None for element in _elements(item, name)):
         said.append(("未说明原因", "no cause was given"))
-    if item and name in SECOND_VALUE and getattr(item, SECOND_VALUE[name]) is None:
+    if item and two and getattr(item, SECOND_VALUE[name]) is None:
         said.append(("(b) 未能计算", "(b) could not be computed"))
     return [
         pair(f"未得：{zh.rstrip('。')}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said
@@ -226,18 +209,17 @@ def _matrices(
     name: str,
     elements: tuple[str, ...],
     columns: tuple[Pair, ...],
-    values: Sequence[str | None],
-    seconds: Sequence[str | None],
+    sources: Sequence[Sequence[str | None]],
 ) -> tuple[Matrix, ...]:
     """The matrix of each value that has numbers; a diagonal that is not an element is 0."""
     if name not in SECOND_VALUE or set(elements) not in (set(MATRIX), set(OFF_DIAGONAL)):
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     made = []
-    for caption, numbers in zip(columns, (values, seconds), strict=True):
-        if not any(numbers):
+    for caption, texts in zip(columns, sources, strict=False):
+        if not any(texts):
             continue
-        cells = diagonal | dict(zip(elements, numbers, strict=True))
+        cells = diagonal | dict(zip(elements, texts, strict=True))
         grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
         made.append(Matrix(ITEMS[name].letter, caption, grid))
     return tuple(made)

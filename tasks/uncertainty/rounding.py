@@ -1,7 +1,9 @@
 """Writing down a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
 
-The expanded uncertainty keeps two significant digits and is rounded up, so that the certificate
-never states less than was found; the value is rounded half-even (GB/T 8170) to the same place.
+As in the examples of JJF 2003 and JJF 1536 the combined uncertainty u_c is first rounded half-even
+to three significant digits; U = k·u_c then keeps two and is rounded up, so that the certificate
+states less than was found by no more than the rounding of u_c (half a per cent at the most). The
+value is rounded half-even (GB/T 8170) to the same place.
 """
 
 import math
@@ -10,12 +12,15 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, ROUND_HALF_EVEN, Context, Decimal
 
 SIGNIFICANT = 2  # digits of an expanded uncertainty
+COMBINED = 3  # digits of a combined standard uncertainty before it is expanded
+USUAL_K = 2.0
 PLAIN_PLACES = 6  # more decimal places than these are written as ×10ⁿ
 ALONE = 6  # significant digits of a value that has no uncertainty
 MINUS = "−"
 
 _EXACT = Context(prec=60)
 _CLEAN = Context(prec=12, rounding=ROUND_HALF_EVEN)
+_COMBINED = Context(prec=COMBINED, rounding=ROUND_HALF_EVEN)
 
 
 @dataclass(frozen=True)
@@ -31,15 +36,17 @@ class Column:
     uncertainties: tuple[str | None, ...]
 
 
-def round_up(uncertainty: float) -> Decimal:
-    """An expanded uncertainty (≥ 0, finite) rounded up to two significant digits.
+def round_up(uncertainty: float, k: float = USUAL_K) -> Decimal:
+    """An expanded uncertainty U = k·u_c (≥ 0, finite), rounded up to two significant digits.
 
-    The twelfth digit is settled first: 3 × 1.1e-4 is 3.3000000000000004e-4 in binary and stays
-    3.3e-4. Raises ValueError for a negative or non-finite number.
+    u_c is rounded to three digits first: a u_c of 1.0004e-4 is 1.00e-4, and its U 2.0e-4. The
+    twelfth digit of both is settled before: 3 × 1.1e-4 is 3.3000000000000004e-4 in binary.
+    Raises ValueError for a negative or non-finite number.
     """
     if not math.isfinite(uncertainty) or uncertainty < 0:
         raise ValueError(f"an expanded uncertainty is a finite number ≥ 0, not {uncertainty!r}")
-    clean = _CLEAN.create_decimal(repr(float(uncertainty)))
+    u_c = _COMBINED.create_decimal(_CLEAN.create_decimal(repr(float(uncertainty) / k)))
+    clean = _CLEAN.multiply(u_c, Decimal(repr(float(k))))
     place = Decimal((0, (1,), clean.adjusted() - SIGNIFICANT + 1))
     rounded = clean.quantize(place, ROUND_CEILING, _EXACT)
     # 9.96e-4 goes up to 10.0e-4, which has one digit too many.
@@ -53,14 +60,16 @@ def round_like(value: float, uncertainty: Decimal) -> Decimal:
     return _quantized(Decimal(repr(float(value))), _place(uncertainty))
 
 
-def column(values: Sequence[float | None], uncertainties: Sequence[float | None]) -> Column:
+def column(
+    values: Sequence[float | None], uncertainties: Sequence[float | None], k: float = USUAL_K
+) -> Column:
     """Values and their expanded uncertainties as the texts of one column of a table.
 
-    Each value is rounded to the place of its own uncertainty; the power of ten is one for the
+    k: the coverage factor of the uncertainties. Each value is rounded to the place of its own; the power of ten is one for the
     whole column: 0 where plain decimals do, otherwise a multiple of three. A value without an
     uncertainty (None, 0 or not finite) is given with six significant digits.
     """
-    pairs = [_rounded(*pair) for pair in zip(values, uncertainties, strict=True)]
+    pairs = [_rounded(*pair, k) for pair in zip(values, uncertainties, strict=True)]
     exponent = _exponent(pairs)
     return Column(
         exponent,
@@ -77,9 +86,9 @@ def text(number: Decimal | None, exponent: int = 0) -> str | None:
 
 
 def _rounded(
-    value: float | None, uncertainty: float | None
+    value: float | None, uncertainty: float | None, k: float
 ) -> tuple[Decimal | None, Decimal | None]:
-    U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty)
+    U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty, k)
     if value is None or not math.isfinite(value):
         return None, U
     return (round_like(value, U) if U else _alone(value)), U

@@ -111,6 +111,17 @@ def test_g_sensitivity_gives_both_values_and_says_which_one_is_limited() -> None
     assert g.matrices[0].cells[1] == ("0.00118", "0.00742", "−0.00305")
 
 
+def test_a_second_value_with_an_uncertainty_of_its_own_prints_it() -> None:
+    made = items()["gyro_g_sensitivity"]
+    own = {element: 1.5 * U for element, U in made.U.items() if U is not None}
+    apart = made.model_copy(update={"U_without_earth_rotation": own})
+    title = "Gyro g-sensitivity"
+    plain = group(calibration(), title)
+    shown = group(calibration(items={**items(), "gyro_g_sensitivity": apart}), title)
+    assert (plain.U_apart, shown.U_apart) == (False, True)
+    assert all(row.U_second != row.U for row in shown.rows)
+
+
 def test_rate_sensitivity_gives_both_signs_and_a_zero_diagonal() -> None:
     p = group(calibration(), "Accelerometer rate sensitivity")
     assert (p.unit, p.exponent, p.rows[1].value, p.rows[1].second) == (

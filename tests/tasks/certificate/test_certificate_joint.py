@@ -33,7 +33,7 @@ def test_no_value_of_a_joint_fit_is_said_to_be_by_an_equation_of_the_clauses() -
         for column in groups("joint")[name].columns
         for heading in column
     ]
-    assert "(a) joint fit" in headings
+    assert "Value" in headings  # of the g-sensitivity, which the fit gives once
     assert not any(re.search(r"by eq\.|^\(a\) 式\(7\)", heading) for heading in headings)
     assert "(a) by eq. (7)" in dict(groups("jjf2003")["Gyro g-sensitivity"].columns).values()
 
@@ -49,3 +49,17 @@ def test_the_basis_says_that_it_is_not_the_computation_of_the_clauses() -> None:
     zh, en = basis(calibration(method="joint"), SPECIFICATION)[0]
     assert "not the computation of its clauses" in en
     assert "非该规范条款规定的计算方法" in zh
+
+
+def test_the_g_sensitivity_of_a_joint_fit_has_one_column_without_letters() -> None:
+    group = groups("joint")["Gyro g-sensitivity"]
+    assert len(group.columns) == len(group.matrices) == 1
+    assert {row.second for row in group.rows} == {None}
+    assert not any(line.startswith("(") for row in group.rows for line in row.limits)
+    assert not any("applied to" in en for _, en in group.sentences)
+
+
+def test_the_rate_sensitivity_of_a_joint_fit_is_no_difference_of_rest_and_turning() -> None:
+    said = " ".join(en for _, en in groups("joint")["Accelerometer rate sensitivity"].sentences)
+    assert "rest minus turning" not in said
+    assert "(a) is its negative" in said

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from tasks.uncertainty.rounding import column, round_like, round_up
 
+HALF_OF_U_C = 0.005  # half the last of three digits, at the most
 uncertainties = st.floats(1e-15, 1e9)
 values = st.floats(-1e6, 1e6)
 
@@ -30,6 +31,8 @@ def number(text: str | None, exponent: int = 0) -> Decimal:
         (9.96e-4, "1.0e-3"),
         (99.1, "1.0e2"),
         (0.0, "0.0"),
+        (2 * 1.0004e-4, "2.0e-4"),  # u_c = 1.00e-4
+        (4.403e-4, "4.4e-4"),  # JJF 1536 A.2: u_c = 2.20e-4
     ],
 )
 def test_published_uncertainties_are_rounded_up_to_two_digits(
@@ -48,8 +51,15 @@ def test_an_uncertainty_that_cannot_be_one_is_refused(nonsense: float) -> None:
 def test_rounded_uncertainty_has_two_digits_and_is_never_noticeably_smaller(U: float) -> None:
     rounded = round_up(U)
     assert len(rounded.as_tuple().digits) == 2
-    assert float(rounded) >= U * (1 - 1e-11)
-    assert float(rounded) <= U * 1.1 * (1 + 1e-11)
+    assert float(rounded) >= U * (1 - HALF_OF_U_C)
+    assert float(rounded) <= U * 1.1 * (1 + HALF_OF_U_C)
+
+
+@given(uncertainties, st.floats(1.5, 13.0))
+def test_only_the_rounding_of_the_combined_uncertainty_makes_a_printed_one_smaller(
+    u_c: float, k: float
+) -> None:
+    assert float(round_up(k * u_c, k)) >= k * float(f"{u_c:.2e}") * (1 - 1e-9)
 
 
 @given(uncertainties)

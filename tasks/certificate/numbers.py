@@ -1,0 +1,45 @@
+"""The numbers of one item as texts: values, second values, and the uncertainties of either."""
+
+from dataclasses import dataclass
+
+from schemas.calibration import Calibration
+from tasks.certificate.appendix import ALIKE
+from tasks.certificate.names import SECOND_VALUE
+from tasks.uncertainty.rounding import USUAL_K, column
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Values and second values of an item with their U, in units of 10^exponent."""
+
+    exponent: int
+    values: tuple[str | None, ...]
+    seconds: tuple[str | None, ...]
+    U: tuple[str | None, ...]
+    U_second: tuple[str | None, ...]
+
+    @property
+    def separate(self) -> bool:
+        """Whether the second values have a U that is not that of the first."""
+        return any(other != U for U, other in zip(self.U, self.U_second, strict=True) if other)
+
+
+def numbers(calibration: Calibration, name: str, elements: tuple[str, ...], two: bool) -> Numbers:
+    """The numbers of an item; an item alike shares the power of ten."""
+    items = calibration.items
+    item, alike = items.get(name), items.get(ALIKE.get(name, ""))
+    second = getattr(item, SECOND_VALUE.get(name, ""), None) if two else None
+    U = item.U if item else {}
+    own = item.U_without_earth_rotation if item and second else None
+    sources = ((item.value if item else {}, U), (second or {}, own or U))
+    pairs = [(value.get(e), u.get(e)) for value, u in sources for e in elements]
+    others = [(value, alike.U.get(e)) for e, value in alike.value.items()] if alike else []
+    every, n = [*pairs, *others], len(elements)
+    made = column([value for value, _ in every], [u for _, u in every], item.k if item else USUAL_K)
+    return Numbers(
+        made.exponent,
+        made.values[:n],
+        made.values[n : 2 * n],
+        made.uncertainties[:n],
+        made.uncertainties[n : 2 * n],
+    )
