@@ -36,7 +36,8 @@ class BudgetInput(Frozen):
     `share` of the variance: cᵢ·u(xᵢ, y)/u²(y), with u(xᵢ, y) = Σⱼ cⱼ·u(xᵢ, xⱼ). Without
     correlation it is (cᵢuᵢ)²/u²(y); with it, half of each covariance term goes to either input,
     so that the shares always add up to 1 and one may be negative (the input compensates
-    another). Where the result has no uncertainty every share is 0.
+    another). Where the result has no uncertainty every share is 0. A limit of the equipment has
+    its `half_width`, in `unit`, and the `source` that states it.
     """
 
     name: str
@@ -50,6 +51,8 @@ class BudgetInput(Frozen):
     sensitivity: Finite
     contribution: NotNegative
     share: Finite
+    half_width: NotNegative | None = None
+    source: str | None = None
 
 
 class Correlation(Frozen):

@@ -11,6 +11,7 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration, Item
 from schemas.uncertainty import Budget, BudgetInput
+from tasks.certificate.equipment import half_width, limits_of, source
 from tasks.certificate.names import ITEMS, KINDS, Pair, item_name, unit_text
 from tasks.uncertainty.rounding import MINUS, column, text
 
@@ -36,6 +37,14 @@ INTRODUCTION = {
         "均以结果的单位表示；U = 2·u。",
         "As in Appendix A of the specification: u1 and u2 with sensitivity 1; u3 is the sum of the "
         "standard uncertainties of the positions, each in the unit of the result; U = 2·u.",
+    ),
+    "Monte Carlo": (
+        "各输入量相互独立，按其分布抽样，经该项计算式传播（JJF 1059.2）；灵敏系数和贡献为线性近似。"
+        "U 为概率对称包含区间的半宽，取该项各元素中最大的 k = U/u。",
+        "The inputs are independent of each other, drawn from their distributions and propagated "
+        "through the item's equation (JCGM 101); sensitivities and contributions are those of its "
+        "linear form. U is half the probabilistically symmetric coverage interval, with the "
+        "largest k = U/u of the item's elements.",
     ),
 }
 DIGITS = 3  # significant digits of a standard uncertainty inside a budget
@@ -96,10 +105,22 @@ class BudgetTable:
 
 
 @dataclass(frozen=True)
+class LimitRow:
+    """A limit of the equipment: what, symbol, half-width (U for normal), shape, who states it."""
+
+    name: Pair
+    symbol: str
+    half_width: str
+    distribution: Pair
+    source: Pair
+
+
+@dataclass(frozen=True)
 class Budgets:
-    """How the budgets are made, and those of every item."""
+    """How the budgets are made, the limits that enter them, and those of every item."""
 
     said: tuple[Pair, ...]
+    limits: tuple[LimitRow, ...]
     tables: tuple[BudgetTable, ...]
 
 
@@ -109,7 +130,18 @@ def budgets(calibration: Calibration) -> Budgets | None:
     kinds = dict.fromkeys(item.uncertainty_kind for item in items.values())
     said = tuple(INTRODUCTION[kind] for kind in kinds if kind in INTRODUCTION)
     tables = tuple(_table(name, item) for name, item in items.items())
-    return Budgets(said, tables) if tables else None
+    limits = tuple(map(_limit, limits_of(calibration)))
+    return Budgets(said, limits, tables) if tables else None
+
+
+def _limit(line: BudgetInput) -> LimitRow:
+    return LimitRow(
+        name=(line.name_zh, line.name),
+        symbol=line.symbol,
+        half_width=half_width(line),
+        distribution=DISTRIBUTIONS[line.distribution],
+        source=source(line),
+    )
 
 
 def _table(name: str, item: Item) -> BudgetTable:

@@ -6,6 +6,7 @@ import re
 from schemas.calibration import Calibration, Item, Remark
 from schemas.tolerance import Decision
 from tasks.certificate.appendix import TABLE_ITEMS
+from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, listed
 from tasks.certificate.names import Pair, item_name
 from tasks.certificate.typography import clause, pair
@@ -61,7 +62,7 @@ CONTENTS_OF_U = {
     ),
     "GUM": (
         "不确定度按 JJF 1059.1（GUM）的不确定度传播律评定：A 类由本次运行数据得到（计及自相关），"
-        "B 类取自校准装置的技术指标。",
+        "B 类由校准装置的极限得到。",
         "The uncertainties follow the law of propagation (GUM, JJF 1059.1): type A from the data "
         "of this run, with their autocorrelation, and type B from the limits of the equipment.",
     ),
@@ -71,6 +72,15 @@ CONTENTS_OF_U = {
         "The uncertainties are evaluated as in the examples of Appendix A: u1 (table), u2 (data "
         "acquisition) and u3 (repeatability, added linearly), in quadrature.",
     ),
+    "Monte Carlo": (
+        "不确定度按 JJF 1059.2（蒙特卡洛法）评定：各输入量的分布经各项的计算式传播；"
+        "A 类由本次运行数据得到（计及自相关），B 类取自校准装置的技术指标；"
+        "U 不小于包含区间的半宽。",
+        "The uncertainties follow from the propagation of distributions by Monte Carlo (JCGM 101, "
+        "JJF 1059.2) through the equation of each item: type A from the data of this run, with "
+        "their autocorrelation, and type B from the limits of the equipment; U is not less than "
+        "half the coverage interval.",
+    ),
 }
 CONTENTS_IN_SHORT = {
     "type A": ("U 仅含 A 类评定的分量", "U contains type A only"),
@@ -78,6 +88,10 @@ CONTENTS_IN_SHORT = {
     "as the specification's example": (
         "U 按规范附录 A 示例评定",
         "U is evaluated as in the specification's Appendix A",
+    ),
+    "Monte Carlo": (
+        "U 含 A 类与 B 类分量（蒙特卡洛法），包含概率不低于 95 %",
+        "U contains type A and type B (Monte Carlo), coverage probability 95 % or more",
     ),
 }
 COVERAGE = (
@@ -146,6 +160,8 @@ def head_of_results(calibration: Calibration) -> Pair | None:
 def _coverages(values: list[Item]) -> list[Pair]:
     """The coverage probability of k; by Student's t for budgets with few degrees of freedom."""
     largest = max(item.k for item in values)
+    if all(item.uncertainty_kind == "Monte Carlo" for item in values):
+        return [(f"k ≤ {largest:g}", f"k up to {largest:g}")]
     if largest > K_FACTOR and all(item.uncertainty_kind == "GUM" for item in values):
         zh, en = COVERAGE_BY_T
         return [(zh.format(k=largest), en.format(k=largest))]
@@ -160,7 +176,7 @@ def _coverage(k: float) -> Pair:
 def uncertainty(calibration: Calibration) -> tuple[Pair, ...]:
     """What U is, how it was rounded, and what is not in it."""
     kinds = dict.fromkeys(item.uncertainty_kind for item in calibration.items.values())
-    return (ROUNDING, *(CONTENTS_OF_U[kind] for kind in kinds))
+    return (ROUNDING, *(CONTENTS_OF_U[kind] for kind in kinds), *whose_limits(calibration))
 
 
 def reasons(calibration: Calibration, decision: Decision) -> tuple[Pair, ...]:

@@ -25,6 +25,7 @@ class InputQuantity:
 
     dof: degrees of freedom. For the distribution «t», u is s/√n and dof is n − 1.
     sample: a name common to inputs that were observed together (see `effective_dof`).
+    half_width, source: of a limit, and who states it.
     """
 
     symbol: str
@@ -37,6 +38,8 @@ class InputQuantity:
     estimate: float = 0.0
     dof: float = math.inf
     sample: str | None = None
+    half_width: float | None = None
+    source: str | None = None
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,8 @@ def _line(contribution: Contribution, share: float) -> BudgetInput:
         sensitivity=contribution.sensitivity,
         contribution=abs(contribution.sensitivity) * quantity.u,
         share=share,
+        half_width=quantity.half_width,
+        source=quantity.source,
     )
 
 

@@ -13,6 +13,7 @@ from schemas.station import LimitShape
 from tasks.uncertainty.budget import InputQuantity
 
 ARCSECOND = math.radians(1.0 / 3600.0)
+EDGE = 0.99  # of the rate where a limit begins: a table holds 10 °/s to its own errors
 # Half-width over standard uncertainty, GUM 4.3 (JJF 1059.1 Table 3); a certificate's U has k = 2.
 DIVISORS = {
     "normal": 2.0,
@@ -45,8 +46,9 @@ class Limit:
     def quantity(self) -> InputQuantity:
         """The limit as an input quantity of type B, with infinitely many degrees of freedom."""
         return InputQuantity(
-            self.symbol, self.name, self.name_zh, self.unit, self.u, "B", self.distribution
-        )
+            self.symbol, self.name, self.name_zh, self.unit, self.u, "B", self.distribution,
+            half_width=self.half_width, source=self.clause,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -80,8 +82,11 @@ class Equipment:
         return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
 
     def rate_at(self, rate: float) -> tuple[Limit, ...]:
-        """The limit of the mean rate at a nominal rate (rad/s); empty where none is known."""
-        limits = (limit for slowest, limit in self.rates if abs(rate) >= slowest)
+        """The limit of the mean rate at a rate (rad/s); empty where none is known.
+
+        A rate up to 1 % below where a limit begins is meant to have it.
+        """
+        limits = (limit for slowest, limit in self.rates if abs(rate) >= EDGE * slowest)
         return tuple(limits)[:1]
 
 

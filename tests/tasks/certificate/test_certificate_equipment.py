@@ -1,0 +1,70 @@
+"""Whose limits stand in the budgets, and what stands in none."""
+
+import pytest
+from sample_certificate import calibration, certificate
+
+from schemas.certificate import EquipmentLimit
+from tasks.certificate.budgets import budgets
+from tasks.certificate.equipment import limits_of, whose_limits
+from tasks.items import jjf2003, joint
+from tasks.items.evaluation import evaluation_for
+
+OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-117")
+
+
+@pytest.fixture(scope="module")
+def made(ideal_run):
+    """A result for each set of limits of a laboratory's own."""
+
+    def calibrate(**own: EquipmentLimit):
+        recording = ideal_run(noise=1e-4)
+        evaluation = evaluation_for(recording, own=own)
+        return jjf2003.calibrate(recording, run="r", code_version="v", evaluation=evaluation)
+
+    return calibrate
+
+
+def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
+    (zh, en), (flat_zh, flat_en) = whose_limits(made())
+    assert "recommended limits of JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
+    assert "local gravity assumed known to ±0.0005 m/s²" in en
+    assert "latitude assumed known to ±0.05°" in en
+    assert "JJF 2003—2022，表 1" in zh
+    assert "纬度 假定已知至 ±0.05°" in zh
+    assert "0.02 mm" in flat_en
+    assert "41″" in flat_zh
+
+
+def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
+    result = made(rate=OWN, gravity=OWN)
+    (_, en), _ = whose_limits(result)
+    own, others = en.split("recommended limits")
+    assert "stated by the laboratory: table rate, whole turns, local gravity" in own
+    assert "table rate, whole turns" not in others
+    assert "local gravity assumed" not in others
+    found = budgets(result)
+    assert found is not None
+    rows = {row.symbol: row for row in found.limits}
+    assert rows["ε1"].source == ("CNAS 2026-117",) * 2
+    assert (rows["ε1"].half_width, rows["ε1"].distribution[1]) == ("2×10⁻⁶", "normal")
+    assert rows["α1"].half_width == "10″"
+    assert rows["α4"].source == ("JJF 2003—2022，6.2", "JJF 2003-2022, 6.2")
+
+
+def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -> None:
+    result = joint.calibrate(ideal_run(noise=1e-4), run="r", code_version="v")
+    rows = {row.symbol: row for row in budgets(result).limits}
+    assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
+    assert rows["φ"].half_width == "0.05°"
+    assert whose_limits(result)[0][1].count("latitude assumed") == 1
+
+
+def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) -> None:
+    limits = {line.symbol: line for line in limits_of(made())}
+    assert limits["g"].half_width == 5e-4
+    assert limits["g"].u == pytest.approx(5e-4 / 3**0.5)
+    assert limits["α4"].source == "JJF 2003-2022, 6.2"
+
+
+def test_a_result_without_budgets_claims_no_limits() -> None:
+    assert whose_limits(certificate(calibration()).calibration) == ()
