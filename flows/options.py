@@ -40,7 +40,8 @@ Uncertainty = Annotated[
     str,
     typer.Option(
         metavar="NAME",
-        help="gum: law of propagation; example: as Appendix A of the specification does it.",
+        help="gum: law of propagation; montecarlo: distributions drawn (JCGM 101); example: as "
+        "Appendix A of the specification does it.",
     ),
 ]
 Budget = Annotated[

@@ -10,7 +10,7 @@ from schemas.uncertainty import Budget
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 Elements = dict[str, Finite | None]
-UncertaintyKind = Literal["type A", "GUM", "as the specification's example"]
+UncertaintyKind = Literal["type A", "GUM", "as the specification's example", "Monte Carlo"]
 
 
 class Remark(Frozen):

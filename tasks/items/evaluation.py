@@ -11,6 +11,7 @@ from schemas.calibration import Item, Remark, UncertaintyKind
 from schemas.certificate import EquipmentLimit, LimitName
 from schemas.recording import Recording, Standard
 from schemas.uncertainty import Budget
+from tasks.items.distributions import drawn
 from tasks.items.measured import Measured
 from tasks.items.parts import K_FACTOR
 from tasks.uncertainty.budget import combine
@@ -30,20 +31,24 @@ EQUIPMENT: dict[Standard, tuple[Equipment, str]] = {
 class Evaluation:
     """The equipment's limits and which way a budget is made.
 
-    table, bits: u₁ and N of Appendix A. settings, remarks: what a result has to say of it.
+    seed: of the draws, where it is made by Monte Carlo. table, bits: u₁ and N of Appendix A.
+    settings, remarks: what a result has to say of it.
     """
 
     equipment: Equipment
     kind: UncertaintyKind = "GUM"
+    seed: str = ""
     table: float = TABLE
     bits: float = BITS
     settings: Mapping[str, str | float] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
 
     def budget(self, result: str, unit: str, found: Measured) -> Budget:
-        """The budget of one element: by the law of propagation, or as Appendix A does it."""
+        """The budget of one element: propagated, drawn, or as Appendix A does it."""
         if self.kind == "GUM":
             return combine(result, unit, found.value, found.lines_in(unit))
+        if self.kind == "Monte Carlo":
+            return drawn(result, unit, found, self.seed)
         repeated = found.repeated or (found.lines[0].quantity.u * abs(found.lines[0].sensitivity),)
         return combine_as_example(result, unit, found.value, repeated, self.table, self.bits)
 
@@ -64,18 +69,18 @@ def evaluation_for(
     equipment = with_limits(equipment, own)
     settings: dict[str, str | float] = {"uncertainty": kind}
     table, bits = TABLE, _bits(recording)
-    if kind == "GUM":
+    if kind != "as the specification's example":
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
         unknown = not equipment.rates or not equipment.angles
         remarks = (_UNKNOWN_EQUIPMENT,) if unknown else ()
-        return Evaluation(equipment, kind, settings=settings, remarks=remarks)
+        return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
         table = equipment.rates[0][1].u
     settings["u1 of the table"] = f"{table:g} ({own['rate'].source if 'rate' in own else EXAMPLE})"
     settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({EXAMPLE})"
-    return Evaluation(equipment, kind, table, bits or BITS, settings)
+    return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
 
 
 EXAMPLE = "the example's"
@@ -103,7 +108,7 @@ def make_item(
     A value whose uncertainty the recording does not show (turns alone, say) has none and no budget.
     found: by element, in the item's printed unit. k is 2, or, where an element has fewer than 50
     effective degrees of freedom, the largest k of the item's elements rounded up to two decimals;
-    every budget of the item then states it.
+    every budget of the item then states it. By Monte Carlo it is always that largest k.
     """
     budgets = {
         e: evaluation.budget(f"{name}.{e}", unit, m) for e, m in found.items() if m.has_uncertainty
@@ -126,7 +131,8 @@ def make_item(
 
 def common_factor(budgets: Mapping[str, Budget]) -> float:
     """The coverage factor of an item, see `make_item`."""
-    if all(budget.dof >= ENOUGH_DOF for budget in budgets.values()):
+    drawn_ones = any(budget.evaluation == "Monte Carlo" for budget in budgets.values())
+    if not drawn_ones and all(budget.dof >= ENOUGH_DOF for budget in budgets.values()):
         return K_FACTOR
     return math.ceil(100.0 * max(budget.k for budget in budgets.values()) - 1e-9) / 100.0
 

@@ -20,6 +20,7 @@ BY_STANDARD: dict[Standard, Method] = {"JJF 1536-2015": "jjf1536"}
 
 UNCERTAINTIES: dict[str, UncertaintyKind] = {
     "gum": "GUM",
+    "montecarlo": "Monte Carlo",
     "example": "as the specification's example",
 }
 
@@ -36,7 +37,8 @@ def check_uncertainty(name: str) -> None:
     """Raises Unusable for an evaluation of uncertainty that there is not."""
     if name not in UNCERTAINTIES:
         raise Unusable(
-            f"--uncertainty {name}: uncertainties are evaluated by {' or '.join(UNCERTAINTIES)}; "
+            f"--uncertainty {name}: uncertainties are evaluated by "
+            f"{', '.join(UNCERTAINTIES)}; "
             "choose one"
         )
 
@@ -50,9 +52,9 @@ def estimate(
 ) -> Calibration:
     """Calibrate a run and keep the result; the same result twice is one.
 
-    method: that of the specification the recording was made for, unless told. uncertainty: gum or
-    example. laboratory: whose limits go before those of the specification's Table 1; that of the
-    home, unless told.
+    method: that of the specification the recording was made for, unless told. uncertainty: gum,
+    montecarlo or example. laboratory: whose limits go before those of the specification's Table 1;
+    that of the home, unless told.
     """
     check_method(method)
     check_uncertainty(uncertainty)

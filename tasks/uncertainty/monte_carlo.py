@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from tasks.uncertainty.budget import InputQuantity
 from tasks.uncertainty.propagation import TWO_SIGMA, checked_correlation
 
 SMALLEST_BLOCK = 10_000  # JCGM 101, 7.9.4 b)
+HEAVY_TAIL = 4.0  # degrees of freedom up to which a sample's deviation does not settle
 MOST_TRIALS = 20_000_000  # 160 MB of results
 
 
@@ -73,7 +74,8 @@ def monte_carlo(
     """Monte Carlo in blocks until twice the standard deviation of each result is below δ (7.9.4).
 
     function: takes n arrays (M,) and returns (M,) model values. digits: figures of u that are to
-    be reliable (1 or 2). The same seed gives the same result bit for bit.
+    be reliable (1 or 2). The same seed gives the same result bit for bit. Without a standard
+    deviation that could settle (`has_deviation`) u is NaN, and the interval's ends alone settle.
     Raises Unusable where correlated inputs are not normal (6.4.8), where the model gives numbers
     that are not finite, or where 20 million trials are not enough.
     """
@@ -81,21 +83,32 @@ def monte_carlo(
     block = max(math.ceil(100.0 / (1.0 - probability)), SMALLEST_BLOCK)
     blocks: list[np.ndarray] = []
     figures: list[tuple[float, float, float, float]] = []
+    settling = slice(None) if has_deviation(quantities) else slice(2, None)
     for values in _evaluations(function, draw, block):
         blocks.append(values)
         ends = symmetric_interval(np.sort(values), probability)
         figures.append((values.mean(), values.std(ddof=1), ends.low, ends.high))
         if len(blocks) < 2:
             continue
-        u = _pooled_u(figures, block)
+        low, high = np.mean(figures, axis=0)[2:]
+        u = _pooled_u(figures, block) if settling.start is None else (high - low) / 4.0
         tolerance = numerical_tolerance(u, digits)
         spread = np.std(figures, axis=0, ddof=1) / math.sqrt(len(figures))
-        if np.all(2.0 * spread <= tolerance):
-            return _result(np.sort(np.concatenate(blocks)), probability, tolerance)
+        if np.all(2.0 * spread[settling] <= tolerance):
+            found = _result(np.sort(np.concatenate(blocks)), probability, tolerance)
+            return found if settling.start is None else replace(found, u=math.nan)
     raise Unusable(
         f"Monte Carlo did not settle to {digits} digits within {MOST_TRIALS} trials; ask for fewer "
         "digits"
     )
+
+
+def has_deviation(quantities: Sequence[InputQuantity]) -> bool:
+    """Whether the draws' standard deviation settles: it does not for «t» of 4 dof or fewer.
+
+    With two or fewer there is none at all (6.4.9.4); up to four its own variance is infinite.
+    """
+    return all(q.distribution != "t" or q.dof > HEAVY_TAIL for q in quantities)
 
 
 def symmetric_interval(ordered: np.ndarray, probability: float) -> Interval:
@@ -131,18 +144,20 @@ def validate(budget: Budget, interval: Interval, digits: int = 1) -> Validation:
 
 
 def with_monte_carlo(budget: Budget, found: MonteCarlo) -> Budget:
-    """The budget with value, u and interval from Monte Carlo; its lines stay the linear ones.
+    """The budget with u and interval from Monte Carlo; value and lines stay the linear ones.
 
-    The interval is the probabilistically symmetric one, U half its length, k = U/u.
+    The value is that of the item's equation at the estimates. The interval is the
+    probabilistically symmetric one, U half its length, k = U/u. Where the draws have no standard
+    deviation, u stays that of the law of propagation.
     """
     interval = found.symmetric
     U = (interval.high - interval.low) / 2.0
+    u = budget.u_c if math.isnan(found.u) else found.u
     return budget.model_copy(
         update={
-            "value": found.value,
-            "u_c": found.u,
+            "u_c": u,
             "U": U,
-            "k": U / found.u if found.u > 0.0 else 0.0,
+            "k": U / u if u > 0.0 else 0.0,
             "coverage_probability": interval.probability,
             "coverage_interval": (interval.low, interval.high),
             "evaluation": "Monte Carlo",

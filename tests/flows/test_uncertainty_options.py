@@ -54,6 +54,27 @@ def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, sha
     assert kept[1]["why"] == "made with another settings"
 
 
+def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_intervals(
+    mimucal, shared
+) -> None:
+    ordered = ("calibrate", shared / "plant/ahrs_clean", "--uncertainty", "montecarlo", "--json")
+    done = mimucal(*ordered).json
+    assert done == mimucal(*ordered).json
+    assert done["settings"]["uncertainty"] == "Monte Carlo"
+    assert done["settings"]["limits"] == "JJF 1536-2015, Table 1"
+    for item in done["items"].values():
+        for element, budget in item["budgets"].items():
+            low, high = budget["coverage_interval"]
+            assert low < item["value"][element] < high
+    printed = words_of(
+        mimucal("certify", done["run"], "--budget", "--uncertainty", "montecarlo", "--json").json[
+            "pdf"
+        ]
+    )
+    assert "propagation of distributions by Monte Carlo" in printed
+    assert "drawn from their distributions" in printed
+
+
 def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared) -> None:
     printed = mimucal("calibrate", shared / "real/vn200_imu0_rate_table").out
     assert re.search(r"Gyro scale factor[^\n]*│ +4\.53 │", printed)
@@ -88,4 +109,4 @@ def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str)
     assert (done.code, done.out) == (2, "")
     assert done.err.count("\n") == 1
     assert "--uncertainty guess" in done.err
-    assert "gum or example" in done.err
+    assert "gum, montecarlo, example" in done.err
