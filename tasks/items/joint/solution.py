@@ -30,11 +30,13 @@ class Joint:
     found: by term, by parameter (names of `tasks.model.terms.standard`), in the term's SI unit.
     offset: by axis, rad/s, what the gyro reads at no rate in the attitude of its rate runs.
     excess: (6,) for each channel the largest factor by which its samples scatter too much.
+    covariance: (6, n, n) of the segment means, by whose inverse each channel was weighed.
     """
 
     found: Found
     offset: dict[str, Measured]
     excess: np.ndarray
+    covariance: np.ndarray
 
 
 def solve_jointly(
@@ -75,6 +77,7 @@ def solve_jointly(
         found=_found(still, solved, follows),
         offset=_offsets(evidence, taken, solved, follows),
         excess=np.array([max(e.factor for e in each.excess) for each in solved]),
+        covariance=np.array(covariances),
     )
 
 

@@ -2,13 +2,16 @@
 
 import pytest
 
-from tasks.items import jjf1536, jjf2003
-from tasks.validation import independent
+from tasks.items import jjf1536, jjf2003, joint
+from tasks.validation.coverage import simulate
 from tasks.validation.examples import EXAMPLES, example_check
 from tasks.validation.independent import independent_checks
+from tasks.validation.plain_joint import plain_joint
 from tasks.validation.recovery import recovery_checks
 
-METHODS = {"jjf2003": jjf2003.calibrate, "jjf1536": jjf1536.calibrate}
+METHODS = {
+    "jjf2003": jjf2003.calibrate, "jjf1536": jjf1536.calibrate, "joint": joint.calibrate,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("item", EXAMPLES)
@@ -64,9 +67,7 @@ def test_a_budget_that_does_not_add_up_is_noticed() -> None:
     assert not checks["gyro_bias"].passed
 
 
-def test_the_joint_methods_g_sensitivity_is_compared_without_earth() -> None:
-    recording, _ = independent.simulate("jjf2003", 2)
-    plain = independent.plain_2003(recording)
-    still = independent._without_earth(recording, plain)
-    taken = plain["gyro_g_sensitivity"]["zz"] - still["zz"]
-    assert taken == pytest.approx(0.00268, abs=2e-5)
+def test_the_joint_fit_written_anew_gives_the_truth_of_an_ideal_run_back() -> None:
+    recording, truth = simulate("joint", 4, ideal=True)
+    for name, elements in plain_joint(recording).items():
+        assert elements == pytest.approx({e: truth[name][e] for e in elements}, abs=1e-9), name
