@@ -8,6 +8,7 @@ from tasks.items.evaluation import Evaluation
 from tasks.items.evidence import FEWEST_ROWS, Evidence, rows_of
 from tasks.items.information import information
 from tasks.items.parts import Part
+from tasks.motion.smooth import covered
 from tasks.segments.check import check_segments
 from tasks.segments.conditions import Conditions
 
@@ -32,6 +33,7 @@ def assemble(
         *evaluation.remarks,
         *check_segments(recording, evidence.segments, conditions),
         *_without_rows(recording),
+        *_without_table(recording, evidence),
         *_room_not_recorded(recording, conditions),
     )
     return Calibration(
@@ -80,6 +82,26 @@ def _without_rows(recording: Recording) -> Iterator[Remark]:
             en=f"{len(empty)} labelled segments have too few rows and were left out: {listed}.",
             zh=f"{len(empty)} 个标注段的数据行过少，未取用：{listed}。",
             segments=tuple(empty),
+            blocks_pass=True,
+        )
+
+
+def _without_table(recording: Recording, evidence: Evidence) -> Iterator[Remark]:
+    """Segments in which the table stream, where there is one, leaves out a stretch."""
+    table, imu = recording.table, recording.imu
+    if table is None or not recording.manifest.station.table_axes:
+        return
+    rows = {s.segment.name: imu.rows(s.t_start, s.t_end) for s in evidence.segments}
+    bare = {name: imu.t[row][~covered(table.t, imu.t[row])] for name, row in rows.items()}
+    first = {name: float(t[0]) for name, t in bare.items() if len(t)}
+    if first:
+        listed = ", ".join(f"{name} from t = {t:.2f} s" for name, t in first.items())
+        yield Remark(
+            code="table_gap",
+            en=f"The table stream does not cover {len(first)} segments, of which the labels alone "
+            f"tell the attitude and rate: {listed}.",
+            zh=f"转台数据未覆盖 {len(first)} 段，其姿态和角速率仅由标注得到：{listed}。",
+            segments=tuple(first),
             blocks_pass=True,
         )
 

@@ -14,6 +14,7 @@ LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 SAMPLE = 20_000  # differences that the encoder's noise is read off
+FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -22,8 +23,8 @@ def smooth_derivatives(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Angle, rate and acceleration (m, k) at the times `at` (m,) s.
 
-    t: (n,) s, rising; angle: (n, k), continuous (no jumps of a whole turn). Fewer than three
-    samples have no derivative: NaN.
+    t: (n,) s, rising; angle: (n, k), continuous (no jumps of a whole turn). NaN in gaps of the
+    samples, before the first and after the last, and where fewer than three have no derivative.
     """
     shape = (len(at), angle.shape[1])
     if len(t) < 3:
@@ -34,11 +35,27 @@ def smooth_derivatives(
     window = _quiet_window(thinned, interval)
     bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
     acceleration = _filtered(thinned, bend)
-    return (
+    known = covered(t, at)[:, None]
+    found = (
         _interpolated(at, t, angle),
         _interpolated(at, even, rate),
         _interpolated(at, even, acceleration),
     )
+    return tuple(np.where(known, each, np.nan) for each in found)  # type: ignore[return-value]
+
+
+def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Whether samples at t (n,) s lie near the times asked: (m,) bool.
+
+    Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
+    INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
+    """
+    if len(t) < 2:
+        return np.zeros(len(at), bool)
+    reach = max(FARTHEST, INTERVALS * float(np.median(np.diff(t))))
+    before = np.maximum(np.searchsorted(t, at, "right") - 1, 0)
+    after = np.minimum(np.searchsorted(t, at, "left"), len(t) - 1)
+    return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
 
 
 def _quiet_window(angle: np.ndarray, interval: float) -> float:

@@ -42,10 +42,8 @@ def plain_joint(recording: Recording) -> Values:
         still = means[:, :3] - earth @ K.T
         new = [_gyro(rate, up, at_rest, still[:, i], covariance[i], one) for i in range(3)]
         K, bias, g = (np.array(part) for part in zip(*new, strict=True))
-    accel = np.array([
-        _least(np.hstack([gravity * up, one, (rate + earth) ** 2]), means[:, 3 + i], covariance[3 + i])
-        for i in range(3)
-    ])  # fmt: skip
+    felt = np.hstack([gravity * up, one, (rate + earth) ** 2])
+    accel = np.array([_least(felt, means[:, 3 + i], covariance[3 + i]) for i in range(3)])
     read = means[:, :3] - rate @ K.T
     offset = [read[[s.kind == "rate" and s.axis == a for s in segments], i].mean()
               for i, a in enumerate(AXES)]  # fmt: skip

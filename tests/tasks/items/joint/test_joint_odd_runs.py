@@ -102,3 +102,15 @@ def test_an_ideal_run_of_sensors_off_the_centre_gives_the_truth_back() -> None:
     recording, truth = simulate("joint", 3, ideal=True)
     errors = errors_of(by(joint, recording), truth)
     assert max(abs(e) for item in errors.values() for e, *_ in item.values()) < 1e-9
+
+
+@METHODS
+def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
+    recording, _ = simulate("joint", 3, ideal=True)
+    assert recording.table is not None
+    t = recording.table.t
+    kept = (t < 45.0) | (t > 60.0)
+    table = Stream(t[kept], {name: c[kept] for name, c in recording.table.columns.items()})
+    said = joined(by(method, replace(recording, table=table)), "table_gap")
+    assert "does not cover 1 segments" in said
+    assert "position_+x_180" in said
