@@ -9,13 +9,22 @@ from schemas.validation import ValidationRecord
 from storage.home import home
 from storage.settings import VALIDATION
 from tasks.stages.estimate import METHODS
+from tasks.validation.coverage import FEWEST_UNITS
 from tasks.validation.page import page
 from tasks.validation.record import make_record
 from tasks.version import code_version
 
 
 def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None:
-    """Make the record of all methods; it and its page go into the home, or where it is told."""
+    """Make the record of all methods; it and its page go into the home, or where it is told.
+
+    Raises Unusable for fewer units than a record needs, where it would go into the home.
+    """
+    if out is None and units < FEWEST_UNITS:
+        raise Unusable(
+            f"--units {units}: a study of fewer than {FEWEST_UNITS} units shows nothing and would "
+            "replace the record in the home; say with --out where it is to be written"
+        )
     record_file = out or home().path / VALIDATION
     if record_file.suffix != ".json":
         raise Unusable(f"--out {record_file}: the record is a .json file; name it so")

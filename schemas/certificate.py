@@ -1,16 +1,17 @@
 """A certificate: who, for whom, with what, and the result it prints (clause 8 of JJF 2003)."""
 
 from datetime import date
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from schemas.base import Finite, Frozen
+from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.recording import Manifest
 from schemas.station import Equipment, LimitShape
 from schemas.tolerance import Decision
 
+WIDEST = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LimitName = Literal[
     "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
@@ -33,7 +34,7 @@ class EquipmentLimit(Frozen):
     For «normal» it is an expanded uncertainty with k = 2.
     """
 
-    half_width: Finite = Field(gt=0)
+    half_width: Annotated[float, Field(gt=0, le=WIDEST, allow_inf_nan=False, strict=True)]
     distribution: LimitShape
     source: str = Field(min_length=1)
 

@@ -10,9 +10,10 @@ Verdict = Literal["pass", "fail", "inconclusive"]
 Quantity = Literal["value", "value_without_earth_rotation", "value_model"]
 Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
 Probability = Annotated[float, Field(ge=0, le=1)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
+Signed = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 
-Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False)]
+Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False, strict=True)]
 
 FACTOR = "r in w = r·U; below −1 a value wholly outside its limits would pass"
 FULL_GUARD_BAND = 1.0  # w = U
@@ -22,7 +23,7 @@ USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 class Prior(Frozen):
     """What is known of the whole production: a normal distribution, in the limit's unit."""
 
-    mean: Finite
+    mean: Signed
     sd: Positive
 
 
@@ -36,11 +37,11 @@ class Limit(Frozen):
 
     item: str
     unit: str
-    lower: Finite | None = None
-    upper: Finite | None = None
+    lower: Signed | None = None
+    upper: Signed | None = None
     magnitude: Positive | None = None
     relative: bool = False
-    nominal: Finite | None = Field(default=None, description="in the unit; only if relative")
+    nominal: Signed | None = Field(default=None, description="in the unit; only if relative")
     elements: tuple[str, ...] | None = None
     applied_to: Quantity = "value"
     rule: Rule | None = None

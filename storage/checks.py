@@ -6,6 +6,7 @@ from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Stream
 
 LONGEST = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
+GREATEST = 1e9  # in rad/s, m/s², rad, °C, Pa: no sensor reads it, and its square must not overflow
 REFERENCE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
 ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")
@@ -33,7 +34,7 @@ def required_columns(name: str, manifest: Manifest, present: set[str]) -> tuple[
     if name == "environment":
         return ()
     begun = [triad for triad in (GYRO, ACCEL, ANGLE) if present & set(triad)]
-    needed = begun if set(ANGLE) <= present else [GYRO, ACCEL, *begun]
+    needed = begun if present & set(ANGLE) else [GYRO, ACCEL, *begun]
     return tuple(dict.fromkeys(column for triad in needed for column in triad))
 
 
@@ -67,6 +68,13 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
             raise Unusable(
                 f"{where}: column {column}, row {row + 1}: the value is {_said(values[row])}; "
                 f"{_way_out(column in triads)}."
+            )
+        beyond = np.abs(values) > GREATEST
+        if beyond.any():
+            row = int(beyond.argmax())
+            raise Unusable(
+                f"{where}: column {column}, row {row + 1}: the value is {values[row]:.6g}, which "
+                f"no sensor reads (more than {GREATEST:.0e}); correct it, or remove the row."
             )
     measured = name != "imu" or ANGLE[0] in stream.columns
     if not measured and all(absent(stream, triad).all() for triad in TRIADS):

@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from schemas.certificate import EquipmentLimit
 from schemas.tolerance import Limit, Tolerance, bounds, guard_band_factor, min_capability, rule_of
 
 LIMIT = {"item": "gyro_bias", "unit": "deg/s"}
@@ -67,3 +68,18 @@ def test_a_rule_that_is_not_complete_is_refused(
 ) -> None:
     with pytest.raises(ValidationError, match=names):
         tolerance(limit, **file)
+
+
+@pytest.mark.parametrize("written", [True, "1"])
+@pytest.mark.parametrize("field", ["magnitude", "lower", "U_max"])
+def test_a_limit_is_a_number_and_nothing_that_looks_like_one(field: str, written: Any) -> None:
+    with pytest.raises(ValidationError, match=field):
+        tolerance({"upper": 3.0, field: written} if field != "magnitude" else {field: written})
+
+
+@pytest.mark.parametrize("half_width", [True, "0.001", 1.5, 0.0, float("inf")])
+def test_a_laboratory_limit_is_a_number_that_equipment_can_have(half_width: Any) -> None:
+    limit = {"half_width": half_width, "distribution": "normal", "source": "paper"}
+    with pytest.raises(ValidationError, match="half_width"):
+        EquipmentLimit.model_validate(limit)
+    assert EquipmentLimit.model_validate(limit | {"half_width": 1}).half_width == 1.0
