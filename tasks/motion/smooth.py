@@ -1,7 +1,8 @@
 """Rate and acceleration of an angle that an encoder reads in steps and with noise.
 
 Each derivative is that of a parabola fitted by least squares to the samples around it (Savitzky
-and Golay, Anal. Chem. 36, 1964). Encoder noise σ becomes σ·√720/(T²·√n) in the second derivative,
+and Golay, Anal. Chem. 36, 1964); the rate of a quiet encoder that of a quartic, which a smooth
+ramp does not round off. Encoder noise σ becomes σ·√720/(T²·√n) in the second derivative,
 which drowns a lever arm at full bandwidth; a window that is too long rounds off the ramps and
 makes the lever arm too large. So the window is as long as the encoder's own noise asks for.
 """
@@ -9,6 +10,7 @@ makes the lever arm too large. So the window is as long as the encoder's own noi
 import numpy as np
 
 RATE_WINDOW = 0.05  # s
+QUIET_RATE = 1e-4  # rad/s: noise of the first derivative at which a quartic is taken
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
@@ -31,8 +33,10 @@ def smooth_derivatives(
         return (np.full(shape, np.nan),) * 3
     even, thinned = _on_even_grid(t, angle)
     interval = even[1] - even[0]
-    rate = _filtered(thinned, _slope_kernel(_half(RATE_WINDOW, interval, len(even))) / interval)
-    window = _quiet_window(thinned, interval)
+    noise = _noise(thinned)
+    slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), noise / interval)
+    rate = _filtered(thinned, slope / interval)
+    window = _quiet_window(noise, interval)
     bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
     acceleration = _filtered(thinned, bend)
     known = covered(t, at)[:, None]
@@ -58,8 +62,8 @@ def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
 
 
-def _quiet_window(angle: np.ndarray, interval: float) -> float:
-    """Seconds over which the noise of the angle (n, k) is quiet in the second derivative.
+def _noise(angle: np.ndarray) -> float:
+    """Standard deviation of an encoder's noise, by its angles (n, k).
 
     The noise is read off the third differences of what moves, where a smooth motion leaves next
     to nothing; jerks at the ends of ramps are fewer than a tenth of them.
@@ -69,7 +73,11 @@ def _quiet_window(angle: np.ndarray, interval: float) -> float:
     rough = rough[:: 1 + len(rough) // SAMPLE]
     if not len(rough):
         return 0.0
-    noise = float(np.quantile(rough, 0.9)) / 1.645 / np.sqrt(20.0)
+    return float(np.quantile(rough, 0.9) / 1.645 / np.sqrt(20.0))
+
+
+def _quiet_window(noise: float, interval: float) -> float:
+    """Seconds over which the noise of the angle is quiet in the second derivative."""
     needed = np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION
     return min(float(needed**0.4), LONGEST_WINDOW)
 
@@ -78,9 +86,16 @@ def _half(window: float, interval: float, count: int) -> int:
     return min(max(FEWEST_HALF, round(0.5 * window / interval)), max(1, (count - 1) // 2))
 
 
-def _slope_kernel(half: int) -> np.ndarray:
-    """First derivative of the fitted parabola, per sample; symmetric order of samples."""
+def _slope_kernel(half: int, noise: float) -> np.ndarray:
+    """First derivative of the fitted quartic, or of the parabola where noise is too much for it.
+
+    Per sample, in symmetric order; noise: of the angle, rad per interval.
+    """
     j = np.arange(-half, half + 1.0)
+    if half >= FEWEST_HALF:
+        quartic = np.asarray(np.linalg.pinv(np.vander(j, 5, increasing=True))[1])
+        if noise * np.linalg.norm(quartic) <= QUIET_RATE:
+            return quartic
     return j / (j**2).sum()
 
 

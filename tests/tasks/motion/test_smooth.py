@@ -62,3 +62,14 @@ def test_lost_samples_and_slow_streams_are_no_gaps() -> None:
     assert covered(slow, np.array([0.0, 29.5, 30.4, 59.5])).all()
     assert covered(T[::9], T).all()
     assert not covered(slow, np.array([-5.0, 65.0])).any()
+
+
+def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
+    rate = 2.5 * (1.0 - np.cos(np.pi * T / 2.0))
+    angle = (2.5 * (T - 2.0 / np.pi * np.sin(np.pi * T / 2.0)))[:, None]
+    inner = T[100:-100]
+    _, quiet, _ = smooth_derivatives(T, angle, inner)
+    assert quiet[:, 0] == pytest.approx(rate[100:-100], abs=1e-6)
+    noise = 1e-4 * np.random.default_rng(6).standard_normal(angle.shape)
+    _, noisy, _ = smooth_derivatives(T, angle + noise, inner)
+    assert (noisy[:, 0] - rate[100:-100]).std() < 0.5 * 0.95 * 1e-4 / 0.01  # not the quartic's
