@@ -67,9 +67,9 @@ NOT_DECIDED_ON = {
 SENTENCES: dict[str, tuple[Pair, ...]] = {
     "gyro_fit_offset": (
         ("b 由速率点求得，与零偏 B 不同：转轴竖直时，b 还含 g_ii × 1 g "
-         "和地球自转在竖直轴上的分量。",
+         "和所敏感的地球自转竖直分量。",
          "b comes from the rate points and differs from the bias B: about a vertical axis b also "
-         "contains g_ii × 1 g and Earth's rotation about that axis."),
+         "holds g_ii × 1 g and what the unit senses of Earth's rotation about that axis."),
     ),
     "gyro_g_sensitivity": (
         ("g 为当地重力加速度。首下标为敏感轴，次下标为输入轴。",

@@ -12,8 +12,11 @@ from tasks.certificate.typography import pair
 from tasks.uncertainty.rounding import column, round_up, text
 
 # Which value of an item contains what the separated one does not.
+EARTH = "gyro_g_sensitivity_without_earth_rotation"
+# Remarks by which the data do not tell that Earth's rotation is in them.
+UNSEEN = {"earth_rotation_not_visible", "earth_rotation_not_shown", "earth_rotation_odd"}
 CONTAINED = {
-    "gyro_g_sensitivity_without_earth_rotation": (
+    EARTH: (
         ("式(7)的值", "The value by eq. (7)"), ("地球自转", "Earth's rotation"),
     ),
     "accel_rate_sensitivity_without_lever_arm": (
@@ -54,10 +57,11 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
 def contained(calibration: Calibration, item: str) -> tuple[Pair, ...]:
     """What the clause's value of an item contains, where that is more than its U; how much."""
     joint = calibration.method == "joint"
+    unseen = UNSEEN & {remark.code for remark in calibration.remarks}
     return tuple(
         _contained(BY_NO_EQUATION if joint else CONTAINED[name][0], CONTAINED[name][1], *most)
         for name, each in calibration.information.items()
-        if name in CONTAINED and each.about == item
+        if name in CONTAINED and each.about == item and not (name == EARTH and unseen)
         for most in _most(calibration, item, each)
     )
 

@@ -175,9 +175,10 @@ READINGS: dict[str, Reading] = {
     ),
     "joint.g_earth": Reading(
         "JJF 2003-2022, 5.1 eq. (1)",
-        "Earth's rotation is a known input where the latitude is told: the g-sensitivity is "
-        "without it, unlike the value by eq. (7).",
-        "已知纬度时地球自转为已知输入：g 敏感系数不含地球自转，与式(7)的值不同。",
+        "Earth's rotation is a known input where the latitude is told and the rests do not refute "
+        "it: the g-sensitivity is without it, unlike the value by eq. (7).",
+        "已知纬度且静止数据不与之矛盾时，地球自转为已知输入：g 敏感系数不含地球自转，"
+        "与式(7)的值不同。",
     ),
     "joint.fit_offset": Reading(
         "JJF 2003-2022, 7.2.1.2 eq. (4)",

@@ -20,7 +20,7 @@ def information(
     scale = "ahrs_scale_factor" if ahrs else "gyro_scale_factor"
     gravity = recording.manifest.station.gravity_m_s2
     return {
-        **earth_information(items),
+        **earth_information(recording, evidence, items),
         **lever_arm_information(recording, evidence),
         **line_information(evidence, item=scale),
         **repeatability_information(evidence, gravity, ahrs=ahrs),

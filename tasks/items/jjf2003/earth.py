@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from tasks.items.earth_seen import State, earth_seen, said
 from tasks.items.evaluation import Evaluation
 from tasks.items.evidence import Evidence
 from tasks.items.jjf2003.positions import is_paired
@@ -14,6 +15,32 @@ from tasks.items.measured import UNDETERMINED, Measured
 from tasks.items.parts import DEG, MATRIX
 from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.type_b import earth_removed
+
+# Its vertical part at the latitude, and the latitude, stand in the braces.
+CONSEQUENCES: dict[State, tuple[str, str]] = {
+    "seen": (
+        "By eq. (7) the diagonal of the g-sensitivity contains {} of it at {:g}° latitude; the "
+        "value without it stands beside.",
+        "按式(7)，g 敏感系数对角元含地球自转 {}（纬度 {:g}°）；旁列扣除后的值。",
+    ),
+    "not_visible": (
+        "A unit at rest on the Earth reads {} on the diagonal by eq. (7) at {:g}° latitude; the "
+        "value with this taken off stands beside.",
+        "静止于地球上的器件，按式(7)对角元应含 {}（纬度 {:g}°）；旁列扣除后的值。",
+    ),
+    "not_shown": (
+        "The value without Earth's rotation has {} ({:g}° latitude) taken off the diagonal all "
+        "the same, as for a station that turns with the Earth. Do not use it for simulated or "
+        "compensated data, from which it would be removed twice: their value is that by eq. (7).",
+        "“扣除地球自转的值”仍从对角元扣除 {}（纬度 {:g}°），即按随地球转动的装置处理。"
+        "对仿真或已补偿的数据不得使用，否则重复扣除；此时应使用式(7)的值。",
+    ),
+    "odd": (
+        "A unit at rest on the Earth reads {} on the diagonal by eq. (7) at {:g}° latitude; the "
+        "value with this taken off stands beside.",
+        "静止于地球上的器件，按式(7)对角元应含 {}（纬度 {:g}°）；旁列扣除后的值。",
+    ),
+}
 
 
 def without_earth(
@@ -58,18 +85,20 @@ def without_earth(
     )
 
 
-def earth_remarks(recording: Recording, gyro_k: np.ndarray) -> Iterator[Remark]:
-    """Says what Earth's rotation does to the diagonal by eq. (7), in numbers where known."""
+def earth_remarks(recording: Recording, evidence: Evidence, gyro_k: np.ndarray) -> Iterator[Remark]:
+    """Says what Earth's rotation does to the diagonal by eq. (7), as far as the data show it."""
     latitude = recording.manifest.station.latitude_deg
     if latitude is None:
         return
     rate = DEG * EARTH_RATE * np.sin(np.radians(latitude))
+    seen = earth_seen(recording, evidence)
+    state = seen.state if seen else "not_visible"
+    (en, zh), (then_en, then_zh) = said(seen), CONSEQUENCES[state]
+    much = f"{rate:.5f} (deg/s)/g", f"{rate:.5f} (°/s)/g"
     yield Remark(
-        code="earth_rotation",
-        en=f"By eq. (7) the diagonal of the g-sensitivity contains Earth's rotation, "
-        f"{rate:.5f} (deg/s)/g at {latitude:g}° latitude; the value without it stands beside.",
-        zh=f"按式(7)，g 敏感系数对角元含地球自转 {rate:.5f} (°/s)/g（纬度 {latitude:g}°）；"
-        "旁列扣除后的值。",
+        code="earth_rotation" if state == "seen" else f"earth_rotation_{state}",
+        en=f"{en}. {then_en.format(much[0], latitude)}",
+        zh=f"{zh}。{then_zh.format(much[1], latitude)}",
     )
     if not np.isfinite(gyro_k).all():
         yield Remark(

@@ -70,7 +70,7 @@ def _gyro_part(
     if why_not:
         before = unavailable.get("gyro_g_sensitivity")
         unavailable["gyro_g_sensitivity"] = _both_reasons(before, why_not)
-    remarks = (*earth_remarks(recording, gyro_k), *_scatter_remarks(0, twelve.factors))
+    remarks = (*earth_remarks(recording, evidence, gyro_k), *_scatter_remarks(0, twelve.factors))
     return Part(items, unavailable, remarks)
 
 

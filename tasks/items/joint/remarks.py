@@ -4,6 +4,7 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from tasks.items.earth_seen import said
 from tasks.items.joint.gravity_fit import GravityFit
 from tasks.items.joint.moves import MovesFit
 from tasks.items.joint.solution import Joint
@@ -26,12 +27,21 @@ def earth_remarks(recording: Recording, joint: Joint, taken: Stretches) -> list[
         return []
     if latitude is None:
         return [EARTH_NOT_REMOVED]
+    en, zh = said(joint.earth)
+    if joint.earth and joint.earth.refuted:
+        return [
+            Remark(
+                code="earth_rotation_not_shown",
+                en=f"{en}. It was not taken off: bias and g-sensitivity are as the data have them.",
+                zh=f"{zh}。未予扣除：偏值与 g 敏感系数即为数据所示。",
+            )
+        ]
     remarks = [
         Remark(
             code="earth_removed",
-            en=f"Earth's rotation at {latitude:g}° latitude is a known input and not in the "
-            "values of bias and g-sensitivity.",
-            zh=f"地球自转（纬度 {latitude:g}°）作为已知输入，偏值与 g 敏感系数的值中不含地球自转。",
+            en=f"{en}. At {latitude:g}° latitude it was taken off as a known input: bias and "
+            "g-sensitivity are given without it.",
+            zh=f"{zh}。已按纬度 {latitude:g}° 作为已知输入扣除：偏值与 g 敏感系数均为扣除后的值。",
         )
     ]
     if (taken.zero & ~np.isfinite(taken.motion.north).all(axis=1)).any():

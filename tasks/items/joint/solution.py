@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import AXES, Recording
+from tasks.items.earth_seen import EarthSeen, earth_seen
 from tasks.items.evidence import Evidence
 from tasks.items.joint.equipment import Disturbed, disturbed
+from tasks.items.joint.north import level_covariance
 from tasks.items.joint.stretches import Stretches
 from tasks.items.joint.zero_correction import Solved, least_squares, zero_corrected
 from tasks.items.measured import UNDETERMINED, Measured, measured
@@ -31,12 +33,14 @@ class Joint:
     offset: by axis, rad/s, what the gyro reads at no rate in the attitude of its rate runs.
     excess: (6,) for each channel the largest factor by which its samples scatter too much.
     covariance: (6, n, n) of the segment means, by whose inverse each channel was weighed.
+    earth: what the rests show of Earth's rotation; where they refute it, it was not taken off.
     """
 
     found: Found
     offset: dict[str, Measured]
     excess: np.ndarray
     covariance: np.ndarray
+    earth: EarthSeen | None
 
 
 def solve_jointly(
@@ -47,12 +51,14 @@ def solve_jointly(
     The accelerometers need one step: bias, scale factor, cross coupling and rate sensitivity by
     least squares over everything. What scatters is measured against the noise and against what
     the equipment may do to each segment. Earth's rotation is known but for the scale factor that
-    reads it, so that it is predicted, taken off, and predicted again.
+    reads it, so that it is predicted, taken off, and predicted again; where the rests refute it
+    nothing is taken off.
     """
-    latitude = recording.manifest.station.latitude_deg
+    seen, latitude = earth_seen(recording, evidence), recording.manifest.station.latitude_deg
+    taken_off = None if seen and seen.refuted else latitude
 
     def terms_at(moved: float) -> tuple[Term, ...]:
-        known = () if latitude is None else (earth_rotation(np.radians(latitude) + moved),)
+        known = () if taken_off is None else (earth_rotation(np.radians(taken_off) + moved),)
         return (*known, *STANDARD_TERMS)
 
     design = linearise(STANDARD_TERMS, taken.motion, nominal_values(STANDARD_TERMS))
@@ -60,6 +66,8 @@ def solve_jointly(
     values, earth = ideal, np.zeros_like(evidence.means)
     follows = disturbed(evidence, taken.motion, terms_at, ideal, equipment)
     covariances = [np.nan_to_num(evidence.covariance(c)) + follows.covariance(c) for c in range(6)]
+    for c in range(len(AXES)):
+        covariances[c] += level_covariance(evidence, taken, c, latitude)
     for _ in range(ROUNDS):
         means = evidence.means - earth
         solved = [
@@ -78,6 +86,7 @@ def solve_jointly(
         offset=_offsets(evidence, taken, solved, follows),
         excess=np.array([max(e.factor for e in each.excess) for each in solved]),
         covariance=np.array(covariances),
+        earth=seen,
     )
 
 

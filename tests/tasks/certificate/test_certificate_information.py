@@ -11,7 +11,7 @@ from schemas.recording import Recording
 from tasks.certificate.content import content
 from tasks.certificate.information import contained, information_rows
 from tasks.certificate.pdf import render
-from tasks.items.information.earth import NAME, earth_information
+from tasks.items.information.earth import NAME, separated
 from tasks.items.jjf2003 import calibrate
 
 
@@ -56,7 +56,7 @@ def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
 
 def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     made = calibration()
-    made = calibration(information=earth_information(made.items))
+    made = calibration(information=separated(made.items["gyro_g_sensitivity"], None))
     ((zh, en),) = contained(made, "gyro_g_sensitivity")
     assert en.startswith("The value by eq. (7) contains Earth's rotation:")
     assert "0.0027 (°/s)/g, 11 times U" in en
@@ -65,7 +65,9 @@ def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
 
 def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None:
     made = calibration()
-    made = calibration(information=earth_information(made.items), method="joint")
+    made = calibration(
+        information=separated(made.items["gyro_g_sensitivity"], None), method="joint"
+    )
     ((zh, en),) = contained(made, "gyro_g_sensitivity")
     assert en.startswith("The value contains Earth's rotation:")
     assert zh.startswith("上述值含地球自转：")
@@ -75,7 +77,9 @@ def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
     made = calibration()
     item = made.items["gyro_g_sensitivity"]
     close = {e: v - 0.5 * item.U[e] for e, v in item.value.items()}
-    shown = earth_information(made.items)[NAME].model_copy(update={"value": close})
+    shown = separated(made.items["gyro_g_sensitivity"], None)[NAME].model_copy(
+        update={"value": close}
+    )
     assert contained(calibration(information={NAME: shown}), "gyro_g_sensitivity") == ()
 
 
