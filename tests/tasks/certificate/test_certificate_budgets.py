@@ -104,3 +104,14 @@ def test_as_the_example_it_is_said_how_it_was_done(ideal_run) -> None:
 )
 def test_figures_have_three_digits(value: float, shown: Figure) -> None:
     assert figure(value) == shown
+
+
+def test_shares_are_printed_in_percent_of_the_variance(made) -> None:
+    found = budgets(made)
+    assert found is not None
+    for table, item in zip(found.tables, made.items.values(), strict=True):
+        largest = max(item.budgets.values(), key=lambda budget: budget.u_c)
+        for line, told in zip(table.lines, largest.inputs, strict=True):
+            percent = 100.0 * (told.contribution / largest.u_c) ** 2
+            shown = float(line.share.replace("<", "").replace("−", "-"))
+            assert shown == pytest.approx(percent, abs=0.1)
