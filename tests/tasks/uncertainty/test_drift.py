@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -16,7 +17,7 @@ DWELL = 30.0
 TAU = DWELL / BLOCKS  # s between the simulated block means
 GAP = 4  # blocks between two segments
 WHITE = 4e-8  # unit²·s
-RUNS = 60
+RUNS = 30  # of six channels each
 
 Process = Callable[[np.random.Generator, int], np.ndarray]
 
@@ -85,6 +86,7 @@ def warming_up(rng: np.random.Generator, count: int) -> np.ndarray:
     return np.tile(2e-4 * (decay - decay.mean()), (6, 1))
 
 
+@cache
 def scores(process: Process, runs: int = RUNS) -> tuple[np.ndarray, np.ndarray]:
     """Errors over stated standard uncertainties, of the bias and of a slope over rate points."""
     held = labels()
