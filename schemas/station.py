@@ -72,7 +72,6 @@ AXIS_REGISTERS = (
     _register("counts_per_turn", 12, "uint32", "1", "encoder counts in a turn"),
 )  # fmt: skip
 
-CAPTURE_BASE = 100
 CAPTURE_VALUES = 57  # a block holds as many samples of every axis as these allow
 CAPTURE_REGISTERS = (
     _register("capture_from", 100, "uint32", "1", "number of the first sample wanted; the block "

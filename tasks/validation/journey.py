@@ -18,7 +18,6 @@ from tasks.station.virtual.unit import UnitTruth
 
 MOVE_S = 2.0  # from one place or rate to the next
 SETTLE_S = 0.5
-NO_TURN = np.array([[1.0], [0.0], [0.0], [0.0]])
 X, UP = np.eye(3)[0], np.eye(3)[2]
 
 
