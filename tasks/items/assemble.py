@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from schemas.calibration import Calibration, EnvironmentSeen, Method, Remark, SegmentUsed
-from schemas.recording import MEASURED, Recording, Stream
+from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from tasks.items.evaluation import Evaluation
 from tasks.items.evidence import FEWEST_ROWS, Evidence, rows_of
 from tasks.items.information import information
@@ -33,6 +35,7 @@ def assemble(
         *evaluation.remarks,
         *check_segments(recording, evidence.segments, conditions),
         *_without_rows(recording),
+        *_null_rows(recording),
         *_without_table(recording, evidence),
         *_room_not_recorded(recording, conditions),
     )
@@ -84,6 +87,30 @@ def _without_rows(recording: Recording) -> Iterator[Remark]:
             segments=tuple(empty),
             blocks_pass=True,
         )
+
+
+def _null_rows(recording: Recording) -> Iterator[Remark]:
+    """Labelled segments that a triad of the unit has null rows in: it is not taken there."""
+    imu = recording.imu
+    measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
+    for triad in TRIADS:
+        values = imu.columns.get(triad[0])
+        if values is None or not np.isnan(values).any() or np.isnan(values).all():
+            continue
+        nulls = {
+            s.name: int(np.isnan(values[imu.rows(s.t_start, s.t_end)]).sum()) for s in measured
+        }
+        nulls = {name: count for name, count in nulls.items() if count}
+        if nulls:
+            name = triad[0].removesuffix("_x")
+            listed = ", ".join(f"{segment} {count}" for segment, count in nulls.items())
+            yield Remark(
+                code="null_rows",
+                en=f"The {name} triad was left out of {len(nulls)} segments for their null rows: "
+                f"{listed}.",
+                zh=f"{len(nulls)} 段因含空值行，未取用其 {name} 数据：{listed}。",
+                segments=tuple(nulls),
+            )
 
 
 def _without_table(recording: Recording, evidence: Evidence) -> Iterator[Remark]:

@@ -10,7 +10,7 @@ from schemas.calibration import Remark
 from schemas.recording import AXES, Axis, Recording, Segment
 from schemas.uncertainty import Distribution
 from tasks.items.evaluation import Evaluation, make_item
-from tasks.items.jjf1536.evidence import AhrsEvidence
+from tasks.items.jjf1536.evidence import AhrsEvidence, is_unread
 from tasks.items.measured import UNDETERMINED, Measured, measured, u_of_means
 from tasks.items.parts import DEG, OFF_DIAGONAL, Part
 from tasks.motion.table import mean_rate
@@ -56,6 +56,13 @@ def misalignment_items(
         if len(sides) < 2:
             missing.append(_one_sided(axis, sides))
             continue
+        if any(_is_unread(evidence, i, a) for i, a in zip(turns.index, turns.angle, strict=True)):
+            missing.append((
+                f"{axis}: in turns about {axis} its own angle says otherwise; check the labels "
+                "and the mount",
+                f"{axis}：绕 {axis} 轴转动时该轴读数与转角不符，请核对标注和安装",
+            ))  # fmt: skip
+            continue
         for i in range(3):
             if i != j:
                 ratio = _ratio(evidence, i, turns, offset[AXES[i]], evaluation.equipment)
@@ -67,6 +74,10 @@ def misalignment_items(
     item = make_item(evaluation, name, found, "deg", CLAUSE, readings)
     told = ("; ".join(en for en, _ in missing), "；".join(zh for _, zh in missing))
     return Part({name: item}, {name: told} if missing else {}, tuple(remarks))
+
+
+def _is_unread(evidence: AhrsEvidence, i: int, angle: float) -> bool:
+    return is_unread(evidence.segments[i], angle / evidence.segments[i].seconds)
 
 
 def _turns(evidence: AhrsEvidence, axis: Axis) -> Turns:

@@ -396,3 +396,15 @@ def test_a_few_rows_are_a_result_without_values_or_with_some(ahrs_run, rows: int
     calibration = result(replace(recording, imu=Stream(recording.imu.t[:rows], columns)))
     assert set(calibration.items["ahrs_scale_factor"].value.values()) == {None}
     assert set(calibration.unavailable) == set(calibration.items)
+
+
+def test_turns_that_the_named_axis_does_not_read_give_no_misalignment(ahrs_run) -> None:
+    run = ahrs_run()
+    columns = dict(run.imu.columns)
+    names = [name for name in ("angle_x", "angle_y", "gyro_x", "gyro_y") if name in columns]
+    swapped = dict(zip(names, (columns[n] for n in (names[1], names[0])), strict=True))
+    imu = replace(run.imu, columns=columns | swapped)
+    found = calibrate(replace(run, imu=imu), run="r", code_version="v")
+    value = found.items["ahrs_misalignment"].value
+    assert [value[e] for e in ("xy", "zy", "yx", "zx")] == [None] * 4
+    assert "its own angle says otherwise" in found.unavailable["ahrs_misalignment"]
