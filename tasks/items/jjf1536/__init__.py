@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Remark
 from schemas.recording import ANGLE, GYRO, Recording
@@ -27,6 +29,7 @@ CONDITIONS = Conditions(
 )
 ORDER = ("ahrs_scale_factor", "ahrs_zero_offset", "ahrs_misalignment")
 SLOWEST_SAMPLING = 10.0  # Hz, 7.2.1 and 7.3.1
+FEWEST_WRAPS = 3
 LOST = 0.5  # Hz: fewer were lost, not sampled more slowly
 
 
@@ -47,6 +50,7 @@ def calibrate(
             "and no gyro_* columns in their place, which JJF 1536 calibrates; record the angles "
             "that the AHRS accumulates"
         )
+    _check_wrapping(recording)
     evaluation = evaluation or evaluation_for(recording)
     evidence = gather_ahrs(recording)
     wrong = wrong_rate_unit(evidence.segments)
@@ -75,6 +79,30 @@ def calibrate(
     return calibration.model_copy(
         update={"remarks": tuple(_of_angles(evidence, calibration.remarks))}
     )
+
+
+def _check_wrapping(recording: Recording) -> None:
+    """Raises Unusable where an angle starts anew each turn: it is not accumulated.
+
+    A jump back of about a whole turn, between rows that move by less than a quarter, is one; a
+    single one may be a disturbance, and is treated as that.
+    """
+    for name in ANGLE:
+        if name not in recording.imu.columns:
+            continue
+        step = np.diff(recording.imu.columns[name])
+        quiet = np.abs(step) < 0.5 * np.pi
+        jumps = np.flatnonzero(
+            (np.abs(np.abs(step[1:-1]) - 2.0 * np.pi) < 0.5 * np.pi) & quiet[:-2] & quiet[2:]
+        )
+        inside = np.abs(recording.imu.columns[name]).max() <= 2.0 * np.pi
+        if inside and len(jumps) >= FEWEST_WRAPS:
+            row = int(jumps[0]) + 3
+            raise Unusable(
+                f"{recording.manifest.recording_id}: column {name}, row {row}: the angle jumps by "
+                f"{np.degrees(step[row - 2]):+.0f}°, and {len(jumps) - 1} times more: it starts "
+                "anew each turn; JJF 1536 takes the accumulated angle, so unwrap it first"
+            )
 
 
 def _sampling(evidence: AhrsEvidence) -> Iterator[Remark]:

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ANGLE, Mount, Recording, Segment, Station, Stream
 from tasks.items.jjf1536 import calibrate
@@ -408,3 +409,11 @@ def test_turns_that_the_named_axis_does_not_read_give_no_misalignment(ahrs_run) 
     value = found.items["ahrs_misalignment"].value
     assert [value[e] for e in ("xy", "zy", "yx", "zx")] == [None] * 4
     assert "its own angle says otherwise" in found.unavailable["ahrs_misalignment"]
+
+
+def test_an_angle_that_starts_anew_each_turn_is_refused_with_its_row(ahrs_run) -> None:
+    run = ahrs_run()
+    turns = {name: np.angle(np.exp(1j * run.imu.columns[name])) for name in ANGLE}
+    imu = replace(run.imu, columns={**run.imu.columns, **turns})
+    with pytest.raises(Unusable, match=r"column angle_x, row \d+: the angle jumps by [+-]3\d\d°"):
+        calibrate(replace(run, imu=imu), run="r", code_version="v")
