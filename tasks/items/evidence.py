@@ -48,6 +48,11 @@ class Evidence:
         coarse = [coarsely_quantised(segment) for segment in self.segments]
         return np.any(coarse, axis=0) if coarse else np.zeros(6, bool)
 
+    @property
+    def mounted_once(self) -> bool:
+        """Whether one mounting held all segments: none tells of a mounting of its own."""
+        return len({repr(segment.segment.mount) for segment in self.segments}) < 2
+
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
         return self.noise_covariance(channel) + self.rounding_covariance(channel)

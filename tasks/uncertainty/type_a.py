@@ -98,12 +98,17 @@ def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:
 
 
 def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAllan | None:
-    """Allan variances of the quiet ones among the longest segments, if they are not all zero."""
+    """Allan variances of the quiet ones among the longest segments, if they are not all zero.
+
+    Of rests, where there are any: a turning axis that lies flat feels Earth's rotation and the
+    table's tilt come and go, which would count as flicker.
+    """
     measured = [
         s
         for s in segments
         if s.segment.kind != "rotation" and len(s.tau) and np.isfinite(s.allan[:, channel]).all()
     ]
+    measured = [s for s in measured if s.segment.kind == "static"] or measured
     levels = max((len(s.tau) for s in measured), default=0)
     longest = max((s.seconds for s in measured), default=0.0)
     full = [s for s in measured if len(s.tau) == levels and s.seconds > LONG * longest]

@@ -5,9 +5,14 @@ both specifications gives the table one relative uncertainty with sensitivity 1 
 Here each limit has the sensitivity that the item's own equation gives it; where the
 specification is silent the docstring says «silent» and derives it.
 
-Angles are of two sorts. A table angle has an error of its own in every position, so that the
-mean over n positions has it divided by √n. A square fixture or table axis is wrong by the same
-angle for as long as the unit stays mounted. Cosine errors (α²/2 ≈ 1e-9 for 10″) are left out.
+Angles are of three sorts. A table angle has an error of its own in every position, so that the
+mean over n positions has it divided by √n. Table axes that are not square tilt each face
+differently, by how the table has to stand for it. A fixture is wrong by the same angle for as long
+as the unit stays mounted: in all positions of a recording with one mounting, else in each face
+anew. Cosine errors (α²/2 ≈ 1e-9 for 10″) are left out.
+
+A sensitivity is the derivative by the estimate of the input: by what is told, not by what is true.
+Where several independent errors of one limit act it is their root sum of squares, never negative.
 """
 
 import math
@@ -19,6 +24,7 @@ from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
 
+SLOWLY = math.sqrt(2.0)  # rad: over a smaller angle a ripple within the turn does not average out
 HEADINGS = 2  # at which 7.2.2.1 holds each face
 ROUNDING = 1e-12  # of a sum: what is less is zero
 
@@ -27,11 +33,14 @@ ROUNDING = 1e-12  # of a sum: what is less is zero
 class Weights:
     """How much the readings that an attitude error reaches count in a result.
 
-    rests: (n,), each rest by itself; faces: (m,), each mounting (one axis up, all headings).
+    rests: (n,), each rest by itself; faces: (m,), each face (one axis up, all headings).
+    mountings: (…,), each error of the fixture: the faces where every one is mounted anew; with one
+    mounting the difference of each axis up and down, to which one tilt goes with opposite signs.
     """
 
     rests: np.ndarray
     faces: np.ndarray
+    mountings: np.ndarray
 
 
 def turning_rate(
@@ -42,9 +51,10 @@ def turning_rate(
     JJF 2003 eq. (5), JJF 1536 eq. (14). slope: K_ij; operator, rates (rad/s), seconds: (n,), of
     each rate point.
     Whole turns: the relative error ε is common to all points that one limit holds for,
-    c = slope·Σ oₖXₖ over them (K for a scale factor or coupling, 0 for the fit offset); this is
-    c(Ω) of JJF 1536, eq. (A.2). Within a turn: a ripple a·cos θ averages to at most 2a/Θ over the
-    angle Θ turned, differently at each point, c = slope·√Σ(oₖXₖ·min(1, 2/Θₖ))² (silent).
+    c = −slope·Σ oₖXₖ over them (−K for a scale factor or coupling, 0 for the fit offset); this is
+    c(Ω) of JJF 1536, eq. (A.2). Within a turn: a ripple a·cos θ leaves a/Θ of its mean over the
+    angle Θ turned, as root mean square over where it starts and stops, differently at each point:
+    c = slope·√Σ(oₖXₖ/Θₖ)², and a/√2 of less than √2 (silent).
     """
     weights = operator * rates
     belongs = [equipment.rate_at(float(rate))[:1] for rate in rates]
@@ -54,10 +64,10 @@ def turning_rate(
         if held.any():
             total = float(weights[held].sum())
             balanced = abs(total) < ROUNDING * float(np.abs(weights[held]).sum())
-            lines.append(_line(limit, 0.0 if balanced else slope * total))
+            lines.append(_line(limit, 0.0 if balanced else -slope * total))
     if equipment.ripple is not None:
-        turned = np.maximum(np.abs(rates) * seconds, 2.0)
-        lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights * 2.0 / turned))))
+        turned = np.maximum(np.abs(rates) * seconds, SLOWLY)
+        lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights / turned))))
     return tuple(lines)
 
 
@@ -88,8 +98,8 @@ def gyro_bias(equipment: Equipment, weights: Weights, k: float = 1.0) -> tuple[C
     """B of eq. (8), mean of the positions; rad/s.
 
     An attitude error α changes the Earth rate on the axis by ωe·α: c = K·ωe/√12 for table
-    angles, K·ωe/√6 for the mounting of each face. Earth's rotation itself cancels over the
-    twelve positions, so latitude does not enter (silent).
+    angles, K·ωe/√6 for what each face has of its own, 0 for one mounting. Earth's rotation itself
+    cancels over the twelve positions, so latitude does not enter (silent).
     """
     return _of_each_face(equipment, k * EARTH_RATE, weights)
 
@@ -100,8 +110,9 @@ def gyro_g_sensitivity(
     """g_ij of eq. (8), (U_up − U_down)/2; rad/s per g.
 
     An attitude error α changes the Earth rate on the axis by ωe·α and feeds α·g to the two other
-    columns: c = √((K·ωe)² + across²), halved for table angles (four positions), by √2 for the
-    mounting (two faces). across: √Σ g_ik² over the other axes k (silent).
+    columns: c = √((K·ωe)² + across²), halved for table angles (four positions), by √2 for what
+    each of two faces has of its own, whole for one mounting. across: √Σ g_ik² over the other axes
+    k (silent).
     """
     return _of_each_face(equipment, math.hypot(k * EARTH_RATE, across), weights)
 
@@ -117,7 +128,7 @@ def accel_scale_factor(
     """K_ii of eq. (11), (U_up − U_down)/(2g).
 
     c(g) = −K/g. An attitude error α acts through the cross couplings only, c = across =
-    √Σ K_ik², halved for table angles (silent).
+    √Σ K_ik², halved for table angles, by √2 for each face, whole for one mounting (silent).
     """
     lines = _of_each_face(equipment, across, weights)
     return (_line(equipment.gravity, -k / gravity), *lines)
@@ -128,8 +139,8 @@ def accel_cross_coupling(
 ) -> tuple[Contribution, ...]:
     """K_ij of eq. (11), (U_i(j up) − U_i(j down))/(2g).
 
-    A vertical off by α puts g·α on axis i: c = K_ii/√2 for the mounting (two faces), K_ii/2 for
-    table angles (four positions); c(g) = −K_ij/g (silent).
+    A vertical off by α puts g·α on axis i: c = K_ii for one mounting, K_ii/√2 for what each of two
+    faces has of its own, K_ii/2 for table angles (four positions); c(g) = −K_ij/g (silent).
     """
     lines = _of_each_face(equipment, k_ii, weights)
     return (_line(equipment.gravity, -k_ij / gravity), *lines)
@@ -141,8 +152,8 @@ def accel_bias(
     """B of eq. (11), mean over the positions; m/s².
 
     weights: of the positions in which the axis lies level, four of six faces; there α reads
-    K·g·α: c = K·g·√8/12 for table angles, K·g·√4/6 for the mounting of each face. Gravity itself
-    cancels (silent).
+    K·g·α: c = K·g·√8/12 for table angles, K·g·√4/6 for what each face has of its own. One mounting
+    cancels between up and down, and so does gravity itself (silent).
     """
     return _of_each_face(equipment, k * gravity, weights)
 
@@ -204,23 +215,29 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
     return Contribution(quantity, sensitivity)
 
 
-def tilt_of_a_face(equipment: Equipment) -> float:
-    """Variance (rad²) of the tilt of one face: table angles halved by two headings."""
+def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
+    """Variance (rad²) of the tilt that a face has of its own: table angles halved by two headings.
+
+    A fixture that is mounted once tilts all faces alike.
+    """
     each = sum(limit.u**2 for limit in equipment.angles) / HEADINGS
-    return each + sum(limit.u**2 for limit in equipment.squareness)
+    own = (equipment.axes, None if mounted_once else equipment.fixture)
+    return each + sum(limit.u**2 for limit in own if limit is not None)
 
 
 def _of_each_face(
     equipment: Equipment, per_radian: float, weights: Weights
 ) -> tuple[Contribution, ...]:
-    """A mean over faces that are each mounted anew: nothing is common to two of them."""
-    each, face = np.linalg.norm(weights.rests), np.linalg.norm(weights.faces)
-    return _by_sort(equipment, per_radian * float(each), per_radian * float(face))
-
-
-def _by_sort(equipment: Equipment, each: float, mounting: float) -> tuple[Contribution, ...]:
-    angles = tuple(_line(limit, each) for limit in equipment.angles)
-    return angles + tuple(_line(limit, mounting) for limit in equipment.squareness)
+    """What a mean over faces takes over of table angles, table axes and fixture."""
+    each = per_radian * float(np.linalg.norm(weights.rests))
+    face = per_radian * float(np.linalg.norm(weights.faces))
+    mounting = per_radian * float(np.linalg.norm(weights.mountings))
+    lines = [_line(limit, each) for limit in equipment.angles]
+    if equipment.axes is not None:
+        lines.append(_line(equipment.axes, face))
+    if equipment.fixture is not None:
+        lines.append(_line(equipment.fixture, 0.0 if mounting < ROUNDING else mounting))
+    return tuple(lines)
 
 
 def _line(limit: Limit, sensitivity: float) -> Contribution:

@@ -23,8 +23,8 @@ def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, 
     """The recording of a case, and the truth of every item by its elements, in printed units.
 
     Errors of Table 1: the rate's for the run; the outer axis off the vertical for the run; table
-    angles anew for each setting of middle and inner axis; squareness of axes and fixture for
-    each face, at rest and turning. The ideal case turns whole turns, in which the level part of
+    angles anew for each setting of middle and inner axis; one fixture and one set of axes that are
+    not square for the run. The ideal case turns whole turns, in which the level part of
     Earth's rotation averages out.
     """
     errors = TableErrors(
@@ -68,7 +68,8 @@ def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
 
 def _journey(case: Case) -> Journey:
     journey, dwell = Journey(RATE_HZ), WHOLE_TURNS_S if case.ideal else DWELL_S
-    faces = {up: case.errors(3, *JJF2003.squareness) for up in PLACES}
+    fixture, axes = case.errors(3, JJF2003.fixture), case.errors(2, JJF2003.axes)
+    faces = {up: fixture + _tilt_by_axes(axes, *np.radians(PLACES[up])) for up in PLACES}
     for up, (middle, inner) in PLACES.items():
         for turn in (0.0, 180.0):
             setting = faces[up] + case.errors(3, *JJF2003.angles)
@@ -91,6 +92,16 @@ def _journey(case: Case) -> Journey:
         journey.change_rate(0.0)
         journey.stay(dwell, {"name": f"rest_after_{axis}", **rest})
     return journey
+
+
+def _tilt_by_axes(axes: np.ndarray, middle: float, inner: float) -> np.ndarray:
+    """Small turn of the body (3,) by axes (2,) rad that are not square: outer to middle to inner.
+
+    Either turns what it carries about the y axis of its joint, middle axis x, the others z.
+    """
+    about = np.array([0.0, axes[0] * np.cos(middle) + axes[1], -axes[0] * np.sin(middle)])
+    cos, sin = np.cos(inner), np.sin(inner)
+    return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ about
 
 
 def _recording(journey: Journey, read: np.ndarray, number: int) -> Recording:

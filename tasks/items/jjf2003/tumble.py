@@ -125,7 +125,8 @@ def _accel_part(
     if not positions:
         items = _accel_items(evaluation, *_nothing())
         return Part(items, dict.fromkeys(items, _no_rest("accel")))
-    tilts = (gravity or 0.0) ** 2 * type_b.tilt_of_a_face(evaluation.equipment)
+    tilt = type_b.tilt_of_a_face(evaluation.equipment, evidence.mounted_once)
+    tilts = (gravity or 0.0) ** 2 * tilt
     twelve = twelve_positions(evidence, positions, 3, tilts)
     items = _accel_items(evaluation, *_accel_elements(twelve, gravity, evaluation))
     unavailable = _undetermined(items, positions)

@@ -24,7 +24,7 @@ class Twelve:
     found: (3, 4), the matrix and the bias column of the three channels, unit of the channel.
     factors: (3,) by how much each channel scatters more than its noise.
     solution: of the positions; average: (positions, segments), U_i of the segment means.
-    ups: the axis up of each position.
+    ups: the axis up of each position. mounted_once: whether the fixture held them all alike.
     """
 
     found: tuple[tuple[Measured, ...], ...]
@@ -32,13 +32,17 @@ class Twelve:
     solution: Solution
     average: np.ndarray
     ups: tuple[str, ...]
+    mounted_once: bool
 
     def weights(self, column: int, lying: str | None = None) -> Weights:
         """How much each rest and each face counts in a column; lying: only where that axis is."""
         row = self.solution.operator[column]
         felt = np.array([lying is None or up[1] != lying for up in self.ups])
         faces = np.where(felt, row, 0.0)
-        return Weights(rests=faces @ self.average, faces=faces)
+        mountings = faces
+        if self.mounted_once:
+            mountings = faces @ input_matrix(self.ups)[:, :BIAS]
+        return Weights(faces @ self.average, faces, mountings)
 
     def across(self, i: int, j: int) -> float:
         """√Σ of the squared elements of row i for the other inputs k ≠ j, where known."""
@@ -75,4 +79,4 @@ def twelve_positions(
             counted = np.abs(solution.operator[column]) > ROUNDING
             row.append(Measured(found.value, found.lines, tuple(map(float, u[counted]))))
         rows.append(tuple(row))
-    return Twelve(tuple(rows), factors, solution, average, tuple(positions))
+    return Twelve(tuple(rows), factors, solution, average, tuple(positions), evidence.mounted_once)

@@ -2,9 +2,8 @@
 
 Each limit changes what the unit went through, and the change of the readings goes through the
 operator of the fit: δθ = O·δy. A table angle is wrong by its own amount in every position; a run
-of rates and the rests beside it have one setting. Fixture and axes that are not square are wrong
-by one amount while the unit stays mounted. Nobody says which errors two faces of a fixture share:
-the larger of both readings counts, common to an axis up and down, or each face its own. The
+of rates and the rests beside it have one setting. Axes that are not square tilt each face of its
+own; a fixture is wrong by one amount while the unit stays mounted. The
 outermost axis leans from the vertical by as much as angles and axes allow: that shows in rests,
 and averages out in turns.
 """
@@ -20,9 +19,9 @@ from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.uncertainty.budget import Contribution
 from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import SLOWLY
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
-SLOWLY = 2.0  # rad: over a smaller angle a ripple within the turn does not average out
 
 LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
 
@@ -34,8 +33,8 @@ class Disturbed:
     tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
     two headings. rate, gravity: (n, 6) per relative error.
     latitude: (n, 6) per rad.
-    each: (n,) numbers of the table's settings; pairs, faces: (n,) the two readings of what is
-    common to a mounting, by number. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
+    each, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the unit's
+    mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
     speed: (n,) rad/s.
     """
 
@@ -45,8 +44,8 @@ class Disturbed:
     gravity: np.ndarray
     latitude: np.ndarray
     each: np.ndarray
-    pairs: np.ndarray
     faces: np.ndarray
+    mountings: np.ndarray
     turned: np.ndarray
     by_angle: np.ndarray
     speed: np.ndarray
@@ -54,14 +53,17 @@ class Disturbed:
     local_gravity: float
 
     def lines(self, channel: int, weights: np.ndarray) -> tuple[Contribution, ...]:
-        """The lines of o·U for one channel; weights: o (n,)."""
+        """The lines of o·U for one channel; weights: o (n,).
+
+        By what is told of rate, gravity and latitude: what they truly are acts the other way.
+        """
         gravity = weights @ self.gravity[:, channel] / self.local_gravity
         latitude = weights @ self.latitude[:, channel]
         every = (
             *self._rates(weights * self.rate[:, channel]),
             *self._angles(channel, weights),
-            Contribution(self.equipment.gravity.quantity(), float(gravity)),
-            Contribution(self.equipment.latitude.quantity(), float(latitude)),
+            Contribution(self.equipment.gravity.quantity(), -float(gravity)),
+            Contribution(self.equipment.latitude.quantity(), -float(latitude)),
         )
         sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
         least = LEAST_SHARE * max(sizes)
@@ -76,12 +78,15 @@ class Disturbed:
         leaning, across = lean.T @ lean, tilt.T @ tilt
         own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
         setting = across * (self.each[:, None] == self.each) + leaning + own
-        face = across * (self.faces[:, None] == self.faces)
         total = np.zeros_like(across)
         for limit in self.equipment.angles:
             total += limit.u**2 * setting
-        for limit in self.equipment.squareness:
-            total += limit.u**2 * (face + leaning * (limit is self.equipment.axes))
+        if self.equipment.axes is not None:
+            face = across * (self.faces[:, None] == self.faces)
+            total += self.equipment.axes.u**2 * (face + leaning)
+        if self.equipment.fixture is not None:
+            mounted = across * (self.mountings[:, None] == self.mountings)
+            total += self.equipment.fixture.u**2 * mounted
         if self.equipment.ripple is not None:
             ripple = self.rate[:, channel] * self._ripple_share()
             total += self.equipment.ripple.u**2 * np.diag(ripple**2)
@@ -92,16 +97,16 @@ class Disturbed:
         return np.where(self.by_angle, 1.0 / np.where(self.by_angle, self.turned, 1.0), 0.0)
 
     def _ripple_share(self) -> np.ndarray:
-        """(n,) what is left of a ripple in the mean rate of a run; zero where none is held."""
+        """(n,) rms of what a ripple leaves in the mean rate of a run; zero where none is held."""
         held = ~self.by_angle & (self.speed > 0)
-        return held * np.minimum(1.0, SLOWLY / np.maximum(self.turned, SLOWLY))
+        return held * 1.0 / np.maximum(self.turned, SLOWLY)
 
     def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
         held = np.flatnonzero(~self.by_angle & (self.speed > 0))
         limits = {i: self.equipment.rate_at(self.speed[i]) for i in held}
         for limit in dict.fromkeys(limit for found in limits.values() for limit in found):
             common = sum(felt[i] for i in held if limit in limits[i])
-            yield Contribution(limit.quantity(), float(common))
+            yield Contribution(limit.quantity(), -float(common))
         if self.equipment.ripple is not None:
             left = float(np.linalg.norm(felt * self._ripple_share()))
             yield Contribution(self.equipment.ripple.quantity(), left)
@@ -111,12 +116,14 @@ class Disturbed:
         felt = weights * self.tilt[:, :, channel]
         lean = float(np.linalg.norm((weights * self.lean[:, :, channel]).sum(axis=1)))
         each = float(np.hypot(_summed(felt, self.each), np.linalg.norm(turns)))
-        mounting = max(_summed(felt, self.pairs), _summed(felt, self.faces))
         for limit in self.equipment.angles:
             yield Contribution(limit.quantity(), float(np.hypot(each, lean)))
-        for limit in self.equipment.squareness:
-            leaning = lean if limit is self.equipment.axes else 0.0
-            yield Contribution(limit.quantity(), float(np.hypot(mounting, leaning)))
+        if self.equipment.axes is not None:
+            face = float(np.hypot(_summed(felt, self.faces), lean))
+            yield Contribution(self.equipment.axes.quantity(), face)
+        if self.equipment.fixture is not None:
+            mounting = _summed(felt, self.mountings)
+            yield Contribution(self.equipment.fixture.quantity(), mounting)
 
 
 def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
@@ -147,7 +154,7 @@ def disturbed(
     seconds = np.array([segment.seconds for segment in evidence.segments])
     place = [_setting(evidence, i) for i in range(len(segments))]
     face = [evidence.up[i] or place[i] for i in range(len(segments))]
-    pair = [axis.lstrip("+-") for axis in face]
+    mount = face if not evidence.mounted_once else [""] * len(face)
     level = _level_directions(evidence, motion)
     return Disturbed(
         tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
@@ -158,8 +165,8 @@ def disturbed(
         gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
         latitude=changed(motion, terms_at(STEP)),
         each=_numbered(place),
-        pairs=_numbered(pair),
         faces=_numbered(face),
+        mountings=_numbered(mount),
         turned=speed * seconds,
         by_angle=np.array([s.kind == "rotation" for s in segments], bool),
         speed=speed,

@@ -26,9 +26,9 @@ from tasks.uncertainty.type_b import Weights
 
 G = 9.8015
 TENTH = math.radians(0.1)
-MEAN = Weights(rests=np.full(12, 1 / 12), faces=np.full(6, 1 / 6))
-LYING = Weights(rests=np.full(8, 1 / 12), faces=np.full(4, 1 / 6))
-UP_DOWN = Weights(rests=np.array([1, 1, -1, -1]) / 4, faces=np.array([1, -1]) / 2)
+MEAN = Weights(np.full(12, 1 / 12), np.full(6, 1 / 6), np.full(6, 1 / 6))
+LYING = Weights(np.full(8, 1 / 12), np.full(4, 1 / 6), np.full(4, 1 / 6))
+UP_DOWN = Weights(np.array([1, 1, -1, -1]) / 4, np.array([1, -1]) / 2, np.array([1, -1]) / 2)
 
 
 def alone(limit: str, u: float = 1.0) -> Equipment:
@@ -139,13 +139,13 @@ def test_a_table_that_turns_too_fast_moves_the_scale_factor_and_not_the_offset()
         assert u_of(lines) == pytest.approx(abs(error[row]), abs=1e-15)
 
 
-def test_ripple_counts_fully_in_less_than_a_turn_and_fades_over_many() -> None:
+def test_ripple_counts_by_its_rms_in_less_than_a_turn_and_fades_over_many() -> None:
     rates, operator = np.array([0.01, 10.0]), np.array([1.0, 0.0])
     ripple = alone("ripple")
     slow = u_of(type_b.turning_rate(ripple, 1.0, operator, rates, np.array([10.0, 10.0])))
-    assert slow == pytest.approx(0.01)
+    assert slow == pytest.approx(0.01 / math.sqrt(2.0))
     fast = u_of(type_b.turning_rate(ripple, 1.0, operator[::-1], rates, np.array([10.0, 10.0])))
-    assert fast == pytest.approx(10.0 * 2.0 / 100.0)
+    assert fast == pytest.approx(10.0 / 100.0)
 
 
 def test_gravity_moves_the_accelerometer_scale_factor() -> None:
@@ -195,8 +195,8 @@ def test_rates_that_a_table_holds_differently_well_have_a_line_each() -> None:
     operator = rates / (rates @ rates)
     fast, slow = type_b.turning_rate(JJF1536, 1.0, operator, rates, np.full(4, 30.0))
     assert (fast.quantity.u, slow.quantity.u) == pytest.approx((1e-4, 1e-3))
-    assert fast.sensitivity + slow.sensitivity == pytest.approx(1.0)
-    assert slow.sensitivity == pytest.approx(2 * 5.0**2 / (2 * 5.0**2 + 2 * 100.0**2))
+    assert fast.sensitivity + slow.sensitivity == pytest.approx(-1.0)
+    assert slow.sensitivity == pytest.approx(-2 * 5.0**2 / (2 * 5.0**2 + 2 * 100.0**2))
 
 
 def test_a_turned_angle_is_as_wrong_as_the_table() -> None:
