@@ -247,3 +247,25 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
         assert 0.0 < u_of(lines) < 1.0
     degrees = tuple(line.scaled(math.degrees(1.0)) for line in all_lines[2])
     assert u_of(degrees) == pytest.approx(math.degrees(u_of(all_lines[2])))
+
+
+def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
+    ups = ("+x", "-x", "+y", "-y", "+z", "-z")
+    design = input_matrix(ups)
+    operator, fixture = solve(design).operator, np.array([1e-4, -2e-4, 3e-4])
+    reads = np.cross(fixture, G * design[:, :3])
+    found = operator @ reads / G
+    equipment = alone("fixture", 1e-4)
+    for column, expected in ((0, 1e-4), (3, 0.0)):
+        signs = operator[column] @ design[:, :3]
+        weights = Weights(np.zeros(12), operator[column], signs)
+        told = u_of(type_b.accel_cross_coupling(equipment, weights, 1.0, 0.0, G))
+        assert told == pytest.approx(expected, abs=1e-12)
+    assert np.abs(found[0]) == pytest.approx([0.0, 3e-4, 2e-4], abs=1e-12)
+    assert np.abs(found[3]).max() < 1e-15
+
+
+@pytest.mark.parametrize("deg_s", [10.0 - 1e-9, 9.95, 10.0])
+def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s: float) -> None:
+    (limit,) = JJF1536.rate_at(math.radians(deg_s))
+    assert limit.symbol == "ε1"
