@@ -153,25 +153,6 @@ def _age(entry: Entry) -> tuple[date, date]:
     return entry.calibrated_on or entry.issued_on, entry.issued_on
 
 
-def reminded(number: str, home: Home) -> list[str]:
-    """The channels on which a certificate's reminder was sent."""
-    table = catalog.reminders.c
-    statement = sql.select(table.channel).where(table.certificate == number).order_by(table.channel)
-    return [row.channel for row in catalog.rows(home, statement)]
-
-
-def save_reminder(number: str, channel: str, home: Home) -> None:
-    """Remembers that a certificate's reminder was sent on a channel."""
-    with catalog.changing(home) as connection:
-        catalog.add_new(
-            connection,
-            catalog.reminders,
-            certificate=number,
-            channel=channel,
-            sent_at=datetime.now(UTC),
-        )
-
-
 def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:
     unit, table = catalog.units.c, catalog.certificates.c
     of_table = [table[name] for name in Entry.model_fields if name in table]

@@ -62,12 +62,6 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
     return result
 
 
-def latest_result(run: Run, method: Method, home: Home) -> Calibration | None:
-    """The result that no other supersedes, or None where the method has given none."""
-    found = catalog.rows(home, _latest(run.id, method))
-    return calibration_of(found[0]) if found else None
-
-
 def results(run: Run, home: Home) -> list[Result]:
     """Every result of a run, the oldest first."""
     table = catalog.results.c

@@ -6,12 +6,10 @@ from storage.certificates import (
     certificate_of,
     certificates,
     due,
-    reminded,
     reserve_number,
     save_certificate,
-    save_reminder,
 )
-from storage.results import Result, latest_result, results, save_result
+from storage.results import Result, results, save_result
 from storage.runs import Run, find, keep, known, load, runs
 from storage.sources import fingerprint, read
 
@@ -27,14 +25,11 @@ __all__ = [
     "fingerprint",
     "keep",
     "known",
-    "latest_result",
     "load",
     "read",
-    "reminded",
     "reserve_number",
     "results",
     "runs",
     "save_certificate",
-    "save_reminder",
     "save_result",
 ]

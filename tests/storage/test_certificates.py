@@ -139,11 +139,3 @@ def test_amended_certificate_replaces_and_withdrawn_one_removes_the_date(
     assert [line.certificate for line in store.due(fresh, date(2030, 1, 1))] == ["A-2"]
     issue("A-3", supersedes="A-2", state="withdrawn")
     assert store.due(fresh, date(2030, 1, 1)) == []
-
-
-def test_reminder_is_remembered_for_each_channel(fresh: Home, issue: Issue) -> None:
-    issue("A-1")
-    assert store.reminded("A-1", fresh) == []
-    for channel in ("mail", "calendar", "mail"):
-        store.save_reminder("A-1", channel, fresh)
-    assert store.reminded("A-1", fresh) == ["calendar", "mail"]

@@ -123,8 +123,6 @@ def test_store_works_the_same_on_postgresql(
         store.save_certificate(certificate, b"%PDF", home)
     assert store.certificate_of(number, home) == certificate
     assert [line.certificate for line in store.due(home, date(2030, 1, 1))] == [number]
-    store.save_reminder(number, "mail", home)
-    assert store.reminded(number, home) == ["mail"]
     assert verify.verify(home) == (7, [])
     assert not (home.path / "catalog.sqlite").exists()
 
