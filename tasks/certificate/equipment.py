@@ -25,7 +25,7 @@ RECOMMENDED = (
     "for table and fixture the recommended limits of {}, which this equipment is taken to meet: {}",
 )
 OWN = ("实验室给出的极限：{}", "limits stated by the laboratory: {}")
-TAKEN = ("{} 假定已知至 {}", "{} assumed known to {}")
+TAKEN = ("{}假定已知至 {}", "{} assumed known to {}")
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # The plate tilts with the unit's base, whose length nobody tells, and is one with the mounting.
 FLATNESS = {

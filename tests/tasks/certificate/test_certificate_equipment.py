@@ -30,7 +30,7 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
     assert "JJF 2003—2022，表 1" in zh
-    assert "纬度 假定已知至 ±0.05°" in zh
+    assert "纬度假定已知至 ±0.05°" in zh
     assert "0.02 mm" in flat_en
     assert "41″" in flat_zh
 
