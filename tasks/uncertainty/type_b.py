@@ -16,7 +16,7 @@ Where several independent errors of one limit act it is their root sum of square
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,10 +76,22 @@ def turned_angle(
 ) -> tuple[Contribution, ...]:
     """What the table's angles do to K_ij from turns by known angles (n,), rad.
 
-    The mean of n turns, each angle wrong by an error of its own: c = K_ij/n·√Σ1/θₖ² (silent).
+    The mean of n turns, each angle wrong by an error of its own: c = K_ij/n·√Σ1/θₖ² (silent). It
+    is another error than that of the axis's direction, so it has a symbol of its own.
     """
     c = slope * float(np.linalg.norm(1.0 / angles)) / len(angles)
-    return tuple(_line(limit, c) for limit in equipment.angles)
+    return tuple(
+        _line(
+            replace(
+                limit,
+                symbol=f"{limit.symbol}θ",
+                name=f"turned angle, {limit.name}",
+                name_zh=f"转角，{limit.name_zh}",
+            ),
+            c,
+        )
+        for limit in equipment.angles
+    )
 
 
 def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ...]:

@@ -1,6 +1,7 @@
 """JJF 2003 on real recordings and on simulated ones with their truth."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,6 +79,14 @@ def test_xsens_rests_are_found_and_nothing_is_made_up_of_them(real) -> None:
 
 def test_a_recording_that_never_rests_has_no_rest(real) -> None:
     assert result(real("encoder_mpu6050_pitch_slow")).segments == ()
+
+
+def test_turns_by_a_known_angle_on_a_table_have_its_angle_and_its_axis_in_the_budget(real) -> None:
+    by_hand = real("ferraris_session")
+    manifest = by_hand.manifest.model_copy(update={"standard": "JJF 2003-2022"})
+    items = result(replace(by_hand, manifest=manifest)).items
+    lines = {line.symbol for line in items["gyro_scale_factor"].budgets["x"].inputs}
+    assert {"α1", "α1θ"} <= lines
 
 
 def test_ferraris_session_agrees_with_the_package_imucal(real) -> None:
