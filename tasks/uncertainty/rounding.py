@@ -65,9 +65,10 @@ def column(
 ) -> Column:
     """Values and their expanded uncertainties as the texts of one column of a table.
 
-    k: the coverage factor of the uncertainties. Each value is rounded to the place of its own; the power of ten is one for the
-    whole column: 0 where plain decimals do, otherwise a multiple of three. A value without an
-    uncertainty (None, 0 or not finite) is given with six significant digits.
+    k: the coverage factor of the uncertainties. Each value is rounded to the place of its own;
+    the power of ten is one for the whole column: 0 where plain decimals do, otherwise a multiple
+    of three. A value without an uncertainty (None, 0 or not finite) is given with six significant
+    digits.
     """
     pairs = [_rounded(*pair, k) for pair in zip(values, uncertainties, strict=True)]
     exponent = _exponent(pairs)
