@@ -25,7 +25,7 @@ FLICKER_ALLAN = 2.0 * np.log(2.0)  # Allan variance of flicker noise, per unit o
 MOST_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
 # In the contrast that shows the drift best, as parts of the white noise there: the faintest drift
 # that is looked at, and what flicker, walk and trend exceed as often as not, beforehand.
-FAINTEST, USUAL = 0.01, (0.1, 0.5, 0.05)
+FAINTEST, USUAL = 0.01, (1.0, 0.5, 0.05)
 STEPS = 9  # strengths of a drift on each of two grids
 INSTANT = 1e-3  # s: a segment of one row has no length
 
