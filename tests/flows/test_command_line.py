@@ -109,6 +109,7 @@ def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, shared, tmp_pat
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\n'
         f'elements = ["{axis}"]\nupper = {most + bias["U"][axis] / 2}\n'
+        f"U_max = {2 * bias['U'][axis]}\n"
     )
     done = mimucal("certify", run, "--tolerance", tolerance, "--json").json
     (made,) = done["decisions"]

@@ -157,7 +157,7 @@ def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
     offset = Limit(item="gyro_fit_offset", unit="deg/s", magnitude=1.0)
     assert "is not decided on" in said(bias)
     assert "is not decided on" not in said(offset)
-    assert "g_ii × 1 g and Earth's rotation" in said(offset)
+    assert "g_ii × 1 g and what the unit senses of Earth's rotation" in said(offset)
 
 
 def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
