@@ -1,0 +1,1 @@
+"""Proof that omitted physics is found: a sealed trial anyone can run."""
