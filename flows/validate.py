@@ -10,8 +10,8 @@ from storage.home import home
 from storage.settings import VALIDATION
 from tasks.stages.estimate import METHODS
 from tasks.validation.coverage import FEWEST_UNITS
+from tasks.validation.make import make_record
 from tasks.validation.page import page
-from tasks.validation.record import make_record
 from tasks.version import code_version
 
 

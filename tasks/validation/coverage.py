@@ -13,6 +13,7 @@ from schemas.recording import Recording
 from schemas.validation import Check, Coverage
 from tasks.validation import run1536, run2003
 from tasks.validation.draw import Case, draw_case
+from tasks.validation.record import STILL
 
 Calibrate = Callable[..., Calibration]
 Truth = dict[str, dict[str, float]]
@@ -21,7 +22,6 @@ Run = Callable[[Case, int], tuple[Recording, Truth]]
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
 ASKED = (0.93, 0.97)  # of the cases, that a 95 % interval holds the truth: less is no evidence
 FEWEST_UNITS = 1000
-STILL = "gyro_g_sensitivity_without_earth_rotation"
 RUNS: dict[str, tuple[Run, float]] = {
     "jjf2003": (run2003.record, run2003.RATE_HZ),
     "joint": (run2003.record, run2003.RATE_HZ),

@@ -1,69 +1,19 @@
-"""The validation record: made by `mimucal validate`, shipped with the code, asked at the gate."""
+"""The validation record that is shipped with the code, asked at the gate.
 
-import time
-from collections.abc import Callable
-from datetime import date
+What makes it (`tasks.validation.make`) is not imported here: a certificate starts at once.
+"""
+
 from importlib.resources import files
 
 from schemas.calibration import Calibration
-from schemas.validation import (
-    EVIDENCE,
-    Check,
-    Evidence,
-    ItemValidation,
-    MethodValidation,
-    ValidationRecord,
-)
-from tasks.validation.coverage import STILL, Calibrate, coverage_check, study
-from tasks.validation.examples import example_check
+from schemas.validation import EVIDENCE, ItemValidation, MethodValidation, ValidationRecord
 from tasks.validation.fingerprint import fingerprint
-from tasks.validation.independent import independent_checks
-from tasks.validation.recovery import recovery_checks
 
 SHIPPED = "record.json"
 WITH_EARTH = "gyro_g_sensitivity"
+STILL = "gyro_g_sensitivity_without_earth_rotation"
 Reason = tuple[str, str]
 WAY_OUT = ("run mimucal validate", "请运行 mimucal validate")
-
-
-def make_record(
-    methods: dict[str, Calibrate],
-    units: int,
-    seed: int,
-    code_version: str,
-    report: Callable[[int, int], None],
-) -> ValidationRecord:
-    """All evidence for every item of the methods; the coverage over as many simulated units.
-
-    Raises Unusable where GTC is not installed.
-    """
-    began = time.monotonic()
-    independent = {m: independent_checks(m, calibrate, seed) for m, calibrate in methods.items()}
-    recovered = {m: recovery_checks(m, calibrate, seed) for m, calibrate in methods.items()}
-    found = {}
-    for method, coverages in study(methods, units, seed, report).items():
-        items = {}
-        for name, coverage in coverages.items():
-            alike = WITH_EARTH if name == STILL else name  # the same clause and the same budget
-            checks: dict[Evidence, Check] = {
-                "worked example": example_check(alike),
-                "coverage": coverage_check(coverage),
-            }
-            if name in recovered[method]:
-                checks["truth recovery"] = recovered[method][name]
-            if alike in independent[method]:
-                checks["independent program"] = independent[method][alike]
-            items[name] = ItemValidation(checks=checks, coverage=coverage)
-        found[method] = MethodValidation(fingerprint=fingerprint(method), items=items)
-    return ValidationRecord.model_validate(
-        {
-            "made_on": date.today(),
-            "code_version": code_version,
-            "seed": seed,
-            "seconds": round(time.monotonic() - began, 1),
-            "methods": found,
-        }
-    )
 
 
 def shipped() -> ValidationRecord | None:

@@ -1,7 +1,8 @@
 """Truth recovery: what an ideal run without noise says of a unit whose truth is known."""
 
 from schemas.validation import Check
-from tasks.validation.coverage import STILL, Calibrate, errors_of, simulate
+from tasks.validation.coverage import Calibrate, errors_of, simulate
+from tasks.validation.record import STILL
 
 CLOSE = 1e-9  # in the printed unit of the item
 
