@@ -11,8 +11,8 @@ WIDTH, ROW, LEFT = 900, 22, 380
 STYLE = """
 body { font: 15px/1.5 sans-serif; margin: 2em auto; max-width: 70em; color: #222; }
 table { border-collapse: collapse; margin: 1em 0; }
-th, td { border-bottom: 1px solid #ddd; padding: 4px 10px; text-align: left; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; }
+th, td { border-bottom: 1px solid #ddd; padding: 4px 6px; text-align: left; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .yes { color: #14691b; } .no { color: #a1190d; font-weight: bold; }
 svg text { font: 13px sans-serif; }
 """
