@@ -8,18 +8,20 @@ from tasks.model.term import Column, Inputs, Term, parameters_of, places
 from tasks.motion.whole import Motion
 
 CHANNEL_COUNT = 6  # gyro x, y, z in rad/s, then accelerometer x, y, z in m/s²
-STEP = 1e-3  # of the plausible range, to differentiate by a parameter of the input
+STEP = 1e-3  # of the plausible range, to differentiate by a parameter of motion or input
 
 
 def predict(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> np.ndarray:
     """Readings (n, 6) in rad/s and m/s² of a unit with the parameter values (p,)."""
-    inputs = _felt(terms, motion, values)
+    moved, inputs = _felt(terms, motion, values)
     readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
     for term, place in zip(terms, places(terms), strict=True):
-        for value, column in zip(values[place], term.columns(motion, inputs), strict=False):
+        if term.stage != "sensor":
+            continue
+        for value, column in zip(values[place], term.columns(moved, inputs), strict=True):
             for channel, readout in column.items():
                 readings[channel] += value * readout
-    return readings.T
+    return _passed(terms, motion, readings.T, values)
 
 
 @dataclass(frozen=True)
@@ -43,14 +45,17 @@ class Design:
 def linearise(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> Design:
     """Prediction and columns at the values (p,).
 
-    What a sensor makes of its input is linear in its parameters; parameters of the input are
-    differentiated by central differences, exact for what is quadratic.
+    What a sensor makes of its input is linear in its parameters; parameters of motion, input and
+    signal are differentiated by central differences, exact for what is quadratic.
     """
-    inputs = _felt(terms, motion, values)
+    moved, inputs = _felt(terms, motion, values)
     columns: list[Column] = []
     for term, place in zip(terms, places(terms), strict=True):
         if term.stage == "sensor":
-            columns.extend(term.columns(motion, inputs))
+            columns.extend(
+                _passed_column(terms, motion, column, values)
+                for column in term.columns(moved, inputs)
+            )
         else:
             columns.extend(
                 _difference(terms, motion, values, p) for p in range(place.start, place.stop)
@@ -58,12 +63,36 @@ def linearise(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> De
     return Design(predict(terms, motion, values), tuple(columns))
 
 
-def _felt(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> Inputs:
-    """What the sensors feel, each term acting on what those before it made of the motion."""
+def _felt(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> tuple[Motion, Inputs]:
+    """The real motion and what the sensors feel of it, each term acting on those before it."""
+    placed = tuple(zip(terms, places(terms), strict=True))
+    for term, place in placed:
+        motion = term.moved(motion, values[place])
     inputs = Inputs(motion.rate, motion.force)
-    for term, place in zip(terms, places(terms), strict=True):
+    for term, place in placed:
         inputs = term.felt(motion, inputs, values[place])
-    return inputs
+    return motion, inputs
+
+
+def _passed(
+    terms: tuple[Term, ...], motion: Motion, readings: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    for term, place in zip(terms, places(terms), strict=True):
+        readings = term.passed(motion, readings, values[place])
+    return readings
+
+
+def _passed_column(
+    terms: tuple[Term, ...], motion: Motion, column: Column, values: np.ndarray
+) -> Column:
+    """What delays and filters make of a column; they are linear in the readings."""
+    if all(term.stage != "signal" for term in terms):
+        return column
+    readings = np.zeros((len(motion.t), CHANNEL_COUNT))
+    for channel, readout in column.items():
+        readings[:, channel] = readout
+    readings = _passed(terms, motion, readings, values)
+    return {channel: readings[:, channel] for channel in column}
 
 
 def _difference(terms: tuple[Term, ...], motion: Motion, values: np.ndarray, p: int) -> Column:

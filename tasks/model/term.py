@@ -1,21 +1,24 @@
 """One piece of physics: its name, equation and parameters, and how it changes what is read.
 
-A model is a list of terms. A term acts on what the unit feels (stage «input»: Earth's rotation,
-a lever arm) or on what the unit makes of it (stage «sensor»: a column of readings for each
-parameter). Nothing knows the terms by name: adding physics is adding one term.
+A model is a list of terms. A term acts where its physics acts: on the motion (stage «motion»: a
+tilt, a wobble), on what the unit feels of it (stage «input»: Earth's rotation, a lever arm), on
+what the unit makes of that (stage «sensor»: a column of readings for each parameter) or on the
+readings as a course of time (stage «signal»: a delay, a low-pass). Nothing knows the terms by
+name: adding physics is adding one term.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 
 from tasks.motion.whole import Motion
 
-Stage = Literal["input", "sensor"]
+Stage = Literal["motion", "input", "sensor", "signal"]
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
+Text = tuple[str, str]  # English, Chinese
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,13 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Term:
-    """A piece of physics. A subclass overrides the method of its stage."""
+    """A piece of physics. A subclass overrides the method of its stage.
+
+    shapes, at: what its columns are not linear in (a time constant, an order), and its values,
+    SI; they are searched where the rest is solved. Several terms of one name differ in them.
+    title: what an engineer calls it. confused_with: catalogue names that look much the same.
+    separated_by: the recording that would tell them apart.
+    """
 
     name: str
     family: str
@@ -52,6 +61,15 @@ class Term:
     equation: str
     source: str
     parameters: tuple[Parameter, ...]
+    shapes: tuple[Parameter, ...] = ()
+    at: tuple[float, ...] = ()
+    title: Text = ("", "")
+    confused_with: tuple[str, ...] = ()
+    separated_by: Text = ("", "")
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        """The motion that really was, given the one that the table tells; stage «motion»."""
+        return motion
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
         """What the sensors feel with this term, given the terms before it; stage «input»."""
@@ -60,6 +78,17 @@ class Term:
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
         """For each parameter the readings per unit of it, rad/s or m/s²; stage «sensor»."""
         return ()
+
+    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Readings (n, 6) behind this term, given those before it; stage «signal».
+
+        The rows are a course of time, evenly spaced but for gaps.
+        """
+        return readings
+
+    def shaped(self, at: tuple[float, ...]) -> Self:
+        """The same term with other values of what it is not linear in."""
+        return replace(self, at=at)
 
 
 def parameters_of(terms: tuple[Term, ...]) -> tuple[Parameter, ...]:

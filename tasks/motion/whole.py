@@ -5,7 +5,8 @@ segments' labels. Where nothing tells, the motion is unknown (NaN), never assume
 Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,11 +19,41 @@ POSE = ("qw", "qx", "qy", "qz")
 
 
 @dataclass(frozen=True)
+class TableAxes:
+    """The table's axes as the body sees them, outermost first.
+
+    angles, speeds: (n, k) rad, rad/s. directions: (n, k, 3) unit vectors in the body frame.
+    base: (n, 3) what the table's y axis is with all angles zero, in the body frame.
+    """
+
+    angles: np.ndarray
+    speeds: np.ndarray
+    directions: np.ndarray
+    base: np.ndarray
+
+    def outside(self, axis: int) -> np.ndarray:
+        """Rate (n, 3) of what carries an axis: of the axes outside it."""
+        return np.einsum("nk,nki->ni", self.speeds[:, :axis], self.directions[:, :axis])
+
+    def taken(self, rows: np.ndarray) -> "TableAxes":
+        """The axes at some of the times, by index or mask."""
+        return TableAxes(
+            self.angles[rows], self.speeds[rows], self.directions[rows], self.base[rows]
+        )
+
+    def in_frame(self, mount: np.ndarray) -> "TableAxes":
+        """Components along the body's axes instead of the payload's."""
+        return replace(self, directions=self.directions @ mount, base=self.base @ mount)
+
+
+@dataclass(frozen=True)
 class Motion:
     """Attitude and motion of the body at n times, in the body frame; NaN: not known.
 
     t: (n,) s. up, north: (n, 3) unit vectors. rate: (n, 3) rad/s against the ground.
     acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s².
+    axes: those of the table, where encoders were recorded. recorded: what else was recorded or
+    is known at each time, (n,) each, by name.
     """
 
     t: np.ndarray
@@ -31,6 +62,8 @@ class Motion:
     rate: np.ndarray
     acceleration: np.ndarray
     gravity: float
+    axes: TableAxes | None = None
+    recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def known(self) -> np.ndarray:
@@ -51,6 +84,8 @@ class Motion:
             north=self.north[rows],
             rate=self.rate[rows],
             acceleration=self.acceleration[rows],
+            axes=self.axes and self.axes.taken(rows),
+            recorded={name: course[rows] for name, course in self.recorded.items()},
         )
 
 
@@ -100,18 +135,20 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
         angles = np.unwrap(angles, axis=0)
     angle, speed, change = smooth_derivatives(table.t, angles, at)
     heading = recording.manifest.station.heading_deg
-    vectors = [np.tile([0.0, 0.0, 1.0], (len(at), 1)), _north(heading, len(at))]
+    vertical, level = (np.tile(each, (len(at), 1)) for each in np.eye(3)[[2, 1]])
+    vectors = [vertical, _north(heading, len(at)), level]
     for k, axis in enumerate(axes):
         direction = np.array(axis.direction) / np.linalg.norm(axis.direction)
         vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
         vectors.append(np.tile(direction, (len(at), 1)))
-    up, north, *spins = vectors
+    up, north, base, *spins = vectors
     rate, acceleration = np.zeros((len(at), 3)), np.zeros((len(at), 3))
     for k in reversed(range(len(axes))):
         own = speed[:, k, None] * spins[k]
         acceleration += change[:, k, None] * spins[k] - np.cross(rate, own)
         rate += own
-    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording))
+    seen = TableAxes(angle, speed, np.stack(spins, axis=1), base)
+    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording), seen)
     return _mounted(recording, payload)
 
 
@@ -146,6 +183,7 @@ def _mounted(recording: Recording, payload: Motion) -> Motion:
         part = _in_frame(payload.taken(rows), mount_of(manifest, segment))
         for name in ("up", "north", "rate", "acceleration"):
             getattr(body, name)[rows] = getattr(part, name)
+    # Each mount has axes of its own: as one course they are not known.
     return body
 
 
@@ -157,6 +195,7 @@ def _in_frame(motion: Motion, mount: np.ndarray) -> Motion:
         north=motion.north @ mount,
         rate=motion.rate @ mount,
         acceleration=motion.acceleration @ mount,
+        axes=motion.axes and motion.axes.in_frame(mount),
     )
 
 

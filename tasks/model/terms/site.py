@@ -1,6 +1,6 @@
 """What the place adds: Earth's rotation."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,7 +16,7 @@ class EarthRotation(Term):
     Where north is not known in the body only the vertical part is added.
     """
 
-    latitude: float  # rad
+    latitude: float = field(kw_only=True)  # rad
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
         level = np.where(np.isfinite(motion.north), motion.north, 0.0)
@@ -28,5 +28,5 @@ def earth_rotation(latitude: float) -> EarthRotation:
     """Earth's rotation at a known latitude, rad."""
     return EarthRotation(
         "earth_rotation", "site", "input", "ω = ω_table + ωe·(cos φ·north + sin φ·up)",
-        "WGS 84; JJF 2003-2022 is silent", (), latitude,
+        "WGS 84; JJF 2003-2022 is silent", (), latitude=latitude,
     )  # fmt: skip

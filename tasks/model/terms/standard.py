@@ -4,7 +4,7 @@ Gyro: ω′ = K·ω + B + G·f; accelerometer: a′ = K·f + B + P·ω². First 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,8 +26,8 @@ class LinearTerm(Term):
     reads: for each parameter the channel and the regressor.
     """
 
-    regressors: Callable[[Motion, Inputs], np.ndarray]
-    reads: tuple[tuple[int, int], ...]
+    regressors: Callable[[Motion, Inputs], np.ndarray] = field(kw_only=True)
+    reads: tuple[tuple[int, int], ...] = field(kw_only=True)
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
         basis = self.regressors(motion, inputs).T
@@ -78,23 +78,23 @@ ONE_EACH = tuple((i, 0) for i in range(3))
 
 GYRO_MATRIX = LinearTerm(
     "gyro_matrix", "standard", "sensor", "ω′ᵢ = Σⱼ K_gij·ωⱼ", "JJF 2003-2022, 5.1 eq. (1)",
-    _matrix("K_g", "1", 1.0, 0.1, 1.0), _rates, _on(GYRO_FIRST, MATRIX),
+    _matrix("K_g", "1", 1.0, 0.1, 1.0), regressors=_rates, reads=_on(GYRO_FIRST, MATRIX),
 )  # fmt: skip
 GYRO_BIAS = LinearTerm(
     "gyro_bias", "standard", "sensor", "ω′ᵢ = B_gi", "JJF 2003-2022, 5.1 eq. (1)",
-    _bias("B_g", "deg/s", DEG, 0.1), _ones, _on(GYRO_FIRST, ONE_EACH),
+    _bias("B_g", "deg/s", DEG, 0.1), regressors=_ones, reads=_on(GYRO_FIRST, ONE_EACH),
 )  # fmt: skip
 GYRO_G_SENSITIVITY = LinearTerm(
     "gyro_g_sensitivity", "standard", "sensor", "ω′ᵢ = Σⱼ g_ij·fⱼ/g", "JJF 2003-2022, 5.1 eq. (1)",
-    _matrix("g_", "(deg/s)/g", DEG, 0.01, 0.0), _in_local_g, _on(GYRO_FIRST, MATRIX),
+    _matrix("g_", "(deg/s)/g", DEG, 0.01, 0.0), regressors=_in_local_g, reads=_on(GYRO_FIRST, MATRIX),
 )  # fmt: skip
 ACCEL_MATRIX = LinearTerm(
     "accel_matrix", "standard", "sensor", "a′ᵢ = Σⱼ K_aij·fⱼ", "JJF 2003-2022, 5.2 eq. (2)",
-    _matrix("K_a", "1", 1.0, 0.1, 1.0), _forces, _on(ACCEL_FIRST, MATRIX),
+    _matrix("K_a", "1", 1.0, 0.1, 1.0), regressors=_forces, reads=_on(ACCEL_FIRST, MATRIX),
 )  # fmt: skip
 ACCEL_BIAS = LinearTerm(
     "accel_bias", "standard", "sensor", "a′ᵢ = B_ai", "JJF 2003-2022, 5.2 eq. (2)",
-    _bias("B_a", "m/s2", 1.0, 1.0), _ones, _on(ACCEL_FIRST, ONE_EACH),
+    _bias("B_a", "m/s2", 1.0, 1.0), regressors=_ones, reads=_on(ACCEL_FIRST, ONE_EACH),
 )  # fmt: skip
 ACCEL_RATE_SENSITIVITY = LinearTerm(
     "accel_rate_sensitivity", "standard", "sensor", "a′ᵢ = Σⱼ p_ij·ωⱼ², j ≠ i",
@@ -103,7 +103,7 @@ ACCEL_RATE_SENSITIVITY = LinearTerm(
         Parameter(AXES[i] + AXES[j], f"p_{AXES[i]}{AXES[j]}", "m", 1.0, (-0.1, 0.1))
         for i, j in OFF_DIAGONAL
     ),
-    _squares, _on(ACCEL_FIRST, OFF_DIAGONAL),
+    regressors=_squares, reads=_on(ACCEL_FIRST, OFF_DIAGONAL),
 )  # fmt: skip
 
 GYRO_TERMS = (GYRO_MATRIX, GYRO_BIAS, GYRO_G_SENSITIVITY)
