@@ -1,0 +1,116 @@
+"""Where model and recording differ: the answer of `mimucal explain` (`mimu-discrepancy/1`)."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+from schemas.base import Finite, Frozen
+
+Verdict = Literal["no_mismatch", "explained", "partly_explained", "unexplained"]
+Dimension = Literal[
+    "rate", "attitude", "rotation_phase", "frequency", "temperature", "time", "after_moves",
+    "ramps", "recorded", "level",
+]  # fmt: skip
+
+
+class Statement(Frozen):
+    """A sentence or paragraph in both languages."""
+
+    en: str
+    zh: str
+
+
+class Where(Frozen):
+    """Where a part of the excess sits. Shares of one finding add up to 1 over its entries."""
+
+    channel: str
+    dimension: Dimension
+    description: Statement
+    segments: tuple[str, ...]
+    share: Finite
+
+
+class FoundParameter(Frozen):
+    """A parameter of the missing physics, in the unit named, with its standard uncertainty."""
+
+    name: str
+    value: Finite
+    unit: str
+    u: Finite
+
+
+class EvidenceFor(Frozen):
+    """delta_bic: what the model gained, Bayesian information criterion, positive is better.
+
+    held_out_gain_nats: log-likelihood gained on segments that the fit did not see.
+    """
+
+    delta_bic: Finite
+    held_out_gain_nats: Finite
+
+
+class Consequence(Frozen):
+    """What leaving the physics out does to one value of the certificate."""
+
+    item: str
+    element: str
+    before: Finite | None
+    after: Finite | None
+    U: Finite | None
+    unit: str
+
+
+class VerdictChange(Frozen):
+    """A verdict against the tolerance that changes when the physics is taken into account."""
+
+    item: str
+    before: str
+    after: str
+
+
+class FindingSaid(Frozen):
+    """One piece of physics that the model left out."""
+
+    effect: str
+    family: str
+    title: Statement
+    channels: tuple[str, ...]
+    where: tuple[Where, ...]
+    parameters: tuple[FoundParameter, ...]
+    evidence: EvidenceFor
+    equation: str
+    source: str
+    follows: Statement | None = None
+    indistinguishable_from: tuple[str, ...] = ()
+    separating_recording: Statement | None = None
+    consequences: tuple[Consequence, ...] = ()
+    verdict_changes: tuple[VerdictChange, ...] = ()
+    statement: Statement
+
+
+class Detection(Frozen):
+    """p_value: of the strongest mismatch, corrected for how many were looked for."""
+
+    p_value: Finite
+    false_alarm_rate: Finite
+
+
+class HeldOut(Frozen):
+    """How the segments that a fit did not see are predicted, before and after."""
+
+    rms_ratio: Mapping[str, Finite]
+    chi2_per_dof_before: Finite
+    chi2_per_dof_after: Finite
+
+
+class Discrepancy(Frozen):
+    """The whole answer."""
+
+    format: Literal["mimu-discrepancy/1"] = "mimu-discrepancy/1"
+    recording_id: str
+    verdict: Verdict
+    detection: Detection
+    findings: tuple[FindingSaid, ...] = ()
+    held_out: HeldOut
+    figures: tuple[str, ...] = ()
+    remarks: tuple[Statement, ...] = ()
+    statement: Statement

@@ -1,0 +1,57 @@
+"""What was found where model and recording differ, as arrays; said by `tasks.explain.report`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.discrepancy import FoundParameter, HeldOut, Verdict
+from schemas.recording import ACCEL, GYRO, Recording
+from tasks.model.term import Text
+
+CHANNELS = GYRO + ACCEL
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One piece of physics that the model left out.
+
+    effect: its catalogue name, or `unnamed`. channels: indices 0 to 5 that it is seen in.
+    contribution: (n, 6) rad/s and m/s², what it adds to the readings, at the unit's rows.
+    gain: chi-squared that it explains beyond all the rest. follows: for what is unnamed.
+    """
+
+    effect: str
+    family: str
+    title: Text
+    equation: str
+    source: str
+    channels: tuple[int, ...]
+    parameters: tuple[FoundParameter, ...]
+    contribution: np.ndarray
+    gain: float
+    delta_bic: float
+    held_out_gain: float
+    indistinguishable: tuple[str, ...] = ()
+    separated_by: Text = ("", "")
+    follows: Text | None = None
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Everything that `explain` found in one recording.
+
+    nominal, found: (n, 6) predicted readings at the unit's rows, without and with the findings;
+    NaN where the motion is not known. noise: (6,) standard deviation of one sample at rest.
+    p_value: of the strongest mismatch, corrected for how many were looked for.
+    findings: ordered by evidence.
+    """
+
+    recording: Recording
+    nominal: np.ndarray
+    found: np.ndarray
+    noise: np.ndarray
+    p_value: float
+    verdict: Verdict
+    held_out: HeldOut
+    findings: tuple[Finding, ...]
+    remarks: tuple[Text, ...] = ()
