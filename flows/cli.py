@@ -97,6 +97,30 @@ def calibrate(
 
 
 @app.command()
+def explain(
+    run: options.Run,
+    out: options.ReportFolder = None,
+    calibration: options.Result = None,
+    simulated: options.Simulated = None,
+    as_json: options.Json = False,
+) -> None:
+    """Find where model and run differ, and which physics is missing."""
+    explained = _ordered(
+        "explain",
+        reference=run,
+        out=str(out) if out else None,
+        calibration=calibration,
+        simulated=str(simulated) if simulated else None,
+    )
+    if as_json:
+        print(explained.discrepancy.model_dump_json(indent=1))
+        return
+    from flows.explain import print_explained
+
+    print_explained(explained)
+
+
+@app.command()
 def certify(
     run: options.Run,
     method: options.Method = None,
@@ -180,8 +204,8 @@ def _ordered(name: str, **parameters: Any) -> Any:
     from flows.server import server_named
     from tasks.stages.estimate import check_method, check_uncertainty
 
-    check_method(parameters["method"])
-    check_uncertainty(parameters["uncertainty"])
+    check_method(parameters.get("method"))
+    check_uncertainty(parameters.get("uncertainty", "gum"))
     if server_named():
         return _as_flow(name, **parameters)
     from flows import orders

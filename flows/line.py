@@ -18,6 +18,7 @@ from storage.store import Due, Run
 from tasks.certificate.names import verdict_words
 from tasks.stages import as_tasks
 from tasks.stages.certify import Issued
+from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.station.sequence import Acquired
 
@@ -78,6 +79,20 @@ def calibrate(
     return calibration
 
 
+@flow(name="explain", flow_run_name="explain {reference}")
+def explain(
+    reference: str,
+    out: str | None = None,
+    calibration: str | None = None,
+    simulated: str | None = None,
+    home_folder: str | None = None,
+) -> Explained:
+    """Say where model and run differ, which physics was left out, and what it matters."""
+    explained = orders.explain(as_tasks, reference, out, calibration, simulated, home_folder)
+    _show_discrepancy(explained)
+    return explained
+
+
 @flow(name="certify", flow_run_name="certify {reference}")
 def certify(
     reference: str,
@@ -122,6 +137,17 @@ def _show_certificate(issued: Issued) -> None:
         markdown=f"# {certificate.number}: {verdict}\n\n{reasons}\n\n"
         f"Recalibration due {certificate.due}. PDF: `{issued.pdf}`",
         description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
+    )
+
+
+def _show_discrepancy(explained: Explained) -> None:
+    """The verdict and what was found as a Prefect artifact."""
+    discrepancy = explained.discrepancy
+    said = (discrepancy.statement, *(found.statement for found in discrepancy.findings))
+    create_markdown_artifact(
+        key="discrepancy",
+        markdown=f"# {discrepancy.verdict}\n\n" + "\n\n".join(each.en for each in said),
+        description=f"Where model and recording {discrepancy.recording_id} differ",
     )
 
 

@@ -65,6 +65,21 @@ CalibratedOn = Annotated[
         help="Day of calibration, for a recording that does not say when it was made.",
     ),
 ]
+ReportFolder = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder for the report; nothing is written without it."),
+]
+Result = Annotated[
+    str | None,
+    typer.Option(
+        metavar="RESULT",
+        help="Result id or mimu-calibration/1 file; default: the model is fitted to the run.",
+    ),
+]
+Simulated = Annotated[
+    Path | None,
+    typer.Option(metavar="PATH", help="The same run as another simulator has it: a recording."),
+]
 Paths = Annotated[
     list[Path],
     typer.Argument(metavar="PATH...", help="mimu-recording/1 folders, MCAP files, ROS 2 bags."),

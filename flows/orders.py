@@ -17,6 +17,7 @@ from schemas.calibration import Calibration, Method
 from storage import settings, store
 from storage.home import Home, home
 from tasks.stages.certify import Issued
+from tasks.stages.explain import Explained
 from tasks.stages.record import path_of
 from tasks.station.fixture import check_attended
 from tasks.station.sequence import Acquired
@@ -58,6 +59,22 @@ def calibrate(
     run = run_of(reference, folder, stages)
     calibration: Calibration = stages.estimate_items(run, folder, method, uncertainty)
     return calibration
+
+
+def explain(
+    stages: ModuleType,
+    reference: str,
+    out: str | None,
+    calibration: str | None,
+    simulated: str | None,
+    home_folder: str | None = None,
+) -> Explained:
+    """Say which physics the standard's model leaves out of a run."""
+    folder = place(home_folder)
+    run = run_of(reference, folder, stages)
+    report, other = (Path(named) if named else None for named in (out, simulated))
+    explained: Explained = stages.explain_run(run, folder, report, calibration, other)
+    return explained
 
 
 def certify(

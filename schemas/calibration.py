@@ -72,6 +72,24 @@ class Information(Frozen):
     zh: str
 
 
+class AdoptedParameter(Frozen):
+    """A parameter of an adopted term, in the unit named, with its standard uncertainty."""
+
+    name: str
+    value: Finite
+    unit: str
+    u: Finite
+
+
+class AdoptedTerm(Frozen):
+    """Physics beside the standard's model that was found, and taken off before the clauses."""
+
+    name: str
+    title: str
+    title_zh: str
+    parameters: tuple[AdoptedParameter, ...] = ()
+
+
 class SegmentUsed(Frozen):
     """A segment as it was used: found or labelled, and what was left out of its means."""
 
@@ -105,6 +123,9 @@ class Calibration(Frozen):
     code_version: str
     procedure: str
     settings: dict[str, Finite | str | None]
+    terms: tuple[AdoptedTerm, ...] = Field(
+        default=(), description="physics beside models (1) and (2), taken off the readings"
+    )
     items: dict[str, Item]
     information: dict[str, Information] = Field(default_factory=dict)
     unavailable: dict[str, str]

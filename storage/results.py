@@ -1,6 +1,11 @@
-"""Results in the store: each new one supersedes the older of its run and method, and says why."""
+"""Results in the store: each new one supersedes the older of its like, and says why.
+
+Alike are results of one run by one method with the same terms adopted beside the standard's: a
+result with a further term stands beside the one without it, and neither supersedes the other.
+"""
 
 import hashlib
+import json
 from datetime import UTC, datetime
 
 import sqlalchemy as sql
@@ -43,7 +48,7 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
     """`save_result` within a transaction; one writer at a time for each run."""
     _lock_run(connection, calibration)
     document = calibration.model_dump_json()
-    latest = connection.execute(_latest(calibration.run, calibration.method)).one_or_none()
+    latest = _latest(connection, calibration)
     if latest is not None and latest.document == document:
         return str(latest.id)
     before = None if latest is None else str(latest.id)
@@ -66,11 +71,19 @@ def results(run: Run, home: Home) -> list[Result]:
     """Every result of a run, the oldest first."""
     table = catalog.results.c
     statement = sql.select(catalog.results).where(table.run == run.id).order_by(table.made_at)
-    names = [name for name in Result.model_fields if name in table]
-    return [
-        Result(calibration=calibration_of(row), **{name: row._mapping[name] for name in names})
-        for row in catalog.rows(home, statement)
-    ]
+    return [_result(row) for row in catalog.rows(home, statement)]
+
+
+def named_result(reference: str, home: Home) -> Result:
+    """The result with this id, of whatever run; raises Unusable where there is none."""
+    statement = sql.select(catalog.results).where(catalog.results.c.id == reference)
+    for row in catalog.rows(home, statement):
+        return _result(row)
+    raise Unusable(
+        f"There is no result {reference!r} in {home.path} and no such file; give a file that "
+        "`mimucal calibrate RUN --json` printed, or a result's id, as `mimucal show RUN --json` "
+        "lists them."
+    )
 
 
 def result_id(supersedes: str | None, document: str) -> str:
@@ -89,10 +102,30 @@ def calibration_of(row: sql.Row) -> Calibration:
         ) from error
 
 
-def _latest(run: str, method: Method) -> sql.Select:
+def _latest(connection: sql.Connection, calibration: Calibration) -> sql.Row | None:
+    """The result of the same run, method and adopted terms that nothing superseded yet."""
     table, newer = catalog.results, catalog.results.alias("newer")
     superseded = sql.exists().where(newer.c.supersedes == table.c.id)
-    return sql.select(table).where(table.c.run == run, table.c.method == method, ~superseded)
+    mine = (table.c.run == calibration.run, table.c.method == calibration.method)
+    adopted = [term.name for term in calibration.terms]
+    for row in connection.execute(sql.select(table).where(*mine, ~superseded)):
+        if _terms_of(row) == adopted:
+            return row
+    return None
+
+
+def _terms_of(row: sql.Row) -> list[str]:
+    """The names of the terms in a document, none for one that cannot be read."""
+    try:
+        return [str(term["name"]) for term in json.loads(row.document).get("terms", ())]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return []
+
+
+def _result(row: sql.Row) -> Result:
+    names = [name for name in Result.model_fields if name in catalog.results.c]
+    said = {name: row._mapping[name] for name in names}
+    return Result(calibration=calibration_of(row), **said)
 
 
 def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:

@@ -8,6 +8,7 @@ from typing import TypeVar
 from pydantic import ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
+from schemas.calibration import Calibration
 from schemas.certificate import Laboratory, Order
 from schemas.procedure import Procedure
 from schemas.station import StationFile
@@ -40,6 +41,11 @@ def read_order(path: Path) -> Order:
 def read_station(path: Path) -> StationFile:
     """A station to acquire from; raises Unusable for a bad file."""
     return _read(path, StationFile)
+
+
+def read_calibration(path: Path) -> Calibration:
+    """A result as `mimucal calibrate --json` prints it; raises Unusable for a bad file."""
+    return _read(path, Calibration)
 
 
 def read_procedure(path: Path) -> Procedure:

@@ -2,6 +2,7 @@
 
 from tasks.stages.certify import certify as publish
 from tasks.stages.estimate import estimate as estimate_items
+from tasks.stages.explain import explain_run
 from tasks.stages.record import acquire_run, take_in
 
-__all__ = ["acquire_run", "estimate_items", "publish", "take_in"]
+__all__ = ["acquire_run", "estimate_items", "explain_run", "publish", "take_in"]
