@@ -1,0 +1,283 @@
+"""A recording as `explain` sees it: readings and motion as means over even blocks of time.
+
+Blocks keep every sample's information below half their rate and make the cost of the search
+independent of the sampling rate. Rates, forces and angular accelerations are averaged from the
+full rate, so that the corners of a ramp are not missed.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import ACCEL, GYRO, Recording, Segment
+from tasks.motion.nudge import slope
+from tasks.motion.whole import Motion, whole_motion
+from tasks.segments.find import find_segments
+
+CHANNELS = GYRO + ACCEL
+SEARCH_RATE = 25.0  # Hz
+FEWEST_BLOCKS = 200
+SHAKEN = 1.3  # times the noise variance at rest: vibration
+SETTLE = 20.0  # s over which the unit's temperature is smoothed before it is differentiated
+
+
+@dataclass(frozen=True)
+class Observed:
+    """Readings and motion on even blocks.
+
+    t: (n,) s from the start of the run, block centres. readings: (n, 6); 0 where not used.
+    weight: (n, 6) root of the weight of a block, 1 for a full one at rest, 0: not used.
+    motion: at the blocks, with all that was recorded. rate: blocks a second.
+    segment: (n,) index into `segments`, −1 between them.
+    """
+
+    t: np.ndarray
+    readings: np.ndarray
+    weight: np.ndarray
+    motion: Motion
+    rate: float
+    segment: np.ndarray
+    segments: tuple[Segment, ...]
+
+
+@dataclass(frozen=True)
+class FullRate:
+    """The recording at the unit's own rows: readings (n, 6), motion with what was recorded."""
+
+    readings: np.ndarray
+    motion: Motion
+    segment: np.ndarray
+    segments: tuple[Segment, ...]
+    shaking: np.ndarray
+
+
+def full_rate(recording: Recording) -> FullRate:
+    """Motion and readings at the unit's rows.
+
+    Raises Unusable where the recording has no rates and forces, or tells no motion.
+    """
+    if not set(CHANNELS) & set(recording.imu.columns):
+        raise Unusable(
+            f"recording {recording.manifest.recording_id} has no gyro_* or accel_* columns; "
+            "explain needs rates or specific forces"
+        )
+    readings = recording.imu.stack(CHANNELS)
+    motion = whole_motion(recording)
+    if not motion.known.any():
+        raise Unusable(
+            f"recording {recording.manifest.recording_id} tells no motion: no table stream with "
+            "table_axes, no reference pose and no labelled segments; give one of them"
+        )
+    # A motion that is unknown in places (labels only) must not reach into its neighbours.
+    segments = recording.manifest.segments or find_segments(recording)
+    number = _numbers(recording.imu.t, segments)
+    variance = _noise_by_segment(readings, motion, number, len(segments))
+    recorded = _recorded(recording, motion.t, segments)
+    recorded["vibration"] = _vibration(variance, number)
+    motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
+    return FullRate(readings, motion, number, segments, variance)
+
+
+def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Observed:
+    """Block means at a rate (Hz), or the rows themselves where they are slower.
+
+    masked: (n, 6) bool, samples that must not be used.
+    """
+    t = full.motion.t
+    own = (len(t) - 1) / max(float(t[-1] - t[0]), 1e-9)
+    step = max(1, round(own / rate))
+    block = np.minimum(((t + 0.5 / own) * own / step).astype(int), int(t[-1] * own / step + 1))
+    count = int(block[-1]) + 1
+    if count < FEWEST_BLOCKS:
+        raise Unusable(
+            f"the recording lasts {t[-1]:.1f} s; explain needs at least {FEWEST_BLOCKS / rate:.0f} s"
+        )
+    usable = np.isfinite(full.readings) & full.motion.known[:, None]
+    if masked is not None:
+        usable &= ~masked
+    rows = np.bincount(block, minlength=count)
+    counts = np.column_stack([np.bincount(block, used, count) for used in usable.T.astype(float)])
+    readings = _means(np.where(usable, full.readings, 0.0), block, count, counts)
+    motion = _block_motion(full.motion, block, count, rows, step / own)
+    weight = np.sqrt(counts / step) * _relative(full, block, count)
+    weight[~motion.known] = 0.0
+    first = np.searchsorted(block, np.arange(count))
+    segment = full.segment[np.minimum(first, len(block) - 1)]
+    return Observed(
+        motion.t, readings, weight, motion, own / step, segment, full.segments
+    )
+
+
+def _means(
+    values: np.ndarray, block: np.ndarray, count: int, counts: np.ndarray
+) -> np.ndarray:
+    sums = np.column_stack([np.bincount(block, column, count) for column in values.T])
+    return np.divide(sums, counts, out=np.zeros_like(sums), where=counts > 0)
+
+
+def _block_motion(
+    motion: Motion, block: np.ndarray, count: int, rows: np.ndarray, width: float
+) -> Motion:
+    """Means of everything that is known; a block without rows repeats nothing: it is unknown."""
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        flat = values.reshape(len(values), -1)
+        total = np.column_stack([np.bincount(block, column, count) for column in flat.T])
+        with np.errstate(invalid="ignore"):
+            total = total / np.where(rows > 0, rows, np.nan)[:, None]
+        return np.asarray(total.reshape(count, *values.shape[1:]))
+
+    axes = motion.axes and replace(
+        motion.axes,
+        **{
+            name: mean(getattr(motion.axes, name))
+            for name in ("angles", "speeds", "directions", "base")
+        },
+    )
+    return Motion(
+        t=(np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max())),
+        up=mean(motion.up),
+        north=mean(motion.north),
+        rate=mean(motion.rate),
+        acceleration=mean(motion.acceleration),
+        gravity=motion.gravity,
+        axes=axes,
+        recorded={name: mean(course) for name, course in motion.recorded.items()},
+    )
+
+
+def _numbers(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
+    """Which segment each row lies in, −1 for none."""
+    number = np.full(len(t), -1)
+    for k, segment in enumerate(segments):
+        start, stop = np.searchsorted(t, (segment.t_start, segment.t_end))
+        number[start:stop] = k
+    return number
+
+
+def _noise_by_segment(
+    readings: np.ndarray, motion: Motion, number: np.ndarray, count: int
+) -> np.ndarray:
+    """(count + 1, 2) variance of a sample's noise in each segment, by triad; last: between them.
+
+    From second differences of what a straight-line fit leaves, by their median, so that neither
+    motion nor single bad samples count.
+    """
+    left = readings - plain_prediction(readings, motion)
+    rough = np.full_like(left, np.nan)
+    rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
+    variance = np.full((count + 1, 2), np.nan)
+    for k in range(-1, count):
+        rows = np.flatnonzero(number == k)
+        if len(rows) < 30:
+            continue
+        rows = rows[:: 1 + len(rows) // 4000]
+        for triad in range(2):
+            part = rough[rows, 3 * triad : 3 * triad + 3]
+            part = part[np.isfinite(part)]
+            if len(part):
+                variance[k, triad] = np.median(part) / 0.4549
+    return variance
+
+
+def plain_prediction(readings: np.ndarray, motion: Motion) -> np.ndarray:
+    """(n, 6) what the standard's model says, fitted by plain least squares to all rows."""
+    up, rate = np.nan_to_num(motion.up), np.nan_to_num(motion.rate)
+    one = np.ones((len(up), 1))
+    predicted = np.full(readings.shape, np.nan)
+    for channel in range(6):
+        columns = np.hstack([rate, up, one]) if channel < 3 else np.hstack([up, rate**2, one])
+        rows = np.isfinite(readings[:, channel]) & motion.known
+        if not rows.any():
+            continue
+        scale = np.sqrt((columns[rows] ** 2).mean(axis=0)) + 1e-12
+        scaled = columns / scale
+        normal = scaled[rows].T @ scaled[rows]
+        right = scaled[rows].T @ readings[rows, channel]
+        predicted[:, channel] = scaled @ (np.linalg.pinv(normal, rcond=1e-10) @ right)
+    return predicted
+
+
+def _relative(full: FullRate, block: np.ndarray, count: int) -> np.ndarray:
+    """(count, 6) root weight by the noise of the segment, 1 at rest."""
+    first = np.minimum(np.searchsorted(block, np.arange(count)), len(block) - 1)
+    variance = full.shaking
+    quiet = np.nanmedian(variance, axis=0) if np.isfinite(variance).any() else np.ones(2)
+    floor = np.nanmin(np.where(np.isfinite(variance), variance, np.inf), axis=0)
+    floor = np.where(np.isfinite(floor), np.minimum(quiet, 1.3 * floor), 1.0)
+    ratio = np.where(np.isfinite(variance), variance / np.where(floor > 0, floor, 1.0), 1.0)
+    ratio = np.where(ratio > SHAKEN, ratio, 1.0)
+    return np.asarray(np.repeat(1.0 / np.sqrt(ratio), 3, axis=1)[full.segment[first]])
+
+
+def _vibration(variance: np.ndarray, number: np.ndarray) -> np.ndarray:
+    """(n,) mean square of the accelerometers' noise beyond that of the quietest segments."""
+    accel = variance[:, 1]
+    if not np.isfinite(accel).any():
+        return np.zeros(len(number))
+    quiet = float(np.nanquantile(accel, 0.25))
+    return np.nan_to_num(np.maximum(accel - quiet, 0.0))[number]
+
+
+def _recorded(
+    recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
+) -> dict[str, np.ndarray]:
+    """What sensors of unit and room recorded, at the unit's rows, and which fixing it was."""
+    recorded = {}
+    if "temperature" in recording.imu.columns:
+        recorded["temperature"] = recording.imu.columns["temperature"]
+    if (room := recording.environment) is not None:
+        for name, course in room.columns.items():
+            key = "air_temperature" if name == "temperature" else name
+            recorded[key] = np.interp(t, room.t, course)
+    if "temperature" in recorded:
+        recorded["temperature"] = _filled(recorded["temperature"])
+        recorded["temperature_rate"] = _smooth_slope(t, recorded["temperature"])
+    recorded["fixing"] = _fixings(recording, t, segments)
+    recorded["steady_turn"] = np.zeros(len(t))
+    for segment in segments:
+        if segment.kind == "rate":
+            start, stop = np.searchsorted(recording.imu.t, (segment.t_start, segment.t_end))
+            recorded["steady_turn"][start:stop] = 1.0
+    return recorded
+
+
+def _filled(course: np.ndarray) -> np.ndarray:
+    known = np.isfinite(course)
+    rows = np.arange(len(course))
+    return np.interp(rows, rows[known], course[known]) if known.any() else np.zeros(len(course))
+
+
+def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
+    """Derivative by differences of means over SETTLE."""
+    grid = np.arange(t[0], t[-1] + SETTLE, SETTLE / 4)
+    cells = np.clip(np.searchsorted(grid, t, "right") - 1, 0, len(grid) - 1)
+    counts = np.maximum(np.bincount(cells, minlength=len(grid)), 1)
+    means = np.bincount(cells, course, len(grid)) / counts
+    held = counts > 1
+    means = np.interp(np.arange(len(grid)), np.flatnonzero(held), means[held])
+    kernel = np.ones(5) / 5
+    padded = np.concatenate([2 * means[0] - means[4:0:-1], means, 2 * means[-1] - means[-2:-6:-1]])
+    smooth = np.convolve(np.convolve(padded, kernel, "valid"), kernel, "valid")
+    return np.interp(t, grid + SETTLE / 8, slope(grid, smooth))
+
+
+def _fixings(
+    recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
+) -> np.ndarray:
+    """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
+
+    The positions on a table of several axes are one; each upright axis of the rates is another.
+    """
+    several = len(recording.manifest.station.table_axes or ()) > 1
+    number, at, last = np.zeros(len(t)), 0, None
+    for segment in segments:
+        if segment.up is None:
+            continue
+        block = "positions" if several and segment.item == "twelve_position" else segment.up
+        if last is not None and block != last:
+            at += 1
+            number[np.searchsorted(t, segment.t_start) :] = at
+        last = block
+    return number

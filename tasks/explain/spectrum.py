@@ -1,0 +1,88 @@
+"""Noise in bands of frequency: S(f) = w + b/f for each channel, and what it makes of sums.
+
+Even reflection and Fourier transform are one real transform, the DCT: in it noise is nearly
+independent from coefficient to coefficient, whitening is a division, and a band of frequencies
+is a slice. Odd reflection would hang the whole pad on one noisy sample; even reflection does not.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import dct
+
+SINGLE = 8  # lowest coefficients that are bands of their own
+PER_OCTAVE = 4
+MIDDLE = (0.006, 1.0)  # Hz: where flicker is read off
+TOP = 0.5  # of the band, from where up noise is white
+STEEPEST = 15.0  # Hz: largest corner b/w that a unit may have
+MEDIAN = 0.4549  # of a squared standard normal
+
+
+@dataclass(frozen=True)
+class Bands:
+    """Slices of the DCT's coefficients and their mean frequencies (k,) Hz."""
+
+    edges: np.ndarray
+    frequency: np.ndarray
+
+    @property
+    def sizes(self) -> np.ndarray:
+        return np.diff(self.edges)
+
+
+def bands_of(count: int, rate: float) -> Bands:
+    """Bands of n coefficients at `rate` Hz: single ones at first, then four an octave.
+
+    The first coefficient, the mean, stands with the second.
+    """
+    edges = [0, *range(2, SINGLE + 1)]
+    while edges[-1] < count:
+        edges.append(min(count, max(edges[-1] + 1, round(edges[-1] * 2 ** (1 / PER_OCTAVE)))))
+    cut = np.array(edges)
+    frequency = 0.5 * (cut[:-1] + cut[1:] - 1) * rate / (2 * count)
+    return Bands(cut, np.maximum(frequency, 0.5 * rate / (2 * count)))
+
+
+def transformed(columns: np.ndarray) -> np.ndarray:
+    """DCT of each row of (k, n), orthonormal."""
+    return np.asarray(dct(columns, type=2, norm="ortho", axis=-1, workers=-1))
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of one channel's blocks: variance of a coefficient at f is w + b/f (+ q/f²)."""
+
+    white: float
+    flicker: float
+
+    def variance(self, frequency: np.ndarray) -> np.ndarray:
+        return self.white + self.flicker / frequency
+
+
+def noise_of(left: np.ndarray, bands: Bands) -> Noise:
+    """White and flicker noise of what a fit left, in DCT coefficients (n,).
+
+    White from the upper half of the band; flicker from the middle, by maximum likelihood
+    (Whittle) over bands whose power is a median: lines and steps of physics not yet found are
+    sparse there, noise is not.
+    """
+    cut = bands.edges
+    start = int(TOP * len(left))
+    middle = (bands.frequency > MIDDLE[0]) & (bands.frequency < MIDDLE[1]) & (bands.sizes >= 3)
+    power, sizes, frequency = [], bands.sizes[middle], bands.frequency[middle]
+    for k in np.flatnonzero(middle):
+        power.append(np.median(left[cut[k] : cut[k + 1]] ** 2) / MEDIAN)
+    # Small medians are biased upwards: 1 + 0.58/n to first order.
+    levels = np.array(power) / (1.0 + 0.58 / np.maximum(sizes, 1))
+    white = float(np.mean(left[start:] ** 2))
+    if white <= 0 or not len(levels):
+        return Noise(max(white, 1e-30), 0.0)
+    top = 0.75 * bands.frequency[-1]
+    best, flicker = np.inf, 0.0
+    for corner in np.concatenate([[0.0], np.geomspace(1e-4, STEEPEST, 60)]):
+        level = white / (1.0 + corner / top)
+        expected = level * (1.0 + corner / frequency)
+        cost = float((sizes * (np.log(expected) + levels / expected)).sum())
+        if cost < best:
+            best, flicker = cost, level * corner
+    return Noise(white - flicker / top, flicker)
