@@ -1,11 +1,14 @@
-"""Where the sensors sit: the lever arm from the rotation axes."""
+"""Where the sensors sit and how they are held: lever arms, a fixture that bends, re-fixing."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.recording import AXES
+from schemas.recording import AXES, Recording
+from tasks.model.parameters import DEG, each_axis, each_pair, turned
 from tasks.model.term import Inputs, Parameter, Term
+from tasks.model.terms.standard import OFF_DIAGONAL
+from tasks.model.turning import turned_by
 from tasks.motion.whole import Motion
 
 
@@ -20,5 +23,114 @@ class LeverArm(Term):
 
 LEVER_ARM = LeverArm(
     "lever_arm", "geometry", "input", "f = f₀ + ω̇×r + ω×(ω×r)", "rigid-body kinematics",
-    tuple(Parameter(a, f"r_{a}", "m", 1.0, (-0.3, 0.3)) for a in AXES),
+    each_axis("r", "r", ("m", 1.0, 0.3)),
+    title=("lever arm", "杆臂效应"),
+    confused_with=("size_effect", "structural_compliance"),
+    separated_by=(
+        "ramps of at least 100 deg/s2 about all three axes, and the unit moved on the payload by "
+        "a known distance",
+        "三轴均含不小于100°/s²的角加速段，并将产品在台面上移动已知距离后重测",
+    ),
 )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SizeEffect(Term):
+    """Each accelerometer at its own place; all at one place is the lever arm."""
+
+    def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
+        places = values.reshape(3, 3)  # accelerometer, component
+        w, a = motion.rate, motion.acceleration
+        along = w @ places.T  # ω·rᵢ
+        square = (w**2).sum(axis=1)[:, None]
+        force = inputs.force + w * along - square * np.diag(places)
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            force[:, i] += a[:, j] * places[i, k] - a[:, k] * places[i, j]
+        return Inputs(inputs.rate, force)
+
+
+SIZE_EFFECT = SizeEffect(
+    "size_effect", "geometry", "input", "fᵢ = f₀ᵢ + [ω̇×rᵢ + ω×(ω×rᵢ)]ᵢ",
+    "Titterton and Weston, Strapdown Inertial Navigation Technology, 2004; IEEE Std 836",
+    each_pair("r", ("m", 1.0, 0.3)),
+    title=("size effect: each accelerometer at its own place", "尺寸效应（各加速度计内杆臂）"),
+    confused_with=("lever_arm", "structural_compliance"),
+    separated_by=(
+        "ramps and steady turns about at least three axes that no common point explains, among "
+        "them one that is not along an axis of the unit",
+        "绕至少三个轴（其中一个不与产品轴重合）的匀速与角加速试验，共同参考点无法解释其结果",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StructuralCompliance(Term):
+    """The fixture bends with the square of the rates: a small rotation φ = C·(ωx², ωy², ωz²)."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        bend = np.zeros((3, 3))
+        for (i, j), value in zip(OFF_DIAGONAL, values, strict=True):
+            bend[i, j] = value
+        turn = motion.rate**2 @ bend.T
+        change = 2.0 * (motion.rate * motion.acceleration) @ bend.T
+        return turned_by(motion, turn, change, motion.rate)
+
+
+STRUCTURAL_COMPLIANCE = StructuralCompliance(
+    "structural_compliance", "geometry", "motion",
+    "φᵢ = Σⱼ C_ij·ωⱼ², j ≠ i; v′ = v − φ×v for rate and force",
+    "small rotation of an elastic fixture; IEEE Std 836",
+    each_pair("C", ("rad/(rad/s)2", 1.0, 1e-3), OFF_DIAGONAL),
+    title=("fixture that bends with the square of the rate", "工装随角速率平方的弹性变形"),
+    confused_with=("lever_arm", "size_effect", "gyro_scale_nonlinearity"),
+    separated_by=(
+        "the same rates on a stiffer or lighter fixture, and with the unit's centre of mass on "
+        "the axis",
+        "换用刚度更高（或更轻）的工装、并使产品质心落在转轴上，重复同样的速率点",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class RemountMisalignment(Term):
+    """After each re-fixing a constant small rotation against the first fixing."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        fixing = motion.recorded["fixing"]
+        turn = np.zeros_like(motion.up)
+        for number, vector in zip(_later_fixings(fixing), values.reshape(-1, 3), strict=True):
+            turn[fixing == number] = vector
+        return turned_by(motion, turn, None, motion.rate)
+
+
+def _later_fixings(fixing: np.ndarray) -> np.ndarray:
+    """The numbers of the fixings but the first, which the cross couplings soak up."""
+    return np.unique(fixing[np.isfinite(fixing)])[1:]
+
+
+def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
+    """A rotation vector for each fixing (n,) beyond the first: x_1, y_1, z_1, x_2 …"""
+    return RemountMisalignment(
+        "remount_misalignment", "geometry", "motion", "v′ = v − φₙ×v after re-fixing n",
+        "JJF 2003-2022 is silent; small rotation",
+        tuple(
+            Parameter(f"{a}_{number:.0f}", f"φ_{a}{number:.0f}", "deg", DEG, (-0.02, 0.02))
+            for number in _later_fixings(fixing) for a in AXES
+        ),
+        title=("attitude differs after each re-fixing", "重复装夹的安装角误差"),
+        confused_with=("axis_nonorthogonality", "axis_tilt", "bias_step"),
+        separated_by=(
+            "the same positions and rates in one fixing on a multi-axis table, or each fixing "
+            "taken twice",
+            "在多轴转台上一次装夹完成同样的位置与速率试验，或每种装夹重复两次",
+        ),
+    )  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """Lever arms and bending where it turned; re-fixing where it was re-fixed."""
+    turning = (LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE) if turned(motion) else ()
+    fixing = motion.recorded.get("fixing", np.zeros(1))
+    again = (remount_misalignment(fixing),) if len(_later_fixings(fixing)) else ()
+    return (*turning, *again)

@@ -1,0 +1,64 @@
+"""What an accelerometer does that model (2) has no place for."""
+
+from dataclasses import dataclass
+
+from schemas.recording import Recording
+from tasks.model.parameters import G, each_axis, own, same
+from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.model.terms.standard import ACCEL_FIRST
+from tasks.motion.whole import Motion
+
+ORDERS = (2, 3)
+
+
+@dataclass(frozen=True)
+class Nonlinearity(Term):
+    """A share of g, as a power of the specific force; shapes: the power."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        n = int(self.at[0])
+        return own(ACCEL_FIRST, inputs.force**n / motion.gravity ** (n - 1))
+
+
+def accel_nonlinearity(order: int) -> Nonlinearity:
+    """Of second or third order."""
+    return Nonlinearity(
+        "accel_nonlinearity", "accelerometer", "sensor", f"a′ᵢ = cᵢ·fᵢ^{order}/g^{order - 1}",
+        "IEEE Std 1293", each_axis("coefficient", "c", ("1", 1.0, 0.02)),
+        (Parameter("order", "n", "1", 1.0, (2.0, 3.0)),), (float(order),),
+        title=(
+            f"nonlinearity of order {order}",
+            f"加速度计{('二', '三')[order - 2]}阶非线性",
+        ),
+        confused_with=("accel_saturation", "vibration_rectification", "structural_compliance"),
+        separated_by=(
+            "a tumble in steps of 30 deg or finer in the field of gravity, or a centrifuge",
+            "重力场中步距不大于30°的多位置翻滚试验，或离心机试验",
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class VibrationRectification(Term):
+    """A bias that follows the power of the vibration."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        return same(motion.recorded["vibration"], (3, 4, 5))
+
+
+VIBRATION_RECTIFICATION = VibrationRectification(
+    "vibration_rectification", "accelerometer", "sensor", "a′ᵢ = cᵢ·⟨a_vib²⟩", "IEEE Std 1293",
+    each_axis("coefficient", "c", ("g/g2", G, 0.1 / G)),
+    title=("bias that follows vibration power", "加速度计振动整流误差"),
+    confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
+    separated_by=(
+        "rests on a shaker or beside a running motor, at several levels of vibration",
+        "静止状态下在振动台上施加若干量级的振动，比较零偏",
+    ),
+)  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """Nonlinearity always, rectification where vibration was seen."""
+    shaken = (VIBRATION_RECTIFICATION,) if "vibration" in motion.recorded else ()
+    return (*(accel_nonlinearity(order) for order in ORDERS), *shaken)

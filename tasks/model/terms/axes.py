@@ -1,0 +1,137 @@
+"""The table's axes as they stand: base not level, axes not square, an axis that wobbles."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import DEG, one
+from tasks.model.term import Parameter, Term
+from tasks.model.turning import level_axes, turned_by
+from tasks.motion.whole import Motion, TableAxes
+
+PARALLEL = 0.1  # sine of the angle between axes below which they have no common normal
+UPRIGHT = 0.7  # share of the first axis along the vertical above which it is a vertical one
+
+
+@dataclass(frozen=True)
+class AxisTilt(Term):
+    """The base turned by a small rotation vector that is level."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        level = level_axes(motion)
+        if level is None:
+            return motion
+        return turned_by(motion, values[0] * level[0] + values[1] * level[1], None, None)
+
+
+AXIS_TILT = AxisTilt(
+    "axis_tilt", "geometry", "motion", "up′ = up − φ×up, φ = φ_E·East + φ_N·North",
+    "IEEE Std 1554; small rotation",
+    one("east", "φ_E", ("deg", DEG, 0.02)) + one("north", "φ_N", ("deg", DEG, 0.02)),
+    title=("table's base not level", "转台基座不水平（主轴铅垂度误差）"),
+    confused_with=("axis_wobble", "axis_nonorthogonality", "remount_misalignment"),
+    separated_by=(
+        "a level on the table at four angles of the outer axis, or slow turns of the outer axis "
+        "with each accelerometer level",
+        "用水平仪在外轴四个角位置测台面倾角，或加速度计处于水平状态时外轴慢速整周旋转",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AxisNonorthogonality(Term):
+    """Neighbouring axes not square: at each joint a small turn about their common normal."""
+
+    joints: tuple[int, ...] = field(kw_only=True)  # the outer axis of each, from 0
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        axes = motion.axes
+        if axes is None:
+            return motion
+        for k, angle in zip(self.joints, values, strict=True):
+            normal = np.cross(axes.directions[:, k], axes.directions[:, k + 1])
+            normal /= np.linalg.norm(normal, axis=1)[:, None]
+            motion = turned_by(motion, angle * normal, None, axes.outside(k + 1))
+        return motion
+
+
+def axis_nonorthogonality(joints: tuple[int, ...]) -> AxisNonorthogonality:
+    """An angle for each joint, between table axes k and k + 1, counted from 1."""
+    return AxisNonorthogonality(
+        "axis_nonorthogonality", "geometry", "motion", "φₖ = δₖ·(aₖ×aₖ₊₁)/|aₖ×aₖ₊₁| between axes",
+        "IEEE Std 1554; small rotation",
+        tuple(p for k in joints for p in one(f"angle_{k + 1}", f"δ_{k + 1}", ("deg", DEG, 0.02))),
+        joints=joints,
+        title=("table axes not square to each other", "转台轴线垂直度误差"),
+        confused_with=("axis_tilt", "axis_wobble", "remount_misalignment"),
+        separated_by=(
+            "the same attitudes reached by two different sets of table angles",
+            "用两组不同的转台角度到达同一姿态，比较加速度计输出",
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AxisWobble(Term):
+    """The upright first axis leans to East and North as sine and cosine of m·θ₀."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        level, axes = level_axes(motion), motion.axes
+        if level is None or axes is None:
+            return motion
+        m = self.at[0]
+        sin, cos = np.sin(m * axes.angles[:, 0]), np.cos(m * axes.angles[:, 0])
+        speed = m * axes.speeds[:, 0]
+        turn, change = np.zeros_like(motion.up), np.zeros_like(motion.up)
+        for direction, (s, c) in zip(level, values.reshape(2, 2), strict=True):
+            turn += (s * sin + c * cos)[:, None] * direction
+            change += ((s * cos - c * sin) * speed)[:, None] * direction
+        return turned_by(motion, turn, change, None)
+
+
+def axis_wobble(per_turn: int) -> AxisWobble:
+    """A wobble of the first axis once or twice a turn."""
+    return AxisWobble(
+        "axis_wobble", "geometry", "motion",
+        "φ = Σ (s·sin mθ + c·cos mθ)·East, North; rate φ̇ besides", "IEEE Std 1554",
+        tuple(
+            p for side in ("east", "north") for part in ("sin", "cos")
+            for p in one(f"{side}_{part}", f"φ_{side[0].upper()},{part}", ("deg", DEG, 0.01))
+        ),
+        (Parameter("per_turn", "m", "1", 1.0, (1.0, 2.0)),), (float(per_turn),),
+        title=(
+            f"rotation axis that wanders {('once', 'twice')[per_turn - 1]} a turn",
+            f"轴系倾角回转误差（每转{per_turn}次）",
+        ),
+        confused_with=("encoder_eccentricity", "axis_tilt", "rate_ripple"),
+        separated_by=(
+            "slow whole turns of the first axis, watched with a level or an autocollimator",
+            "第一轴慢速整周旋转，用水平仪或自准直仪监测轴线倾角",
+        ),
+    )  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """A tilt where a level direction is known; the rest where the table's axes are."""
+    tilt = (AXIS_TILT,) if level_axes(motion) is not None else ()
+    axes = motion.axes
+    if axes is None:
+        return tilt
+    joints = _joints(axes)
+    square = (axis_nonorthogonality(joints),) if joints else ()
+    upright = abs(float(_mean(np.abs((axes.directions[:, 0] * motion.up).sum(axis=1))))) > UPRIGHT
+    wobbles = (axis_wobble(1), axis_wobble(2)) if upright and axes.speeds[:, 0].any() else ()
+    return (*tilt, *square, *wobbles)
+
+
+def _joints(axes: TableAxes) -> tuple[int, ...]:
+    """The axes that are not parallel to the next one inside them."""
+    normals = np.cross(axes.directions[:, :-1], axes.directions[:, 1:])
+    sines = np.linalg.norm(normals, axis=2)
+    return tuple(k for k in range(sines.shape[1]) if _mean(sines[:, k]) > PARALLEL)
+
+
+def _mean(course: np.ndarray) -> float:
+    known = course[np.isfinite(course)]
+    return float(known.mean()) if len(known) else 0.0

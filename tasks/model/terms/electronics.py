@@ -1,0 +1,71 @@
+"""What the unit's electronics do to all channels: a low-pass."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+
+from schemas.recording import Recording
+from tasks.model.term import Parameter, Term
+from tasks.model.terms.timing import interval
+from tasks.motion.whole import Motion
+
+SETTLED = 20.0  # time constants after which the filter has forgotten
+
+
+@dataclass(frozen=True)
+class Bandwidth(Term):
+    """A Butterworth low-pass of second order on all channels, at rest before the first row.
+
+    In its time constant 1/(2π·corner) it is smooth through zero: a negative one looks ahead.
+    """
+
+    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
+        if not values[0]:
+            return readings
+        step = interval(motion)
+        known = np.isfinite(readings)
+        filled = _filled(readings, known)
+        # Both ends go on as they are; by then a ring of this length has forgotten the other end.
+        more = int(np.ceil(SETTLED * abs(values[0]) / step)) + 1
+        count = next_fast_len(len(filled) + 2 * more, real=True)
+        padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
+        s = 2j * np.pi * rfftfreq(count, step)[:, None] * values[0]
+        passed = irfft(rfft(padded, axis=0) / (1.0 + np.sqrt(2.0) * s + s**2), count, axis=0)
+        return np.where(known, passed[more : more + len(filled)], np.nan)
+
+
+def _filled(readings: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """What is not known goes straight from what is before it to what is after it."""
+    if known.all():
+        return readings
+    rows = np.arange(len(readings))
+    filled = np.zeros_like(readings)
+    for channel, there in enumerate(known.T):
+        if there.any():
+            filled[:, channel] = np.interp(rows, rows[there], readings[there, channel])
+    return filled
+
+
+BANDWIDTH = Bandwidth(
+    "bandwidth", "electronics", "signal", "Y = X/(1 + √2·s + s²), s = j·2πf·T, corner = 1/(2πT)",
+    "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
+    (Parameter("time_constant", "T", "s", 1.0, (0.0, 0.05)),),
+    title=("the unit's low-pass", "产品带宽限制（低通滤波）"),
+    confused_with=("time_offset", "gyro_angular_acceleration"),
+    separated_by=(
+        "oscillation at several frequencies up to the corner: a low-pass lowers the amplitude, a "
+        "delay does not",
+        "多个频率直至转折频率的角振动试验：低通使幅值下降，纯时延不会",
+    ),
+)  # fmt: skip
+
+
+def corner(time_constant: float) -> float:
+    """Corner frequency, Hz, of a time constant in s."""
+    return 1.0 / (2.0 * np.pi * time_constant)
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """The low-pass, which any motion may show."""
+    return (BANDWIDTH,) if len(motion.t) > 1 else ()

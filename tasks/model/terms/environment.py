@@ -1,0 +1,121 @@
+"""What follows the unit's surroundings: temperature, supply."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import DEG, Printed, each_channel, same, triads
+from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.motion.whole import Motion
+
+REFERENCE = 25.0  # °C
+TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
+
+
+@dataclass(frozen=True)
+class FollowsRecorded(Term):
+    """A bias that follows something recorded, from its reference; None: from its mean."""
+
+    course: str = field(kw_only=True)
+    reference: float | None = field(kw_only=True)
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        course = motion.recorded[self.course]
+        reference = np.nanmean(course) if self.reference is None else self.reference
+        return same(course - reference)
+
+
+@dataclass(frozen=True)
+class TemperatureScale(Term):
+    """A scale factor that follows the unit's own temperature."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        warmer = (motion.recorded["temperature"] - REFERENCE)[:, None]
+        return triads(inputs.rate * warmer, inputs.force * warmer)
+
+
+@dataclass(frozen=True)
+class ThermalTransient(Term):
+    """A bias that fades since power-on; shapes: its time constant."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        return same(np.exp(-motion.t / self.at[0]))
+
+
+def _per(unit: str, most_gyro: float, most_accel: float) -> tuple[Printed, Printed]:
+    """How biases per a unit are printed; largest plausible in rad/s and m/s² per it."""
+    return (f"(deg/s)/{unit}", DEG, most_gyro), (f"(m/s2)/{unit}", 1.0, most_accel)
+
+
+TEMPERATURE_BIAS = FollowsRecorded(
+    "temperature_bias", "environment", "sensor", "bᵢ = cᵢ·(T − 25 °C)",
+    "IEEE Std 1293; IEEE Std 1431", each_channel("c", *_per("K", 0.01, 0.1)),
+    course="temperature", reference=REFERENCE,
+    title=("bias that follows the temperature", "零偏温度系数"),
+    confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
+    separated_by=(
+        "rests at three temperatures of the chamber, each soaked until steady and taken both "
+        "warming and cooling",
+        "温箱三个温度点充分保温后静止测试，升温、降温各一次",
+    ),
+)  # fmt: skip
+TEMPERATURE_SCALE = TemperatureScale(
+    "temperature_scale", "environment", "sensor",
+    "ω′ᵢ = cᵢ·ωᵢ·(T − 25 °C); a′ᵢ = cᵢ·fᵢ·(T − 25 °C)", "IEEE Std 1293; IEEE Std 1431",
+    each_channel("c", ("1/K", 1.0, 2e-3), ("1/K", 1.0, 2e-3)),
+    title=("scale factor that follows the temperature", "标度因数温度系数"),
+    confused_with=("temperature_bias", "gyro_scale_nonlinearity", "clock_skew"),
+    separated_by=(
+        "the same rates and positions at three temperatures of the chamber",
+        "在温箱三个温度点重复同样的速率与位置试验",
+    ),
+)  # fmt: skip
+THERMAL_GRADIENT = FollowsRecorded(
+    "thermal_gradient", "environment", "sensor", "bᵢ = cᵢ·dT/dt", "IEEE Std 952",
+    each_channel("c", *_per("(K/s)", 1.0, 10.0)), course="temperature_rate", reference=0.0,
+    title=("bias that follows the rate of temperature change", "温变率（温度梯度）引起的零偏"),
+    confused_with=("temperature_bias", "thermal_transient", "bias_random_walk"),
+    separated_by=(
+        "rests through the same temperature while warming and while cooling at a known rate",
+        "以已知温变率升温与降温经过同一温度时的静止测试",
+    ),
+)  # fmt: skip
+SUPPLY_SENSITIVITY = FollowsRecorded(
+    "supply_sensitivity", "environment", "sensor", "bᵢ = cᵢ·(V − V̄)", "IEEE Std 1293; IEEE Std 952",
+    each_channel("c", *_per("V", 0.1, 1.0)), course="supply_voltage", reference=None,
+    title=("bias that follows the supply voltage", "零偏电源电压灵敏度"),
+    confused_with=("temperature_bias", "bias_random_walk"),
+    separated_by=(
+        "rests with the supply stepped to both limits of its range, at steady temperature",
+        "恒温静止状态下将电源电压分别调至允许范围上、下限",
+    ),
+)  # fmt: skip
+
+
+def thermal_transient(seconds: float) -> ThermalTransient:
+    """A warm-up with a time constant."""
+    return ThermalTransient(
+        "thermal_transient", "environment", "sensor", "bᵢ = cᵢ·e^(−t/τ)", "IEEE Std 1293",
+        each_channel("c", ("deg/s", DEG, 0.1), ("m/s2", 1.0, 1.0)),
+        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 2000.0)),), (seconds,),
+        title=("warm-up", "开机热瞬态（预热漂移）"),
+        confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
+        separated_by=(
+            "a rest of an hour from power-on, and the same again with the unit warm",
+            "冷态开机后静止1 h，热态下再重复一次",
+        ),
+    )  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """What follows a course that was recorded; a warm-up always."""
+    by_course: tuple[tuple[str, tuple[Term, ...]], ...] = (
+        ("temperature", (TEMPERATURE_BIAS, TEMPERATURE_SCALE)),
+        ("temperature_rate", (THERMAL_GRADIENT,)),
+        ("supply_voltage", (SUPPLY_SENSITIVITY,)),
+    )
+    recorded = (
+        term for course, terms in by_course if course in motion.recorded for term in terms
+    )
+    return (*recorded, *(thermal_transient(seconds) for seconds in TIME_CONSTANTS))

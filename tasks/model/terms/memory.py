@@ -1,0 +1,105 @@
+"""What a unit remembers: its last motion, a jump of its bias, a bias that wanders."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import DEG, STILL, each_axis, each_channel, own, same, turned
+from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.model.terms.standard import ACCEL_FIRST, GYRO_FIRST
+from tasks.motion.whole import Motion
+
+ANGLES = (0.03, 0.1, 0.3)  # rad
+TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
+
+
+@dataclass(frozen=True)
+class Hysteresis(Term):
+    """A bias with the sign of the last turn about the axis; shapes: the angle that sets it."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        step = np.diff(motion.t, prepend=motion.t[:1])
+        states = [last_turn(rate, step, self.at[0]) for rate in np.nan_to_num(motion.rate).T]
+        return own(GYRO_FIRST, np.column_stack(states))
+
+
+def last_turn(rate: np.ndarray, step: np.ndarray, angle: float) -> np.ndarray:
+    """State (n,) between −1 and 1 that goes to the sign of the rate within an angle of turning.
+
+    rate: (n,) rad/s; step: (n,) s since the row before. While it stands still the state stays; it
+    starts at 0. Within a turn of one sign s = sign − (sign − s₀)·e^(−ψ/angle), ψ since its start.
+    """
+    sign = np.where(np.abs(rate) > STILL, np.sign(rate), 0.0)
+    turned = np.cumsum(np.where(sign != 0.0, np.abs(rate) * step, 0.0))
+    starts = np.flatnonzero(np.diff(sign, prepend=np.nan) != 0)
+    ends = np.append(starts[1:], len(sign)) - 1
+    before = np.where(starts > 0, turned[starts - 1], 0.0)
+    kept = np.exp(-(turned[ends] - before) / angle)
+    state, first = 0.0, np.zeros(len(starts))
+    for n, (toward, stays) in enumerate(zip(sign[starts], kept, strict=True)):
+        first[n] = state
+        state = toward + (state - toward) * stays if toward else state
+    length = ends - starts + 1
+    began, since = np.repeat(first, length), turned - np.repeat(before, length)
+    return np.where(sign != 0.0, sign + (began - sign) * np.exp(-since / angle), began)
+
+
+def hysteresis(angle: float) -> Hysteresis:
+    """A memory of the last turn that an angle (rad) of turning sets anew."""
+    return Hysteresis(
+        "hysteresis", "memory", "sensor", "ω′ᵢ = hᵢ·sᵢ, dsᵢ/dψ = (sign ωᵢ − sᵢ)/ψ₀, ψ = ∫|ωᵢ|dt",
+        "IEEE Std 528", each_axis("amplitude", "h", ("deg/s", DEG, 0.02)),
+        (Parameter("angle", "ψ₀", "rad", 1.0, (0.01, 1.0)),), (angle,),
+        title=("bias that remembers the last motion", "零偏滞环（对前一次转动方向的记忆）"),
+        confused_with=("gyro_scale_asymmetry", "bias_step", "bias_random_walk"),
+        separated_by=(
+            "the same rest reached from both directions of turning, several times in turn",
+            "从正、反两个转动方向交替多次到达同一静止位置",
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class BiasStep(Term):
+    """The biases of one triad jump once; shapes: when."""
+
+    channels: tuple[int, ...] = field(kw_only=True)
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        return same((motion.t >= self.at[0]).astype(float), self.channels)
+
+
+def bias_step(first: int, time: float) -> BiasStep:
+    """A jump of the triad that starts at channel `first`, at a time in s."""
+    both = each_channel("Δb", ("deg/s", DEG, 0.05), ("m/s2", 1.0, 0.5))
+    return BiasStep(
+        "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
+        both[first : first + 3], (TIME,), (time,), channels=tuple(range(first, first + 3)),
+        title=("bias that jumps once", "零偏突变"),
+        confused_with=("bias_random_walk", "thermal_transient", "remount_misalignment"),
+        separated_by=(
+            "the same rest before and after, and the run again: a jump does not come again at "
+            "the same time",
+            "突变前后在同一位置静止比对，并重复整个试验：突变不会在同一时刻再现",
+        ),
+    )  # fmt: skip
+
+
+BIAS_RANDOM_WALK = Term(
+    "bias_random_walk", "memory", "sensor", "db = q·dW, variance q²·t", "IEEE Std 952", (),
+    title=("bias that wanders beyond the stated noise", "零偏随机游走（超出标称噪声）"),
+    confused_with=("thermal_transient", "bias_step", "temperature_bias"),
+    separated_by=(
+        "a rest of several hours at steady temperature: the Allan deviation rises as √τ",
+        "恒温静止数小时：Allan标准差随√τ上升",
+    ),
+)  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """A memory where it turned; one jump of each triad, half-way: when is searched elsewhere."""
+    remembers = tuple(hysteresis(angle) for angle in ANGLES) if turned(motion) else ()
+    half = 0.5 * float(motion.t[0] + motion.t[-1])
+    steps = (bias_step(GYRO_FIRST, half), bias_step(ACCEL_FIRST, half))
+    return (*remembers, *steps, BIAS_RANDOM_WALK)

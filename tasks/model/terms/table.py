@@ -1,0 +1,141 @@
+"""What the table's drive and encoders do: ripple, eccentricity, scale."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import DEG, one
+from tasks.model.term import Parameter, Term
+from tasks.motion.nudge import nudged
+from tasks.motion.whole import Motion
+
+MOST_PER_TURN = 24
+ARCSEC = 3600.0 * DEG
+AXIS = Parameter("axis", "k", "1", 1.0, (1.0, 9.0))  # table axis from outside, from 1
+
+
+@dataclass(frozen=True)
+class RateRipple(Term):
+    """The shaft runs ahead and behind N times a turn, between what the encoder can follow.
+
+    shapes: N, and the table axis from 1. Depth of the rate's ripple: √(s² + c²).
+    """
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        per_turn, axis = self.at
+        return _off_encoder(motion, int(axis) - 1, per_turn, values / per_turn)
+
+
+@dataclass(frozen=True)
+class EncoderEccentricity(Term):
+    """The encoder errs once a turn: the shaft is where it says, minus the error."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        return _off_encoder(motion, int(self.at[0]) - 1, 1.0, -values)
+
+
+def _off_encoder(motion: Motion, axis: int, per_turn: float, amplitudes: np.ndarray) -> Motion:
+    """A shaft at θ + s·sin Nθ + c·cos Nθ; amplitudes: s, c in rad."""
+    axes = motion.axes
+    if axes is None:
+        return motion
+    s, c = amplitudes
+    angle = per_turn * axes.angles[:, axis]
+    sin, cos = np.sin(angle), np.cos(angle)
+    change = (s * cos - c * sin) * per_turn * axes.speeds[:, axis]
+    direction = axes.directions[:, axis]
+    return nudged(motion, direction, s * sin + c * cos, change, axes.outside(axis))
+
+
+def rate_ripple(per_turn: int, axis: int) -> RateRipple:
+    """A ripple N times a turn of a table axis, counted from 1."""
+    return RateRipple(
+        "rate_ripple", "table", "motion", "θ̇ = θ̇₀·(1 + s·cos Nθ − c·sin Nθ)", "IEEE Std 1554",
+        one("depth_sin", "s", ("1", 1.0, 0.02)) + one("depth_cos", "c", ("1", 1.0, 0.02)),
+        (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MOST_PER_TURN))), AXIS),
+        (float(per_turn), float(axis)),
+        title=(f"rate ripple, {per_turn} times a turn", f"速率波动（每转{per_turn}次）"),
+        confused_with=("encoder_eccentricity", "axis_wobble", "mains_pickup"),
+        separated_by=(
+            "steady turns at two rates that are no multiple of each other: the ripple keeps its "
+            "place on the turn, and the accelerometers feel no tilt",
+            "以互不成倍数的两个速率匀速旋转：波动在圆周上的位置不变，且加速度计无倾角变化",
+        ),
+    )  # fmt: skip
+
+
+def encoder_eccentricity(axis: int) -> EncoderEccentricity:
+    """An encoder error once a turn of a table axis, counted from 1."""
+    return EncoderEccentricity(
+        "encoder_eccentricity", "table", "motion", "θ = θ_enc − (s·sin θ + c·cos θ)",
+        "IEEE Std 1554",
+        one("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
+        + one("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
+        (AXIS,), (float(axis),),
+        title=("encoder error once a turn", "测角编码器偏心误差（每转一次）"),
+        confused_with=("axis_wobble", "rate_ripple"),
+        separated_by=(
+            "the encoder against a polygon and an autocollimator over a whole turn, or the unit "
+            "turned by 90 deg on the payload: what follows the shaft is the table's",
+            "用多面棱体与自准直仪检定编码器整周误差，或产品在台面上转过90°后重测",
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class TableScale(Term):
+    """Every encoder says (1 + scale) of what its shaft turned; exact, for angles of many turns."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        axes = motion.axes
+        if axes is None:
+            return motion
+        share = -values[0] / (1.0 + values[0])
+        up, north, base = motion.up, motion.north, axes.base
+        rate = np.zeros_like(motion.rate)
+        for k in range(axes.angles.shape[1]):
+            direction, more = axes.directions[:, k], share * axes.angles[:, k]
+            up, north, base, rate = (_seen(v, direction, more) for v in (up, north, base, rate))
+            rate += ((1.0 + share) * axes.speeds[:, k])[:, None] * direction
+        # What turned was a little more or less fast, and so were its ramps.
+        slower = (1.0 + share) * motion.acceleration
+        return replace(
+            motion, up=up, north=north, rate=rate, acceleration=slower,
+            axes=replace(axes, base=base),
+        )  # fmt: skip
+
+
+def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) seen from what turned by angles (n,) about directions (n, 3) (Rodrigues)."""
+    along = (vector * direction).sum(axis=1)[:, None] * direction
+    sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    return along + cos * (vector - along) - sin * np.cross(direction, vector)
+
+
+TABLE_SCALE = TableScale(
+    "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
+    one("scale", "κ", ("1", 1.0, 2e-3)),
+    title=("table or encoder scale wrong", "转台角度（速率）标度误差"),
+    confused_with=("clock_skew", "temperature_scale"),
+    separated_by=(
+        "many whole turns from one mark to the same mark: gravity tells whether the angle closes",
+        "从同一标记起转多个整周再回到该标记：由重力方向判断转角是否闭合",
+    ),
+)  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """Nothing without the table's axes; ripple of each axis that turned more than once round."""
+    axes = motion.axes
+    if axes is None:
+        return ()
+    spans = [_span(course) for course in axes.angles.T]
+    whole = tuple(k for k, span in enumerate(spans, start=1) if k == 1 or span > 2.0 * np.pi)
+    ripples = (rate_ripple(n, axis) for axis in whole for n in range(2, MOST_PER_TURN + 1))
+    return (*ripples, *(encoder_eccentricity(axis) for axis in whole), TABLE_SCALE)
+
+
+def _span(course: np.ndarray) -> float:
+    known = course[np.isfinite(course)]
+    return float(np.ptp(known)) if len(known) else 0.0

@@ -1,0 +1,115 @@
+"""What the clocks do: a shift, a rate, axes read one after another."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import one
+from tasks.model.term import Term
+from tasks.model.terms.standard import ACCEL_FIRST
+from tasks.motion.whole import Motion
+
+NODES = range(-2, 4)  # rows about the one asked for that an interpolated reading rests on
+
+
+def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
+    """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's quintic.
+
+    Before the first and after the last row they stay as there. NaN near rows that are NaN.
+    """
+    count = len(readings)
+    whole = np.floor(-np.asarray(late, dtype=float))
+    part = -np.asarray(late) - whole
+    row = np.arange(count) + whole.astype(int)
+    shifted = np.zeros_like(readings)
+    for node in NODES:
+        weight = np.ones_like(part)
+        for other in NODES:
+            if other != node:
+                weight = weight * (part - other) / (node - other)
+        shifted += weight[..., None] * readings[np.clip(row + node, 0, count - 1)]
+    return shifted
+
+
+def interval(motion: Motion) -> float:
+    """Time between rows, s."""
+    return float(np.median(np.diff(motion.t)))
+
+
+@dataclass(frozen=True)
+class TimeOffset(Term):
+    """The unit's stamps are late: at t it says what happened at t − seconds."""
+
+    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return read_earlier(readings, values[0] / interval(motion)) if values[0] else readings
+
+
+TIME_OFFSET = TimeOffset(
+    "time_offset", "time", "signal", "y′(t) = y(t − τ)",
+    "definition of a time stamp; IEEE Std 1554",
+    one("seconds", "τ", ("s", 1.0, 0.1)),
+    title=("clocks of table and unit shifted", "转台与产品时间不同步（固定时延）"),
+    confused_with=("bandwidth", "gyro_angular_acceleration", "clock_skew"),
+    separated_by=(
+        "oscillation at several frequencies: a delay keeps the amplitude, a low-pass does not",
+        "多个频率的角振动试验：纯时延不改变幅值，低通滤波会使幅值下降",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class ClockSkew(Term):
+    """The unit's clock runs fast: what it stamps t happened at t/(1 + share)."""
+
+    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
+        if not values[0]:
+            return readings
+        late = motion.t * values[0] / (1.0 + values[0])
+        return read_earlier(readings, late / interval(motion))
+
+
+CLOCK_SKEW = ClockSkew(
+    "clock_skew", "time", "signal", "y′(t) = y(t/(1 + ε))",
+    "definition of a time stamp; IEEE Std 1139",
+    one("share", "ε", ("1", 1.0, 1e-3)),
+    title=("one clock runs fast", "时钟频率偏差"),
+    confused_with=("time_offset", "dropped_samples", "table_scale"),
+    separated_by=(
+        "the same short ramp at the beginning and at the end of the run, an hour apart",
+        "在试验开始与结束（相隔约1 h）各做一次相同的短时角加速段",
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class AccelAxisSkew(Term):
+    """The accelerometers are read one after another: y one step after x, z two."""
+
+    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
+        if not values[0]:
+            return readings
+        skewed = readings.copy()
+        for axis in (1, 2):
+            channel = slice(ACCEL_FIRST + axis, ACCEL_FIRST + axis + 1)
+            late = -axis * values[0] / interval(motion)
+            skewed[:, channel] = read_earlier(readings[:, channel], late)
+        return skewed
+
+
+ACCEL_AXIS_SKEW = AccelAxisSkew(
+    "accel_axis_skew", "time", "signal", "a′_y(t) = a_y(t + δ), a′_z(t) = a_z(t + 2δ)",
+    "sequential sampling; IEEE Std 1293", one("step", "δ", ("s", 1.0, 0.01)),
+    title=("accelerometer axes sampled one after another", "加速度计各轴采样时刻不一致"),
+    confused_with=("size_effect", "time_offset"),
+    separated_by=(
+        "turns about a level axis at several rates: a time step turns gravity by an angle that "
+        "follows the rate",
+        "绕水平轴以多个速率旋转：采样时差使重力分量的相位差与速率成正比",
+    ),
+)  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """Shifts of the clocks, which any motion may show."""
+    return (TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW) if len(motion.t) > 1 else ()
