@@ -121,6 +121,36 @@ def explain(
 
 
 @app.command()
+def simulate(
+    run: options.Run,
+    out: options.NewFolder,
+    calibration: options.OwnResult = None,
+    as_json: options.Json = False,
+) -> None:
+    """Write what a unit with a calibration would have read on a run's motion.
+
+    The recording is one that `explain --simulated` reads.
+    """
+    made = _ordered("simulate", reference=run, out=str(out), calibration=calibration)
+    if as_json:
+        _json(
+            {
+                "format": "mimu-simulate/1",
+                "path": str(made.folder),
+                "rows": made.rows,
+                "rows_left_out": made.rows_left_out,
+                "assumed_ideal": list(made.assumed),
+            }
+        )
+        return
+    print(made.folder)
+    if made.rows_left_out:
+        print(f"{made.rows_left_out} rows left out: how it moved is not known", file=sys.stderr)
+    if made.assumed:
+        print(f"taken as ideal, not calibrated: {', '.join(made.assumed)}", file=sys.stderr)
+
+
+@app.command()
 def certify(
     run: options.Run,
     method: options.Method = None,

@@ -20,6 +20,7 @@ from tasks.stages import as_tasks
 from tasks.stages.certify import Issued
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
+from tasks.stages.simulate import Simulated
 from tasks.station.sequence import Acquired
 
 
@@ -91,6 +92,17 @@ def explain(
     explained = orders.explain(as_tasks, reference, out, calibration, simulated, home_folder)
     _show_discrepancy(explained)
     return explained
+
+
+@flow(name="simulate", flow_run_name="simulate {reference}")
+def simulate(
+    reference: str,
+    out: str,
+    calibration: str | None = None,
+    home_folder: str | None = None,
+) -> Simulated:
+    """Write what a unit with a calibration would have read on a run's motion."""
+    return orders.simulate(as_tasks, reference, out, calibration, home_folder)
 
 
 @flow(name="certify", flow_run_name="certify {reference}")

@@ -76,6 +76,17 @@ Result = Annotated[
         help="Result id or mimu-calibration/1 file; default: the model is fitted to the run.",
     ),
 ]
+NewFolder = Annotated[
+    Path, typer.Option("--out", metavar="DIR", help="New folder for the simulated recording.")
+]
+OwnResult = Annotated[
+    str | None,
+    typer.Option(
+        "--calibration",
+        metavar="RESULT",
+        help="Result id or mimu-calibration/1 file; default: the run's own.",
+    ),
+]
 Simulated = Annotated[
     Path | None,
     typer.Option(metavar="PATH", help="The same run as another simulator has it: a recording."),

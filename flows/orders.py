@@ -19,6 +19,7 @@ from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.explain import Explained
 from tasks.stages.record import path_of
+from tasks.stages.simulate import Simulated
 from tasks.station.fixture import check_attended
 from tasks.station.sequence import Acquired
 from tasks.station.suits import check_suits
@@ -75,6 +76,20 @@ def explain(
     report, other = (Path(named) if named else None for named in (out, simulated))
     explained: Explained = stages.explain_run(run, folder, report, calibration, other)
     return explained
+
+
+def simulate(
+    stages: ModuleType,
+    reference: str,
+    out: str,
+    calibration: str | None,
+    home_folder: str | None = None,
+) -> Simulated:
+    """Write what a unit with a calibration would have read on a run's motion."""
+    folder = place(home_folder)
+    run = run_of(reference, folder, stages)
+    simulated: Simulated = stages.simulate_run(run, folder, Path(out), calibration)
+    return simulated
 
 
 def certify(

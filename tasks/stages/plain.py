@@ -4,5 +4,6 @@ from tasks.stages.certify import certify as publish
 from tasks.stages.estimate import estimate as estimate_items
 from tasks.stages.explain import explain_run
 from tasks.stages.record import acquire_run, take_in
+from tasks.stages.simulate import simulate_run
 
-__all__ = ["acquire_run", "estimate_items", "explain_run", "publish", "take_in"]
+__all__ = ["acquire_run", "estimate_items", "explain_run", "publish", "simulate_run", "take_in"]

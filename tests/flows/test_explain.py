@@ -1,0 +1,188 @@
+"""`mimucal explain` on the command line: what it prints, writes and refuses.
+
+The engine is replaced by one whose answer is known; the last tests run it as it is.
+"""
+
+import sys
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from schemas.discrepancy import FoundParameter, HeldOut
+from schemas.recording import Recording
+from storage.exchange import read_folder
+from tasks.explain.explanation import CHANNELS, Explanation, Finding
+
+SMALL = "real/ferraris_session"
+PLANT = "plant/plant_clean"
+STEP = 0.01  # deg/s that the known answer adds to gyro x
+
+
+def known_answer(recording: Recording, findings: int = 1) -> Explanation:
+    """A constant on gyro x, as if a finding."""
+    added = np.zeros((len(recording.imu.t), len(CHANNELS)))
+    nominal = recording.imu.stack(CHANNELS)
+    added[:, 0] = np.radians(STEP)
+    found = Finding(
+        effect="bias_step", family="memory", title=("bias step", "零偏阶跃"), equation="ω′ = ω + b",
+        source="test", channels=(0,), contribution=added, gain=100.0, delta_bic=90.0,
+        held_out_gain=40.0,
+        parameters=(FoundParameter(name="gyro_x", value=STEP, unit="deg/s", u=STEP / 20),),
+    )  # fmt: skip
+    return Explanation(
+        recording=recording, nominal=nominal, found=nominal + findings * added,
+        noise=np.full(len(CHANNELS), 1e-4), p_value=1e-9 if findings else 0.5,
+        verdict="explained" if findings else "no_mismatch", findings=(found,) * findings,
+        held_out=HeldOut(
+            rms_ratio={"gyro_x": 0.7}, chi2_per_dof_before=2.0, chi2_per_dof_after=1.0
+        ),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
+    """Has the engine find so many things; gives what it was last asked with."""
+
+    def finding(count: int) -> dict[str, Any]:
+        asked: dict[str, Any] = {}
+
+        def explain(recording: Recording, **more: Any) -> Explanation:
+            asked.update(more, recording=recording)
+            return known_answer(recording, count)
+
+        module = SimpleNamespace(explain=explain)
+        monkeypatch.setitem(sys.modules, "tasks.explain.explain", module)
+        return asked
+
+    return finding
+
+
+def test_json_is_the_document_of_the_contract(mimucal, shared, engine) -> None:
+    engine(1)
+    done = mimucal("explain", shared / PLANT, "--json")
+    assert done.code == 0, done.err
+    assert done.json["format"] == "mimu-discrepancy/1"
+    assert (done.json["recording_id"], done.json["verdict"]) == ("plant_clean", "explained")
+    (finding,) = done.json["findings"]
+    assert finding["effect"] == "bias_step"
+    assert finding["channels"] == ["gyro_x"]
+    assert finding["parameters"][0]["value"] == STEP
+    assert sum(where["share"] for where in finding["where"]) == pytest.approx(1.0)
+    moved = {(c["item"], c["element"]): c for c in finding["consequences"]}
+    bias = moved["gyro_bias", "x"]
+    assert bias["before"] - bias["after"] == pytest.approx(STEP, rel=1e-6)
+
+
+def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
+    mimucal, shared, engine
+) -> None:
+    engine(1)
+    done = mimucal("explain", shared / PLANT)
+    assert done.code == 0, done.err
+    assert "explained" in done.out
+    assert "bias_step" in done.out
+    assert "0.0100" in done.out
+    assert "gyro bias x" in done.out.lower()
+
+
+def test_no_mismatch_is_a_good_answer(mimucal, shared, engine) -> None:
+    engine(0)
+    done = mimucal("explain", shared / SMALL)
+    assert done.code == 0, done.err
+    assert done.out.startswith("no mismatch")
+
+
+def test_without_out_nothing_is_written_and_with_it_the_whole_report(
+    mimucal, shared, engine, tmp_path, monkeypatch
+) -> None:
+    engine(1)
+    monkeypatch.chdir(tmp_path)
+    before = {path.name for path in tmp_path.iterdir()}
+    assert mimucal("explain", shared / SMALL).code == 0
+    assert {path.name for path in tmp_path.iterdir()} - before == {"home"}
+    done = mimucal("explain", shared / SMALL, "--out", tmp_path / "a" / "report", "--json")
+    assert done.code == 0, done.err
+    written = {path.name for path in (tmp_path / "a" / "report").iterdir()}
+    assert {"report.html", "report.json", "prediction.parquet"} <= written
+    assert set(done.json["figures"]) <= written
+    table = pq.read_table(tmp_path / "a" / "report" / "prediction.parquet")
+    imu = read_folder(shared / SMALL).imu
+    assert table.column_names[0] == "t"
+    assert {f"{c}_{kind}" for c in CHANNELS for kind in ("nominal", "found")} <= set(
+        table.column_names
+    )
+    np.testing.assert_array_equal(table.column("t").to_numpy(), imu.t)
+
+
+def test_a_result_and_a_simulation_reach_the_engine(mimucal, shared, engine, tmp_path) -> None:
+    asked = engine(0)
+    calibration = mimucal("calibrate", shared / PLANT, "--json")
+    (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
+    assert mimucal("simulate", shared / PLANT, "--out", tmp_path / "sim").code == 0
+    done = mimucal(
+        "explain", shared / PLANT, "--calibration", kept["id"], "--simulated", tmp_path / "sim"
+    )
+    assert done.code == 0, done.err
+    assert asked["calibration"].run == calibration.json["run"]
+    simulated = read_folder(tmp_path / "sim").imu.stack(CHANNELS)
+    np.testing.assert_array_equal(asked["simulated"], simulated)
+
+
+def test_fitted_is_the_default(mimucal, shared, engine) -> None:
+    asked = engine(0)
+    assert mimucal("explain", shared / SMALL).code == 0
+    assert asked["calibration"] is None
+    assert asked["simulated"] is None
+
+
+def test_limits_in_the_home_say_whether_a_verdict_changes(mimucal, shared, engine, home) -> None:
+    engine(1)
+    bias = mimucal("calibrate", shared / PLANT, "--json").json["items"]["gyro_bias"]["value"]["x"]
+    middle = bias - STEP / 2
+    (home / "tolerances").mkdir()
+    (home / "tolerances" / "m.toml").write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nelements = ["x"]\n'
+        f"lower = {middle - 1}\nupper = {middle}\n",
+        encoding="utf-8",
+    )
+    done = mimucal("explain", shared / PLANT, "--json")
+    changes = {c["item"]: c for c in done.json["findings"][0]["verdict_changes"]}
+    assert (changes["gyro_bias"]["before"], changes["gyro_bias"]["after"]) == ("fail", "pass")
+    assert "fail → pass" in mimucal("explain", shared / PLANT).out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--calibration", "nowhere"), "no result"),
+        (("--simulated", "nowhere"), "nowhere"),
+        (("--out", "taken/below"), "--out"),
+    ],
+)
+def test_what_cannot_be_used_is_one_sentence(
+    mimucal, shared, engine, tmp_path, monkeypatch, arguments, says
+) -> None:
+    engine(1)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "taken").write_text("a file", encoding="utf-8")
+    done = mimucal("explain", shared / SMALL, *arguments)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.strip().count("\n") == 0
+    assert says in done.err
+
+
+def test_simulation_of_another_run_is_refused(mimucal, shared, engine) -> None:
+    engine(1)
+    done = mimucal("explain", shared / SMALL, "--simulated", shared / PLANT)
+    assert done.code == 2
+    assert "of the rows of" in done.err
+
+
+def test_run_that_does_not_exist_is_refused(mimucal, engine) -> None:
+    engine(1)
+    assert mimucal("explain", "r000").code == 2

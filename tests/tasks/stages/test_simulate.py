@@ -1,0 +1,123 @@
+"""A simulated run is what models (1) and (2) with a calibration's values read."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.recording import ACCEL, GYRO, Recording
+from storage import store
+from storage.exchange import read_folder
+from storage.home import Home
+from tasks.items import jjf2003
+from tasks.stages.explain import simulated_readings
+from tasks.stages.simulate import model_values, simulate_run, simulated_recording
+
+CHANNELS = GYRO + ACCEL
+RNG = np.random.default_rng(3)
+UNIT = {
+    "Kg": np.eye(3) + 1e-3 * RNG.standard_normal((3, 3)), "Bg": 1e-3 * RNG.standard_normal(3),
+    "G": 1e-6 * RNG.standard_normal((3, 3)), "Ka": np.eye(3) + 1e-3 * RNG.standard_normal((3, 3)),
+    "Ba": 0.01 * RNG.standard_normal(3), "P": 1e-3 * (1 - np.eye(3)) * RNG.standard_normal((3, 3)),
+}  # fmt: skip
+
+
+def calibrated(recording: Recording) -> Calibration:
+    return jjf2003.calibrate(recording, run="", code_version="")
+
+
+def test_the_units_own_readings_come_back(ideal_run: Callable[..., Recording]) -> None:
+    """Every element, unit and sign: by plain algebra there, by the items and the terms here."""
+    recording = ideal_run(dwell=10.0, **UNIT)
+    values, assumed = model_values(calibrated(recording))
+    made = simulated_recording(recording, values)
+    assert assumed == ()
+    np.testing.assert_array_equal(made.imu.t, recording.imu.t)
+    read, simulated = recording.imu.stack(CHANNELS), made.imu.stack(CHANNELS)
+    # Each rate about its axis is simulated from the items, which the clauses fit to 1e-6.
+    np.testing.assert_allclose(simulated[:, :3], read[:, :3], atol=2e-6)
+    np.testing.assert_allclose(simulated[:, 3:], read[:, 3:], atol=2e-5)
+
+
+def test_rate_sensitivity_without_the_models_sign_is_turned(ideal_run) -> None:
+    recording = ideal_run(dwell=10.0, **UNIT)
+    calibration = calibrated(recording)
+    item = calibration.items["accel_rate_sensitivity"].model_copy(update={"value_model": None})
+    plain = calibration.model_copy(
+        update={"items": calibration.items | {"accel_rate_sensitivity": item}}
+    )
+    np.testing.assert_array_equal(model_values(plain)[0], model_values(calibration)[0])
+
+
+def test_elements_that_were_not_determined_are_ideal_and_named(real) -> None:
+    values, assumed = model_values(calibrated(real("ln100_two_position")))
+    assert "gyro_g_sensitivity xy" in assumed
+    assert np.isfinite(values).all()
+
+
+def test_calibration_of_an_ahrs_cannot_simulate(plant) -> None:
+    from tasks.items import jjf1536
+
+    ahrs = jjf1536.calibrate(plant("ahrs_clean"), run="", code_version="")
+    with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):
+        model_values(ahrs)
+
+
+def test_a_run_whose_motion_nothing_tells_is_refused(ideal_run) -> None:
+    recording = ideal_run(dwell=1.0)
+    bare = replace(recording, manifest=recording.manifest.model_copy(update={"segments": None}))
+    with pytest.raises(Unusable, match="neither encoders nor a pose nor labels"):
+        simulated_recording(bare, model_values(calibrated(recording))[0])
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
+    ideal_run, home: Home, tmp_path: Path
+) -> None:
+    recording = ideal_run(dwell=2.0, **UNIT)
+    run, _ = store.keep(recording, home)
+    made = simulate_run(run, home, tmp_path / "simulated")
+    written = read_folder(made.folder)
+    assert (written.manifest.model_extra or {})["simulated"] is True
+    assert written.manifest.recording_id == "ideal_simulated"
+    assert (made.rows, made.rows_left_out) == (len(recording.imu), 0)
+    np.testing.assert_array_equal(written.imu.t, recording.imu.t)
+    with pytest.raises(Unusable, match="name a new folder"):
+        simulate_run(run, home, tmp_path / "simulated")
+
+
+def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) -> None:
+    recording = ideal_run(dwell=2.0)
+    run, _ = store.keep(recording, home)
+    made = simulate_run(run, home, tmp_path / "simulated")
+    readings = simulated_readings(recording, made.folder)
+    np.testing.assert_array_equal(readings, read_folder(made.folder).imu.stack(CHANNELS))
+
+
+def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tmp_path) -> None:
+    recording = ideal_run(dwell=2.0)
+    run, _ = store.keep(recording, home)
+    made = simulate_run(run, home, tmp_path / "simulated")
+    between = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 0.05))
+    readings = simulated_readings(between, made.folder)
+    given = read_folder(made.folder).imu.stack(CHANNELS)
+    np.testing.assert_allclose(readings[:-1], (given[:-1] + given[1:]) / 2, atol=1e-12)
+    assert np.isnan(readings[-1]).all()
+
+
+def test_simulation_of_another_time_is_refused(ideal_run, home, tmp_path) -> None:
+    recording = ideal_run(dwell=2.0)
+    run, _ = store.keep(recording, home)
+    made = simulate_run(run, home, tmp_path / "simulated")
+    later = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 1e4))
+    with pytest.raises(Unusable, match="0 % of the rows"):
+        simulated_readings(later, made.folder)
