@@ -1,0 +1,133 @@
+"""The catalogue holds what the contract names, says it in both languages, and is open."""
+
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from table_run import motion, recording
+
+from tasks.model import terms
+from tasks.model.catalogue import catalogue
+from tasks.model.events import EVENT_TEXTS
+from tasks.model.simulate import predict
+from tasks.model.term import Term, nominal_values
+from tasks.model.terms.standard import STANDARD_TERMS
+
+CONTRACT = Path(__file__).parents[3] / ".." / "shared" / "contracts" / "discrepancy.md"
+TERMS = catalogue(recording(), motion())
+NAMES = {term.name for term in TERMS} | set(EVENT_TEXTS)
+FAMILIES = {
+    "site", "geometry", "table", "time", "gyro", "accelerometer", "environment", "electronics",
+    "memory",
+}  # fmt: skip
+
+
+def of_each_name() -> list[Term]:
+    return list({term.name: term for term in TERMS}.values())
+
+
+def contract() -> dict[str, str]:
+    """Name -> family of the contract's table."""
+    found, family = {}, ""
+    for line in CONTRACT.read_text(encoding="utf-8").splitlines():
+        cells = [cell.strip() for cell in line.split("|")]
+        names = re.findall(r"`(\w+)`", cells[2]) if len(cells) == 5 else []
+        family = (cells[1] or family) if names else family
+        found |= dict.fromkeys(names, family)
+    return found
+
+
+def test_terms_and_events_are_the_contracts_names_and_families() -> None:
+    told = {term.name: term.family for term in TERMS}
+    told |= {event.name: event.family for event in EVENT_TEXTS.values()}
+    expected = contract()
+    assert len(expected) == 38
+    assert told == {name: family for name, family in expected.items() if name != "unnamed"}
+
+
+def test_no_event_is_a_term() -> None:
+    assert not {term.name for term in TERMS} & set(EVENT_TEXTS)
+
+
+@pytest.mark.parametrize("said", [*of_each_name(), *EVENT_TEXTS.values()], ids=lambda s: s.name)
+def test_an_effect_says_itself_in_both_languages(said: Term) -> None:
+    for text in (said.title, said.separated_by):
+        english, chinese = text
+        assert english.isascii()
+        assert re.search("[\u4e00-\u9fff]", chinese)
+    assert said.equation
+    assert said.source
+    assert said.family in FAMILIES
+    assert set(said.confused_with) <= NAMES - {said.name}
+    assert said.confused_with
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda t: f"{t.name}{t.at}")
+def test_parameters_have_units_and_a_plausible_range_around_the_ideal(term: Term) -> None:
+    assert len(term.at) == len(term.shapes)
+    assert len({parameter.name for parameter in term.parameters}) == len(term.parameters)
+    for parameter in (*term.parameters, *term.shapes):
+        low, high = parameter.plausible
+        assert low < high
+        assert parameter.unit
+        assert parameter.factor > 0
+    assert all(low <= 0.0 <= high for low, high in (p.plausible for p in term.parameters))
+    for value, shape in zip(term.at, term.shapes, strict=True):
+        assert shape.plausible[0] <= value <= shape.plausible[1]
+
+
+@pytest.mark.parametrize("term", [t for t in TERMS if t.parameters], ids=lambda t: t.name)
+def test_an_ideal_unit_shows_nothing_of_an_effect(term: Term) -> None:
+    ideal = nominal_values(STANDARD_TERMS)
+    with_it = predict((term, *STANDARD_TERMS), motion(), nominal_values((term, *STANDARD_TERMS)))
+    assert np.abs(with_it - predict(STANDARD_TERMS, motion(), ideal)).max() < 1e-12
+
+
+@pytest.mark.parametrize("term", [t for t in TERMS if t.shapes], ids=lambda t: f"{t.name}{t.at}")
+def test_variants_of_one_effect_differ_in_their_shapes(term: Term) -> None:
+    same = [t for t in TERMS if t.name == term.name and t.at == term.at]
+    assert len({tuple(p.name for p in t.parameters) for t in same}) == len(same)
+    assert term.shaped(term.at) == term
+
+
+def test_the_contracts_variants_are_there() -> None:
+    count = Counter(term.name for term in TERMS)
+    assert count["rate_ripple"] == 23  # only the outer axis goes round
+    assert count["axis_wobble"] == 2
+    assert count["accel_nonlinearity"] == count["gyro_scale_nonlinearity"] == 2
+    assert count["thermal_transient"] == 5
+    assert count["hysteresis"] == 3
+
+
+def test_what_was_not_recorded_is_no_candidate() -> None:
+    bare = replace(motion(), axes=None, recorded={}, north=np.full((2000, 3), np.nan))
+    missing = {t.name for t in TERMS} - {t.name for t in catalogue(recording(None), bare)}
+    assert missing == {
+        "earth_rotation", "axis_tilt", "axis_nonorthogonality", "axis_wobble", "rate_ripple",
+        "encoder_eccentricity", "table_scale", "remount_misalignment", "vibration_rectification",
+        "temperature_bias", "temperature_scale", "thermal_gradient", "supply_sensitivity",
+        "magnetic_sensitivity",
+    }  # fmt: skip
+
+
+def test_a_unit_that_never_turned_shows_nothing_of_turning() -> None:
+    still = replace(motion(), rate=np.zeros((2000, 3)), acceleration=np.zeros((2000, 3)))
+    names = {term.name for term in catalogue(recording(), still)}
+    assert not names & {"lever_arm", "gyro_scale_asymmetry", "hysteresis", "structural_compliance"}
+    assert {"gyro_g2_sensitivity", "accel_nonlinearity", "temperature_bias"} <= names
+
+
+def test_one_file_more_is_one_effect_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "tides.py").write_text(
+        "from tasks.model.term import Term\n"
+        "TIDE = Term('tide', 'site', 'input', 'g(t)', 'a test', ())\n"
+        "def candidates(recording, motion):\n"
+        "    return (TIDE,)\n",
+        encoding="utf-8",
+    )
+    monkeypatch.setattr(terms, "__path__", [*terms.__path__, str(tmp_path)])
+    added = [term.name for term in catalogue(recording(), motion())]
+    assert sorted(added) == sorted([*(term.name for term in TERMS), "tide"])
