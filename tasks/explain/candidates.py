@@ -1,15 +1,40 @@
 """What may be missing: the catalogue's terms and empirical ones, as columns of the pool."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tasks.explain.generic import slow_course
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 
 STEP = 1e-3  # of the plausible range: small enough to be linear
 TRIADS = ((0, 1, 2), (3, 4, 5))
+RANDOM_WALK = "bias_random_walk"
+WAVES = 30  # of a slow course, half a period and more over the run
+WALK, SMOOTH = 2.0, 4.0  # powers: a random walk, and what drifts more smoothly
+STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
+STEPS = 48  # times of a step that are tried
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Slow waves k = 1, 2, … of random size: variance q/k^power, the same in each channel's noise.
+
+    strength: variance of the fourth wave, in units of that with which it is measured.
+    """
+
+    power: float
+    strength: float
+
+    def precision(self, power_of_columns: np.ndarray) -> np.ndarray:
+        """1/variance (m,) of parameters at unit column size; power_of_columns: (m,) = uᵀS⁻¹u."""
+        waves = power_of_columns.reshape(-1, WAVES)
+        k = np.arange(1.0, WAVES + 1.0)
+        size = np.where(waves[:, 3] > 0, waves[:, 3], 1.0)[:, None]
+        variance = self.strength / size * (4.0 / k) ** self.power
+        return np.asarray(1.0 / (variance * np.maximum(waves, 1e-300))).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,13 +42,15 @@ class Candidate:
     """A term with some of its parameters, or all of them.
 
     members: numbers of its parameters within the pool; own: within the term. family: how many
-    members of its name were tried, which it is charged for.
+    members of its name were tried, which it is charged for. prior: of a course that is drawn at
+    random, whose many parameters are charged by their evidence instead.
     """
 
     term: Term
     members: tuple[int, ...]
     own: tuple[int, ...]
     tried: int
+    prior: Prior | None = None
 
     @property
     def name(self) -> str:
@@ -48,8 +75,7 @@ def columns_of(term: Term, motion: Motion) -> tuple[Column, ...]:
         low, high = parameter.plausible
         step = np.zeros(len(term.parameters))
         step[p] = STEP * (high - low)
-        rise = _read(term, motion, step) - _read(term, motion, -step)
-        found.append(_column(rise / (2.0 * step[p]), plain))
+        found.append(_column((_read(term, motion, step) - plain) / step[p], plain))
     return tuple(found)
 
 
@@ -70,10 +96,14 @@ def _column(change: np.ndarray, plain: np.ndarray) -> Column:
 def candidates_of(
     terms: Sequence[Term], motion: Motion
 ) -> tuple[tuple[Candidate, ...], tuple[Column, ...]]:
-    """The candidates of some terms, whole and in parts, and the columns they share."""
+    """The candidates of some terms, whole and in parts, and the columns they share.
+
+    A term that tells a `time` of what it does is tried at STEPS times; `bias_random_walk` and
+    its smoother sister are courses drawn at random.
+    """
     columns: list[Column] = []
     found: list[tuple[Term, tuple[int, ...], tuple[int, ...]]] = []
-    for term in terms:
+    for term in [one for each in terms for one in _variants(each, motion)]:
         own = columns_of(term, motion)
         first = len(columns)
         columns.extend(own)
@@ -81,10 +111,36 @@ def candidates_of(
             continue
         for part in _parts(own):
             found.append((term, tuple(first + p for p in part), part))
+    slow = tuple(_slow_ones(terms, len(columns)))
+    columns.extend(slow[0].term.columns(motion, Inputs(motion.rate, motion.force)))
     tried: dict[str, int] = {}
-    for term, _, _ in found:
-        tried[term.name] = tried.get(term.name, 0) + 1
-    return tuple(Candidate(t, m, o, tried[t.name]) for t, m, o in found), tuple(columns)
+    for name in [term.name for term, _, _ in found] + [one.name for one in slow]:
+        tried[name] = tried.get(name, 0) + 1
+    plain = (Candidate(t, m, o, tried[t.name]) for t, m, o in found)
+    return (*plain, *(replace(one, tried=tried[one.name]) for one in slow)), tuple(columns)
+
+
+def _variants(term: Term, motion: Motion) -> Iterator[Term]:
+    """The term at many times, where its shape is the time at which something happens."""
+    if [shape.name for shape in term.shapes] != ["time"]:
+        yield term
+        return
+    for share in (np.arange(STEPS) + 0.5) / STEPS:
+        yield term.shaped((float(motion.t[0] + share * (motion.t[-1] - motion.t[0])),))
+
+
+def _slow_ones(terms: Sequence[Term], first: int) -> Iterator[Candidate]:
+    """Candidates that share the columns of slow waves in all channels, WAVES for each."""
+    walk = next((term for term in terms if term.name == RANDOM_WALK), None)
+    for power in (WALK, SMOOTH):
+        if power == WALK and walk is None:
+            continue
+        term = slow_course(None if power == SMOOTH else walk, WAVES)
+        for part in (tuple(range(6)), *TRIADS, *((c,) for c in range(6))):
+            own = tuple(WAVES * c + k for c in part for k in range(WAVES))
+            members = tuple(first + p for p in own)
+            for strength in STRENGTHS:
+                yield Candidate(term, members, own, 1, Prior(power, strength))
 
 
 def _parts(columns: Sequence[Column]) -> Iterator[tuple[int, ...]]:

@@ -5,7 +5,7 @@ harmonics of the table's angle, products and powers, slow waves, and everything 
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.signal import lfilter
@@ -38,17 +38,19 @@ Courses = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
 class Follows(Term):
     """Readings of some channels follow one or more courses, each channel with its own factors.
 
-    courses: of motion, inputs and the channel, each (n,).
+    courses: of motion, inputs and the channel, each (n,); alike: the same for every channel.
     """
 
     channels: tuple[int, ...] = field(kw_only=True)
     courses: Courses = field(kw_only=True)
+    alike: bool = field(default=False, kw_only=True)
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        first = self.courses(motion, inputs, self.channels[0])
         return tuple(
             {channel: np.nan_to_num(course)}
             for channel in self.channels
-            for course in self.courses(motion, inputs, channel)
+            for course in (first if self.alike else self.courses(motion, inputs, channel))
         )
 
 
@@ -69,7 +71,12 @@ class Askew(Term):
 
 
 def follows(
-    key: str, title: Text, channels: tuple[int, ...], number: int, courses: Courses
+    key: str,
+    title: Text,
+    channels: tuple[int, ...],
+    number: int,
+    courses: Courses,
+    alike: bool = False,
 ) -> Follows:
     """An empirical term with `number` courses in each channel."""
     parameters = tuple(
@@ -81,7 +88,7 @@ def follows(
     )  # fmt: skip
     return Follows(
         UNNAMED, "unnamed", "sensor", f"reading += c·{key}", "empirical", parameters,
-        title=title, channels=channels, courses=courses,
+        title=title, channels=channels, courses=courses, alike=alike,
     )  # fmt: skip
 
 
@@ -155,7 +162,7 @@ def _after_moves() -> Iterator[Term]:
                 f"a relaxation after {of[0]}, e-folding in about {tau:g} s",
                 f"{of[1]}后的弛豫，时间常数约 {tau:g} s",
             )
-            yield follows(f"exp(−t/{tau:g} s) after {of[0]}", title, EVERY, 1, courses)
+            yield follows(f"exp(−t/{tau:g} s) after {of[0]}", title, EVERY, 1, courses, True)
 
 
 def _lags() -> Iterator[Term]:
@@ -194,7 +201,9 @@ def _lags() -> Iterator[Term]:
                 f"{of[0]}, lagging by about {tau:g} s",
                 f"{of[1]}，滞后约 {tau:g} s",
             )
-            yield follows(f"lag({key}, {tau:g} s)", title, channels, 1, courses)
+            yield follows(
+                f"lag({key}, {tau:g} s)", title, channels, 1, courses, key in ("ω²", "|ω|")
+            )
 
 
 def _others(channel: int) -> tuple[int, int]:
@@ -245,7 +254,7 @@ def _recorded(motion: Motion) -> Iterator[Term]:
             felt = inputs.rate if channel < 3 else inputs.force
             return [(motion.recorded[key] - np.nanmean(motion.recorded[key])) * felt[:, channel % 3]]
 
-        yield follows(key, of, EVERY, 1, courses)
+        yield follows(key, of, EVERY, 1, courses, True)
         title = (f"{of[0]} times the input", f"{of[1]}与输入之积")
         yield follows(f"{key}·input", title, EVERY, 1, scaled)
 
@@ -261,13 +270,7 @@ def _slow(motion: Motion) -> Iterator[Term]:
             return [np.sin(turned), np.cos(turned)]
 
         title = (f"a wave with a period of about {period:g} s", f"周期约 {period:g} s 的波动")
-        yield follows(f"wave of {period:g} s", title, EVERY, 2, courses)
-
-    def drift(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
-        share = (motion.t - motion.t[0]) / span
-        return [np.cos(np.pi * k * share) for k in range(1, 9)]
-
-    yield follows("slow drift", ("a slow drift over the run", "全程的缓慢漂移"), EVERY, 8, drift)
+        yield follows(f"wave of {period:g} s", title, EVERY, 2, courses, True)
 
 
 def _of_table(motion: Motion) -> Iterator[Term]:
@@ -295,12 +298,12 @@ def _harmonics(axis: int) -> Iterator[Term]:
             f"the angle of table axis {axis + 1}, {wave} times a turn",
             f"转台第 {axis + 1} 轴转角，每转 {wave} 次",
         )
-        yield follows(f"cos {wave}θ{axis + 1}", title, EVERY, 2, courses)
+        yield follows(f"cos {wave}θ{axis + 1}", title, EVERY, 2, courses, True)
 
 
 def _bumps(axis: int) -> Iterator[Term]:
-    for width in (0.3, 0.5):
-        for centre in np.arange(0.0, 2.0 * np.pi, np.pi / 8.0):
+    for width in (0.4,):
+        for centre in np.arange(0.0, 2.0 * np.pi, np.pi / 6.0):
 
             def course(motion: Motion, centre: float = centre, width: float = width) -> np.ndarray:
                 assert motion.axes is not None
@@ -318,3 +321,21 @@ def _bumps(axis: int) -> Iterator[Term]:
                 ),
                 course=course,
             )  # fmt: skip
+
+
+def slow_course(said: Term | None, waves: int) -> Follows:
+    """Slow waves of half a period and more over the run, in every channel.
+
+    said: the term whose name and texts it takes; without one it is `unnamed`.
+    """
+
+    def courses(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+        share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
+        return [np.cos(np.pi * k * share) for k in range(1, waves + 1)]
+
+    title = ("a slow drift that nothing recorded follows", "与任何记录量均无关的缓慢漂移")
+    drift = follows("slow waves", title, EVERY, waves, courses, True)
+    if said is None:
+        return drift
+    texts = ("name", "family", "equation", "source", "title", "confused_with", "separated_by")
+    return replace(drift, **{text: getattr(said, text) for text in texts})

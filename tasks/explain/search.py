@@ -103,7 +103,7 @@ def _projected(state: System, beside: Sequence[Candidate]) -> tuple[np.ndarray, 
     if not free:
         return normal, right
     shared = normal[:, free]
-    solved = inverse(normal[np.ix_(free, free)])
+    solved = inverse(normal[np.ix_(free, free)] + np.diag(_precision(state, beside, free)))
     return normal - shared @ solved @ shared.T, right - shared @ (solved @ right[free])
 
 
@@ -113,6 +113,8 @@ def _scored(
     members = [p for p in one.members if state.scale[p] and normal[p, p] > 1e-4]
     if not members:
         return None
+    if one.prior is not None:
+        return _evidence(normal, right, state, one)
     own = right[members]
     if len(members) == 1:
         gain, rank_ = float(own[0] ** 2 / normal[members[0], members[0]]), 1
@@ -143,7 +145,37 @@ def _gain(state: System, chosen: Sequence[Candidate]) -> float:
     if not free:
         return float(fixed)
     own = right[free]
-    return float(fixed + own @ inverse(state.normal[np.ix_(free, free)]) @ own)
+    block = state.normal[np.ix_(free, free)] + np.diag(_precision(state, chosen, free))
+    return float(fixed + own @ inverse(block) @ own)
+
+
+def _precision(state: System, chosen: Sequence[Candidate], free: Sequence[int]) -> np.ndarray:
+    """Prior precision (m,) of the free parameters at unit column size; zero for most."""
+    precision = np.zeros(len(state.scale))
+    for one in chosen:
+        if one.prior is not None:
+            precision[list(one.members)] = one.prior.precision(_powers(state, one))
+    return precision[list(free)]
+
+
+def _powers(state: System, one: Candidate) -> np.ndarray:
+    scale = state.scale[list(one.members)]
+    return np.divide(1.0, scale**2, out=np.zeros_like(scale), where=scale > 0)
+
+
+def _evidence(normal: np.ndarray, right: np.ndarray, state: System, one: Candidate) -> Scored:
+    """Of a random course: 2·ln of how much likelier the readings are with it than without."""
+    assert one.prior is not None
+    members = list(one.members)
+    precision = one.prior.precision(_powers(state, one))
+    root = 1.0 / np.sqrt(precision)
+    seen = root * right[members]
+    block = np.eye(len(members)) + root[:, None] * normal[np.ix_(members, members)] * root
+    factor = np.linalg.cholesky(block)
+    half = np.linalg.solve(factor, seen)
+    gain = float(half @ half) - 2.0 * float(np.log(np.diag(factor)).sum())
+    price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.tried)
+    return Scored(one, gain, gain - price, float(np.exp(-0.5 * max(gain, 0.0))))
 
 
 def _put_right(

@@ -8,7 +8,7 @@ is a slice. Odd reflection would hang the whole pad on one noisy sample; even re
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import dct
+from scipy.fft import dct, next_fast_len
 
 SINGLE = 8  # lowest coefficients that are bands of their own
 PER_OCTAVE = 4
@@ -41,6 +41,11 @@ def bands_of(count: int, rate: float) -> Bands:
     cut = np.array(edges)
     frequency = 0.5 * (cut[:-1] + cut[1:] - 1) * rate / (2 * count)
     return Bands(cut, np.maximum(frequency, 0.5 * rate / (2 * count)))
+
+
+def padded_length(count: int) -> int:
+    """A length not below `count` that transforms fast."""
+    return int(next_fast_len(count, real=True))
 
 
 def transformed(columns: np.ndarray) -> np.ndarray:
