@@ -81,13 +81,16 @@ def calibrate(
     run: options.Run,
     method: options.Method = None,
     uncertainty: options.Uncertainty = "gum",
+    terms: options.Terms = None,
     as_json: options.Json = False,
 ) -> None:
     """Estimate every item the run allows.
 
     Says which items it cannot give, and why.
     """
-    calibration = _ordered("calibrate", reference=run, method=method, uncertainty=uncertainty)
+    calibration = _ordered(
+        "calibrate", reference=run, method=method, uncertainty=uncertainty, terms=terms
+    )
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
@@ -160,6 +163,7 @@ def certify(
     order: options.Order = None,
     calibrated_on: options.CalibratedOn = None,
     budget: options.Budget = False,
+    terms: options.Terms = None,
     as_json: options.Json = False,
 ) -> None:
     """Decide on a run, and make the certificate."""
@@ -173,6 +177,7 @@ def certify(
         order=order,
         calibrated_on=calibrated_on.date() if calibrated_on else None,
         budget=budget,
+        terms=terms,
     )
     _print_issued(issued, as_json)
 

@@ -72,10 +72,11 @@ def calibrate(
     reference: str,
     method: Method | None = None,
     uncertainty: str = "gum",
+    terms: str | None = None,
     home_folder: str | None = None,
 ) -> Calibration:
     """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
-    calibration = orders.calibrate(as_tasks, reference, method, uncertainty, home_folder)
+    calibration = orders.calibrate(as_tasks, reference, method, uncertainty, terms, home_folder)
     _show_items(calibration)
     return calibration
 
@@ -115,12 +116,13 @@ def certify(
     order: str | None = None,
     calibrated_on: date | None = None,
     budget: bool = False,
+    terms: str | None = None,
     home_folder: str | None = None,
 ) -> Issued:
     """Estimate, decide and publish the certificate of a run."""
     issued = orders.certify(
         as_tasks, reference, method, uncertainty, tolerance, laboratory, order, calibrated_on,
-        budget, home_folder,
+        budget, terms, home_folder,
     )  # fmt: skip
     _show_items(issued.certificate.calibration)
     _show_certificate(issued)

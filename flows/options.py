@@ -44,6 +44,14 @@ Uncertainty = Annotated[
         "Appendix A of the specification does it.",
     ),
 ]
+Terms = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME,NAME",
+        help="Physics that `explain` found, taken off the readings first; the result stands "
+        "beside the one without it.",
+    ),
+]
 Budget = Annotated[
     bool, typer.Option("--budget", help="Print the uncertainty budgets on the certificate.")
 ]

@@ -14,6 +14,7 @@ from flows.ending import ending_as_by_ctrl_c
 from flows.papers import read_papers, read_procedure
 from flows.progress import acquisition_progress
 from schemas.calibration import Calibration, Method
+from schemas.certificate import Laboratory
 from storage import settings, store
 from storage.home import Home, home
 from tasks.stages.certify import Issued
@@ -53,13 +54,16 @@ def calibrate(
     reference: str,
     method: Method | None,
     uncertainty: str,
+    terms: str | None = None,
     home_folder: str | None = None,
 ) -> Calibration:
-    """Estimate every item that a run (an id, or a path taken in on the fly) allows."""
+    """Estimate every item that a run (an id, or a path taken in on the fly) allows.
+
+    terms: physics to take off the readings first.
+    """
     folder = place(home_folder)
     run = run_of(reference, folder, stages)
-    calibration: Calibration = stages.estimate_items(run, folder, method, uncertainty)
-    return calibration
+    return _estimated(stages, run, folder, method, uncertainty, terms, None)
 
 
 def explain(
@@ -102,15 +106,38 @@ def certify(
     order: str | None,
     calibrated_on: date | None,
     budget: bool,
+    terms: str | None = None,
     home_folder: str | None = None,
 ) -> Issued:
-    """Estimate, decide and publish the certificate of a run. Bad papers are refused first."""
+    """Estimate, decide and publish the certificate of a run. Bad papers are refused first.
+
+    A result with terms taken off comes on a certificate only if they are ordered here.
+    """
     folder = place(home_folder)
     papers = read_papers(tolerance, laboratory, order, calibrated_on, budget)
     run = run_of(reference, folder, stages)
-    calibration = stages.estimate_items(run, folder, method, uncertainty, papers.laboratory)
+    calibration = _estimated(
+        stages, run, folder, method, uncertainty, terms, papers.laboratory
+    )
     issued: Issued = stages.publish(run, calibration, folder, papers)
     return issued
+
+
+def _estimated(
+    stages: ModuleType,
+    run: store.Run,
+    folder: Home,
+    method: Method | None,
+    uncertainty: str,
+    terms: str | None,
+    laboratory: Laboratory | None,
+) -> Calibration:
+    calibration: Calibration
+    if terms is None:
+        calibration = stages.estimate_items(run, folder, method, uncertainty, laboratory)
+    else:
+        calibration = stages.adopt_terms(run, folder, terms, method, uncertainty, laboratory)
+    return calibration
 
 
 def run_of(reference: str, folder: Home, stages: ModuleType) -> store.Run:

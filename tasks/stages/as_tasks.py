@@ -30,6 +30,7 @@ _again: dict[str, Any] = {
 }
 take_in = task(name="take in", **_again)(plain.take_in)
 estimate_items = task(name="estimate", **_again)(plain.estimate_items)
+adopt_terms = task(name="estimate with terms", **_again)(plain.adopt_terms)
 explain_run = task(name="explain", **_again)(plain.explain_run)
 simulate_run = task(name="simulate", **_again)(plain.simulate_run)
 publish = task(name="decide and publish", **_again)(plain.publish)
