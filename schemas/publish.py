@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
+from schemas.discrepancy import Discrepancy
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
@@ -26,6 +27,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-order": Order,
     "mimu-certificate-record": Certificate,
     "mimu-validation": ValidationRecord,
+    "mimu-discrepancy": Discrepancy,
 }
 
 

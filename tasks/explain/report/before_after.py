@@ -1,7 +1,5 @@
 """before_after.svg: what is left over without and with the findings, over time and frequency."""
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
@@ -13,6 +11,7 @@ from tasks.explain.report.svg import (
     BEFORE,
     GREY,
     INK,
+    Scale,
     hours_or_minutes,
     label,
     line,
@@ -20,6 +19,7 @@ from tasks.explain.report.svg import (
     picture,
     rect,
     ticks,
+    width_of,
 )
 from tasks.explain.report.words import SUPERSCRIPTS, channel_name
 
@@ -28,7 +28,7 @@ TOP, ROW, PLOT = 84, 212, 150
 MOST = 3  # channels that are shown
 BINS = 70  # of the logarithm of the frequency
 SHOWN = 0.98  # share of the cells that fit into the picture
-Scale = Callable[[float], float]
+BAND = "#d9d9d9"
 GYRO_UNITS = (("°/s", 0.03, 180 / np.pi), ("°/h", 0.0, 180 / np.pi * 3600))  # from that many °/s
 ACCEL_UNITS = (("m/s²", 0.5, 1.0), ("mm/s²", 5e-4, 1e3), ("µm/s²", 0.0, 1e6))
 
@@ -39,7 +39,7 @@ def before_after_svg(explanation: Explanation, cells: Cells) -> str:
     parts = [
         label(LEFT, 20, "What is left over: reading − model", 16, bold=True),
         label(SECOND, 20, "Its spectrum, white noise = 1", 16, bold=True),
-        *_legend(),
+        *_legend(bool(explanation.findings)),
     ]
     for row, channel in enumerate(shown):
         y = TOP + ROW * row
@@ -66,15 +66,15 @@ def affected(explanation: Explanation, cells: Cells) -> list[int]:
     return sorted(order[:MOST]) or [0]
 
 
-def _legend() -> list[str]:
-    return [
-        line(LEFT, 42, LEFT + 24, 42, BEFORE, 3),
-        label(LEFT + 30, 46, "before: the standard's model, fitted"),
-        line(LEFT + 290, 42, LEFT + 314, 42, AFTER, 3),
-        label(LEFT + 320, 46, "after: with the findings"),
-        rect(LEFT + 490, 34, 24, 14, "#d9d9d9"),
-        label(LEFT + 520, 46, "noise of a mean, ±2σ"),
-    ]
+def _legend(found: bool) -> list[str]:
+    """Without findings both lines are one."""
+    standard = "the standard's model, fitted"
+    told = [(BEFORE, f"before: {standard}"), (AFTER, "after: with the findings")]
+    parts, at = [], float(LEFT)
+    for colour, words in told if found else [(AFTER, standard)]:
+        parts += [line(at, 42, at + 24, 42, colour, 3), label(at + 30, 46, words)]
+        at += 56 + width_of(words)
+    return [*parts, rect(at, 34, 24, 14, BAND), label(at + 30, 46, "noise of a mean, ±2σ")]
 
 
 def _course(cells: Cells, channel: int, y: float) -> list[str]:
@@ -138,7 +138,7 @@ def _band(cells: Cells, channel: int, x: Scale, up: Scale) -> list[str]:
     low = [(x(t), up(-n)) for a, b, n in zip(edges[:-1], edges[1:], noise, strict=True)
            for t in (a, b)]  # fmt: skip
     outline = " ".join(f"{a:.1f},{b:.1f}" for a, b in [*top, *low[::-1]])
-    return [f'<polygon points="{outline}" fill="#d9d9d9"/>']
+    return [f'<polygon points="{outline}" fill="{BAND}"/>']
 
 
 def _steps(

@@ -5,27 +5,30 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import Segment
+from schemas.recording import Recording, Segment
 from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.segments.find import find_segments
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one
 BLOCKS = (1, 8, 64)  # rows that are averaged before they are judged; and the whole cell
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
+STEP_TO_SIGMA = np.sqrt(np.pi) / 2.0  # mean size of a step from row to row, likewise
 
 
 @dataclass(frozen=True)
 class Cells:
     """Cells of time, k of them, and what the six channels do in each.
 
-    edges: (k+1,) s on the unit's clock; kinds: the kind of segment of each cell, "" between
-    segments. excess: (6, k) standard deviations that the nominal model's misfit stands above
+    edges: (k+1,) s on the unit's clock; segments: those of the recording; kinds: the kind of
+    segment of each cell, "" between them. excess: (6, k) standard deviations that the nominal model's misfit stands above
     noise. before, after: (6, k) mean residual without and with the findings, SI; swing_before,
     swing_after: (6, k) rms of what swings inside the cell beyond noise, SI; noise: (6, k)
     standard deviation of a mean by noise. NaN where nothing is known.
     """
 
     edges: np.ndarray
+    segments: tuple[Segment, ...]
     kinds: tuple[str, ...]
     excess: np.ndarray
     before: np.ndarray
@@ -39,7 +42,7 @@ def cells_of(explanation: Explanation) -> Cells:
     """The cells of an explanation: cut at the ends of segments, and finely in between."""
     recording = explanation.recording
     t = recording.imu.t
-    segments = recording.manifest.segments or ()
+    segments = segments_of(recording)
     edges = _edges(t, segments)
     rows = np.searchsorted(t, edges)
     rows[-1] = len(t)
@@ -49,7 +52,13 @@ def cells_of(explanation: Explanation) -> Cells:
                  readings[:, i] - explanation.found[:, i], rows, float(explanation.noise[i]))
         for i in range(len(CHANNELS))
     ]  # fmt: skip
-    return Cells(edges, _kinds(edges, segments), *np.stack(made, axis=1))
+    return Cells(edges, segments, _kinds(edges, segments), *np.stack(made, axis=1))
+
+
+def segments_of(recording: Recording) -> tuple[Segment, ...]:
+    """The labelled segments in the order of time, or those found where there are no labels."""
+    segments = recording.manifest.segments or find_segments(recording)
+    return tuple(sorted(segments, key=lambda each: each.t_start))
 
 
 def _edges(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
@@ -97,10 +106,10 @@ def _white(values: np.ndarray, noise: float) -> float:
 
     It may be more than at rest: a table in motion shakes what stands on it.
     """
-    floor = noise if np.isfinite(noise) and noise > 0 else 0.0
+    sigma = noise if np.isfinite(noise) and noise > 0 else 0.0
     if len(values) > BLOCKS[1]:
-        floor = max(floor, TO_SIGMA * float(np.median(np.abs(np.diff(values)))) / np.sqrt(2.0))
-    return floor or 1e-12
+        sigma = max(sigma, STEP_TO_SIGMA * float(np.mean(np.abs(np.diff(values)))))
+    return sigma or 1e-12
 
 
 def _mean(values: np.ndarray) -> float:

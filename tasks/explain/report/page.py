@@ -33,6 +33,11 @@ BEFORE_AFTER: Text = (
     "spectrum of the residual divided by the noise of a sample.",
     "左：残差随时间的分段平均，浅色条为段内的摆动。右：残差除以单次采样噪声后的频谱。",
 )
+ONLY_NOISE: Text = (
+    "Left: means of the residual over time. Right: spectrum of the residual divided by the noise "
+    "of a sample; a rise at low frequencies is the flicker and drift of the unit's own noise.",
+    "左：残差随时间的分段平均。右：残差除以单次采样噪声后的频谱；低频处的上升为被校单元自身的闪烁噪声与漂移。",
+)
 
 
 def write_report(
@@ -44,7 +49,7 @@ def write_report(
     Unusable where the folder cannot be written.
     """
     cells = cells_of(explanation)
-    where = where_svg(discrepancy, explanation, cells)
+    where = where_svg(discrepancy, cells)
     before_after = before_after_svg(explanation, cells)
     contents = {
         "prediction.parquet": prediction(explanation),
@@ -70,8 +75,9 @@ def page(discrepancy: Discrepancy, explanation: Explanation, where: str, before_
             *_heading("Where", "所在位置"),
             _figure(where, WHERE),
             *([*_heading("What was left out", "遗漏的物理因素"), *cards] if cards else []),
-            *_heading("Before and after", "前后对比"),
-            _figure(before_after, BEFORE_AFTER),
+            *(_heading("Before and after", "前后对比") if cards
+              else _heading("What is left over", "剩余残差")),
+            _figure(before_after, BEFORE_AFTER if cards else ONLY_NOISE),
             held_out(discrepancy.held_out),
             *([*_heading("The certificate", "对证书的影响"), consequences(discrepancy)]
               if cards else []),

@@ -4,6 +4,7 @@ from html import escape
 
 from schemas.discrepancy import Consequence, Discrepancy, FindingSaid, HeldOut, VerdictChange
 from tasks.certificate.names import VERDICTS
+from tasks.explain.consequences import moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.look import both, table
 from tasks.explain.report.statements import alternatives, on_certificate, why
@@ -37,6 +38,10 @@ DIMENSIONS: dict[str, Text] = {
     "recorded": ("a recorded quantity", "已记录的环境量"),
     "level": ("everywhere alike", "各处相同"),
 }
+NOTHING_ELSE: Text = (
+    "No other effect of the catalogue fits this recording as well.",
+    "目录中没有其他效应能同样好地解释本次记录。",
+)
 MOST_SEGMENTS = 4
 
 
@@ -103,15 +108,14 @@ def _wheres(finding: FindingSaid) -> str:
 
 
 def _other(finding: FindingSaid) -> str:
-    told = alternatives(finding)
     names = ", ".join(f"<code>{escape(name)}</code>" for name in finding.indistinguishable_from)
-    return f"{both(told)} {names}" if told[0] else both(
-        ("Nothing else of the catalogue fits as well.", "目录中没有其他效应能同样好地解释。")
-        if finding.effect != "unnamed" else ("", ""))  # fmt: skip
+    if names:
+        return f"{both(alternatives(finding))} ({names})"
+    return "" if finding.effect == "unnamed" else both(NOTHING_ELSE)
 
 
 def held_out(gains: HeldOut) -> str:
-    """The table of what is left on stretches that the fit did not see."""
+    """What is left on stretches that the fit did not see, and by how much each channel gains."""
     names = [both(channel_name(channel)) for channel in gains.rms_ratio]
     ratios = [percent(ratio) for ratio in gains.rms_ratio.values()]
     head = both(("rms residual, after / before", "残差均方根：后 / 前"))
@@ -156,7 +160,10 @@ def _consequence(
 ) -> list[str]:
     made = column([each.before, each.after], [each.U, each.U], USUAL_K)
     change = "–"
-    if each.before is not None and each.after is not None and each.U:
+    if moved_by(each):
+        assert each.before is not None
+        assert each.after is not None
+        assert each.U is not None
         change = in_expanded(each.after - each.before, each.U)
     unit = f"{power_of_ten(made.exponent)} {printed_unit(each.unit)}".strip()
     verdict = next((_changed(c) for c in changes if c.item == each.item), "")

@@ -14,8 +14,9 @@ from schemas.discrepancy import (
     Where,
 )
 from tasks.certificate.names import VERDICTS
+from tasks.explain.consequences import moved_by
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.report.verdicts import FALSE_ALARM_RATE, verdict_statement
+from tasks.explain.report.verdicts import verdict_statement
 from tasks.explain.report.words import (
     bic_words,
     channel_name,
@@ -31,6 +32,7 @@ from tasks.explain.report.words import (
     text_of,
     times_more_probable,
 )
+from tasks.explain.search import FALSE_ALARMS
 from tasks.model.term import Text
 
 PICTURES = ("where.svg", "before_after.svg")
@@ -55,7 +57,7 @@ def said(
     return Discrepancy(
         recording_id=explanation.recording.manifest.recording_id,
         verdict=explanation.verdict,
-        detection=Detection(p_value=explanation.p_value, false_alarm_rate=FALSE_ALARM_RATE),
+        detection=Detection(p_value=explanation.p_value, false_alarm_rate=FALSE_ALARMS),
         findings=findings,
         held_out=explanation.held_out,
         figures=PICTURES,
@@ -141,8 +143,8 @@ def to_record(finding: FindingSaid) -> Text:
 def on_certificate(finding: FindingSaid) -> Text:
     """The largest of its consequences in U, and the verdicts it changes; empty without any."""
     parts = []
-    largest = max(finding.consequences, key=_moved, default=None)
-    if largest is not None and _moved(largest) > 0.0:
+    largest = max(finding.consequences, key=moved_by, default=None)
+    if largest is not None and moved_by(largest) > 0.0:
         parts.append(_consequence(largest))
     for change in finding.verdict_changes:
         en, zh = element_name(change.item, "")
@@ -150,7 +152,8 @@ def on_certificate(finding: FindingSaid) -> Text:
         parts.append(
             sentence(
                 (
-                    f"the verdict on {en} changes from {before[1]} to {after[1]}",
+                    f"the verdict on {en[:1].lower()}{en[1:]} changes from {before[1]} to "
+                    f"{after[1]}",
                     f"{zh}的结论由“{before[0]}”变为“{after[0]}”",
                 )
             )
@@ -168,18 +171,12 @@ def _consequence(each: Consequence) -> Text:
     times = in_expanded(each.after - each.before, each.U)
     return sentence(
         (
-            f"on the certificate it matters most for: {en}, {before} with it left out and "
-            f"{after} with it taken into account (k = 2), a change of {times} U",
-            f"对证书影响最大的是{zh}：未计入时为 {before}，计入后为 {after}（k = 2），"
+            f"of the certificate it moves most: {en}, from {before} with it left out to "
+            f"{after} with it taken into account (k = 2), {times} U",
+            f"对证书影响最大的是：{zh}，未计入时为 {before}，计入后为 {after}（k = 2），"
             f"变化 {times} U",
         )
     )
-
-
-def _moved(each: Consequence) -> float:
-    if each.before is None or each.after is None or not each.U:
-        return 0.0
-    return abs(each.after - each.before) / each.U
 
 
 def _significance(parameter: FoundParameter) -> float:

@@ -1,10 +1,12 @@
 """Pictures written by hand: the few shapes that the report draws, as text of SVG."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from html import escape
 from math import floor, log10
 
 import numpy as np
+
+Scale = Callable[[float], float]  # from a quantity to a place in the picture
 
 INK, GREY, PALE = "#222222", "#666666", "#e4e4e4"
 BEFORE, AFTER = "#d55e00", "#0072b2"  # Okabe and Ito: told apart by every eye, and in print

@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FindingSaid, HeldOut
 from schemas.recording import TRIADS, Kind
+from tasks.explain.consequences import OVERALL, moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.words import (
     channel_name,
@@ -19,9 +20,8 @@ from tasks.explain.report.words import (
     sentence,
     text_of,
 )
+from tasks.explain.search import FALSE_ALARMS
 from tasks.model.term import Text
-
-FALSE_ALARM_RATE = 0.01  # share of clean recordings in which a mismatch is stated all the same
 
 HEADLINES: dict[str, Text] = {
     "no_mismatch": (
@@ -83,13 +83,13 @@ def tested(explanation: Explanation) -> Text:
 
 def detected(explanation: Explanation) -> Text:
     """The p-value of the strongest mismatch against the rate of false alarms."""
-    p, odds = probability(explanation.p_value), round(1.0 / FALSE_ALARM_RATE)
+    p, odds = probability(explanation.p_value), round(1.0 / FALSE_ALARMS)
     return sentence(
         (
             f"the strongest departure from the standard's model has {p}, corrected for how many "
-            f"were looked for; a mismatch is stated below p = {FALSE_ALARM_RATE:g}, which one "
-            f"clean recording in {odds} reaches by chance",
-            f"与规范模型的最强偏离为 {p}（已按检验次数修正）；p < {FALSE_ALARM_RATE:g} 时判为"
+            f"were looked for; a mismatch is stated below p = {FALSE_ALARMS:g}, which "
+            f"one clean recording in {odds} reaches by chance",
+            f"与规范模型的最强偏离为 {p}（已按检验次数修正）；p < {FALSE_ALARMS:g} 时判为"
             f"失配，无失配的记录约每 {odds} 次有 1 次误报",
         )
     )
@@ -160,10 +160,10 @@ def _gained(held_out: HeldOut) -> Text:
 
 
 def _consequences(findings: Sequence[FindingSaid]) -> Text:
-    changes = {change.item for finding in findings for change in finding.verdict_changes}
+    changes = {change.item for finding in findings for change in finding.verdict_changes
+               if change.item != OVERALL}  # fmt: skip
     moved = {(c.item, c.element) for f in findings for c in f.consequences
-             if c.before is not None and c.after is not None and c.U
-             and abs(c.after - c.before) > c.U}  # fmt: skip
+             if moved_by(c) > 1.0}  # fmt: skip
     if not changes and not moved:
         return ("", "")
     return sentence(

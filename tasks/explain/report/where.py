@@ -7,13 +7,14 @@ import numpy as np
 
 from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.recording import MEASURED, Segment
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.explanation import CHANNELS
 from tasks.explain.report.excess import Cells
 from tasks.explain.report.svg import (
     FINDINGS,
     GREY,
     INK,
     PALE,
+    Scale,
     hours_or_minutes,
     label,
     line,
@@ -35,10 +36,10 @@ UNLABELLED = "#f0f0f0"
 MOST = 5  # findings that are marked
 
 
-def where_svg(discrepancy: Discrepancy, explanation: Explanation, cells: Cells) -> str:
+def where_svg(discrepancy: Discrepancy, cells: Cells) -> str:
     """The picture; its words are English with the field's symbols."""
     start, end = float(cells.edges[0]), float(cells.edges[-1])
-    segments = explanation.recording.manifest.segments or ()
+    segments = cells.segments
 
     def x(t: float) -> float:
         return LEFT + (min(max(t, start), end) - start) / (end - start) * (RIGHT - LEFT)
@@ -58,7 +59,7 @@ def where_svg(discrepancy: Discrepancy, explanation: Explanation, cells: Cells) 
     return picture(WIDTH, height, "Excess of six channels over the time of the run", parts)
 
 
-def _kind_strip(segments: Sequence[Segment], x) -> list[str]:  # type: ignore[no-untyped-def]
+def _kind_strip(segments: Sequence[Segment], x: Scale) -> list[str]:
     parts = [rect(LEFT, TOP - 20, RIGHT - LEFT, 10, UNLABELLED)]
     measured = [s for s in segments if s.kind in MEASURED]
     for segment in measured:
@@ -77,7 +78,7 @@ def _group(segment: Segment) -> str:
     return words if segment.kind == "static" else f"{words} {segment.axis}"
 
 
-def _rows(cells: Cells, x) -> list[str]:  # type: ignore[no-untyped-def]
+def _rows(cells: Cells, x: Scale) -> list[str]:
     parts = []
     for i, channel in enumerate(CHANNELS):
         y = TOP + ROW * i
@@ -99,8 +100,8 @@ def _colour(excess: float) -> str:
     return PALE if np.isnan(excess) else COLOURS[int(np.searchsorted(CLASSES, excess, "right"))]
 
 
-def _marks(  # type: ignore[no-untyped-def]
-    findings: Sequence[FindingSaid], segments: Sequence[Segment], x, run: tuple[float, float]
+def _marks(
+    findings: Sequence[FindingSaid], segments: Sequence[Segment], x: Scale, run: tuple[float, float]
 ) -> list[str]:
     """Bars below each row where a finding sits, and its share at the right end."""
     spans = {s.name: (s.t_start, s.t_end) for s in segments}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from schemas.discrepancy import FoundParameter, Statement
 from tasks.certificate.names import ITEMS, item_name, unit_text
+from tasks.explain.consequences import OVERALL
 from tasks.model.term import Text
 from tasks.uncertainty.rounding import MINUS, USUAL_K, column
 
@@ -76,6 +77,8 @@ def channel_name(channel: str) -> Text:
 
 def element_name(item: str, element: str) -> Text:
     """An element of a certificate's item, English and Chinese."""
+    if item == OVERALL:
+        return ("the certificate as a whole", "证书总结论")
     if item in ITEMS and set(element) <= set("xyz") and element:
         zh, en = ITEMS[item].of(element)
         return (en, zh)
