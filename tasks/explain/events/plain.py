@@ -1,0 +1,92 @@
+"""What a plain fit of the standard's model leaves, and how noisy it is where."""
+
+import numpy as np
+
+from tasks.motion.whole import Motion
+
+BLOCK = 64  # rows; noise is told from what scatters within so many
+CLASSES = np.array([0.0, 0.02, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, np.inf])
+FEWEST = 3  # blocks that a class of rates needs to tell its noise
+
+
+def residuals(readings: np.ndarray, motion: Motion, masked: np.ndarray | None = None) -> np.ndarray:
+    """Readings minus a least-squares fit of the standard's model, channel by channel.
+
+    readings: (n, 6) rad/s, m/s². A gyro is fitted by rate, up and 1; an accelerometer by up, 1 and
+    the squares of the two other rates (JJF 2003—2022, models (1) and (2), without the products).
+    masked: (n, 6) bool, readings that do not take part in the fit. Where the motion is not known
+    the residual is NaN.
+    """
+    return readings - predictions(readings, motion, masked)
+
+
+def predictions(
+    readings: np.ndarray, motion: Motion, masked: np.ndarray | None = None
+) -> np.ndarray:
+    """The readings (n, 6) that the plain fit predicts, NaN where the motion is not known."""
+    fitted = np.full(readings.shape, np.nan)
+    known = motion.known
+    if not known.any():
+        return fitted
+    # Zero where nothing is known: such rows add nothing to the sums below.
+    rate, up = (np.where(known[:, None], each, 0.0) for each in (motion.rate, motion.up))
+    one = known.astype(float)[:, None]
+    for channel in range(6):
+        use = known & np.isfinite(readings[:, channel])
+        if masked is not None:
+            use &= ~masked[:, channel]
+        if not use.any():
+            continue
+        squares = np.delete(rate, channel % 3, axis=1) ** 2
+        columns = np.hstack([rate, up, one] if channel < 3 else [up, one, squares])
+        chosen = columns if use.all() else columns * use[:, None]
+        heard = np.where(use, readings[:, channel], 0.0)
+        values = np.linalg.pinv(chosen.T @ chosen, hermitian=True) @ (chosen.T @ heard)
+        fitted[known, channel] = columns[known] @ values
+    return fitted
+
+
+def noise_of(residual: np.ndarray, motion: Motion) -> np.ndarray:
+    """Standard deviation (n, 6) of a sample: vibration makes it grow with the rate.
+
+    From what scatters about a straight line within blocks of rows, by classes of rate; the median
+    of a class, so that few disturbed blocks do not matter.
+    """
+    blocks = len(residual) // BLOCK
+    if blocks == 0:
+        return np.tile(np.nanstd(residual, axis=0), (len(residual), 1))
+    scatter = block_scatter(residual)
+    speed = np.linalg.norm(motion.rate, axis=1)
+    speeds = speed[: blocks * BLOCK].reshape(blocks, BLOCK).mean(axis=1)
+    noise = np.empty(residual.shape)
+    for channel in range(6):
+        noise[:, channel] = _by_rate(scatter[:, channel], speeds, speed)
+    return noise
+
+
+def block_scatter(residual: np.ndarray) -> np.ndarray:
+    """Standard deviation (blocks, 6) of whole blocks of rows about a straight line each."""
+    blocks = len(residual) // BLOCK
+    cut = residual[: blocks * BLOCK].reshape(blocks, BLOCK, 6)
+    line = np.linspace(-1.0, 1.0, BLOCK)
+    about = cut - cut.mean(axis=1, keepdims=True)
+    slope = np.einsum("bni,n->bi", about, line) / (line @ line)
+    total = (about**2).sum(axis=1) - slope**2 * (line @ line)
+    return np.sqrt(np.maximum(total, 0.0) / (BLOCK - 2))
+
+
+def _by_rate(scatter: np.ndarray, speeds: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    good = np.isfinite(scatter) & np.isfinite(speeds)
+    if not good.any():
+        finite = scatter[np.isfinite(scatter)]
+        return np.full(len(speed), np.median(finite) if len(finite) else np.nan)
+    level = np.digitize(speeds[good], CLASSES)
+    at, noise = [], []
+    for each in np.unique(level):
+        inside = level == each
+        if inside.sum() >= FEWEST or inside.sum() == good.sum():
+            at.append(float(np.median(speeds[good][inside])))
+            noise.append(float(np.median(scatter[good][inside])))
+    if not at:
+        at, noise = [0.0], [float(np.median(scatter[good]))]
+    return np.interp(np.nan_to_num(speed), at, noise)

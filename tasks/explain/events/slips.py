@@ -1,0 +1,236 @@
+"""Dropped samples: lost on the way, with stamps counted up from what arrived.
+
+After each loss the stamps lag behind by so many sample intervals, so that a reading stamped t was
+taken at t + δ, and differs from what is predicted for t by δ·dy/dt.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.events.event import Event
+from tasks.explain.events.plain import noise_of, predictions
+from tasks.model.term import Text
+from tasks.motion.whole import Motion
+
+CELL = 1.0  # s, within which a delay is told
+SHARP = 0.1  # of a sample interval: a cell that tells the delay worse tells none
+FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
+MODEL = 0.05  # of a sample interval: what else may look like a delay in a cell
+MOST = 30  # samples lost in all
+OUTLIER = 25.0  # chi-squared that one cell may cost at most
+STEP = 30.0  # chi-squared that a further loss must gain
+GAIN = 100.0  # chi-squared that losses must gain against a constant and a running delay
+WHOLE = 0.15  # sample intervals that a jump may be off a whole number
+
+
+@dataclass(frozen=True)
+class Slips(Event):
+    """times: (k,) s, stamps from which on. lost: (k,) whole samples. interval: s."""
+
+    times: np.ndarray
+    lost: np.ndarray
+    interval: float
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        taken_at = t + delay(t, self.times, self.lost) * self.interval
+        return np.column_stack([np.interp(taken_at, t, each) for each in predicted.T])
+
+
+@dataclass(frozen=True)
+class Delays:
+    """Delays of cells in sample intervals: at (m,) s, delay, u (m,)."""
+
+    at: np.ndarray
+    delay: np.ndarray
+    u: np.ndarray
+
+    def cost(self, delay: np.ndarray) -> np.ndarray:
+        """Chi-squared (..., m) of supposed delays, of no cell more than an outlier's."""
+        return np.minimum(((self.delay - delay) / self.u) ** 2, OUTLIER)
+
+
+def delay(t: np.ndarray, times: np.ndarray, lost: np.ndarray) -> np.ndarray:
+    """Samples lost (n,) before each time."""
+    return np.concatenate([[0], np.cumsum(lost)])[np.searchsorted(times, t, side="right")]
+
+
+def find_slips(
+    t: np.ndarray, readings: np.ndarray, motion: Motion, masked: np.ndarray
+) -> Slips | None:
+    """Losses that the stamps do not tell; masked: (n, 6) readings that a limit disturbs."""
+    if len(t) < 3 or not motion.known.any():
+        return None
+    interval = float(np.median(np.diff(t)))
+    predicted = predictions(readings, motion, masked)
+    noise = noise_of(readings - predicted, motion)
+    slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
+    slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
+    found: Slips | None = None
+    for _ in range(2):  # the second time with a fit that the losses do not disturb
+        residual = np.where(masked, np.nan, readings - predicted)
+        cells = _delays(t, residual, slope, noise)
+        path = _path(cells)
+        if path is None:
+            return None
+        times, lost, u = _located(t, residual, slope, noise, cells, path)
+        found = _event(cells, path, times, lost, u, interval)
+        shift = found.applied(t, predicted, noise) - predicted
+        predicted = predictions(readings - np.nan_to_num(shift), motion, masked)
+    return found
+
+
+def _delays(
+    t: np.ndarray, residual: np.ndarray, slope: np.ndarray, noise: np.ndarray
+) -> Delays:
+    """The delay of each cell, from the gyros where they tell: levers disturb accelerometers."""
+    channels = slice(0, 3) if np.isfinite(residual[:, :3]).any() else slice(3, 6)
+    weight = slope[:, channels] / noise[:, channels] ** 2
+    told = np.nan_to_num(weight * residual[:, channels]).sum(axis=1)
+    known = np.where(np.isfinite(residual[:, channels]), weight * slope[:, channels], 0.0)
+    cell = ((t - t[0]) / CELL).astype(int)
+    count = int(cell[-1]) + 1
+    sum_told = np.bincount(cell, told, count)
+    information = np.bincount(cell, np.nan_to_num(known).sum(axis=1), count)
+    sharp = information > SHARP**-2
+    u = np.sqrt(1 / information[sharp] + MODEL**2)
+    middle = t[0] + (np.arange(count)[sharp] + 0.5) * CELL
+    return Delays(middle, sum_told[sharp] / information[sharp], u)
+
+
+def _path(cells: Delays) -> np.ndarray | None:
+    """Whole samples lost (m,) before each cell; None where that is not what the delays do."""
+    if len(cells.at) < 6:
+        return None
+    start, path = float(np.median(cells.delay[:3])), np.zeros(len(cells.at))
+    for _ in range(4):
+        path = _cheapest(cells, start)
+        start = float(np.median(cells.delay - path))
+    if path[0] != 0 or path[-1] == 0 or path[-1] >= MOST:
+        return None
+    stairs = cells.cost(start + path).sum() + STEP * np.count_nonzero(np.diff(path))
+    constant = cells.cost(np.median(cells.delay)).sum()
+    if min(constant, _running_cost(cells)) - stairs < GAIN:
+        return None
+    if 2 * cells.cost(start + path).sum() > constant or not _whole(cells, path):
+        return None
+    return path
+
+
+def _cheapest(cells: Delays, start: float) -> np.ndarray:
+    """The rising stairs of least cost, by dynamic programming over the samples lost."""
+    states = np.arange(MOST + 1)
+    cost = cells.cost(start + states[:, None])  # (states, cells)
+    total = np.where(states == 0, cost[:, 0], np.inf)
+    came_from = np.zeros(cost.shape, int)
+    for k in range(1, cost.shape[1]):
+        best = np.minimum.accumulate(total)
+        first = np.maximum.accumulate(np.where(total == best, states, 0))
+        jump = np.concatenate([[np.inf], best[:-1]]) + STEP
+        stay = total <= jump
+        came_from[:, k] = np.where(stay, states, np.concatenate([[0], first[:-1]]))
+        total = np.where(stay, total, jump) + cost[:, k]
+    path = [int(total.argmin())]
+    for k in range(cost.shape[1] - 1, 0, -1):
+        path.append(int(came_from[path[-1], k]))
+    return np.array(path[::-1], float)
+
+
+def _running_cost(cells: Delays) -> float:
+    """Chi-squared of a delay that grows evenly, as of a clock that runs fast."""
+    weight = 1 / cells.u
+    line = np.polyfit(cells.at, cells.delay, 1, w=weight)
+    for _ in range(5):
+        off = np.abs(cells.delay - np.polyval(line, cells.at)) * weight
+        line = np.polyfit(cells.at, cells.delay, 1, w=weight / np.sqrt(np.maximum(off / 2, 1)))
+    return float(cells.cost(np.polyval(line, cells.at)).sum())
+
+
+def _whole(cells: Delays, path: np.ndarray) -> bool:
+    """Whether every stair stands a whole number of samples above the first."""
+    level = [float(np.median(cells.delay[path == step])) - step for step in np.unique(path)]
+    return bool(np.ptp(level) < WHOLE)
+
+
+def _located(
+    t: np.ndarray,
+    residual: np.ndarray,
+    slope: np.ndarray,
+    noise: np.ndarray,
+    cells: Delays,
+    path: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times, samples lost and u of the times of each jump, from all rows about it."""
+    start = float(np.median(cells.delay - path))
+    times, lost, u = [], [], []
+    for k in np.flatnonzero(np.diff(path)):
+        first = int(np.searchsorted(t, cells.at[k] - CELL / 2))
+        last = int(np.searchsorted(t, cells.at[k + 1] + CELL / 2))
+        rows = slice(first, last)
+        variance = noise[rows] ** 2 + (2 * MODEL * slope[rows]) ** 2
+        before, after = (
+            np.nan_to_num((residual[rows] - (start + level) * slope[rows]) ** 2 / variance)
+            for level in (path[k], path[k + 1])
+        )
+        # Chi-squared if the jump comes before row j: what is before it, and after it.
+        cost = np.concatenate([[0.0], np.cumsum((before - after).sum(axis=1))])
+        likely = first + np.flatnonzero(cost <= cost.min() + 4)
+        low, high = t[likely[0]], t[min(likely[-1], len(t) - 1)]
+        times.append(0.5 * (low + high))
+        u.append(max((high - low) / np.sqrt(12), float(np.median(np.diff(t)))))
+        lost.append(path[k + 1] - path[k])
+    return np.array(times), np.array(lost), np.array(u)
+
+
+def _event(
+    cells: Delays,
+    path: np.ndarray,
+    times: np.ndarray,
+    lost: np.ndarray,
+    u: np.ndarray,
+    interval: float,
+) -> Slips:
+    parameters = []
+    level = {step: cells.u[path == step] for step in np.unique(path)}
+    for k, (when, count) in enumerate(zip(times, lost, strict=True)):
+        width = max(float(np.median(each)) / len(each) ** 0.5 for each in level.values())
+        parameters += [
+            FoundParameter(name=f"lost_{k + 1}", value=float(count), unit="1", u=width),
+            FoundParameter(name=f"time_{k + 1}", value=float(when), unit="s", u=float(u[k])),
+        ]
+    gain = cells.cost(np.median(cells.delay)).sum() - cells.cost(
+        np.median(cells.delay - path) + path
+    ).sum()
+    return Slips(
+        "dropped_samples", (0, 1, 2, 3, 4, 5), tuple(parameters),
+        float(chi2.sf(gain, 2 * len(times))), _said(times, lost), None, times, lost, interval,
+    )  # fmt: skip
+
+
+def _said(times: np.ndarray, lost: np.ndarray) -> Text:
+    english = ", ".join(f"{n:.0f} at {t:.1f} s" for t, n in zip(times, lost, strict=True))
+    chinese = "、".join(f"{t:.1f} s 处 {n:.0f} 个" for t, n in zip(times, lost, strict=True))
+    return (
+        f"samples are lost and later time stamps slip: {english}",
+        f"样本丢失，其后的时间戳随之滑移：{chinese}",
+    )
+
+
+def gaps(t: np.ndarray) -> tuple[Text, ...]:
+    """What the stamps themselves tell of missing rows."""
+    apart = np.diff(t)
+    interval = float(np.median(apart)) if len(apart) else 1.0
+    wide = apart > 1.5 * interval
+    if not wide.any():
+        return ()
+    missing = int(np.round(apart[wide] / interval - 1).sum())
+    count = int(wide.sum())
+    return (
+        (
+            f"the time stamps have {count} gaps, of {missing} sample intervals in all; the other "
+            f"stamps are right, so that this is no mismatch",
+            f"时间戳有 {count} 处间断，共缺 {missing} 个采样间隔；其余时间戳正确，故不属模型不符",
+        ),
+    )
