@@ -55,7 +55,8 @@ def explain_run(
     explanation = explain(recording, calibration=given, simulated=other)
     effects = consequences(recording, explanation, _tolerance(recording, home))
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
-    discrepancy = said(explanation, locate(explanation), effects.of_findings, effects.changes)
+    wheres = locate(explanation) if explanation.findings else ()
+    discrepancy = said(explanation, wheres, effects.of_findings, effects.changes)
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)
 

@@ -178,11 +178,76 @@ def test_what_cannot_be_used_is_one_sentence(
 
 def test_simulation_of_another_run_is_refused(mimucal, shared, engine) -> None:
     engine(1)
-    done = mimucal("explain", shared / SMALL, "--simulated", shared / PLANT)
+    done = mimucal("explain", shared / PLANT, "--simulated", shared / SMALL)
     assert done.code == 2
-    assert "of the rows of" in done.err
+    assert "% of the rows of plant_clean" in done.err
 
 
 def test_run_that_does_not_exist_is_refused(mimucal, engine) -> None:
     engine(1)
     assert mimucal("explain", "r000").code == 2
+
+
+def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
+    mimucal, shared, engine
+) -> None:
+    asked = engine(1)
+    plain = mimucal("calibrate", shared / PLANT, "--json").json
+    done = mimucal("calibrate", shared / PLANT, "--terms", "bias_step", "--json")
+    assert done.code == 0, done.err
+    assert asked["only"] == ("bias_step",)
+    (term,) = done.json["terms"]
+    assert term["parameters"] == [
+        {"name": "gyro_x", "value": STEP, "unit": "deg/s", "u": STEP / 20}
+    ]
+    before, after = (each["items"]["gyro_bias"] for each in (plain, done.json))
+    assert before["value"]["x"] - after["value"]["x"] == pytest.approx(STEP, rel=1e-6)
+    assert after["u"]["x"] == pytest.approx(np.hypot(before["u"]["x"], STEP / 20), rel=1e-4)
+    assert after["u"]["y"] == pytest.approx(before["u"]["y"])
+    again = mimucal("calibrate", shared / PLANT, "--json").json
+    assert again["items"] == plain["items"]
+    mimucal("calibrate", shared / PLANT, "--terms", "bias_step")
+    kept = mimucal("show", plain["run"], "--json").json["results"]
+    assert [len(result["calibration"]["terms"]) for result in kept] == [0, 1]
+    assert [result["supersedes"] for result in kept] == [None, None]
+    assert mimucal("verify", "--json").json["faults"] == []
+
+
+def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
+    mimucal, shared, engine, tmp_path
+) -> None:
+    engine(1)
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
+        encoding="utf-8",
+    )
+    assert mimucal("calibrate", shared / PLANT, "--terms", "bias_step").code == 0
+    limits = ("--tolerance", tolerance, "--json")
+    without = mimucal("certify", shared / PLANT, *limits)
+    assert without.json["verdict"] == "pass"
+    ordered = mimucal("certify", shared / PLANT, "--terms", "bias_step", "--budget", *limits)
+    assert ordered.code == 0, ordered.err
+    assert (ordered.json["verdict"], ordered.json["state"]) == ("inconclusive", "draft")
+    assert any("bias_step" in reason for reason in ordered.json["reasons"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--terms", "lever_arm,moon"), "lever_arm, "),
+        (("--terms", " , "), "lever_arm, "),
+        (("--terms", "lever_arm"), "does not determine it"),
+        (("--terms", "bias_step", "--method", "joint"), "joint"),
+        (("--terms", "bias_step", "--uncertainty", "montecarlo"), "propagation"),
+    ],
+)
+def test_what_cannot_be_adopted_is_one_sentence(
+    mimucal, shared, engine, arguments, says
+) -> None:
+    engine(1)
+    done = mimucal("calibrate", shared / PLANT, *arguments)
+    assert (done.code, done.out) == (2, "")
+    assert done.err.strip().count("\n") == 0
+    assert says in done.err
