@@ -39,7 +39,8 @@ _EVENTS = (
         "a′ᵢ = max(−L, min(L, a′ᵢ))", "IEEE Std 528; IEEE Std 1293",
         ("accel_nonlinearity",),
         (
-            "a tumble with the axis up in steps of 10 deg or finer, or a centrifuge beyond the limit",
+            "a tumble in steps of 10 deg or finer about the vertical position of the axis, or a "
+            "centrifuge beyond the limit",
             "步距不大于10°的重力场翻滚试验，或超过极限的离心机试验",
         ),
     ),

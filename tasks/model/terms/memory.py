@@ -91,7 +91,8 @@ BIAS_RANDOM_WALK = Term(
     title=("bias that wanders beyond the stated noise", "零偏随机游走（超出标称噪声）"),
     confused_with=("thermal_transient", "bias_step", "temperature_bias"),
     separated_by=(
-        "a rest of several hours at steady temperature: the Allan deviation rises as the root of time",
+        "a rest of several hours at steady temperature: the Allan deviation rises as the root of "
+        "time",
         "恒温静止数小时：Allan标准差随√τ上升",
     ),
 )  # fmt: skip

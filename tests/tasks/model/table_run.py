@@ -1,5 +1,7 @@
 """A short run on a three-axis table by plain algebra, and its body's attitude as matrices."""
 
+from functools import cache
+
 import numpy as np
 
 from schemas.recording import Manifest, Recording, Stream
@@ -8,7 +10,7 @@ from tasks.motion.whole import Motion, TableAxes
 GRAVITY = 9.8
 LATITUDE, HEADING = np.radians(40.0), np.radians(25.0)
 DIRECTIONS = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-RATE_HZ, SECONDS = 100.0, 20.0
+RATE_HZ, SECONDS = 400.0, 20.0
 T = np.arange(0.0, SECONDS, 1.0 / RATE_HZ)
 MOUNT = np.array([0.36, 0.48, -0.8])  # rotation vector of the unit on the payload
 EAST, NORTH, UP = np.eye(3)
@@ -65,6 +67,7 @@ def _slope(course: np.ndarray) -> np.ndarray:
     return np.gradient(course, T, axis=0, edge_order=2)
 
 
+@cache
 def motion() -> Motion:
     """What the encoders tell of the run, in the body frame."""
     inner, spins = np.swapaxes(MOUNTED, 1, 2), []

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from table_run import motion, recording
+from table_run import T, motion, recording
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
@@ -103,7 +103,7 @@ def test_the_contracts_variants_are_there() -> None:
 
 
 def test_what_was_not_recorded_is_no_candidate() -> None:
-    bare = replace(motion(), axes=None, recorded={}, north=np.full((2000, 3), np.nan))
+    bare = replace(motion(), axes=None, recorded={}, north=np.full((len(T), 3), np.nan))
     missing = {t.name for t in TERMS} - {t.name for t in catalogue(recording(None), bare)}
     assert missing == {
         "earth_rotation", "axis_tilt", "axis_nonorthogonality", "axis_wobble", "rate_ripple",
@@ -114,7 +114,7 @@ def test_what_was_not_recorded_is_no_candidate() -> None:
 
 
 def test_a_unit_that_never_turned_shows_nothing_of_turning() -> None:
-    still = replace(motion(), rate=np.zeros((2000, 3)), acceleration=np.zeros((2000, 3)))
+    still = replace(motion(), rate=np.zeros((len(T), 3)), acceleration=np.zeros((len(T), 3)))
     names = {term.name for term in catalogue(recording(), still)}
     assert not names & {"lever_arm", "gyro_scale_asymmetry", "hysteresis", "structural_compliance"}
     assert {"gyro_g2_sensitivity", "accel_nonlinearity", "temperature_bias"} <= names

@@ -1,0 +1,61 @@
+"""Ripple, eccentricity and scale, against shafts that stand elsewhere than the encoders say."""
+
+import numpy as np
+import pytest
+from table_run import ANGLES, attitude, felt, motion, read, recording
+
+from tasks.model.terms.table import (
+    TABLE_SCALE,
+    candidates,
+    encoder_eccentricity,
+    rate_ripple,
+)
+
+INSIDE = slice(2, -2)
+
+
+def difference(shaft: np.ndarray) -> np.ndarray:
+    return (felt(attitude(shaft)) - felt(attitude()))[INSIDE]
+
+
+@pytest.mark.parametrize("axis", [1, 2, 3])
+def test_a_ripple_is_a_shaft_ahead_and_behind(axis: int) -> None:
+    n, s, c = 5, 6e-4, -4e-4
+    shaft = ANGLES.copy()
+    theta = ANGLES[:, axis - 1]
+    shaft[:, axis - 1] += (s * np.sin(n * theta) + c * np.cos(n * theta)) / n
+    term = (read((rate_ripple(n, axis),), [s, c]) - read((), []))[INSIDE]
+    assert term == pytest.approx(difference(shaft), abs=2e-6)
+    assert np.abs(term[:, :3]).max() > 1e-4
+
+
+def test_the_depth_of_a_ripple_is_that_of_the_rate() -> None:
+    run = motion()
+    assert run.axes is not None
+    change = read((rate_ripple(7, 1),), [3e-3, 4e-3])[:, :3] - run.rate
+    along = (change * run.axes.directions[:, 0]).sum(axis=1)
+    moving = np.abs(run.axes.speeds[:, 0]) > 1.0
+    depth = np.abs(along[moving] / run.axes.speeds[moving, 0])
+    assert depth.max() == pytest.approx(5e-3, rel=1e-3)
+
+
+@pytest.mark.parametrize("axis", [1, 3])
+def test_an_encoder_that_errs_has_a_shaft_that_is_less_far(axis: int) -> None:
+    s, c = 2e-4, 3e-4
+    shaft = ANGLES.copy()
+    theta = ANGLES[:, axis - 1]
+    shaft[:, axis - 1] -= s * np.sin(theta) + c * np.cos(theta)
+    term = (read((encoder_eccentricity(axis),), [s, c]) - read((), []))[INSIDE]
+    assert term == pytest.approx(difference(shaft), abs=2e-6)
+
+
+def test_the_scale_of_all_encoders_is_exact_however_large() -> None:
+    term = (read((TABLE_SCALE,), [2e-3]) - read((), []))[INSIDE]
+    assert term == pytest.approx(difference(ANGLES / 1.002), abs=3e-6)
+    assert np.abs(term[:, 3:]).max() > 0.03
+
+
+def test_axes_that_went_round_are_searched_for_what_comes_again_each_turn() -> None:
+    terms = candidates(recording(), motion())
+    assert {t.at[1] for t in terms if t.name == "rate_ripple"} == {1.0}
+    assert [t.at[0] for t in terms if t.name == "rate_ripple"] == list(range(2, 25))

@@ -1,0 +1,89 @@
+"""Delays and clocks, against courses that are known at every time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from table_run import motion
+
+from tasks.model.terms.electronics import BANDWIDTH, corner
+from tasks.model.terms.timing import ACCEL_AXIS_SKEW, CLOCK_SKEW, TIME_OFFSET
+from tasks.motion.whole import Motion
+
+T = np.arange(3000) / 100.0
+RUN = replace(motion(), t=T)
+INSIDE = slice(300, -300)
+
+
+def waves(t: np.ndarray) -> np.ndarray:
+    """Six channels (n, 6), each with a frequency up to 2 Hz."""
+    return np.sin(np.outer(t, 2.0 * np.pi * np.array([0.2, 0.5, 0.9, 1.2, 1.6, 2.0])))
+
+
+@pytest.mark.parametrize("late", [0.0, 0.0037, -0.0037, 0.01, 0.1234, -1.0])
+def test_stamps_that_are_late_say_what_was_before(late: float) -> None:
+    delayed = TIME_OFFSET.passed(RUN, waves(T), np.array([late]))
+    assert delayed[INSIDE] == pytest.approx(waves(T - late)[INSIDE], abs=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.0, 1e-5, 2e-3, -2e-3])
+def test_a_clock_that_runs_fast_stamps_later_and_later(share: float) -> None:
+    skewed = CLOCK_SKEW.passed(RUN, waves(T), np.array([share]))
+    assert skewed[INSIDE] == pytest.approx(waves(T / (1.0 + share))[INSIDE], abs=1e-6)
+
+
+def test_accelerometers_read_one_after_another_are_ahead_of_x() -> None:
+    skewed = ACCEL_AXIS_SKEW.passed(RUN, waves(T), np.array([0.0021]))
+    expected = waves(T)
+    expected[:, 4] = waves(T + 0.0021)[:, 4]
+    expected[:, 5] = waves(T + 0.0042)[:, 5]
+    assert skewed[INSIDE] == pytest.approx(expected[INSIDE], abs=1e-6)
+    assert (skewed[:, :4] == waves(T)[:, :4]).all()
+
+
+@pytest.mark.parametrize("seconds", [0.004, 0.05])
+def test_a_low_pass_lowers_and_delays_each_frequency_by_its_response(seconds: float) -> None:
+    passed = BANDWIDTH.passed(RUN, waves(T), np.array([seconds]))
+    for channel, f in enumerate((0.2, 0.5, 0.9, 1.2, 1.6, 2.0)):
+        s = 1j * f / corner(seconds)
+        response = 1.0 / (1.0 + np.sqrt(2.0) * s + s**2)
+        expected = np.imag(response * np.exp(2j * np.pi * f * T))
+        assert passed[INSIDE, channel] == pytest.approx(expected[INSIDE], abs=1e-6)
+        assert abs(response) < 1.0
+
+
+def test_a_low_pass_keeps_what_is_steady_to_both_ends() -> None:
+    steady = np.tile(np.arange(6.0), (len(T), 1))
+    assert BANDWIDTH.passed(RUN, steady, np.array([0.05])) == pytest.approx(steady)
+
+
+def test_a_low_pass_is_near_zero_a_delay_of_root_two_time_constants() -> None:
+    step = 1e-5
+    rise = [BANDWIDTH.passed(RUN, waves(T), np.array([v])) for v in (step, -step)]
+    shift = [TIME_OFFSET.passed(RUN, waves(T), np.array([v])) for v in (step, -step)]
+    slope = (rise[0] - rise[1]) / (2.0 * step)
+    assert slope[INSIDE] == pytest.approx(
+        np.sqrt(2.0) * (shift[0] - shift[1])[INSIDE] / (2.0 * step), abs=2e-4
+    )
+
+
+@pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH])
+def test_what_is_not_known_spoils_only_what_is_near(term: type) -> None:
+    gap = waves(T)
+    gap[1000:1200] = np.nan
+    passed = term.passed(RUN, gap, np.array([1e-3]))  # type: ignore[attr-defined]
+    whole = term.passed(RUN, waves(T), np.array([1e-3]))  # type: ignore[attr-defined]
+    assert np.isnan(passed[1010:1190]).all()
+    for near in (slice(5, 950), slice(1250, -5)):
+        assert passed[near] == pytest.approx(whole[near], abs=1e-6)
+
+
+def test_every_signal_term_is_linear_in_the_readings() -> None:
+    one, other = waves(T), waves(0.5 * T + 1.0)
+    run: Motion = RUN
+    for term in (TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH):
+        both = term.passed(run, 2.0 * one - other, np.array([2e-3]))
+        apart = 2.0 * term.passed(run, one, np.array([2e-3])) - term.passed(
+            run, other, np.array([2e-3])
+        )
+        assert both == pytest.approx(apart, abs=1e-12)
