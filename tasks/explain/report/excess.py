@@ -11,7 +11,7 @@ from tasks.segments.find import find_segments
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one
-BLOCKS = (1, 8, 64)  # rows that are averaged before they are judged; and the whole cell
+BLOCKS = (1, 8, 64)  # rows averaged before they are judged; and the whole cell, the whole segment
 TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
 STEP_TO_SIGMA = np.sqrt(np.pi) / 2.0  # mean size of a step from row to row, likewise
 
@@ -20,11 +20,11 @@ STEP_TO_SIGMA = np.sqrt(np.pi) / 2.0  # mean size of a step from row to row, lik
 class Cells:
     """Cells of time, k of them, and what the six channels do in each.
 
-    edges: (k+1,) s on the unit's clock; segments: those of the recording; kinds: the kind of
-    segment of each cell, "" between them. excess: (6, k) standard deviations that the nominal model's misfit stands above
-    noise. before, after: (6, k) mean residual without and with the findings, SI; swing_before,
-    swing_after: (6, k) rms of what swings inside the cell beyond noise, SI; noise: (6, k)
-    standard deviation of a mean by noise. NaN where nothing is known.
+    edges: (k+1,) s on the unit's clock. segments: those of the recording; kinds: of each cell,
+    "" between segments. excess: (6, k) standard deviations that the nominal model's misfit
+    stands above noise. before, after: (6, k) mean residual without and with the findings, SI;
+    swing_before, swing_after: (6, k) rms of what swings inside a cell beyond noise, SI; noise:
+    (6, k) standard deviation of a mean by noise. NaN where nothing is known.
     """
 
     edges: np.ndarray
@@ -46,10 +46,12 @@ def cells_of(explanation: Explanation) -> Cells:
     edges = _edges(t, segments)
     rows = np.searchsorted(t, edges)
     rows[-1] = len(t)
+    stretches = _stretches(edges, segments)
     readings = recording.imu.stack(CHANNELS)
     made = [
         _channel(readings[:, i] - explanation.nominal[:, i],
-                 readings[:, i] - explanation.found[:, i], rows, float(explanation.noise[i]))
+                 readings[:, i] - explanation.found[:, i], rows, stretches,
+                 float(explanation.noise[i]))
         for i in range(len(CHANNELS))
     ]  # fmt: skip
     return Cells(edges, segments, _kinds(edges, segments), *np.stack(made, axis=1))
@@ -84,7 +86,16 @@ def _kinds(edges: np.ndarray, segments: tuple[Segment, ...]) -> tuple[str, ...]:
     return tuple(kinds)
 
 
-def _channel(before: np.ndarray, after: np.ndarray, rows: np.ndarray, noise: float) -> np.ndarray:
+def _stretches(edges: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
+    """(k,) a number for each cell that is the same within one segment, and between two."""
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    ends = sorted(end for each in segments for end in (each.t_start, each.t_end))
+    return np.unique(np.searchsorted(ends, middles), return_inverse=True)[1]
+
+
+def _channel(
+    before: np.ndarray, after: np.ndarray, rows: np.ndarray, stretches: np.ndarray, noise: float
+) -> np.ndarray:
     """(6, k): excess, mean before, after, swing before, after, noise of a mean of one channel."""
     known = np.isfinite(before)
     after = np.where(np.isfinite(after), after, before)
@@ -98,7 +109,7 @@ def _channel(before: np.ndarray, after: np.ndarray, rows: np.ndarray, noise: flo
     counts = np.array([max(len(values), 1) for values in firsts])
     scaled = [values / s for values, s in zip(firsts, sigmas, strict=True)]
     rest = [values / s for values, s in zip(lasts, sigmas, strict=True)]
-    return np.vstack([_excess(scaled, rest), means, swings, sigmas / np.sqrt(counts)])
+    return np.vstack([_excess(scaled, rest, stretches), means, swings, sigmas / np.sqrt(counts)])
 
 
 def _white(values: np.ndarray, noise: float) -> float:
@@ -124,19 +135,34 @@ def _swing(values: np.ndarray, sigma: float) -> float:
     return np.sqrt(beyond) if beyond > 4.0 * sigma**2 * np.sqrt(2.0 / len(values)) else 0.0
 
 
-def _excess(cells: list[np.ndarray], rest: list[np.ndarray]) -> np.ndarray:
+def _excess(
+    cells: list[np.ndarray], rest: list[np.ndarray], stretches: np.ndarray
+) -> np.ndarray:
     """How far each cell's power stands above that of noise, at the block where it shows most.
 
     rest: what is left when the findings are in the model. Noise that is not white is stronger
     in long blocks: its size there is the Allan deviation of the rest.
     """
-    shown = np.full((len(BLOCKS) + 1, len(cells)), np.nan)
+    shown = np.full((len(BLOCKS) + 2, len(cells)), np.nan)
     for i, block in enumerate((*BLOCKS, None)):
         sums = [_block_sums(values, block) for values in cells]
         size = _allan([_block_sums(values, block) for values in rest])
         shown[i] = [_deviate(each / size) for each in sums]
+    whole, left = (_whole(each, stretches) for each in (cells, rest))
+    size = _allan(left)
+    seen = np.array([_deviate(each / size) for each in whole])[stretches]
+    shown[-1] = np.where([len(each) > 0 for each in cells], seen, np.nan)
     known = np.isfinite(shown).any(axis=0)
     return np.where(known, np.max(np.nan_to_num(shown, nan=-np.inf), axis=0), np.nan)
+
+
+def _whole(cells: list[np.ndarray], stretches: np.ndarray) -> list[np.ndarray]:
+    """One block for each stretch."""
+    last = int(stretches.max()) + 1
+    sums = np.bincount(stretches, [each.sum() for each in cells], last)
+    counts = np.bincount(stretches, [len(each) for each in cells], last)
+    return [np.array([s / np.sqrt(n)]) if n else np.zeros(0) for s, n in zip(sums, counts,
+            strict=True)]  # fmt: skip
 
 
 def _block_sums(values: np.ndarray, block: int | None) -> np.ndarray:

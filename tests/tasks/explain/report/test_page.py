@@ -1,0 +1,151 @@
+"""The folder of a report: whole files, one page without anything from elsewhere, the prediction."""
+
+import re
+from dataclasses import replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from made_report import BIAS, CHANGE, answer, explanation, finding, recording, unnamed, where
+
+from schemas.base import Unusable
+from schemas.discrepancy import Discrepancy
+from schemas.recording import Stream
+from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.report import said, write_report
+
+NAMES = {"report.html", "report.json", "where.svg", "before_after.svg", "prediction.parquet"}
+CASES = {
+    "no_mismatch": explanation(),
+    "explained": explanation(finding(indistinguishable=("axis_wobble",))),
+    "partly_explained": explanation(finding(), unnamed(), verdict="partly_explained"),
+    "unexplained": explanation(unnamed(), verdict="unexplained"),
+}
+
+
+def written(explained: Explanation, folder) -> str:
+    discrepancy = answer(explained, (BIAS,), (CHANGE,))
+    write_report(discrepancy, explained, folder)
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("verdict", CASES)
+def test_every_verdict_has_a_page_pictures_and_data(verdict, tmp_path) -> None:
+    page = written(CASES[verdict], tmp_path / "out")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == NAMES
+    assert 'class="badge' in page
+    for name in ("where.svg", "before_after.svg"):
+        root = ElementTree.fromstring((tmp_path / "out" / name).read_bytes())
+        assert root.tag.endswith("svg")
+    told = Discrepancy.model_validate_json((tmp_path / "out" / "report.json").read_bytes())
+    assert told.verdict == verdict
+
+
+@pytest.mark.parametrize("verdict", CASES)
+def test_the_page_needs_nothing_from_elsewhere(verdict, tmp_path) -> None:
+    page = written(CASES[verdict], tmp_path).replace("http://www.w3.org/2000/svg", "")
+    assert not re.search(r"https?:|//\w|@import|url\(|<link|<script|src=|href=", page)
+
+
+def test_the_page_holds_both_languages_and_both_pictures(tmp_path) -> None:
+    page = written(CASES["explained"], tmp_path)
+    assert page.count('lang="en"') - 1 == page.count('lang="zh"')  # one more on the page itself
+    assert page.count("<svg") == 2
+    for words in ("Table not level", "转台不水平", "axis_wobble", "<b>", "不合格 → 合格",
+                  "1.234", "mrad", "0.022", "−40.0"):  # fmt: skip
+        assert words in page
+
+
+def test_what_was_written_by_others_is_escaped(tmp_path) -> None:
+    page = written(CASES["explained"], tmp_path)
+    assert "run &lt;7&gt; &amp; more" in page
+    assert "a &lt; b" in page
+
+
+def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(tmp_path) -> None:
+    page = written(CASES["no_mismatch"], tmp_path)
+    assert "The certificate</span>" not in page
+    assert "with the findings" not in page
+    assert "p = 0.41" in page
+
+
+def test_the_page_names_the_recording_its_digest_and_the_code(tmp_path) -> None:
+    page = written(CASES["explained"], tmp_path)
+    assert "ab12" in page
+    assert re.search(r"mimucal \d+\.\d+\.\d+\+[0-9a-f]{12}", page)
+
+
+def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_path) -> None:
+    run = CASES["explained"]
+    nominal = run.nominal.copy()
+    nominal[10:20] = np.nan
+    run = replace(run, nominal=nominal)
+    written(run, tmp_path)
+    table = pq.read_table(tmp_path / "prediction.parquet")
+    expected = ["t", *(f"{c}_{kind}" for c in CHANNELS for kind in ("nominal", "found"))]
+    assert table.column_names == expected
+    assert table.num_rows == len(run.recording.imu.t)
+    read = table["accel_x_nominal"].to_numpy()
+    assert np.isnan(read[10:20]).all()
+    np.testing.assert_array_equal(read, nominal[:, 3])
+    np.testing.assert_array_equal(table["accel_x_found"].to_numpy(), run.found[:, 3])
+    np.testing.assert_array_equal(table["t"].to_numpy(), run.recording.imu.t)
+    assert pq.ParquetFile(tmp_path / "prediction.parquet").metadata.row_group(0).column(
+        0).compression == "ZSTD"  # fmt: skip
+
+
+def test_a_report_written_again_is_the_same_and_leaves_no_drafts(tmp_path) -> None:
+    written(CASES["explained"], tmp_path)
+    first = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    written(CASES["explained"], tmp_path)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == first
+
+
+def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(Unusable, match="name another folder"):
+        written(CASES["no_mismatch"], tmp_path / "file")
+
+
+def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
+    run = CASES["no_mismatch"]
+    nothing = np.full_like(run.nominal, np.nan)
+    page = written(replace(run, nominal=nothing, found=nothing), tmp_path)
+    assert page.count("<svg") == 2
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e6])
+def test_residuals_of_every_size_fit_into_the_pictures(size, tmp_path) -> None:
+    run = CASES["explained"]
+    readings = run.recording.imu.stack(CHANNELS) * size
+    imu = Stream(run.recording.imu.t, dict(zip(CHANNELS, readings.T, strict=True)))
+    written(replace(run, recording=replace(run.recording, imu=imu), found=run.found * size,
+                    noise=run.noise * size), tmp_path)  # fmt: skip
+    root = ElementTree.fromstring((tmp_path / "before_after.svg").read_bytes())
+    words = [each.text or "" for each in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert max(map(len, words)) < 50
+    numbers = re.findall(r"[\d.]+", " ".join(
+        each.get("d", "") for each in root.iter("{http://www.w3.org/2000/svg}path")))  # fmt: skip
+    assert 0 <= min(map(float, numbers)) <= max(map(float, numbers)) <= 1200
+
+
+def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside(tmp_path) -> None:
+    run = CASES["explained"]
+    places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
+    write_report(said(run, [places], [()], [()]), run, tmp_path)
+    svg = (tmp_path / "where.svg").read_text()
+    assert "38 %" in svg
+    assert "62 %" in svg
+    assert "axis_tilt" in svg
+
+
+def test_segments_are_found_where_none_are_labelled(tmp_path) -> None:
+    run = replace(CASES["no_mismatch"], recording=recording(labelled=False))
+    assert written(run, tmp_path).count("<svg") == 2
+
+
+def test_more_findings_than_colours_still_make_a_report(tmp_path) -> None:
+    run = explanation(*(finding(0.1 * finding().contribution) for _ in range(8)))
+    page = written(run, tmp_path)
+    assert page.count('class="card"') == 8

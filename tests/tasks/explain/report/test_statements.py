@@ -1,0 +1,172 @@
+"""Sentences in two languages name value, U, unit, place, evidence and what else it could be."""
+
+import numpy as np
+import pytest
+from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unnamed, where
+
+from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
+from tasks.explain.consequences import OVERALL
+from tasks.explain.report import said
+from tasks.explain.report.words import (
+    bic_words,
+    effect_name,
+    probability,
+    quantity,
+    times_more_probable,
+)
+
+
+def texts(discrepancy: Discrepancy) -> tuple[str, str]:
+    told = discrepancy.findings[0].statement
+    return told.en, told.zh
+
+
+def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages() -> None:
+    for text in texts(answer(explanation(finding()))):
+        assert "(1.234 ± 0.022) mrad" in text
+        assert "k = 2" in text
+
+
+def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
+    explained = explanation(finding())
+    places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
+    en, zh = texts(said(explained, [places], [()], [()]))
+    assert en.index("accelerometer y, while +x is up (62 %)") < en.index("accelerometer x")
+    assert "加速度计 y，+x 朝上时（62 %）" in zh
+
+
+def test_evidence_is_said_in_plain_words() -> None:
+    en, zh = texts(answer(explanation(finding(delta_bic=512.3, held_out_gain=11.5))))
+    assert "10⁵ times as probable (11.5 nats)" in en
+    assert "ΔBIC = 512: very strong evidence" in en
+    assert "10⁵ 倍" in zh
+    assert "证据非常强" in zh
+
+
+def test_a_gain_that_unseen_stretches_do_not_bear_out_is_said() -> None:
+    en, zh = texts(answer(explanation(finding(held_out_gain=-3.2))))
+    assert "are not predicted better (−3.2 nats)" in en
+    assert "未见改善" in zh
+
+
+def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
+    pair = finding(
+        indistinguishable=("axis_wobble", "not_yet_in_the_list"),
+        separated_by=("the outer axis turned by 90°.", "外轴转 90°。"),
+    )
+    en, zh = texts(answer(explanation(pair)))
+    assert "cannot tell it from a wobbling rotation axis or not yet in the list." in en
+    assert "To be sure, record: the outer axis turned by 90°." in en
+    assert "转轴摆动" in zh
+    assert "应补充记录：外轴转 90°。" in zh
+
+
+def test_what_has_no_name_is_described_by_what_it_follows() -> None:
+    discrepancy = answer(explanation(unnamed(), verdict="unexplained"))
+    en, zh = texts(discrepancy)
+    assert "What it follows: a relaxation of 12 s after each move." in en
+    assert "其变化规律：每次运动后 12 s 的松弛。" in zh
+    assert "given no name" in discrepancy.statement.en
+    assert "不予命名" in discrepancy.statement.zh
+
+
+def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> None:
+    small = BIAS.model_copy(update={"element": "y", "before": 0.0002})
+    en, zh = texts(answer(explanation(finding()), (small, BIAS), (CHANGE,)))
+    assert "Bias of the X accelerometer, from (12.10 ± 0.30) mm/s²" in en
+    assert "to (0.10 ± 0.30) mm/s²" in en
+    assert "−40.0 U" in en
+    assert "from fail to pass" in en
+    assert "由“不合格”变为“合格”" in zh
+
+
+def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
+    gone = [BIAS.model_copy(update={name: None}) for name in ("before", "after", "U")]
+    en, _ = texts(answer(explanation(finding()), tuple(gone)))
+    assert "of the certificate" not in en
+
+
+def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> None:
+    overall = VerdictChange(item=OVERALL, before="fail", after="pass")
+    discrepancy = answer(explanation(finding()), (BIAS,), (CHANGE, overall))
+    assert "changes 1 verdict." in discrepancy.statement.en
+    assert "the certificate as a whole changes from fail to pass" in texts(discrepancy)[0]
+
+
+def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
+    told = answer(explanation()).statement
+    assert "6 channels over 2.75 min at 20 Hz" in told.en
+    assert "2 rests, 2 constant rates, 1 turns by a known angle" in told.en
+    assert "p = 0.41" in told.en
+    assert "one clean recording in" in told.en
+    assert "χ² = 1.00" in told.en
+    assert "6 个通道" in told.zh
+    assert "误报" in told.zh
+
+
+def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
+    told = answer(explanation(finding()), (BIAS,), (CHANGE,)).statement
+    assert "leaves out: Table not level (east = (1.234 ± 0.022) mrad)" in told.en
+    assert "from 2.91 to 1.02" in told.en
+    assert "accelerometer x falls to 31 %" in told.en
+    assert "1 value of the certificate" in told.en
+    assert "转台不水平" in told.zh
+
+
+def test_a_partly_explained_recording_says_both_parts() -> None:
+    told = answer(explanation(finding(), unnamed(), verdict="partly_explained")).statement
+    assert "Table not level" in told.en
+    assert "a part of the excess" in told.en.lower()
+    assert "其余部分" in told.zh
+
+
+def test_the_answer_is_the_contracts_json() -> None:
+    discrepancy = answer(explanation(finding(), unnamed()), (BIAS,), (CHANGE,))
+    assert Discrepancy.model_validate_json(discrepancy.model_dump_json()) == discrepancy
+    assert discrepancy.findings[0].channels == ("accel_x", "accel_y")
+    assert discrepancy.findings[0].parameters == (TILT,)
+    assert discrepancy.figures == ("where.svg", "before_after.svg")
+
+
+def test_findings_without_their_places_are_refused() -> None:
+    with pytest.raises(ValueError, match="shorter"):
+        said(explanation(finding()), [], [()], [()])
+
+
+def test_many_parameters_are_told_by_the_three_most_significant() -> None:
+    many = tuple(
+        FoundParameter(name=f"c_{i}", value=float(i), unit="1", u=1.0) for i in range(1, 10)
+    )
+    en, zh = texts(answer(explanation(finding(parameters=many))))
+    assert "c 9 = 9.0 ± 2.0, c 8 = 8.0 ± 2.0, c 7 = 7.0 ± 2.0, and 6 more (k = 2)" in en
+    assert "9 个参数" in zh
+
+
+@pytest.mark.parametrize(
+    ("value", "U", "unit", "shown"),
+    [
+        (9.66, 0.4, "deg/h", "(9.66 ± 0.40) °/h"),
+        (0.00268333, 0.000111, "deg/s", "(9.66 ± 0.40) °/h"),
+        (np.radians(1.5), np.radians(0.2), "rad/s", "(1.50 ± 0.20) °/s"),
+        (-4.5e-4, 2.4e-5, "rad", "(−450 ± 24) µrad"),
+        (3.2e-12, 4e-13, "s", "(0.00320 ± 0.00040) ns"),
+        (0.25, 0.01, "m", "(250 ± 10) mm"),
+        (1.5e9, 3e7, "1", "(1.500 ± 0.030)×10⁹"),
+        (2.1e-6, 1e-7, "(rad/s)/(m/s2)^2", "(2.10 ± 0.10)×10⁻⁶ (rad/s)/(m/s²)²"),
+        (0.0, 3e-8, "1", "(0 ± 30)×10⁻⁹"),
+        (12.0, 0.0, "deg/s", "12.0 °/s"),
+        (1e-5, 2.0, "deg/s", "(0.0 ± 2.0) °/s"),
+    ],
+)
+def test_numbers_of_every_size_are_readable(value, U, unit, shown) -> None:
+    assert quantity(value, U, unit) == shown
+
+
+def test_words_of_evidence_follow_its_size() -> None:
+    assert [bic_words(x)[0].split()[0] for x in (50.0, 8.0, 3.0, -1.0)] == [
+        "very", "strong", "some", "no",
+    ]  # fmt: skip
+    assert times_more_probable(1e6) == ("more than 10¹⁰⁰ times", "10¹⁰⁰ 倍以上")
+    assert times_more_probable(np.log(5.0)) == ("5 times", "5 倍")
+    assert probability(0.0) == "p < 10⁻¹²"
+    assert effect_name("earth_rotation") == ("Earth's rotation", "地球自转")
