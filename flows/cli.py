@@ -9,8 +9,9 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
-from flows import keeping, options
+from flows import explain, keeping, options
 from flows.ending import as_ctrl_c
+from flows.ordering import as_flow, ordered
 from schemas.base import Unusable
 from tasks.stages.broken_off import BrokenOff
 
@@ -24,6 +25,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 station = typer.Typer(help="The virtual station.", rich_markup_mode=None)
+app.add_typer(explain.app)
 app.add_typer(keeping.app)
 app.add_typer(station, name="station")
 
@@ -88,7 +90,7 @@ def calibrate(
 
     Says which items it cannot give, and why.
     """
-    calibration = _ordered(
+    calibration = ordered(
         "calibrate", reference=run, method=method, uncertainty=uncertainty, terms=terms
     )
     if as_json:
@@ -97,60 +99,6 @@ def calibrate(
     from flows.printing import print_calibration
 
     print_calibration(calibration)
-
-
-@app.command()
-def explain(
-    run: options.Run,
-    out: options.ReportFolder = None,
-    calibration: options.Result = None,
-    simulated: options.Simulated = None,
-    as_json: options.Json = False,
-) -> None:
-    """Find where model and run differ, and which physics is missing."""
-    explained = _ordered(
-        "explain",
-        reference=run,
-        out=str(out) if out else None,
-        calibration=calibration,
-        simulated=str(simulated) if simulated else None,
-    )
-    if as_json:
-        print(explained.discrepancy.model_dump_json(indent=1))
-        return
-    from flows.explain import print_explained
-
-    print_explained(explained)
-
-
-@app.command()
-def simulate(
-    run: options.Run,
-    out: options.NewFolder,
-    calibration: options.OwnResult = None,
-    as_json: options.Json = False,
-) -> None:
-    """Write what a unit with a calibration would have read on a run's motion.
-
-    The recording is one that `explain --simulated` reads.
-    """
-    made = _ordered("simulate", reference=run, out=str(out), calibration=calibration)
-    if as_json:
-        _json(
-            {
-                "format": "mimu-simulate/1",
-                "path": str(made.folder),
-                "rows": made.rows,
-                "rows_left_out": made.rows_left_out,
-                "assumed_ideal": list(made.assumed),
-            }
-        )
-        return
-    print(made.folder)
-    if made.rows_left_out:
-        print(f"{made.rows_left_out} rows left out: how it moved is not known", file=sys.stderr)
-    if made.assumed:
-        print(f"taken as ideal, not calibrated: {', '.join(made.assumed)}", file=sys.stderr)
 
 
 @app.command()
@@ -167,7 +115,7 @@ def certify(
     as_json: options.Json = False,
 ) -> None:
     """Decide on a run, and make the certificate."""
-    issued = _ordered(
+    issued = ordered(
         "certify",
         reference=run,
         method=method,
@@ -195,7 +143,7 @@ def acquire(
     from flows.orders import check_acquisition
 
     check_acquisition(station_file, procedure, attended=not as_json)
-    run, acquired = _as_flow(
+    run, acquired = as_flow(
         "acquire", station=station_file, procedure=procedure, attended=not as_json
     )
     if as_json:
@@ -232,33 +180,6 @@ def serve(
 
     virtual = virtual_station(ahrs, seed)
     serve_station(virtual, host, port, speed, tuple(fault or ()), station_file, truth)
-
-
-def _ordered(name: str, **parameters: Any) -> Any:
-    """Carry out an order: as a flow run where a Prefect server is named, else right here."""
-    from flows.server import server_named
-    from tasks.stages.estimate import check_method, check_uncertainty
-
-    check_method(parameters.get("method"))
-    check_uncertainty(parameters.get("uncertainty", "gum"))
-    if server_named():
-        return _as_flow(name, **parameters)
-    from flows import orders
-    from flows.progress import working
-    from tasks.stages import plain
-
-    with working(f"{name} {parameters['reference']}"):
-        return getattr(orders, name)(plain, **parameters)
-
-
-def _as_flow(name: str, **parameters: Any) -> Any:
-    from flows.server import prepare
-    from storage.home import home
-
-    prepare(home())
-    from flows import line
-
-    return line.run_now(getattr(line, name), **parameters)
 
 
 def _print_issued(issued: Any, as_json: bool) -> None:

@@ -11,6 +11,7 @@ from schemas.discrepancy import Consequence, VerdictChange
 from schemas.recording import ANGLE, Recording, Stream
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
+from tasks.certificate.names import item_name, unit_text
 from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.items import jjf1536, jjf2003
 from tasks.model.term import Text
@@ -163,12 +164,12 @@ def _of_all_together(
     en = f"All {findings} findings together move {len(together)} elements by more than 0.05 U"
     zh = f"全部 {findings} 项因素合计使 {len(together)} 个元素的变化超过 0.05 U"
     if most.before is not None and most.after is not None:
-        name = f"{most.item} {most.element}"
+        name_zh, name = (f"{each} {most.element}" for each in item_name(most.item))
         texts = column([most.before, most.after], [most.U, most.U])
         power = f"·10^{texts.exponent}" if texts.exponent else ""
-        span = f"{texts.values[0]} → {texts.values[1]}{power} {most.unit}"
+        span = f"{texts.values[0]} → {texts.values[1]}{power} {unit_text(most.unit)}"
         en += f", most of all {name}: {span} ({moved_by(most):.1f} U)"
-        zh += f"，最大为 {name}：{span}（{moved_by(most):.1f} U）"
+        zh += f"，最大为{name_zh}：{span}（{moved_by(most):.1f} U）"
     for change in changes:
         en += f"; {change.item}: {change.before} → {change.after}"
         zh += f"；{change.item}：{change.before} → {change.after}"

@@ -68,8 +68,8 @@ def test_each_finding_moves_its_own_and_all_together_move_both(run: Recording) -
     assert ("accel_bias", "y") in items[1] - items[0]
     assert {(c.item, c.element) for c in found.together} == items[0] | items[1]
     (said,) = found.remarks
-    assert "gyro_bias y" in said[0]
-    assert "gyro_bias y" in said[1]
+    assert "Gyro bias y" in said[0]
+    assert "陀螺" in said[1]
 
 
 def test_a_verdict_that_changes_is_told(run: Recording) -> None:
