@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+from scipy.ndimage import minimum_filter1d
 
 from schemas.recording import Recording
 from tasks.model.term import Parameter, Term
@@ -11,6 +12,7 @@ from tasks.model.terms.timing import interval
 from tasks.motion.whole import Motion
 
 SETTLED = 20.0  # time constants after which the filter has forgotten
+REACH, FADED = 3, 5.0  # rows and time constants from what is not known: nothing is known there
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,9 @@ class Bandwidth(Term):
         padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
         s = 1j * _slope(2.0 * np.pi * rfftfreq(count))[:, None] * values[0] / step
         passed = irfft(rfft(padded, axis=0) / (1.0 + np.sqrt(2.0) * s + s**2), count, axis=0)
-        return np.where(known, passed[more : more + len(filled)], np.nan)
+        reach = REACH + int(np.ceil(FADED * abs(values[0]) / step))
+        clear = known.all() or minimum_filter1d(known, 2 * reach + 1, axis=0, mode="nearest")
+        return np.where(clear, passed[more : more + len(filled)], np.nan)
 
 
 def _slope(x: np.ndarray) -> np.ndarray:

@@ -55,7 +55,10 @@ def rate_ripple(per_turn: int, axis: int) -> RateRipple:
         one("depth_sin", "s", ("1", 1.0, 0.02)) + one("depth_cos", "c", ("1", 1.0, 0.02)),
         (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MOST_PER_TURN))), AXIS),
         (float(per_turn), float(axis)),
-        title=(f"rate ripple, {per_turn} times a turn", f"速率波动（每转{per_turn}次）"),
+        title=(
+            f"rate ripple of table axis {axis}, {per_turn} times a turn",
+            f"转台第{axis}轴速率波动（每转{per_turn}次）",
+        ),
         confused_with=("encoder_eccentricity", "axis_wobble", "mains_pickup"),
         separated_by=(
             "steady turns at two rates that are no multiple of each other: the ripple keeps its "
@@ -73,7 +76,10 @@ def encoder_eccentricity(axis: int) -> EncoderEccentricity:
         one("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
         + one("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
         (AXIS,), (float(axis),),
-        title=("encoder error once a turn", "测角编码器偏心误差（每转一次）"),
+        title=(
+            f"encoder error of table axis {axis}, once a turn",
+            f"转台第{axis}轴测角编码器偏心误差（每转一次）",
+        ),
         confused_with=("axis_wobble", "rate_ripple"),
         separated_by=(
             "the encoder against a polygon and an autocollimator over a whole turn, or the unit "

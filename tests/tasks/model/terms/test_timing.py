@@ -78,6 +78,22 @@ def test_what_is_not_known_spoils_only_what_is_near(term: type) -> None:
         assert passed[near] == pytest.approx(whole[near], abs=1e-6)
 
 
+def test_a_low_pass_knows_nothing_until_it_has_forgotten_what_is_not_known() -> None:
+    gap = waves(T)
+    gap[1000:1200, 2] = np.nan
+    passed = BANDWIDTH.passed(RUN, gap, np.array([0.019]))  # two rows
+    unknown = np.flatnonzero(np.isnan(passed[:, 2]))
+    assert (unknown[0], unknown[-1]) == (1000 - 13, 1199 + 13)
+    assert np.isfinite(passed[:, [0, 1, 3, 4, 5]]).all()
+
+
+def test_a_low_pass_does_not_ring_at_the_corner_of_a_ramp() -> None:
+    ramp = np.maximum(T - 15.0, 0.0)[:, None] * np.ones(6)
+    change = BANDWIDTH.passed(RUN, ramp, np.array([1e-4])) - ramp
+    assert np.abs(change[INSIDE][(T < 14.9)[INSIDE]]).max() < 1e-7
+    assert change[2000:2500] == pytest.approx(-np.sqrt(2.0) * 1e-4, rel=1e-3)
+
+
 def test_every_signal_term_is_linear_in_the_readings() -> None:
     one, other = waves(T), waves(0.5 * T + 1.0)
     run: Motion = RUN
