@@ -70,7 +70,8 @@ def _slope(course: np.ndarray) -> np.ndarray:
 @cache
 def motion() -> Motion:
     """What the encoders tell of the run, in the body frame."""
-    inner, spins = np.swapaxes(MOUNTED, 1, 2), []
+    inner = np.swapaxes(MOUNTED, 1, 2)
+    spins: list[np.ndarray] = []
     for k in (2, 1, 0):
         spins.insert(0, np.broadcast_to(inner @ DIRECTIONS[k], (len(T), 3)))
         inner = inner @ turns(-ANGLES[:, k, None] * DIRECTIONS[k])
