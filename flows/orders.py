@@ -12,7 +12,7 @@ from types import ModuleType
 from flows import operator
 from flows.ending import ending_as_by_ctrl_c
 from flows.papers import read_papers, read_procedure
-from flows.progress import acquisition_progress
+from flows.progress import acquisition_progress, tell
 from schemas.calibration import Calibration, Method
 from schemas.certificate import Laboratory
 from storage import settings, store
@@ -78,7 +78,7 @@ def explain(
     folder = place(home_folder)
     run = run_of(reference, folder, stages)
     report, other = (Path(named) if named else None for named in (out, simulated))
-    explained: Explained = stages.explain_run(run, folder, report, calibration, other)
+    explained: Explained = stages.explain_run(run, folder, report, calibration, other, tell)
     return explained
 
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 
 CONSOLE = Console(stderr=True)
+_told: list[Callable[[str], None]] = []  # by each `working` that is open
 
 
 @contextmanager
@@ -47,8 +48,18 @@ def working(description: str) -> Iterator[None]:
         console=CONSOLE, transient=True,
         disable=not CONSOLE.is_terminal,
     ) as bar:  # fmt: skip
-        bar.add_task(description, total=None)
-        yield
+        shown = bar.add_task(description, total=None)
+        _told.append(lambda now: bar.update(shown, description=f"{description}: {now}"))
+        try:
+            yield
+        finally:
+            _told.pop()
+
+
+def tell(now: str) -> None:
+    """Says beside the spinner, where one turns, what is being done now."""
+    for show in _told[-1:]:
+        show(now)
 
 
 @contextmanager

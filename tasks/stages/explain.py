@@ -1,7 +1,9 @@
 """Stage: where model and recording differ, which physics was left out, and what it matters."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,12 +36,14 @@ def explain_run(
     out: Path | None = None,
     calibration: str | None = None,
     simulated: Path | None = None,
+    progress: Callable[[str], None] = lambda now: None,
 ) -> Explained:
     """Find where the standard's model and a run differ, and say which physics is missing.
 
     out: folder of the report; nothing is written without it. calibration: the model's parameters,
     a result's id or a mimu-calibration/1 file; they are fitted unless it is given. simulated: a
-    recording of the same run by another simulator, in place of the model's prediction.
+    recording of the same run by another simulator, in place of the model's prediction. progress:
+    is told what is being done.
     Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
@@ -50,13 +54,18 @@ def explain_run(
 
     _check_folder(out)
     recording = store.load(run, home)
-    given = None if calibration is None else calibration_named(calibration, home)
-    other = None if simulated is None else simulated_readings(recording, simulated)
-    explanation = explain(recording, calibration=given, simulated=other)
+    against: dict[str, Any] = {}  # instead of the standard's model, fitted to this recording
+    if calibration is not None:
+        against["calibration"] = calibration_named(calibration, home)
+    if simulated is not None:
+        against["simulated"] = simulated_readings(recording, simulated)
+    explanation = explain(recording, progress=progress, **against)
+    progress("consequences")
     effects = consequences(recording, explanation, _tolerance(recording, home))
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = said(explanation, wheres, effects.of_findings, effects.changes)
+    progress("report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)
 

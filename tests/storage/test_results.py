@@ -6,10 +6,11 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
+from schemas.calibration import AdoptedTerm, Calibration
 from schemas.recording import Recording
 from storage import catalog, store
 from storage.home import Home
+from storage.results import named_result
 
 Build = Callable[..., Recording]
 Calibrate = Callable[..., Calibration]
@@ -58,6 +59,29 @@ def test_methods_do_not_supersede_each_other(
     assert [result.supersedes for result in store.results(run, fresh)] == [None, None]
 
 
+def test_a_result_with_further_terms_stands_beside_the_one_without(
+    fresh: Home, small: Build, calibrated: Calibrate
+) -> None:
+    """Each line of results goes on by itself, whichever was kept last."""
+    run = store.keep(small(), fresh)[0]
+    arm, tilt = (AdoptedTerm(name=name, title="t", title_zh="t") for name in ("arm", "tilt"))
+    plain = store.save_result(calibrated(run), fresh)
+    armed = store.save_result(calibrated(run, 0.5, terms=(arm,)), fresh)
+    both = store.save_result(calibrated(run, 0.5, terms=(arm, tilt)), fresh)
+    assert store.save_result(calibrated(run), fresh) == plain
+    later = store.save_result(calibrated(run, 0.7, terms=(arm,)), fresh)
+    kept = {result.id: result.supersedes for result in store.results(run, fresh)}
+    assert kept == {plain: None, armed: None, both: None, later: armed}
+
+
+def test_a_result_is_found_by_its_id(fresh: Home, small: Build, calibrated: Calibrate) -> None:
+    run = store.keep(small(), fresh)[0]
+    kept = store.save_result(calibrated(run, 0.5), fresh)
+    assert named_result(kept, fresh).calibration == calibrated(run, 0.5)
+    with pytest.raises(Unusable, match="no result 'c0'"):
+        named_result("c0", fresh)
+
+
 def test_result_of_a_run_that_is_not_kept_is_refused(
     fresh: Home, small: Build, calibrated: Calibrate
 ) -> None:
@@ -73,7 +97,7 @@ def test_results_saved_at_once_form_one_line(
     run = store.keep(small(), fresh)[0]
     script = """
 import os
-from schemas.calibration import Calibration
+from schemas.calibration import AdoptedTerm, Calibration
 document = Calibration.model_validate_json(arguments[0])
 print(store.save_result(document.model_copy(update={"code_version": str(os.getpid())}), home))
 """
