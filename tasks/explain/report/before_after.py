@@ -68,7 +68,7 @@ def affected(explanation: Explanation, cells: Cells) -> list[int]:
 
 def _legend(found: bool) -> list[str]:
     """Without findings both lines are one."""
-    standard = "the standard's model, fitted"
+    standard = "the standard's model"
     told = [(BEFORE, f"before: {standard}"), (AFTER, "after: with the findings")]
     parts, at = [], float(LEFT)
     for colour, words in told if found else [(AFTER, standard)]:
@@ -118,7 +118,8 @@ def _reach(cells: Cells, channel: int) -> float:
     measured = np.array([kind in MEASURED for kind in cells.kinds])
     asked = sizes[measured & np.isfinite(sizes)]
     asked = asked if len(asked) else sizes[np.isfinite(sizes)]
-    noise = float(np.median(cells.noise[channel]))
+    known = cells.noise[channel][np.isfinite(cells.noise[channel])]
+    noise = float(np.median(known)) if len(known) else 0.0
     most = float(np.quantile(asked, SHOWN)) if len(asked) else 0.0
     return 1.25 * max(most, 3.0 * noise, 1e-12)
 
@@ -131,14 +132,12 @@ def _unit(channel: int, most: float) -> tuple[str, float]:
 
 
 def _band(cells: Cells, channel: int, x: Scale, up: Scale) -> list[str]:
-    """Twice the noise of a mean about zero, as one outline."""
-    edges, noise = cells.edges, 2.0 * cells.noise[channel]
-    top = [(x(t), up(n)) for a, b, n in zip(edges[:-1], edges[1:], noise, strict=True)
-           for t in (a, b)]  # fmt: skip
-    low = [(x(t), up(-n)) for a, b, n in zip(edges[:-1], edges[1:], noise, strict=True)
-           for t in (a, b)]  # fmt: skip
-    outline = " ".join(f"{a:.1f},{b:.1f}" for a, b in [*top, *low[::-1]])
-    return [f'<polygon points="{outline}" fill="{BAND}"/>']
+    """Twice the noise of a mean about zero, where it is known."""
+    return [
+        rect(x(a), up(n), x(b) - x(a) + 0.1, up(-n) - up(n), BAND)
+        for a, b, n in zip(cells.edges[:-1], cells.edges[1:], 2 * cells.noise[channel], strict=True)
+        if np.isfinite(n)
+    ]
 
 
 def _steps(

@@ -106,7 +106,7 @@ def _channel(
     means = np.array([[_mean(v) for v in values] for values in (firsts, lasts)])
     swings = np.array([[_swing(v, s) for v, s in zip(values, sigmas, strict=True)]
                        for values in (firsts, lasts)])  # fmt: skip
-    counts = np.array([max(len(values), 1) for values in firsts])
+    counts = np.array([len(values) or np.nan for values in firsts])
     scaled = [values / s for values, s in zip(firsts, sigmas, strict=True)]
     rest = [values / s for values, s in zip(lasts, sigmas, strict=True)]
     return np.vstack([_excess(scaled, rest, stretches), means, swings, sigmas / np.sqrt(counts)])
@@ -149,7 +149,8 @@ def _excess(
         size = _allan([_block_sums(values, block) for values in rest])
         shown[i] = [_deviate(each / size) for each in sums]
     whole, left = (_whole(each, stretches) for each in (cells, rest))
-    size = _allan(left)
+    counts = np.bincount(stretches, [len(each) for each in rest])
+    size = _allan([each for each, n in zip(left, counts, strict=True) if n > counts.max() / 4])
     seen = np.array([_deviate(each / size) for each in whole])[stretches]
     shown[-1] = np.where([len(each) > 0 for each in cells], seen, np.nan)
     known = np.isfinite(shown).any(axis=0)

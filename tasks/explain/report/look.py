@@ -47,8 +47,9 @@ input.language { position: absolute; opacity: 0; }
 @media (max-width: 40em) { .card dl { grid-template-columns: 1fr; } .card dd { margin: 0 0 .5em; } }
 @page { size: A4; margin: 14mm; }
 @media print {
-  body { font-size: 10pt; margin: 0; padding: 0; max-width: none; } .switch { display: none; }
-  h2, h3 { break-after: avoid; } tr { break-inside: avoid; }
+  body { font-size: 9.5pt; margin: 0; padding: 0; max-width: none; } .switch { display: none; }
+  h2, h3 { break-after: avoid; } h2 { margin-top: 1.2em; }
+  .card { break-inside: auto; padding: .5em .9em; } .card dt, .card dd, tr { break-inside: avoid; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
 """

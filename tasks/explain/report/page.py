@@ -28,6 +28,13 @@ WHERE: Text = (
     "颜色表示规范模型的失配高出噪声多少倍标准差（取最显著的平均时间）。上方色带为静止、恒速与转动区段；"
     "各通道下方的短条为各项发现所在的区段，右侧数字为其占比。",
 )
+NOWHERE: Text = (
+    "Colour: by how many standard deviations the misfit of the standard's model stands above "
+    "white noise, at the averaging time at which it shows most. Single pale cells are the unit's "
+    "own slow noise: all in all there is no more than chance allows.",
+    "颜色表示规范模型的失配高出白噪声多少倍标准差（取最显著的平均时间）。个别浅色格为被校单元自身的慢变噪声，"
+    "总体未超出偶然范围。",
+)
 BEFORE_AFTER: Text = (
     "Left: means of the residual over time; pale bars show what swings within a cell. Right: "
     "spectrum of the residual divided by the noise of a sample.",
@@ -73,7 +80,7 @@ def page(discrepancy: Discrepancy, explanation: Explanation, where: str, before_
             f"<h1>{both(HEADLINES[discrepancy.verdict])}</h1>",
             f'<p class="lead">{both(text_of(discrepancy.statement))}</p>',
             *_heading("Where", "所在位置"),
-            _figure(where, WHERE),
+            _figure(where, WHERE if cards else NOWHERE),
             *([*_heading("What was left out", "遗漏的物理因素"), *cards] if cards else []),
             *(_heading("Before and after", "前后对比") if cards
               else _heading("What is left over", "剩余残差")),

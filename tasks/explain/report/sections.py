@@ -11,6 +11,7 @@ from tasks.explain.report.statements import alternatives, on_certificate, why
 from tasks.explain.report.svg import FINDINGS
 from tasks.explain.report.verdicts import detected, tested
 from tasks.explain.report.words import (
+    capital,
     channel_name,
     chi2,
     element_name,
@@ -69,7 +70,7 @@ def card(number: int, finding: FindingSaid) -> str:
     return (
         f'<section class="card" style="border-left-color:{colour}">'
         f'<h3><span class="disc" style="background:{colour}">{number + 1}</span>'
-        f"{both(text_of(finding.title))} <code>{escape(finding.effect)}</code></h3>"
+        f"{both(capital(text_of(finding.title)))} <code>{escape(finding.effect)}</code></h3>"
         f"<dl>{entries}</dl></section>"
     )
 
@@ -90,7 +91,8 @@ def _parameters(finding: FindingSaid) -> str:
 
 def _equation(finding: FindingSaid) -> str:
     source = f' <span class="quiet">{escape(finding.source)}</span>' if finding.source else ""
-    return f'<span class="equation">{escape(finding.equation)}</span>{source}'.strip()
+    told = f'<span class="equation">{escape(finding.equation)}</span>{source}'
+    return told if finding.equation or source else ""
 
 
 def _wheres(finding: FindingSaid) -> str:

@@ -93,7 +93,7 @@ def where(finding: FindingSaid) -> Text:
         en, zh = channel_name(each.channel)
         share = percent(each.share)
         parts.append(
-            (f"{en}, {each.description.en} ({share})", f"{zh}，{each.description.zh}（{share}）")
+            (f"{en} ({share}): {each.description.en}", f"{zh}（{share}）：{each.description.zh}")
         )
     en, zh = joined(parts)
     return sentence((f"It sits in {en}", f"所在：{zh}"))

@@ -41,10 +41,10 @@ HEADLINES: dict[str, Text] = {
         "未查明：模型与记录不符，目录中无任何效应可以解释",
     ),
 }
-KINDS: dict[Kind, Text] = {
-    "static": ("rests", "静止段"),
-    "rate": ("constant rates", "恒定角速率段"),
-    "rotation": ("turns by a known angle", "定角转动段"),
+KINDS: dict[Kind, tuple[str, str, str]] = {  # one, several, Chinese
+    "static": ("rest", "rests", "静止段"),
+    "rate": ("constant rate", "constant rates", "恒定角速率段"),
+    "rotation": ("turn by a known angle", "turns by a known angle", "定角转动段"),
 }
 
 
@@ -68,8 +68,8 @@ def tested(explanation: Explanation) -> Text:
     rate = plain(1.0 / float(np.median(np.diff(t)))) if len(t) > 1 else "0"
     channels = sum(name in recording.imu.columns for triad in TRIADS for name in triad)
     counts = Counter(s.kind for s in recording.manifest.segments or ())
-    kinds = [(f"{counts[k]} {KINDS[k][0]}", f"{counts[k]} 个{KINDS[k][1]}") for k in KINDS
-             if counts[k]]  # fmt: skip
+    kinds = [(f"{counts[k]} {one if counts[k] == 1 else several}", f"{counts[k]} 个{zh}")
+             for k, (one, several, zh) in KINDS.items() if counts[k]]  # fmt: skip
     en, zh = joined(kinds, ", ", "、")
     return sentence(
         (
@@ -98,11 +98,11 @@ def detected(explanation: Explanation) -> Text:
 def _nothing(explanation: Explanation) -> Text:
     left = chi2(explanation.held_out.chi2_per_dof_before)
     return (
-        "Nothing was found that the standard's model, with its parameters fitted, leaves out. "
+        "Nothing was found that the standard's model leaves out. "
         f"On stretches that the fit did not see it leaves χ² = {left} per degree of freedom "
         "(noise alone: 1). What is smaller than the noise lets see, or what the standard's "
         "parameters absorb whole, this recording cannot show.",
-        "规范模型经参数拟合后，未发现有遗漏的物理因素。"
+        "未发现规范模型遗漏的物理因素。"
         f"在未参与拟合的区段上，每自由度 χ² = {left}（仅有噪声时为 1）。"
         "小于噪声可分辨程度的效应，或被规范参数完全吸收的效应，本次记录无法显示。",
     )

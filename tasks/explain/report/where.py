@@ -23,7 +23,7 @@ from tasks.explain.report.svg import (
     ticks,
     width_of,
 )
-from tasks.explain.report.words import channel_name, effect_name, percent
+from tasks.explain.report.words import capital, channel_name, effect_name, percent, text_of
 
 WIDTH, LEFT, RIGHT = 1200, 120, 1060
 TOP, ROW, BAR = 76, 50, 6
@@ -47,7 +47,7 @@ def where_svg(discrepancy: Discrepancy, cells: Cells) -> str:
     findings = discrepancy.findings[:MOST]
     bottom = TOP + ROW * len(CHANNELS)
     parts = [
-        label(LEFT, 20, "Where the standard's model, fitted, misfits the recording", 16, bold=True),
+        label(LEFT, 20, "Where the standard's model misfits the recording", 16, bold=True),
         *_kind_strip(segments, x),
         *_rows(cells, x),
         *_marks(findings, segments, x, (start, end)),
@@ -163,7 +163,7 @@ def _colour_legend(y: float, segments: Sequence[Segment]) -> list[str]:
 def _finding_legend(findings: Sequence[FindingSaid], y: float) -> list[str]:
     parts = []
     for n, finding in enumerate(findings):
-        title = finding.title.en or effect_name(finding.effect)[0]
+        title = capital(text_of(finding.title))[0] or effect_name(finding.effect)[0]
         parts += _number(LEFT + 8, y + 22 * n - 4, n)
         parts.append(label(LEFT + 24, y + 22 * n, f"{title} ({finding.effect})", 14))
     return parts

@@ -96,10 +96,17 @@ def joined(texts: Sequence[Text], en: str = "; ", zh: str = "；") -> Text:
     return (en.join(t[0] for t in texts), zh.join(t[1] for t in texts))
 
 
+def capital(text: Text) -> Text:
+    """A pair that begins like a sentence; a symbol stays as it is."""
+    en, zh = text
+    word = en[1:2].islower() or en.startswith("a ")
+    return (en[:1].upper() + en[1:] if word else en, zh)
+
+
 def sentence(text: Text) -> Text:
     """A pair that begins like a sentence and ends with one full stop each."""
-    en, zh = (each.strip().rstrip(".。") for each in text)
-    return (f"{en[:1].upper()}{en[1:]}.", f"{zh}。")
+    en, zh = capital((text[0].strip().rstrip(".。"), text[1].strip().rstrip(".。")))
+    return (f"{en}.", f"{zh}。")
 
 
 def power_of_ten(exponent: int) -> str:

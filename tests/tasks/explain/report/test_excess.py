@@ -31,7 +31,7 @@ def test_an_offset_and_a_swing_show_in_their_cells_and_nowhere_else() -> None:
 
 
 def test_an_offset_far_below_the_noise_of_a_row_shows_over_the_whole_segment() -> None:
-    cells = cells_of(explanation(finding(tilt(0.5e-2))))
+    cells = cells_of(explanation(finding(tilt(0.8e-2))))
     first = (cells.edges[:-1] >= 2.99) & (cells.edges[1:] <= 33.01)
     assert cells.excess[3, first].min() > 4.0
     assert np.median(cells.excess[3, ~first]) < 2.0
@@ -51,6 +51,7 @@ def test_rows_of_unknown_motion_are_not_known() -> None:
     nominal[:660], found[:660] = np.nan, np.nan
     cells = cells_of(replace(run, nominal=nominal, found=found))
     assert np.isnan(cells.excess[:, cells.edges[1:] <= 33.0]).all()
+    assert np.isnan(cells.noise[:, cells.edges[1:] <= 33.0]).all()
     assert np.isfinite(cells.excess[:, cells.edges[:-1] >= 33.0]).all()
 
 

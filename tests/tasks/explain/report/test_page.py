@@ -111,7 +111,8 @@ def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path) -> 
 def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
     run = CASES["no_mismatch"]
     nothing = np.full_like(run.nominal, np.nan)
-    page = written(replace(run, nominal=nothing, found=nothing), tmp_path)
+    noise = np.full(6, np.nan)
+    page = written(replace(run, nominal=nothing, found=nothing, noise=noise), tmp_path)
     assert page.count("<svg") == 2
 
 

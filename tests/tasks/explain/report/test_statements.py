@@ -31,8 +31,8 @@ def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
     explained = explanation(finding())
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
     en, zh = texts(said(explained, [places], [()], [()]))
-    assert en.index("accelerometer y, while +x is up (62 %)") < en.index("accelerometer x")
-    assert "加速度计 y，+x 朝上时（62 %）" in zh
+    assert en.index("accelerometer y (62 %): while +x is up") < en.index("accelerometer x")
+    assert "加速度计 y（62 %）：+x 朝上时" in zh
 
 
 def test_evidence_is_said_in_plain_words() -> None:
@@ -96,7 +96,7 @@ def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> Non
 def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
     told = answer(explanation()).statement
     assert "6 channels over 2.75 min at 20 Hz" in told.en
-    assert "2 rests, 2 constant rates, 1 turns by a known angle" in told.en
+    assert "2 rests, 2 constant rates, 1 turn by a known angle" in told.en
     assert "p = 0.41" in told.en
     assert "one clean recording in" in told.en
     assert "χ² = 1.00" in told.en
@@ -116,7 +116,7 @@ def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
 def test_a_partly_explained_recording_says_both_parts() -> None:
     told = answer(explanation(finding(), unnamed(), verdict="partly_explained")).statement
     assert "Table not level" in told.en
-    assert "a part of the excess" in told.en.lower()
+    assert ". A part of the excess" in told.en
     assert "其余部分" in told.zh
 
 
