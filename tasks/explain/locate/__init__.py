@@ -9,8 +9,9 @@ import numpy as np
 
 from schemas.discrepancy import Statement, Where
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.locate.excess import excess, scales
-from tasks.explain.locate.place import Place, patterns, places
+from tasks.explain.locate.excess import excess_of, scales
+from tasks.explain.locate.map import ExcessMap, excess_map
+from tasks.explain.locate.place import Place, patterns_in, places
 from tasks.explain.locate.run import Run
 
 TOUCHED = 0.05  # share of a finding's excess from which a channel has an entry of its own
@@ -18,7 +19,7 @@ NOTHING = 1e-4  # share of the other channels together that is not worth an entr
 NOWHERE = Place("level", ("the standard's model takes it up whole", "已被规范模型全部吸收"), ())
 SLIGHT = Place("level", ("less than 5 % of it in each", "各占不足 5 %"), ())
 
-__all__ = ["locate"]
+__all__ = ["ExcessMap", "excess_map", "locate"]
 
 
 def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
@@ -30,7 +31,7 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     """
     run = Run.of(explanation.recording)
     noise = scales(explanation.noise)
-    strengths = excess(explanation, run.motion)
+    strengths = excess_of(explanation, run.motion)
     return tuple(
         _entries(run, finding, strength, noise)
         for finding, strength in zip(explanation.findings, strengths, strict=True)
@@ -46,7 +47,7 @@ def _entries(
         return (_where(CHANNELS[(*finding.channels, 0)[0]], NOWHERE, 1.0),)
     share = power / power.sum()
     touched = [int(c) for c in np.argsort(-share) if share[c] >= TOUCHED]
-    found = {c: patterns(run, strength[:, c], c, float(noise[c])) for c in touched}
+    found = {c: patterns_in(run, strength[:, c], c, float(noise[c])) for c in touched}
     placed = places(run, found, strength)
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in touched]
     rest = 1.0 - sum(each.share for each in entries)

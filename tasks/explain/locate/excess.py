@@ -8,7 +8,7 @@ from tasks.motion.whole import Motion
 ARITHMETIC = 1e-10  # of the largest: smaller eigenvalues are of columns that do not differ
 
 
-def excess(explanation: Explanation, motion: Motion) -> np.ndarray:
+def excess_of(explanation: Explanation, motion: Motion) -> np.ndarray:
     """(findings, n, 6): contribution less what models (1) and (2) take up of it, over the noise.
 
     JJF 2003-2022, 5.1 and 5.2: gyro columns ω, 1, f; accelerometer columns f, 1 and ωⱼ² of the

@@ -16,9 +16,10 @@ from tasks.explain.locate.regime import Regime
 from tasks.explain.locate.run import Run, Sums
 from tasks.model.term import Text
 
-FLOOR = 0.02  # of the power: smaller remainders do not count
+FLOOR = 0.07  # of the power: smaller remainders do not count
 CONCENTRATED = 0.6  # power share above time share from which a place is named, not a course
 FOLLOWING = 0.5  # share of the power in the cells' means from which the excess goes by them
+GOES_BY = 0.6  # the same for what the run did not command
 LISTED = 4  # cells of no order that are named
 EARLIEST_CUT = 0.02  # of the run
 
@@ -50,24 +51,28 @@ def paid(numbers: int, searched: int, pieces: int) -> float:
 
 
 def by_regime(run: Run, regime: Regime, sums: Sums, unit: tuple[float, str], tried: int) -> Pattern:
-    """What a regime tells of an excess. unit: factor and name for values of e as printed."""
-    count = len(regime.cells)
-    known = regime.cell >= 0
+    """What a regime tells of an excess. unit: factor and name for values of e as printed.
+
+    Rows whose cell is not known have nothing told of them.
+    """
+    known, count = regime.cell >= 0, len(regime.cells)
     cells = Sums(*(
         np.bincount(regime.cell[known], each[known], count)
         for each in (sums.rows, sums.first, sums.second)
     ))  # fmt: skip
-    means = cells.first / np.maximum(cells.rows, 1.0)
-    unknown = ~known
-    rows = np.append(cells.rows, sums.rows[unknown].sum())
-    left = np.append(cells.second - means * cells.first, sums.second[unknown].sum())
-    whole = float(sums.second.sum())
-    used = int((cells.rows > 0).sum())
-    score = told(rows, np.maximum(left, 0.0), whole) - paid(used, tried, run.pieces)
-    chosen, excess = densest(cells, regime.ordered)
-    following = float((means * cells.first).sum() / whole)
-    if excess < CONCENTRATED and following > FOLLOWING:
-        return Pattern(regime.dimension, score, _course(regime, cells, following, unit), known)
+    rows, held, whole = cells.rows.sum(), cells.second.sum(), float(sums.second.sum())
+    if not held:
+        return Pattern(regime.dimension, 0.0, ("", ""), known)
+    left = cells.second - cells.first**2 / np.maximum(cells.rows, 1.0)
+    following = 1.0 - float(left.sum() / held)
+    if regime.recorded and following < GOES_BY:
+        left = left.sum() * cells.rows / rows
+    cost = paid(int((cells.rows > 0).sum()), tried, run.pieces)
+    score = held / whole * told(cells.rows, np.maximum(left, 0.0), held) - cost
+    chosen, above = densest(cells, regime.ordered)
+    if regime.recorded or (above < CONCENTRATED and following > FOLLOWING):
+        text = _course(regime, cells, following * held / whole, unit)
+        return Pattern(regime.dimension, score, text, known)
     share = float(cells.second[chosen].sum() / whole)
     time = float(cells.rows[chosen].sum() / sums.rows.sum())
     place = regime.at(chosen)
@@ -131,9 +136,10 @@ def by_cut(run: Run, sums: Sums, unit: tuple[float, str]) -> Pattern | None:
     means = [part[1][best] / part[0][best] * unit[0] for part in (before, after)]
     powers = [float(part[2][best] / ends[2][-1]) for part in (before, after)]
     old, new = (f"{each:+.2g} {unit[1]}" for each in means)
+    later = powers[1] >= powers[0]
     text = (
-        f"{old} before {cut:.4g} s and {new} after it, with {powers[1]:.0%} of it",
-        f"{cut:.4g} s 之前 {old}，之后 {new}（占 {powers[1]:.0%}）",
+        f"{max(powers):.0%} of it {'after' if later else 'before'} {cut:.4g} s: "
+        f"{old} before, {new} after",
+        f"{max(powers):.0%} 在 {cut:.4g} s {'之后' if later else '之前'}：之前 {old}，之后 {new}",
     )
-    side = run.t > cut
-    return Pattern("time", score, text, side if powers[1] >= powers[0] else ~side)
+    return Pattern("time", score, text, (run.t > cut) == later)

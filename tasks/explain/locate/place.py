@@ -15,6 +15,8 @@ from tasks.model.term import Text
 TELLING = 0.1  # nats a row: what tells less is no pattern
 NAMED = 8  # segments in an entry
 MOST = 0.9  # of the power: segments beyond are not named
+PARTS = 100  # of the run
+IN_STRETCHES = 0.7  # share in the densest fifth of them from which it comes in stretches
 LEVEL: Text = ("everywhere alike", "各处相同")
 
 
@@ -27,7 +29,7 @@ class Place:
     segments: tuple[str, ...]
 
 
-def patterns(
+def patterns_in(
     run: Run, excess: np.ndarray, channel: int, noise: float
 ) -> Mapping[Dimension, Pattern]:
     """The best pattern of each dimension in one channel's excess (n,), in standard deviations.
@@ -71,8 +73,23 @@ def places(
 
 def _place(run: Run, best: Pattern | None, sums: Sums) -> Place:
     if best is None or best.score < TELLING:
-        return Place("level", LEVEL, _holding(run, sums, np.ones(len(run.t), bool)))
+        return _without_pattern(run, sums)
     return Place(best.dimension, best.text, _holding(run, sums, best.rows))
+
+
+def _without_pattern(run: Run, sums: Sums) -> Place:
+    """In short stretches of the run that nothing else tells apart, or everywhere alike."""
+    part = np.minimum(PARTS * np.arange(len(run.t)) // len(run.t), PARTS - 1)
+    power = np.bincount(part, sums.second, PARTS)
+    densest = np.argsort(-power)[: PARTS // 5]
+    share = float(power[densest].sum() / power.sum())
+    rows = np.isin(part, densest)
+    if share < IN_STRETCHES:
+        return Place("level", LEVEL, _holding(run, sums, np.ones(len(run.t), bool)))
+    text = f"{share:.0%} of it in a fifth of the time, in short stretches", (
+        f"{share:.0%} 出现在仅占总时间五分之一的若干短时段内"
+    )
+    return Place("time", text, _holding(run, sums, rows))
 
 
 def _holding(run: Run, sums: Sums, rows: np.ndarray) -> tuple[str, ...]:

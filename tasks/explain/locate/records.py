@@ -51,8 +51,9 @@ def _by_course(dimension: Dimension, course: np.ndarray, follows: Text, unit: st
         (f"at {x}{unit}", f"{x}{unit} 时")
         for x in (_shown(each, edges) for each in 0.5 * (edges[1:] + edges[:-1]))
     )
-    place = _between(edges, unit) if dimension == "time" else _while(follows, edges, unit)
-    return Regime(dimension, cell, True, follows, cells, place)
+    return Regime(
+        dimension, cell, True, follows, cells, _between(edges, unit), dimension != "time"
+    )
 
 
 def _shown(value: float, edges: np.ndarray) -> str:
@@ -65,13 +66,5 @@ def _between(edges: np.ndarray, unit: str) -> Callable[[list[int]], Text]:
     def at(cells: list[int]) -> Text:
         low, high = (_shown(each, edges) for each in (edges[cells[0]], edges[cells[-1] + 1]))
         return f"from {low} to {high}{unit}", f"{low} 至 {high}{unit}"
-
-    return at
-
-
-def _while(follows: Text, edges: np.ndarray, unit: str) -> Callable[[list[int]], Text]:
-    def at(cells: list[int]) -> Text:
-        (english, chinese), spans = follows, _between(edges, unit)(cells)
-        return f"while {english} is {spans[0]}", f"{chinese}为 {spans[1]} 时"
 
     return at

@@ -15,7 +15,9 @@ class Regime:
 
     cell: (m,) the cell of each block, −1 where it is not known. ordered: cells next to each
     other belong together. follows: what it goes by. cells: what each cell is called.
-    at: says «at such cells» of cells in their order.
+    at: says «at such cells» of cells in their order. recorded: a course that the run did not
+    command: power that happens to fall together with a part of its range tells nothing, only
+    what goes by it does.
     """
 
     dimension: Dimension
@@ -24,6 +26,7 @@ class Regime:
     follows: Text
     cells: tuple[Text, ...]
     at: Callable[[list[int]], Text]
+    recorded: bool = False
 
 
 def listed(cells: tuple[Text, ...], frame: Text) -> Callable[[list[int]], Text]:
