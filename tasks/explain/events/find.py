@@ -8,7 +8,10 @@ from tasks.explain.events.plain import noise_of, predictions
 from tasks.explain.events.quantisation import find_quantisation
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.slips import find_slips, gaps
+from tasks.explain.events.transients import find_bursts, find_spikes
 from tasks.motion.whole import Motion
+
+TURNS = 0.05  # rad/s
 
 
 def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
@@ -22,11 +25,18 @@ def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
     noise = noise_of(readings - predictions(readings, motion, masked), motion)
     heard: tuple[Event, ...] = (slips,) if slips is not None else ()
     kept = _kept(t, readings, motion, masked, heard + limits, noise)
-    steps = find_quantisation(readings, readings - kept)
-    lines = find_lines(t, np.where(masked, np.nan, kept), noise)
+    free = np.where(masked, np.nan, readings)
+    steps = find_quantisation(free, readings - kept)
+    kept[masked] = np.nan
+    turning = np.linalg.norm(motion.rate, axis=1) > TURNS
+    lines = find_lines(t, kept, noise, turning)
+    for line in lines:
+        kept = kept - line.applied(t, np.zeros(kept.shape), noise)
+    spikes, at_spikes = find_spikes(kept, noise, motion)
+    bursts, in_bursts = find_bursts(t, np.where(at_spikes, np.nan, kept), noise, motion)
     # In the order in which they act: what is added, when it was taken, limit, rounding.
-    rounded: tuple[Event, ...] = (steps,) if steps is not None else ()
-    return Events(lines + heard + limits + rounded, masked, gaps(t))
+    last = tuple(event for event in (steps, spikes, bursts) if event is not None)
+    return Events(lines + heard + limits + last, masked | at_spikes | in_bursts, gaps(t))
 
 
 def _kept(

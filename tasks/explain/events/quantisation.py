@@ -149,6 +149,7 @@ def _said(seen: list[Seen]) -> Text:
             step = float(np.mean([each.codes.step for each in own]))
             times = 1 / float(np.median([each.ratio for each in own]))
             en, zh = TRIAD_NAMES[triad]
-            english.append(f"the {en} step by {step:.4g} {UNITS[triad]}, {times:.1f} times the noise")
-            chinese.append(f"{zh}的步距为 {step:.4g} {UNITS[triad]}，是噪声的 {times:.1f} 倍")
+            width = f"{step:.4g} {UNITS[triad]}"
+            english.append(f"the {en} step by {width}, {times:.1f} times the noise")
+            chinese.append(f"{zh}的步距为 {width}，是噪声的 {times:.1f} 倍")
     return "; ".join(english), "；".join(chinese)

@@ -125,7 +125,7 @@ def _seen(
         return None, masked
     stopped = np.abs(readings[:, channels] * _side(pile)) > pile.limit - pile.step / 2 - 1e-12
     where = tuple(c for axis, c in enumerate(channels) if stopped[:, axis].sum() > 1)
-    rows = masked.any(axis=1)
+    rows: np.ndarray = np.asarray(masked.any(axis=1))
     return (
         Saturation(
             NAMES[triad], where, _parameters(triad, pile), pile.p_value,
