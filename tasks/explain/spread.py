@@ -30,8 +30,11 @@ def spreads_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Itera
     """What each parameter's standard uncertainty does to a finding's contribution.
 
     By the catalogue's term where one makes this contribution of these parameters; else the
-    contribution is taken as uncertain as its parameters are as a whole.
+    contribution is taken as uncertain as its parameters are as a whole. None where a term without
+    a free parameter makes it: then what is said of its size is a check, and was not used.
     """
+    if _is_known(finding, terms, motion):
+        return
     uncertain = [p for p in finding.parameters if p.u > 0.0]
     adds = _adds_of(finding, terms, motion)
     if adds is None:
@@ -41,6 +44,17 @@ def spreads_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Itera
     for p in uncertain:
         more, less = (adds(found | {p.name: p.value + sign * p.u}) for sign in (1.0, -1.0))
         yield Spread(finding, p, (more - less) / 2.0)
+
+
+def _is_known(finding: Finding, terms: Sequence[Term], motion: Motion) -> bool:
+    """Whether a term that nothing is fitted of makes the contribution."""
+    plain = predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))
+    return any(
+        _miss(predict((*STANDARD_TERMS, term), motion, nominal_values(STANDARD_TERMS)) - plain,
+              finding.contribution) < SAME
+        for term in terms
+        if term.name == finding.effect and not (term.parameters or term.shapes)
+    )  # fmt: skip
 
 
 def _adds_of(

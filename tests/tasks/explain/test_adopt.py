@@ -143,6 +143,14 @@ def test_each_parameter_is_spread_by_its_own_term(run) -> None:
         )
 
 
+def test_physics_without_a_free_parameter_has_no_spread(run) -> None:
+    """Earth's rate that was found is a check of the one that was taken off."""
+    term = earth_rotation(0.5)
+    seen = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
+    found = finding(added_by(term, run, ()), "earth_rotation", parameters=(seen,))
+    assert list(spreads_of(found, (term,), whole_motion(run))) == []
+
+
 def test_contribution_that_no_term_makes_is_uncertain_as_a_whole(run) -> None:
     added = nothing_added(run)
     added[:, 0] = 1e-4
