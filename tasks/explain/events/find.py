@@ -22,10 +22,10 @@ def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
     """
     limits, masked = find_saturation(readings, motion)
     slips = find_slips(t, readings, motion, masked)
-    noise = noise_of(readings - predictions(readings, motion, masked), motion)
+    free = np.where(masked, np.nan, readings)
+    noise = noise_of(free - predictions(readings, motion, masked), motion)
     heard: tuple[Event, ...] = (slips,) if slips is not None else ()
     kept = _kept(t, readings, motion, masked, heard + limits, noise)
-    free = np.where(masked, np.nan, readings)
     steps = find_quantisation(free, readings - kept)
     kept[masked] = np.nan
     turning = np.linalg.norm(motion.rate, axis=1) > TURNS

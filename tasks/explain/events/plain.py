@@ -54,7 +54,7 @@ def noise_of(residual: np.ndarray, motion: Motion) -> np.ndarray:
     """
     blocks = len(residual) // BLOCK
     if blocks == 0:
-        return np.tile(np.nanstd(residual, axis=0), (len(residual), 1))
+        return np.full(residual.shape, np.nan)
     scatter = block_scatter(residual)
     speed = np.linalg.norm(motion.rate, axis=1)
     speeds = speed[: blocks * BLOCK].reshape(blocks, BLOCK).mean(axis=1)

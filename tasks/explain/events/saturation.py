@@ -141,10 +141,9 @@ def _noise_near(
     """Noise (6,) at the highest rates, from readings that no limit disturbs."""
     free = np.where(masked, np.nan, readings - predicted)
     noise = noise_of(free, motion)
-    fallback = np.nanstd(free, axis=0) if np.isfinite(free).any() else np.zeros(6)
-    near = np.array([np.median(noise[masked[:, c], c]) if masked[:, c].any() else np.nan
-                     for c in range(6)])  # fmt: skip
-    return np.where(np.isfinite(near), near, np.nan_to_num(fallback))
+    near = np.array([np.median(noise[masked[:, c], c]) if masked[:, c].any()
+                     else np.median(noise[:, c]) for c in range(6)])  # fmt: skip
+    return np.nan_to_num(near)
 
 
 def _beyond(predicted: np.ndarray, pile: Pile, noise: np.ndarray) -> float:

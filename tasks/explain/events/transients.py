@@ -10,7 +10,8 @@ from tasks.motion.whole import Motion
 FALSE_ALARM = 1e-4
 FEWEST_SPIKES = 3
 LARGE = 7.0  # of the noise: a reading that stands out so far from both its neighbours
-STEADY = 0.02  # rad/s: how far the rate may move where bursts are looked for
+CORNER = 10  # rows
+STEADY = 0.02  # rad/s: how far the rate may move where it counts as steady
 HOP = 200  # rows from one window to the next; a window is two of them
 SLOWEST, FASTEST = 0.6, 6.0  # Hz of a burst
 AWAY = 2  # windows after a move that may still settle
@@ -26,7 +27,7 @@ def find_spikes(
     white = np.divide(residual, noise, out=np.full(residual.shape, np.nan), where=noise > 0)
     apart = np.zeros(residual.shape)
     apart[1:-1] = (white[1:-1] - 0.5 * (white[:-2] + white[2:])) / np.sqrt(1.5)
-    far = np.abs(apart) > LARGE
+    far = (np.abs(apart) > LARGE) & _calm(motion.rate)[:, None]
     # A neighbour of a spike is far off as well, by less.
     peak = np.zeros(far.shape, bool)
     size = np.where(far, np.abs(apart), 0.0)
@@ -50,6 +51,16 @@ def find_spikes(
     parameters = (FoundParameter(name="spikes", value=float(count), unit="1", u=0.0),)
     p_value = float(min(1.0, expected**FEWEST_SPIKES))
     return Event("unnamed", channels, parameters, p_value, said, rows), spread
+
+
+def _calm(rate: np.ndarray) -> np.ndarray:
+    """Rows (n,) bool about which the rate does not change: a corner of a ramp is no spike."""
+    calm = np.zeros(len(rate), bool)
+    inside = slice(CORNER, -CORNER)
+    change = np.abs(rate[2 * CORNER :] - rate[: -2 * CORNER]).max(axis=1, initial=0.0)
+    calm[inside] = change < STEADY
+    changes = np.convolve((~calm).astype(float), np.ones(2 * CORNER + 1), "same") > 0.5
+    return ~changes
 
 
 def _spread(far: np.ndarray) -> np.ndarray:
