@@ -20,6 +20,7 @@ from tasks.explain.report.words import (
     percent,
     power_of_ten,
     printed_unit,
+    sensible,
     sentence,
     text_of,
 )
@@ -57,7 +58,7 @@ def card(number: int, finding: FindingSaid) -> str:
     rows = [
         (("How large", "参数"), _parameters(finding)),
         (("What it follows", "变化规律"), _told(sentence(text_of(finding.follows)))
-         if finding.follows else ""),
+         if finding.follows not in (None, finding.title) else ""),
         (("Equation", "公式"), _equation(finding)),
         (("Where", "所在"), _wheres(finding)),
         (("Why we believe it", "依据"), both(why(finding.evidence))),
@@ -160,14 +161,18 @@ def consequences(discrepancy: Discrepancy) -> str:
 def _consequence(
     number: int, each: Consequence, changes: tuple[VerdictChange, ...]
 ) -> list[str]:
-    made = column([each.before, each.after], [each.U, each.U], USUAL_K)
+    values = (each.before, each.after)
+    U = each.U or 0.0
+    scale = sensible(max(abs(value) for value in (*values, U) if value is not None), each.unit)
+    by = scale.factor / 10.0**scale.exponent
+    made = column([None if v is None else v * by for v in values], [U * by or None] * 2, USUAL_K)
     change = "–"
     if moved_by(each):
         assert each.before is not None
         assert each.after is not None
-        assert each.U is not None
-        change = in_expanded(each.after - each.before, each.U)
-    unit = f"{power_of_ten(made.exponent)} {printed_unit(each.unit)}".strip()
+        change = in_expanded(each.after - each.before, U)
+    power = power_of_ten(scale.exponent + made.exponent)
+    unit = f"{power} {printed_unit(scale.unit)}".strip()
     verdict = next((_changed(c) for c in changes if c.item == each.item), "")
     return [str(number + 1), f"{both(element_name(each.item, each.element))} "
             f'<span class="quiet">{escape(each.item)}.{escape(each.element)}</span>',

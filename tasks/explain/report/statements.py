@@ -36,7 +36,7 @@ from tasks.explain.search import FALSE_ALARMS
 from tasks.model.term import Text
 
 PICTURES = ("where.svg", "before_after.svg")
-MOST_PARAMETERS, MOST_WHERES = 3, 3  # in a sentence; tables hold all of them
+MOST_PARAMETERS, MOST_WHERES = 3, 2  # in a sentence; tables hold all of them
 
 
 def said(
@@ -77,7 +77,8 @@ def what(finding: FindingSaid) -> Text:
         en += f", and {more} more (k = 2)" if more else " (k = 2)"
         zh += f" 等 {len(finding.parameters)} 个参数（k = 2）" if more else "（k = 2）"
     parts = [sentence((en, zh))]
-    if finding.follows is not None:
+    if finding.follows not in (None, finding.title):
+        assert finding.follows is not None
         follows = text_of(finding.follows)
         parts.append(sentence((f"What it follows: {follows[0]}", f"其变化规律：{follows[1]}")))
     return joined(parts, " ", "")

@@ -23,6 +23,8 @@ from tasks.explain.report.words import (
 from tasks.explain.search import FALSE_ALARMS
 from tasks.model.term import Text
 
+CLEARLY = 0.95  # what a residual falls to where it is worth telling
+
 HEADLINES: dict[str, Text] = {
     "no_mismatch": (
         "No mismatch: the standard's model accounts for this recording",
@@ -145,7 +147,7 @@ def _gained(held_out: HeldOut) -> Text:
     before, after = chi2(held_out.chi2_per_dof_before), chi2(held_out.chi2_per_dof_after)
     best = min(held_out.rms_ratio.items(), key=lambda each: each[1], default=None)
     en = zh = ""
-    if best is not None and best[1] < 1.0:
+    if best is not None and best[1] < CLEARLY:
         name, fallen = channel_name(best[0]), percent(best[1])
         en = f", and the rms residual of the {name[0]} falls to {fallen}"
         zh = f"，{name[1]} 残差均方根降至 {fallen}"
@@ -166,13 +168,13 @@ def _consequences(findings: Sequence[FindingSaid]) -> Text:
              if moved_by(c) > 1.0}  # fmt: skip
     if not changes and not moved:
         return ("", "")
-    return sentence(
-        (
-            f"taking it into account moves {_count(len(moved), 'value')} of the certificate by "
-            f"more than U and changes {_count(len(changes), 'verdict')}",
-            f"计入后，证书中有 {len(moved)} 个值的变化超过 U，{len(changes)} 项结论改变",
-        )
-    )
+    values = _count(len(moved), "value")
+    en = f"taking it into account moves {values} of the certificate by more than U"
+    zh = f"计入后，证书中有 {len(moved)} 个值的变化超过 U"
+    if changes:
+        en += f" and changes {_count(len(changes), 'verdict')}"
+        zh += f"，{len(changes)} 项结论改变"
+    return sentence((en, zh))
 
 
 def _count(number: int, noun: str) -> str:

@@ -110,7 +110,7 @@ def _marks(
     for n, finding in enumerate(findings):
         colour = FINDINGS[n]
         for channel in dict.fromkeys(each.channel for each in finding.where):
-            if channel not in taken:
+            if channel not in taken:  # several at once, with little in each
                 continue
             entries = [each for each in finding.where if each.channel == channel]
             names = [name for each in entries for name in each.segments if name in spans]

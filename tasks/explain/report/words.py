@@ -68,8 +68,17 @@ def effect_name(effect: str) -> Text:
     return EFFECTS.get(effect, (spelled, spelled))
 
 
-def channel_name(channel: str) -> Text:
-    """«gyro x», «陀螺 x»."""
+def channels_of(told: str) -> list[str]:
+    """The channels that an entry of `Where` names, mostly one: «gyro_x, gyro_y»."""
+    return [each.strip() for each in told.split(",")]
+
+
+def channel_name(told: str) -> Text:
+    """«gyro x», «陀螺 x»; several where several are told."""
+    return joined([_one_channel(each) for each in channels_of(told)], ", ", "、")
+
+
+def _one_channel(channel: str) -> Text:
     sensor, _, axis = channel.partition("_")
     en, zh = SENSORS.get(sensor, (sensor, sensor))
     return (f"{en} {axis}".strip(), f"{zh} {axis}".strip())
@@ -130,6 +139,9 @@ def sensible(largest: float, unit: str) -> Scale:
         in_degrees = RATES[unit] * largest
         slow = 0.0 < in_degrees < SLOW
         factor, unit = RATES[unit] * (3600.0 if slow else 1.0), "deg/h" if slow else "deg/s"
+        largest *= factor
+    elif unit.startswith("(rad/s)"):
+        factor, unit = RATES["rad/s"], unit.replace("(rad/s)", "(deg/s)", 1)
         largest *= factor
     if not 0.0 < largest < (1.0 if unit in PREFIXES else PLAIN):
         return Scale(factor, 0, unit)

@@ -10,7 +10,7 @@ import pytest
 from made_report import BIAS, CHANGE, answer, explanation, finding, recording, unnamed, where
 
 from schemas.base import Unusable
-from schemas.discrepancy import Discrepancy
+from schemas.discrepancy import Consequence, Discrepancy
 from schemas.recording import Stream
 from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.explain.report import said, write_report
@@ -139,6 +139,24 @@ def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside(tmp_pat
     assert "38 %" in svg
     assert "62 %" in svg
     assert "axis_tilt" in svg
+
+
+def test_what_is_spread_over_channels_still_makes_a_picture(tmp_path) -> None:
+    run = CASES["explained"]
+    spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
+    write_report(said(run, [(where(share=0.98), spread)], [()], [()]), run, tmp_path)
+    assert "98 %" in (tmp_path / "where.svg").read_text()
+    assert "gyro x, gyro z" in (tmp_path / "report.html").read_text()
+
+
+def test_small_values_of_the_certificate_have_a_unit_of_their_size(tmp_path) -> None:
+    run = CASES["explained"]
+    lever = Consequence(item="accel_rate_sensitivity", element="yz", before=4.56e-4, after=None,
+                        U=3.7e-5, unit="m")  # fmt: skip
+    write_report(answer(run, (lever,)), run, tmp_path)
+    page = (tmp_path / "report.html").read_text()
+    assert '<td class="number">456</td>' in page
+    assert "<td>µm</td>" in page
 
 
 def test_segments_are_found_where_none_are_labelled(tmp_path) -> None:

@@ -35,6 +35,14 @@ def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
     assert "加速度计 y（62 %）：+x 朝上时" in zh
 
 
+def test_what_is_spread_over_channels_names_each_of_them() -> None:
+    explained = explanation(finding())
+    spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
+    en, zh = texts(said(explained, [(where(share=0.98), spread)], [()], [()]))
+    assert "gyro x, gyro z (2 %)" in en
+    assert "陀螺 x、陀螺 z（2 %）" in zh
+
+
 def test_evidence_is_said_in_plain_words() -> None:
     en, zh = texts(answer(explanation(finding(delta_bic=512.3, held_out_gain=11.5))))
     assert "10⁵ times as probable (11.5 nats)" in en
@@ -152,7 +160,7 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
         (3.2e-12, 4e-13, "s", "(0.00320 ± 0.00040) ns"),
         (0.25, 0.01, "m", "(250 ± 10) mm"),
         (1.5e9, 3e7, "1", "(1.500 ± 0.030)×10⁹"),
-        (2.1e-6, 1e-7, "(rad/s)/(m/s2)^2", "(2.10 ± 0.10)×10⁻⁶ (rad/s)/(m/s²)²"),
+        (2.1e-6, 1e-7, "(rad/s)/(m/s2)^2", "(120.3 ± 5.8)×10⁻⁶ (°/s)/(m/s²)²"),
         (0.0, 3e-8, "1", "(0 ± 30)×10⁻⁹"),
         (12.0, 0.0, "deg/s", "12.0 °/s"),
         (1e-5, 2.0, "deg/s", "(0.0 ± 2.0) °/s"),
