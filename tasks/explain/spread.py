@@ -48,13 +48,13 @@ def spreads_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Itera
 
 def _is_known(finding: Finding, terms: Sequence[Term], motion: Motion) -> bool:
     """Whether a term that nothing is fitted of makes the contribution."""
-    plain = predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))
+    ideal = nominal_values(STANDARD_TERMS)
+    plain = predict(STANDARD_TERMS, motion, ideal)
     return any(
-        _miss(predict((*STANDARD_TERMS, term), motion, nominal_values(STANDARD_TERMS)) - plain,
-              finding.contribution) < SAME
+        _miss(predict((*STANDARD_TERMS, term), motion, ideal) - plain, finding) < SAME
         for term in terms
         if term.name == finding.effect and not (term.parameters or term.shapes)
-    )  # fmt: skip
+    )
 
 
 def _adds_of(
@@ -78,19 +78,21 @@ def _adds_of(
             whole = np.concatenate([nominal_values(STANDARD_TERMS), values])
             return predict(one, motion, whole) - plain
 
-        miss = _miss(adds(found), finding.contribution)
+        miss = _miss(adds(found), finding)
         if miss < best[0]:
             best = (miss, adds)
     return best[1]
 
 
-def _miss(made: np.ndarray, contribution: np.ndarray) -> float:
-    """How much of a contribution is missed, by the channel that is missed most."""
+def _miss(made: np.ndarray, finding: Finding) -> float:
+    """How much of a contribution is missed, by the channel of the finding that misses most."""
+    contribution = finding.contribution[:, list(finding.channels)]
+    made = made[:, list(finding.channels)]
     known = np.isfinite(made) & np.isfinite(contribution)
-    left = np.where(known, made - contribution, 0.0)
+    left = np.linalg.norm(np.where(known, made - contribution, 0.0), axis=0)
     size = np.linalg.norm(np.where(known, contribution, 0.0), axis=0)
-    seen = size > 0.0
-    return float((np.linalg.norm(left, axis=0)[seen] / size[seen]).max(initial=0.0))
+    share = np.divide(left, size, out=np.full(len(size), np.inf), where=size > 0.0)
+    return float(share.max(initial=0.0))
 
 
 def _as_a_whole(finding: Finding, uncertain: Sequence[FoundParameter]) -> Iterator[Spread]:
