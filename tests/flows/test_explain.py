@@ -3,6 +3,7 @@
 The engine is replaced by one whose answer is known; the last tests run it as it is.
 """
 
+import json
 import sys
 from collections.abc import Callable
 from types import SimpleNamespace
@@ -250,3 +251,31 @@ def test_what_cannot_be_adopted_is_one_sentence(
     assert (done.code, done.out) == (2, "")
     assert done.err.strip().count("\n") == 0
     assert says in done.err
+
+
+def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
+    mimucal, shared, tmp_path
+) -> None:
+    done = mimucal(
+        "explain", shared / "plant/plant_earth_rotation", "--out", tmp_path / "report", "--json"
+    )
+    assert done.code == 0, done.err
+    assert done.json["verdict"] == "explained"
+    assert done.json["findings"][0]["effect"] == "earth_rotation"
+    moved = {(c["item"], c["element"]): c for c in done.json["findings"][0]["consequences"]}
+    diagonal = moved["gyro_g_sensitivity", "zz"]
+    vertical = np.degrees(7.292115e-5) * np.sin(np.radians(39.9))
+    assert diagonal["before"] - diagonal["after"] == pytest.approx(vertical, rel=0.05)
+    assert (tmp_path / "report" / "report.html").exists()
+
+
+def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(mimucal, shared) -> None:
+    """Off the axes by centimetres, it reads an arm as p_ij: hundreds of U beside the truth."""
+    folder = shared / "plant/plant_lever_arm"
+    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))["parameters"]["P"]
+    done = mimucal("calibrate", folder, "--terms", "lever_arm", "--json")
+    assert done.code == 0, done.err
+    item = done.json["items"]["accel_rate_sensitivity"]
+    for element, value in item["value_model"].items():
+        true = truth["xyz".index(element[0])]["xyz".index(element[1])]
+        assert abs(value - true) < 1.5 * item["U"][element]
