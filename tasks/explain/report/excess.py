@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import Recording, Segment
+from schemas.recording import Segment
 from tasks.explain.explanation import CHANNELS, Explanation
-from tasks.segments.find import find_segments
+from tasks.explain.locate.run import segments_of
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one
@@ -55,12 +55,6 @@ def cells_of(explanation: Explanation) -> Cells:
         for i in range(len(CHANNELS))
     ]  # fmt: skip
     return Cells(edges, segments, _kinds(edges, segments), *np.stack(made, axis=1))
-
-
-def segments_of(recording: Recording) -> tuple[Segment, ...]:
-    """The labelled segments in the order of time, or those found where there are no labels."""
-    segments = recording.manifest.segments or find_segments(recording)
-    return tuple(sorted(segments, key=lambda each: each.t_start))
 
 
 def _edges(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
