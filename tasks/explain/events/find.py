@@ -32,6 +32,9 @@ def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
     lines = find_lines(t, kept, noise, turning)
     for line in lines:
         kept = kept - line.applied(t, np.zeros(kept.shape), noise)
+    if steps is not None:  # near a code nothing scatters, and then by a whole step
+        for channel, codes in zip(steps.channels, steps.codes, strict=True):
+            noise[:, channel] = np.maximum(noise[:, channel], codes.step / np.sqrt(12))
     spikes, at_spikes = find_spikes(kept, noise, motion)
     bursts, in_bursts = find_bursts(t, np.where(at_spikes, np.nan, kept), noise, motion)
     # In the order in which they act: what is added, when it was taken, limit, rounding.
