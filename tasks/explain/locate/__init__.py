@@ -11,7 +11,7 @@ from schemas.discrepancy import Statement, Where
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.explain.locate.excess import excess_of, scales
 from tasks.explain.locate.map import ExcessMap, excess_map
-from tasks.explain.locate.place import Place, patterns_in, places
+from tasks.explain.locate.place import Place, places
 from tasks.explain.locate.run import Run
 
 TOUCHED = 0.05  # share of a finding's excess from which a channel has an entry of its own
@@ -29,6 +29,8 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     the others hold is a last entry of dimension «level», their names separated by commas. A
     finding that is seen nowhere has one entry, «level», at its first channel.
     """
+    if not explanation.findings:
+        return ()
     run = Run.of(explanation.recording)
     noise = scales(explanation.noise)
     strengths = excess_of(explanation, run.motion)
@@ -47,8 +49,9 @@ def _entries(
         return (_where(CHANNELS[(*finding.channels, 0)[0]], NOWHERE, 1.0),)
     share = power / power.sum()
     touched = [int(c) for c in np.argsort(-share) if share[c] >= TOUCHED]
-    found = {c: patterns_in(run, strength[:, c], c, float(noise[c])) for c in touched}
-    placed = places(run, found, strength)
+    excess = {c: strength[:, c] for c in touched}
+    whole = {c: _about_mean(finding.contribution[:, c] / noise[c]) for c in touched}
+    placed = places(run, excess, whole, noise)
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in touched]
     rest = 1.0 - sum(each.share for each in entries)
     if rest > NOTHING:
@@ -56,6 +59,11 @@ def _entries(
         return (*entries, _where(slight, SLIGHT, rest))
     first = entries[0].model_copy(update={"share": entries[0].share + rest})
     return (first, *entries[1:])
+
+
+def _about_mean(course: np.ndarray) -> np.ndarray:
+    known = np.isfinite(course)
+    return np.where(known, course - course[known].mean(), 0.0)
 
 
 def _where(channel: str, place: Place, share: float) -> Where:

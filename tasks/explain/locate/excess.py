@@ -14,7 +14,7 @@ def excess_of(explanation: Explanation, motion: Motion) -> np.ndarray:
     JJF 2003-2022, 5.1 and 5.2: gyro columns ω, 1, f; accelerometer columns f, 1 and ωⱼ² of the
     other axes, by least squares. Rows whose motion is not known are zero: nothing is said there.
     """
-    courses = np.stack([f.contribution for f in explanation.findings] or [np.zeros((0, 6))])
+    courses = np.stack([finding.contribution for finding in explanation.findings])
     left, noise = np.zeros_like(courses), scales(explanation.noise)
     for channel in range(6):
         course = courses[:, :, channel].T / noise[channel]

@@ -3,8 +3,8 @@
 The measure is the information that knowing the cell gives about the excess e, as of a normal
 distribution: ½·Σ wₖ·ln(v/vₖ), wₖ the share of time, v the mean square of e, vₖ its variance
 about its own mean in cell k. It is large where the power sits in few cells and where e goes by
-the cell. Bins and searches are paid for as in the Bayesian information criterion, ½·ln N/N a
-number, with N stretches of the run: cells can only be told apart by stretches.
+the cell. Each cell costs 1/N (Akaike's criterion), N the stretches of the run, by which alone
+cells are told apart; the best of s that were searched costs ln s/N.
 """
 
 from dataclasses import dataclass
@@ -16,12 +16,23 @@ from tasks.explain.locate.regime import Regime
 from tasks.explain.locate.run import Run, Sums
 from tasks.model.term import Text
 
-FLOOR = 0.07  # of the power: smaller remainders do not count
 CONCENTRATED = 0.6  # power share above time share from which a place is named, not a course
 FOLLOWING = 0.5  # share of the power in the cells' means from which the excess goes by them
 GOES_BY = 0.6  # the same for what the run did not command
 LISTED = 4  # cells of no order that are named
 EARLIEST_CUT = 0.02  # of the run
+
+
+@dataclass(frozen=True)
+class View:
+    """How a course is looked at. floor: of its mean square, below which nothing counts.
+
+    factor, unit: to print its values.
+    """
+
+    floor: float
+    factor: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -37,24 +48,24 @@ class Pattern:
     rows: np.ndarray
 
 
-def told(rows: np.ndarray, left: np.ndarray, whole: float) -> float:
-    """Nats a row. rows, left: (k,) of the cells, left the square sum; whole: of all of them."""
+def told(rows: np.ndarray, left: np.ndarray, whole: float, floor: float) -> float:
+    """Nats a row. rows, left: (k,) of the cells, left the square sum; whole: of all of them.
+
+    floor: of the mean square; smaller remainders do not count.
+    """
     mean, some = whole / rows.sum(), np.maximum(rows, 1.0)
     return float(
-        0.5 * (rows / rows.sum() * np.log((1 + FLOOR) * mean / (left / some + FLOOR * mean))).sum()
+        0.5 * (rows / rows.sum() * np.log((1 + floor) * mean / (left / some + floor * mean))).sum()
     )
 
 
 def paid(numbers: int, searched: int, pieces: int) -> float:
     """What numbers that were fitted and places that were searched cost, nats a row."""
-    return (0.5 * numbers * float(np.log(pieces)) + float(np.log(searched))) / pieces
+    return (numbers + float(np.log(searched))) / pieces
 
 
-def by_regime(run: Run, regime: Regime, sums: Sums, unit: tuple[float, str], tried: int) -> Pattern:
-    """What a regime tells of an excess. unit: factor and name for values of e as printed.
-
-    Rows whose cell is not known have nothing told of them.
-    """
+def by_regime(run: Run, regime: Regime, sums: Sums, view: View, tried: int) -> Pattern:
+    """What a regime tells of an excess; of rows whose cell is not known it tells nothing."""
     known, count = regime.cell >= 0, len(regime.cells)
     cells = Sums(*(
         np.bincount(regime.cell[known], each[known], count)
@@ -68,10 +79,10 @@ def by_regime(run: Run, regime: Regime, sums: Sums, unit: tuple[float, str], tri
     if regime.recorded and following < GOES_BY:
         left = left.sum() * cells.rows / rows
     cost = paid(int((cells.rows > 0).sum()), tried, run.pieces)
-    score = held / whole * told(cells.rows, np.maximum(left, 0.0), held) - cost
+    score = held / whole * told(cells.rows, np.maximum(left, 0.0), held, view.floor) - cost
     chosen, above = densest(cells, regime.ordered)
     if regime.recorded or (above < CONCENTRATED and following > FOLLOWING):
-        text = _course(regime, cells, following * held / whole, unit)
+        text = _course(regime, cells, following * held / whole, view)
         return Pattern(regime.dimension, score, text, known)
     share = float(cells.second[chosen].sum() / whole)
     time = float(cells.rows[chosen].sum() / sums.rows.sum())
@@ -103,12 +114,12 @@ def densest(cells: Sums, ordered: bool) -> tuple[list[int], float]:
     return chosen or [int(above.argmax())], float(above[chosen].sum())
 
 
-def _course(regime: Regime, cells: Sums, following: float, unit: tuple[float, str]) -> Text:
+def _course(regime: Regime, cells: Sums, following: float, view: View) -> Text:
     """«91 % of it follows the temperature: from … at … to … at …»."""
     used = np.flatnonzero(cells.rows > 0)
-    means = cells.first[used] / cells.rows[used] * unit[0]
+    means = cells.first[used] / cells.rows[used] * view.factor
     ends = [regime.cells[used[each]] for each in (means.argmin(), means.argmax())]
-    least, most = (f"{each:+.2g} {unit[1]}" for each in (means.min(), means.max()))
+    least, most = (f"{each:+.2g} {view.unit}" for each in (means.min(), means.max()))
     return (
         f"{following:.0%} of it follows {regime.follows[0]}: "
         f"{least} {ends[0][0]}, {most} {ends[1][0]}",
@@ -116,7 +127,7 @@ def _course(regime: Regime, cells: Sums, following: float, unit: tuple[float, st
     )
 
 
-def by_cut(run: Run, sums: Sums, unit: tuple[float, str]) -> Pattern | None:
+def by_cut(run: Run, sums: Sums, view: View) -> Pattern | None:
     """The moment before and after which the excess differs most."""
     ends = [np.cumsum(each) for each in (sums.rows, sums.first, sums.second)]
     inside = (ends[0] > EARLIEST_CUT * ends[0][-1]) & (ends[0] < (1 - EARLIEST_CUT) * ends[0][-1])
@@ -128,14 +139,14 @@ def by_cut(run: Run, sums: Sums, unit: tuple[float, str]) -> Pattern | None:
     rows = np.stack([before[0], after[0]])
     left = np.stack([each[2] - each[1] ** 2 / each[0] for each in (before, after)])
     mean = ends[2][-1] / ends[0][-1]
-    each = np.log((1 + FLOOR) * mean / (np.maximum(left, 0) / rows + FLOOR * mean))
+    each = np.log((1 + view.floor) * mean / (np.maximum(left, 0) / rows + view.floor * mean))
     scores = 0.5 * (rows / ends[0][-1] * each).sum(axis=0)
     best = int(scores.argmax())
     cut = float(run.t[at[best]])
     score = float(scores[best]) - paid(2, run.pieces, run.pieces)
-    means = [part[1][best] / part[0][best] * unit[0] for part in (before, after)]
+    means = [part[1][best] / part[0][best] * view.factor for part in (before, after)]
     powers = [float(part[2][best] / ends[2][-1]) for part in (before, after)]
-    old, new = (f"{each:+.2g} {unit[1]}" for each in means)
+    old, new = (f"{each:+.2g} {view.unit}" for each in means)
     later = powers[1] >= powers[0]
     text = (
         f"{max(powers):.0%} of it {'after' if later else 'before'} {cut:.4g} s: "

@@ -12,7 +12,9 @@ PERIODS = 8  # in the run: slower is a trend
 WIDTH, BESIDE = 0.005, 2  # of the frequency, and lines beside it, that belong to it
 
 
-def by_turns(run: Run, turns: Turns, course: np.ndarray, sums: Sums) -> Pattern:
+def by_turns(
+    run: Run, turns: Turns, course: np.ndarray, sums: Sums, floor: float
+) -> Pattern:
     """The numbers of waves per turn of an axis that hold most of an excess (n,)."""
     waves = turns.waves(course)
     order = np.argsort(-waves)[:TOGETHER]
@@ -23,7 +25,7 @@ def by_turns(run: Run, turns: Turns, course: np.ndarray, sums: Sums) -> Pattern:
     rows = np.array([len(turns.rows), len(course) - len(turns.rows)], float)
     left = np.array([turning - held, whole - turning])
     cost = paid(2 * len(kept), HIGHEST, run.pieces)
-    score = told(rows, np.maximum(left, 0.0), whole) - cost
+    score = told(rows, np.maximum(left, 0.0), whole, floor) - cost
     numbers = [str(each) for each in sorted(kept + 1)]
     counted = "one wave" if numbers == ["1"] else f"{' and '.join(numbers)} waves"
     mask = np.zeros(len(course), bool)
@@ -35,7 +37,9 @@ def by_turns(run: Run, turns: Turns, course: np.ndarray, sums: Sums) -> Pattern:
     return Pattern("rotation_phase", score, text, mask[run.starts])
 
 
-def by_frequency(run: Run, course: np.ndarray, sums: Sums) -> Pattern | None:
+def by_frequency(
+    run: Run, course: np.ndarray, sums: Sums, floor: float
+) -> Pattern | None:
     """The frequency at which an excess (n,) has most of its power."""
     count = len(course)
     power = np.abs(np.fft.rfft(course)) ** 2
@@ -54,6 +58,6 @@ def by_frequency(run: Run, course: np.ndarray, sums: Sums) -> Pattern | None:
     hertz = line / (count * interval)
     whole = float(sums.second.sum())
     left = np.array([whole * (1 - share)])
-    score = told(np.array([float(count)]), left, whole) - paid(2, len(lines), run.pieces)
+    score = told(np.array([float(count)]), left, whole, floor) - paid(2, len(lines), run.pieces)
     text = f"{share:.0%} of it at {hertz:.4g} Hz", f"{share:.0%} 集中在 {hertz:.4g} Hz"
     return Pattern("frequency", score, text, np.ones(len(run.t), bool))
