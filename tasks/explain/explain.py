@@ -1,1 +1,155 @@
 """The whole of `explain`: from a recording to the physics that the model left out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.explain.assemble import assembled
+from tasks.explain.candidates import Candidate, candidates_of
+from tasks.explain.events.event import Events
+from tasks.explain.events.find import find_events
+from tasks.explain.explanation import Explanation
+from tasks.explain.generic import empirical
+from tasks.explain.observed import (
+    SEARCH_RATE,
+    FullRate,
+    Observed,
+    full_rate,
+    in_blocks,
+    plain_prediction,
+)
+from tasks.explain.pool import Pool, pooled, renewed
+from tasks.explain.refit import Model, fitted, linearised, model_of
+from tasks.explain.search import Found, precision_of, search
+from tasks.explain.spectrum import Noise
+from tasks.model.catalogue import catalogue
+from tasks.model.term import Term
+from tasks.model.terms.standard import STANDARD_TERMS
+
+REFIT_RATE = 50.0  # Hz
+LOOKS = 3  # at most: searches, each after a fit of all that was found in its real form
+
+Progress = Callable[[str], None]
+
+
+def explain(
+    recording: Recording,
+    *,
+    only: Sequence[str] | None = None,
+    progress: Progress = lambda said: None,
+) -> Explanation:
+    """Where the standard's model and a recording differ, and which physics is missing.
+
+    only: names of the catalogue that are fitted, and nothing else; without them a search.
+    Raises Unusable where the recording tells no motion or is too short.
+    """
+    progress("motion")
+    full = full_rate(recording)
+    progress("events")
+    events = find_events(full.motion.t, full.readings, full.motion)
+    freed = _without_events(full, events)
+    coarse = in_blocks(freed, SEARCH_RATE, events.masked)
+    fine = in_blocks(freed, REFIT_RATE, events.masked)
+    progress("candidates")
+    terms = _terms(recording, coarse, only)
+    candidates, columns = candidates_of(terms, coarse.motion)
+    pool = pooled(coarse, standard_columns(coarse), coarse.readings, columns)
+    progress("search")
+    if only is None:
+        found = search(pool, candidates)
+        found, candidates, model = _looked_again(pool, candidates, found, fine)
+    else:
+        chosen = [one for one in candidates if one.own == tuple(range(len(one.term.parameters)))]
+        found = search(pool, chosen, chosen)
+        model = fitted(_model(found), fine, _at_rate(found.noises, fine, coarse))
+    progress("evidence")
+    noises = _at_rate(found.noises, fine, coarse)
+    return assembled(recording, full, fine, events, found, model, noises)
+
+
+def standard_columns(observed: Observed) -> list[list[np.ndarray]]:
+    """The standard's columns of each channel: rates, one, g's direction; that, one, ω² crosswise."""
+    motion, one = observed.motion, np.ones(len(observed.t))
+    gyro = [*motion.rate.T, one, *motion.up.T]
+    accel = [
+        [*motion.up.T, one, *(motion.rate[:, j] ** 2 for j in range(3) if j != axis)]
+        for axis in range(3)
+    ]
+    return [gyro, gyro, gyro, *accel]
+
+
+def _terms(recording: Recording, observed: Observed, only: Sequence[str] | None) -> list[Term]:
+    listed = catalogue(recording, observed.motion)
+    if only is not None:
+        return [term for term in listed if term.name in only]
+    return [*listed, *empirical(observed.motion)]
+
+
+def _without_events(full: FullRate, events: Events) -> FullRate:
+    """The readings as they were before the events changed them."""
+    if not events.events:
+        return full
+    readings = np.where(events.masked, np.nan, full.readings)
+    predicted = plain_prediction(readings, full.motion)
+    noise = np.sqrt(np.nanmedian(full.shaking, axis=0)).repeat(3)
+    freed = events.undone(full.motion.t, full.readings, predicted, noise)
+    return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings))
+
+
+def _looked_again(
+    pool: Pool, candidates: Sequence[Candidate], found: Found, fine: Observed
+) -> tuple[Found, Sequence[Candidate], Model]:
+    """Everything found is fitted in its real form, and what is then left is searched again."""
+    noises = _at_rate(found.noises, fine, pool.observed)
+    model = fitted(_model(found), fine, noises)
+    for _ in range(LOOKS - 1):
+        if not found.chosen:
+            break
+        before = [one.candidate for one in found.chosen]
+        shaped = _as_fitted(before, model)
+        swapped = {id(old): new for old, new in zip(before, shaped, strict=True)}
+        candidates = [swapped.get(id(one), one) for one in candidates]
+        columns, readings = linearised(model, pool.observed, shaped)
+        again = search(renewed(pool, columns, readings), candidates, shaped, found.noises)
+        found = replace(again, p_value=found.p_value)
+        same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
+        noises = _at_rate(found.noises, fine, pool.observed)
+        model = fitted(_model(found), fine, noises)
+        if same:
+            break
+    return found, candidates, model
+
+
+def _model(found: Found) -> Model:
+    return model_of([(one.candidate, _prior(found, one.candidate)) for one in found.chosen])
+
+
+def _prior(found: Found, candidate: Candidate) -> np.ndarray:
+    """Prior precision (m,) of a candidate's parameters, in their own units."""
+    members = list(candidate.members)
+    if candidate.prior is None:
+        return np.zeros(len(candidate.own))
+    scale = found.state.scale[members]
+    precision = precision_of(found.state, [candidate], members)
+    return np.divide(precision, scale**2, out=np.full(len(members), 1e30), where=scale > 0)
+
+
+def _as_fitted(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
+    """The candidates with the shapes that the fit gave their terms, in the same order."""
+    terms = list(dict.fromkeys(id(one.term) for one in candidates))
+    return [
+        replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))])
+        for one in candidates
+    ]
+
+
+def _at_rate(
+    noises: Sequence[Noise], observed: Observed, searched: Observed
+) -> tuple[Noise, ...]:
+    """The same spectrum for blocks of another rate."""
+    factor = observed.rate / searched.rate
+    return tuple(Noise(noise.white * factor, noise.flicker * factor) for noise in noises)
+
+

@@ -19,6 +19,8 @@ CHANNELS = GYRO + ACCEL
 SEARCH_RATE = 25.0  # Hz
 FEWEST_BLOCKS = 200
 SHAKEN = 1.3  # times the noise variance at rest: vibration
+CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
+AT_REST = 1e-3  # rad/s
 SETTLE = 20.0  # s over which the unit's temperature is smoothed before it is differentiated
 
 
@@ -74,7 +76,9 @@ def full_rate(recording: Recording) -> FullRate:
     number = _numbers(recording.imu.t, segments)
     variance = _noise_by_segment(readings, motion, number, len(segments))
     recorded = _recorded(recording, motion.t, segments)
-    recorded["vibration"] = _vibration(variance, number)
+    recorded["vibration"] = _vibration(
+        variance, number, np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
+    )
     motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
     return FullRate(readings, motion, number, segments, variance)
 
@@ -101,6 +105,7 @@ def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> 
     readings = _means(np.where(usable, full.readings, 0.0), block, count, counts)
     motion = _block_motion(full.motion, block, count, rows, step / own)
     weight = np.sqrt(counts / step) * _relative(full, block, count)
+    weight /= np.sqrt(1.0 + _corners(motion) / _noise_of_blocks(full, step))
     weight[~motion.known] = 0.0
     first = np.searchsorted(block, np.arange(count))
     segment = full.segment[np.minimum(first, len(block) - 1)]
@@ -211,13 +216,44 @@ def _relative(full: FullRate, block: np.ndarray, count: int) -> np.ndarray:
     return np.asarray(np.repeat(1.0 / np.sqrt(ratio), 3, axis=1)[full.segment[first]])
 
 
-def _vibration(variance: np.ndarray, number: np.ndarray) -> np.ndarray:
-    """(n,) mean square of the accelerometers' noise beyond that of the quietest segments."""
-    accel = variance[:, 1]
-    if not np.isfinite(accel).any():
+def _corners(motion: Motion) -> np.ndarray:
+    """(n, 6) squared error of a block's rate and force where the motion has a corner.
+
+    Samples do not tell when within their interval a table begins to accelerate; a fourth
+    difference is large there and nowhere else.
+    """
+    rough = np.zeros((len(motion.t), 6))
+    for first, course in ((0, motion.rate), (3, motion.force)):
+        fourth = np.abs(np.diff(np.nan_to_num(course), 4, axis=0)).max(axis=1)
+        near = np.zeros(len(motion.t))
+        for shift in range(5):
+            rows = slice(shift, shift + len(fourth))
+            near[rows] = np.maximum(near[rows], fourth)
+        rough[:, first : first + 3] = ((CORNER * near) ** 2)[:, None]
+    return rough
+
+
+def _noise_of_blocks(full: FullRate, step: int) -> np.ndarray:
+    """(6,) variance of a block at rest."""
+    quiet = np.nanmin(np.where(np.isfinite(full.shaking), full.shaking, np.inf), axis=0)
+    return np.asarray(np.where(np.isfinite(quiet) & (quiet > 0), quiet, 1.0).repeat(3) / step)
+
+
+def _vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """(n,) mean square of the accelerometers' noise beyond that at rest, by the speed it has.
+
+    variance: (segments, 2); number: (n,) segment of each row; speed: (n,) rad/s.
+    """
+    seen = [k for k in range(len(variance) - 1) if np.isfinite(variance[k, 1])]
+    if not seen:
         return np.zeros(len(number))
-    quiet = float(np.nanquantile(accel, 0.25))
-    return np.nan_to_num(np.maximum(accel - quiet, 0.0))[number]
+    speeds = np.array([float(np.median(speed[number == k])) for k in seen])
+    resting = speeds < AT_REST
+    quiet = float(np.median(variance[seen, 1][resting if resting.any() else slice(None)]))
+    order = np.argsort(speeds)
+    beyond = np.maximum(variance[seen, 1] - quiet, 0.0)
+    turning = order[speeds[order] >= AT_REST]
+    return np.interp(speed, np.append(0.0, speeds[turning]), np.append(0.0, beyond[turning]))
 
 
 def _recorded(

@@ -6,8 +6,8 @@ all channels stand in one system of normal equations, so that an effect of sever
 one set of parameters; the standard's model is projected out of it first (Frisch, Waugh, Lovell).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,8 @@ ABSORBED = 1e-6  # of a column's power: less than this is left of it by the stan
 class ChannelPool:
     """One channel: which parameters (k,) it reads; transformed base (b, n) and reading (n,).
 
+    rows: (b + k + 1, n) all of them in single precision, divided by `size` (b + k + 1,); basis:
+    (b, n) orthonormal rows of what was projected out, not transformed.
     grams: (bands, b + k + 1, b + k + 1) in the order base, columns, reading.
     """
 
@@ -32,6 +34,9 @@ class ChannelPool:
     base: np.ndarray
     reading: np.ndarray
     grams: np.ndarray
+    rows: np.ndarray
+    size: np.ndarray
+    basis: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -72,13 +77,54 @@ def pooled(
             channels.append(None)
             continue
         which = [p for p, column in enumerate(columns) if channel in column]
-        courses = [*base[channel], *(columns[p][channel] for p in which), readings[:, channel]]
-        stack = _weighed(courses, observed.weight[:, channel])
-        first = len(base[channel])
-        _project(stack, first)
-        grams = _grams(stack, bands)
-        channels.append(ChannelPool(np.array(which, int), stack[:first], stack[-1].copy(), grams))
+        weight = observed.weight[:, channel]
+        stack = _weighed(base[channel], weight)
+        basis = np.linalg.qr(stack.T)[0].T
+        courses = [*(columns[p][channel] for p in which), readings[:, channel]]
+        rest = _projected(_weighed(courses, weight), basis)
+        rows, size = _at_unit_size(np.vstack([stack, rest]))
+        grams = _products(rows, rows, bands) * size[:, None] * size
+        channels.append(
+            ChannelPool(
+                np.array(which, int), transformed(stack), transformed(rest[-1]),
+                grams, rows, size, basis,
+            )
+        )  # fmt: skip
     return Pool(observed, bands, tuple(channels), tuple(columns))
+
+
+def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray) -> Pool:
+    """The pool with other columns for some parameters, in the channels that they had, and readings.
+
+    What was found is linearised anew where it stands now; everything else is as it was.
+    """
+    channels: list[ChannelPool | None] = []
+    every = list(pool.columns)
+    for number, channel in enumerate(pool.channels):
+        if channel is None:
+            channels.append(None)
+            continue
+        mine = [p for p in columns if p in set(channel.which.tolist())]
+        weight = pool.observed.weight[:, number]
+        nothing = np.zeros(len(weight))
+        courses = [*(columns[p].get(number, nothing) for p in mine), readings[:, number]]
+        rest = _projected(_weighed(courses, weight), channel.basis)
+        new, new_size = _at_unit_size(rest)
+        first = len(channel.base)
+        at = [first + int(np.flatnonzero(channel.which == p)[0]) for p in mine]
+        at.append(len(channel.size) - 1)
+        rows, size, grams = channel.rows.copy(), channel.size.copy(), channel.grams.copy()
+        rows[at], size[at] = new, new_size
+        crossed = _products(new, rows, pool.bands) * new_size[:, None] * size
+        grams[:, at, :] = crossed
+        grams[:, :, at] = crossed.transpose(0, 2, 1)
+        channels.append(
+            replace(channel, reading=transformed(rest[-1]), grams=grams, rows=rows, size=size)
+        )
+        for p in mine:
+            kept = {c: course for c, course in columns[p].items() if c in pool.columns[p]}
+            every[p] = {c: kept.get(c, nothing) for c in pool.columns[p]}
+    return Pool(pool.observed, pool.bands, tuple(channels), tuple(every))
 
 
 def _weighed(courses: Sequence[np.ndarray], weight: np.ndarray) -> np.ndarray:
@@ -86,29 +132,31 @@ def _weighed(courses: Sequence[np.ndarray], weight: np.ndarray) -> np.ndarray:
     for row, course in zip(stack, courses, strict=True):
         np.multiply(course, weight, out=row[: len(weight)])
     np.nan_to_num(stack, copy=False)
-    return transformed(stack)
+    return stack
 
 
-def _project(stack: np.ndarray, first: int) -> None:
-    """Takes what the first rows, the base, explain out of the others (plain least squares).
+def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """The rows without what the basis explains of them (plain least squares).
 
     What is left of a column is small beside it; only so do its products keep their digits.
     """
-    basis = np.linalg.qr(stack[:first].T)[0].T
-    rest = stack[first:]
-    before = (rest**2).sum(axis=1)
-    rest -= (rest @ basis.T) @ basis
-    rest[(rest**2).sum(axis=1) < ROUNDING * before] = 0.0
+    before = np.einsum("kn,kn->k", stack, stack)
+    stack -= (stack @ basis.T) @ basis
+    stack[np.einsum("kn,kn->k", stack, stack) < ROUNDING * before] = 0.0
+    return stack
 
 
-def _grams(stack: np.ndarray, bands: Bands) -> np.ndarray:
-    """Products in single precision of rows at unit size: a third of the time."""
-    size = np.sqrt((stack**2).mean(axis=1))
+def _at_unit_size(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Transformed rows in single precision, each divided by its root mean square."""
+    size = np.sqrt(np.einsum("kn,kn->k", stack, stack) / stack.shape[1])
     size[size == 0] = 1.0
-    unit = (stack / size[:, None]).astype(np.float32)
+    return transformed((stack / size[:, None]).astype(np.float32)), size
+
+
+def _products(some: np.ndarray, others: np.ndarray, bands: Bands) -> np.ndarray:
+    """(bands, k, m) products of rows (k, n) and (m, n) within each band."""
     pairs = zip(bands.edges[:-1], bands.edges[1:], strict=True)
-    grams = np.stack([unit[:, a:b] @ unit[:, a:b].T for a, b in pairs]).astype(float)
-    return np.asarray(grams * size[:, None] * size)
+    return np.stack([some[:, a:b] @ others[:, a:b].T for a, b in pairs]).astype(float)
 
 
 def system(pool: Pool, noises: Sequence[Noise]) -> System:
@@ -159,7 +207,7 @@ def noises_of(pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None) 
         columns = channel.base
         if mine:
             courses = [pool.columns[p][number] for p in mine]
-            columns = np.vstack([columns, _weighed(courses, weight)])
+            columns = np.vstack([columns, transformed(_weighed(courses, weight))])
         level = np.ones(len(channel.reading))
         if noises is not None:
             variance = noises[number].variance(pool.bands.frequency)

@@ -47,29 +47,39 @@ class Found:
     chosen: tuple[Chosen, ...]
     noises: tuple[Noise, ...]
     p_value: float
+    state: System
 
 
-def search(pool: Pool, candidates: Sequence[Candidate]) -> Found:
-    """The list of candidates that explains the pool's readings."""
-    noises = noises_of(pool, (), noises_of(pool, (), None))
-    p_value, chosen = 1.0, list[Candidate]()
+def search(
+    pool: Pool,
+    candidates: Sequence[Candidate],
+    start: Sequence[Candidate] = (),
+    noises: tuple[Noise, ...] | None = None,
+) -> Found:
+    """The list of candidates that explains the pool's readings.
+
+    start, noises: what an earlier search found.
+    """
+    chosen = list(start)
+    if noises is None:
+        noises = noises_of(pool, (), noises_of(pool, (), None))
+    p_value = 1.0
     while len(chosen) < MOST:
         state = system(pool, noises)
         ranked = rank(state, candidates, chosen)
         if not ranked:
             break
-        best = ranked[0]
-        corrected = min(1.0, best.p_value * len(candidates))
+        corrected = min(1.0, ranked[0].p_value * len(candidates))
         if not chosen:
             p_value = corrected
         if corrected > FALSE_ALARMS:
             break
-        chosen.append(best.candidate)
+        chosen.append(ranked[0].candidate)
         noises = noises_of(pool, _members(chosen), noises)
         chosen = _put_right(system(pool, noises), candidates, chosen)
         noises = noises_of(pool, _members(chosen), noises)
     state = system(pool, noises)
-    return Found(_with_rivals(state, candidates, chosen), noises, p_value)
+    return Found(_with_rivals(state, candidates, chosen), noises, p_value, state)
 
 
 def _members(chosen: Sequence[Candidate]) -> list[int]:
@@ -103,7 +113,7 @@ def _projected(state: System, beside: Sequence[Candidate]) -> tuple[np.ndarray, 
     if not free:
         return normal, right
     shared = normal[:, free]
-    solved = inverse(normal[np.ix_(free, free)] + np.diag(_precision(state, beside, free)))
+    solved = inverse(normal[np.ix_(free, free)] + np.diag(precision_of(state, beside, free)))
     return normal - shared @ solved @ shared.T, right - shared @ (solved @ right[free])
 
 
@@ -145,11 +155,11 @@ def _gain(state: System, chosen: Sequence[Candidate]) -> float:
     if not free:
         return float(fixed)
     own = right[free]
-    block = state.normal[np.ix_(free, free)] + np.diag(_precision(state, chosen, free))
+    block = state.normal[np.ix_(free, free)] + np.diag(precision_of(state, chosen, free))
     return float(fixed + own @ inverse(block) @ own)
 
 
-def _precision(state: System, chosen: Sequence[Candidate], free: Sequence[int]) -> np.ndarray:
+def precision_of(state: System, chosen: Sequence[Candidate], free: Sequence[int]) -> np.ndarray:
     """Prior precision (m,) of the free parameters at unit column size; zero for most."""
     precision = np.zeros(len(state.scale))
     for one in chosen:

@@ -86,6 +86,10 @@ class Term:
         """
         return readings
 
+    def freed(self) -> "Term | None":
+        """Known physics with parameters that would show whether it is as known; else none."""
+        return None
+
     def shaped(self, at: tuple[float, ...]) -> Self:
         """The same term with other values of what it is not linear in."""
         return replace(self, at=at)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import one
+from tasks.model.parameters import DEG, one
 from tasks.model.term import Inputs, Term
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
@@ -24,6 +24,26 @@ class EarthRotation(Term):
         level = np.where(np.isfinite(motion.north), motion.north, 0.0)
         earth = np.cos(self.latitude) * level + np.sin(self.latitude) * motion.up
         return Inputs(inputs.rate + EARTH_RATE * earth, inputs.force)
+
+    def freed(self) -> Term:
+        """The same with its vertical and its northward rate free."""
+        return EARTH_AS_SEEN
+
+
+@dataclass(frozen=True)
+class EarthAsSeen(Term):
+    """A rotation of the ground about the vertical and about north, as the data have it."""
+
+    def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
+        level = np.where(np.isfinite(motion.north), motion.north, 0.0)
+        return Inputs(inputs.rate + values[0] * motion.up + values[1] * level, inputs.force)
+
+
+EARTH_AS_SEEN = EarthAsSeen(
+    "earth_rotation", "site", "input", "ω = ω_table + Ω_v·up + Ω_n·north", "rigid-body kinematics",
+    one("vertical_rate", "Ω_v", ("deg/h", 3600.0 * DEG, 1e-3))
+    + one("north_rate", "Ω_n", ("deg/h", 3600.0 * DEG, 1e-3)),
+)  # fmt: skip
 
 
 def earth_rotation(latitude: float) -> EarthRotation:

@@ -99,11 +99,14 @@ class TableScale(Term):
             return motion
         share = -values[0] / (1.0 + values[0])
         up, north, base = motion.up, motion.north, axes.base
-        rate = np.zeros_like(motion.rate)
+        rate, told = np.zeros_like(motion.rate), np.zeros_like(motion.rate)
         for k in range(axes.angles.shape[1]):
             direction, more = axes.directions[:, k], share * axes.angles[:, k]
             up, north, base, rate = (_seen(v, direction, more) for v in (up, north, base, rate))
             rate += ((1.0 + share) * axes.speeds[:, k])[:, None] * direction
+            told += axes.speeds[:, k, None] * direction
+        # Only the difference counts: means over a block of time are no product of means.
+        rate += motion.rate - told
         # What turned was a little more or less fast, and so were its ramps.
         slower = (1.0 + share) * motion.acceleration
         return replace(

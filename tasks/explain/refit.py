@@ -1,0 +1,232 @@
+"""The standard's model and what was found, fitted together in their real, non-linear form.
+
+Gauss and Newton's method in the transformed domain, where noise of S = w + b/f is independent
+from coefficient to coefficient: generalised least squares, and its covariance holds for samples
+that drift.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tasks.explain.candidates import Candidate
+from tasks.explain.observed import Observed
+from tasks.explain.pool import inverse
+from tasks.explain.spectrum import Noise, padded_length, transformed
+from tasks.model.simulate import linearise, predict
+from tasks.model.term import Column, Term, nominal_values, places
+from tasks.model.terms.standard import STANDARD_TERMS
+
+ROUNDS = 4
+SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
+SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
+COUNTS = "1"  # unit of a shape that is a whole number
+
+
+@dataclass(frozen=True)
+class Model:
+    """Terms with their values, those that were fitted, and how well they are known.
+
+    values: (p,) of all parameters; free: (p,) bool; covariance: (p, p), zero where not free.
+    prior: (p,) precision that a random course's parameters have beforehand.
+    shape_u: for each term the standard uncertainty of its continuous shape, else nothing.
+    """
+
+    terms: tuple[Term, ...]
+    values: np.ndarray
+    free: np.ndarray
+    prior: np.ndarray
+    covariance: np.ndarray
+    shape_u: tuple[float | None, ...]
+
+    def without(self, term: Term) -> "Model":
+        """The same values with one term taken out."""
+        kept = [k for k, other in enumerate(self.terms) if other is not term]
+        own = places(self.terms)
+        rows = np.concatenate([np.arange(own[k].start, own[k].stop) for k in kept]).astype(int)
+        return Model(
+            tuple(self.terms[k] for k in kept), self.values[rows], self.free[rows],
+            self.prior[rows], self.covariance[np.ix_(rows, rows)],
+            tuple(self.shape_u[k] for k in kept),
+        )  # fmt: skip
+
+
+def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]]) -> Model:
+    """The standard's model at its ideal values and the chosen terms at nothing.
+
+    chosen: candidates with the prior precision (m,) of their parameters, zero for most.
+    """
+    terms: list[Term] = list(STANDARD_TERMS)
+    free = [np.ones(len(term.parameters), bool) for term in terms]
+    prior = [np.zeros(len(term.parameters)) for term in terms]
+    for candidate, precision in chosen:
+        same = [k for k, term in enumerate(terms) if term is candidate.term]
+        if not same:
+            terms.append(candidate.term)
+            free.append(np.zeros(len(candidate.term.parameters), bool))
+            prior.append(np.zeros(len(candidate.term.parameters)))
+            same = [len(terms) - 1]
+        if candidate.term.parameters:
+            free[same[0]][list(candidate.own)] = True
+            prior[same[0]][list(candidate.own)] = precision
+    values = nominal_values(tuple(terms))
+    return Model(
+        tuple(terms), values, np.concatenate(free), np.concatenate(prior),
+        np.zeros((len(values), len(values))), (None,) * len(terms),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Equations:
+    """A model linearised at its values: gram (6, q + 1, q + 1) of whitened columns and misfit.
+
+    The last row and column are those of the misfit, reading minus prediction. which: for each
+    channel which of the q columns it has.
+    """
+
+    grams: tuple[np.ndarray, ...]
+    which: tuple[np.ndarray, ...]
+    count: int
+
+    def normal(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Normal matrix (q, q), right side (q,) and chi-squared over all channels."""
+        normal, right, misfit = np.zeros((self.count, self.count)), np.zeros(self.count), 0.0
+        for gram, which in zip(self.grams, self.which, strict=True):
+            normal[np.ix_(which, which)] += gram[:-1, :-1]
+            right[which] += gram[:-1, -1]
+            misfit += float(gram[-1, -1])
+        return normal, right, misfit
+
+
+def fitted(model: Model, observed: Observed, noises: Sequence[Noise]) -> Model:
+    """The model with its free parameters and continuous shapes fitted.
+
+    noises: of a coefficient at the observed rate.
+    """
+    for _ in range(ROUNDS):
+        shapes = _shaped(model)
+        columns = _columns(model, observed, shapes)
+        equations = equations_of(columns, _misfit(model, observed), observed, noises)
+        normal, right, _ = equations.normal()
+        rows = np.flatnonzero(model.free)
+        beforehand = np.concatenate([model.prior[rows], np.zeros(len(shapes))])
+        pulled = np.concatenate([model.prior[rows] * model.values[rows], np.zeros(len(shapes))])
+        covariance = inverse(normal + np.diag(beforehand))
+        step = covariance @ (right - pulled)
+        u = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        model = _stepped(model, step, covariance, shapes)
+        if (np.abs(step) <= SETTLED * u + 1e-300).all():
+            break
+    return model
+
+
+def _columns(model: Model, observed: Observed, shapes: Sequence[int]) -> list[Column]:
+    design = linearise(model.terms, observed.motion, model.values)
+    columns = [design.columns[p] for p in np.flatnonzero(model.free)]
+    return columns + [_shape_column(model, observed, k) for k in shapes]
+
+
+def _misfit(model: Model, observed: Observed) -> np.ndarray:
+    return observed.readings - predict(model.terms, observed.motion, model.values)
+
+
+def _shaped(model: Model) -> list[int]:
+    """Terms with one continuous shape in whose columns there is something to differentiate."""
+    own = places(model.terms)
+    return [
+        k
+        for k, term in enumerate(model.terms)
+        if len(term.shapes) == 1
+        and term.shapes[0].unit != COUNTS
+        and term.shapes[0].name != "time"
+        and model.values[own[k]].any()
+    ]
+
+
+def _shape_column(model: Model, observed: Observed, k: int) -> Column:
+    term = model.terms[k]
+    step = SHAPE_STEP * max(abs(term.at[0]), 0.1)
+    reads = []
+    for sign in (1.0, -1.0):
+        moved = list(model.terms)
+        moved[k] = term.shaped((term.at[0] + sign * step,))
+        reads.append(predict(tuple(moved), observed.motion, model.values))
+    slope = (reads[0] - reads[1]) / (2.0 * step)
+    return {c: slope[:, c] for c in range(6) if np.nan_to_num(slope[:, c]).any()}
+
+
+def _stepped(
+    model: Model, step: np.ndarray, covariance: np.ndarray, shapes: Sequence[int]
+) -> Model:
+    rows = np.flatnonzero(model.free)
+    values, whole = model.values.copy(), np.zeros_like(model.covariance)
+    values[rows] += step[: len(rows)]
+    whole[np.ix_(rows, rows)] = covariance[: len(rows), : len(rows)]
+    terms, shape_u = list(model.terms), list(model.shape_u)
+    for n, k in enumerate(shapes, len(rows)):
+        now = terms[k].at[0]
+        low, high = terms[k].shapes[0].plausible
+        most = 0.5 * max(abs(now), 0.1)
+        to = float(np.clip(now + np.clip(step[n], -most, most), low, high))
+        terms[k] = terms[k].shaped((to,))
+        shape_u[k] = float(np.sqrt(covariance[n, n]))
+    return replace(
+        model, terms=tuple(terms), values=values, covariance=whole, shape_u=tuple(shape_u)
+    )
+
+
+def equations_of(
+    columns: Sequence[Column],
+    misfit: np.ndarray,
+    observed: Observed,
+    noises: Sequence[Noise],
+    rows: np.ndarray | None = None,
+) -> Equations:
+    """Whitened Gram matrices of columns and misfit (n, 6), on some rows (n,) bool or on all."""
+    grams, which = [], []
+    for channel, noise in enumerate(noises):
+        weight = observed.weight[:, channel]
+        weight = weight if rows is None else weight * rows
+        own = [q for q, column in enumerate(columns) if channel in column]
+        stack = np.zeros((len(own) + 1, padded_length(len(weight))))
+        for row, q in enumerate(own):
+            stack[row, : len(weight)] = columns[q][channel]
+        stack[-1, : len(weight)] = misfit[:, channel]
+        stack[:, : len(weight)] *= weight
+        np.nan_to_num(stack, copy=False)
+        stack = transformed(stack)
+        count = stack.shape[1]
+        frequency = np.maximum(np.arange(count), 0.5) * observed.rate / (2 * count)
+        stack /= np.sqrt(noise.variance(frequency))
+        grams.append(stack @ stack.T)
+        which.append(np.array(own, int))
+    return Equations(tuple(grams), tuple(which), len(columns))
+
+
+def linearised(
+    model: Model, observed: Observed, chosen: Sequence[Candidate]
+) -> tuple[dict[int, Column], np.ndarray]:
+    """Columns of the chosen candidates' parameters (by their number in the pool) where the fit put
+    them, and the readings (n, 6) that a linear model of these columns would have had.
+    """
+    design = linearise(model.terms, observed.motion, model.values)
+    readings = observed.readings - design.prediction
+    own = places(model.terms)
+    columns: dict[int, Column] = {}
+    for candidate in chosen:
+        k = next(n for n, term in enumerate(model.terms) if term is candidate.term)
+        if candidate.known:
+            effect = design.prediction - predict(
+                model.without(candidate.term).terms, observed.motion,
+                model.without(candidate.term).values,
+            )  # fmt: skip
+            columns[candidate.members[0]] = {c: effect[:, c] for c in range(6)}
+            readings = readings + effect
+            continue
+        for p, q in zip(candidate.members, candidate.own, strict=True):
+            column = design.columns[own[k].start + q]
+            columns[p] = column
+            for channel, course in column.items():
+                readings[:, channel] += model.values[own[k].start + q] * course
+    return columns, np.nan_to_num(readings)
