@@ -9,13 +9,15 @@ import numpy as np
 
 from schemas.discrepancy import Statement, Where
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.locate.excess import excess_of, scales
+from tasks.explain.locate.excess import Columns, excess_of, scales
 from tasks.explain.locate.map import ExcessMap, excess_map
+from tasks.explain.locate.patterns import Seen
 from tasks.explain.locate.place import Place, places
 from tasks.explain.locate.run import Run
 
 TOUCHED = 0.05  # share of a finding's excess from which a channel has an entry of its own
 NOTHING = 1e-4  # share of the other channels together that is not worth an entry
+INVISIBLE = 1e-6  # square sum, in variances of the noise, that is arithmetic
 NOWHERE = Place("level", ("the standard's model takes it up whole", "已被规范模型全部吸收"), ())
 SLIGHT = Place("level", ("less than 5 % of it in each", "各占不足 5 %"), ())
 
@@ -32,26 +34,30 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     if not explanation.findings:
         return ()
     run = Run.of(explanation.recording)
+    columns = tuple(Columns.of(run.motion, channel) for channel in range(6))
     noise = scales(explanation.noise)
-    strengths = excess_of(explanation, run.motion)
+    strengths = excess_of(explanation, columns)
     return tuple(
-        _entries(run, finding, strength, noise)
+        _entries(run, finding, strength, columns, noise)
         for finding, strength in zip(explanation.findings, strengths, strict=True)
     )
 
 
 def _entries(
-    run: Run, finding: Finding, strength: np.ndarray, noise: np.ndarray
+    run: Run,
+    finding: Finding,
+    strength: np.ndarray,
+    columns: tuple[Columns, ...],
+    noise: np.ndarray,
 ) -> tuple[Where, ...]:
     """strength: (n, 6) excess in standard deviations of the noise (6,)."""
     power = (strength**2).sum(axis=0)
-    if not power.any():
+    if power.sum() < INVISIBLE:
         return (_where(CHANNELS[(*finding.channels, 0)[0]], NOWHERE, 1.0),)
     share = power / power.sum()
     touched = [int(c) for c in np.argsort(-share) if share[c] >= TOUCHED]
-    excess = {c: strength[:, c] for c in touched}
-    whole = {c: _about_mean(finding.contribution[:, c] / noise[c]) for c in touched}
-    placed = places(run, excess, whole, noise)
+    channels = {c: _seen(run, strength[:, c], columns[c], c, float(noise[c])) for c in touched}
+    placed = places(run, channels, finding.contribution)
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in touched]
     rest = 1.0 - sum(each.share for each in entries)
     if rest > NOTHING:
@@ -61,9 +67,11 @@ def _entries(
     return (first, *entries[1:])
 
 
-def _about_mean(course: np.ndarray) -> np.ndarray:
-    known = np.isfinite(course)
-    return np.where(known, course - course[known].mean(), 0.0)
+def _seen(run: Run, course: np.ndarray, columns: Columns, channel: int, noise: float) -> Seen:
+    """noise: one standard deviation, rad/s or m/s², in which the course (n,) is counted."""
+    factor, unit = (float(np.degrees(noise)), "°/s") if channel < 3 else (noise, "m/s²")
+    sums = run.sums(course, columns.known)
+    return Seen(course, sums, columns, run.summed(columns.values), factor, unit)
 
 
 def _where(channel: str, place: Place, share: float) -> Where:

@@ -1,4 +1,6 @@
-"""What the standard's model leaves of a finding's contribution, in standard deviations of noise."""
+"""What the standard's model leaves of a contribution, and what it would take up of a pattern."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -6,23 +8,57 @@ from tasks.explain.explanation import Explanation
 from tasks.motion.whole import Motion
 
 ARITHMETIC = 1e-10  # of the largest: smaller eigenvalues are of columns that do not differ
+TAKEN_UP = 1e-3  # of a cell's rows: a pattern of which less is left cannot be seen
 
 
-def excess_of(explanation: Explanation, motion: Motion) -> np.ndarray:
-    """(findings, n, 6): contribution less what models (1) and (2) take up of it, over the noise.
+@dataclass(frozen=True)
+class Columns:
+    """The k columns of the standard's model in one channel, of order 1.
 
-    JJF 2003-2022, 5.1 and 5.2: gyro columns ω, 1, f; accelerometer columns f, 1 and ωⱼ² of the
-    other axes, by least squares. Rows whose motion is not known are zero: nothing is said there.
+    JJF 2003-2022, 5.1 and 5.2: a gyro reads ω, 1 and f; an accelerometer f, 1 and ωⱼ² of the
+    other axes. values: (n, k), zero where the motion is not known. known: (n,) bool.
+    inverse: (k, k) of their squares.
     """
-    courses = np.stack([finding.contribution for finding in explanation.findings])
-    left, noise = np.zeros_like(courses), scales(explanation.noise)
-    for channel in range(6):
-        course = courses[:, :, channel].T / noise[channel]
-        columns = _standard_columns(motion, channel)
-        known = np.isfinite(columns).all(axis=1) & np.isfinite(course).all(axis=1)
-        seen = columns[known]
-        left[:, known, channel] = (course[known] - seen @ _taken_up(seen, course[known])).T
-    return left
+
+    values: np.ndarray
+    known: np.ndarray
+    inverse: np.ndarray
+
+    @classmethod
+    def of(cls, motion: Motion, channel: int) -> "Columns":
+        """The columns of channel 0 to 5."""
+        one = np.ones((len(motion.t), 1))
+        if channel < 3:
+            values = np.hstack([motion.rate, one, motion.up])
+        else:
+            values = np.hstack([motion.up, one, np.delete(motion.rate**2, channel - 3, axis=1)])
+        known = np.isfinite(values).all(axis=1)
+        values[~known] = 0.0
+        squares = values.T @ values
+        size = np.sqrt(np.diag(squares)) + (np.diag(squares) == 0)
+        scaled = np.linalg.pinv(squares / np.outer(size, size), rcond=ARITHMETIC, hermitian=True)
+        return cls(values, known, scaled / np.outer(size, size))
+
+    def left(self, course: np.ndarray) -> np.ndarray:
+        """(n,) of a course what they do not take up; zero where it or the motion is not known."""
+        known = self.known & np.isfinite(course)
+        filled = np.where(known, course, 0.0)
+        taken = self.values @ (self.inverse @ (self.values.T @ filled))
+        return np.where(known, filled - taken, 0.0)
+
+    def pattern(
+        self, rows: np.ndarray, within: np.ndarray, sums: np.ndarray
+    ) -> tuple[np.ndarray, float]:
+        """A step for each cell (c,), fitted to an excess together with the columns themselves.
+
+        rows: (c,) in each cell. within: (c, k) sums of the columns over it. sums: (c,) of the
+        excess. Returns the steps and the square sum that they take up.
+        """
+        size = np.sqrt(np.maximum(rows, 1.0))
+        squares = np.diag(rows) - within @ self.inverse @ within.T
+        inverse = np.linalg.pinv(squares / np.outer(size, size), rcond=TAKEN_UP, hermitian=True)
+        steps = inverse @ (sums / size) / size
+        return steps, float(steps @ sums)
 
 
 def scales(noise: np.ndarray) -> np.ndarray:
@@ -35,17 +71,10 @@ def scales(noise: np.ndarray) -> np.ndarray:
     return filled
 
 
-def _standard_columns(motion: Motion, channel: int) -> np.ndarray:
-    """(n, 6 or 7) what one channel's reading is linear in, of order 1."""
-    one = np.ones((len(motion.t), 1))
-    if channel < 3:
-        return np.hstack([motion.rate, one, motion.up])
-    return np.hstack([motion.up, one, np.delete(motion.rate**2, channel - 3, axis=1)])
-
-
-def _taken_up(columns: np.ndarray, course: np.ndarray) -> np.ndarray:
-    """Coefficients (k, m) of least squares; the smallest where columns do not differ."""
-    gram = columns.T @ columns
-    size = np.sqrt(np.diag(gram)) + (np.diag(gram) == 0)
-    inverse = np.linalg.pinv(gram / np.outer(size, size), rcond=ARITHMETIC, hermitian=True)
-    return np.asarray(inverse @ (columns.T @ course / size[:, None]) / size[:, None])
+def excess_of(explanation: Explanation, columns: tuple[Columns, ...]) -> np.ndarray:
+    """(findings, n, 6): the contributions less what the standard's model takes up, over noise."""
+    noise = scales(explanation.noise)
+    return np.stack([
+        np.column_stack([columns[c].left(finding.contribution[:, c] / noise[c]) for c in range(6)])
+        for finding in explanation.findings
+    ])  # fmt: skip

@@ -2,20 +2,18 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.discrepancy import Dimension
+from tasks.explain.locate.cut import by_cut
 from tasks.explain.locate.fading import fading
-from tasks.explain.locate.patterns import Pattern, View, by_cut, by_regime
+from tasks.explain.locate.patterns import Pattern, Seen, by_regime
 from tasks.explain.locate.run import Run, Sums
 from tasks.explain.locate.waves import by_frequency, by_turns
 from tasks.model.term import Text
 
-OF_THE_EXCESS = 0.1  # of its mean square: smaller remainders do not count
-OF_THE_SHAPE = 0.01  # the same of the whole contribution, which nothing blurs
-NEARLY = 0.75  # of what the best tells
 TELLING = 0.1  # nats a row: what tells less is no pattern
 NAMED = 8  # segments in an entry
 MOST = 0.9  # of the power: segments beyond are not named
@@ -33,69 +31,41 @@ class Place:
     segments: tuple[str, ...]
 
 
-def patterns_in(run: Run, course: np.ndarray, view: View) -> list[Pattern]:
-    """Every way of saying where one channel's course (n,) sits, in the same order for all."""
-    sums = run.sums(course)
+def patterns_in(run: Run, seen: Seen) -> list[Pattern]:
+    """Every way of saying where one channel's excess sits that tells enough."""
     tried = Counter(regime.dimension for regime in run.regimes)
-    every = [by_regime(run, each, sums, view, tried[each.dimension]) for each in run.regimes]
-    every += [by_turns(run, turns, course, sums, view.floor) for turns in run.turns]
-    more = (by_cut(run, sums, view), by_frequency(run, course, sums, view.floor))
-    return every + [each for each in more if each is not None]
+    every = [by_regime(run, each, seen, tried[each.dimension]) for each in run.regimes]
+    every += [by_turns(run, turns, seen) for turns in run.turns]
+    every += [each for each in (by_cut(run, seen), by_frequency(run, seen)) if each is not None]
+    return [each for each in every if each.score >= TELLING]
 
 
 def places(
-    run: Run,
-    excess: Mapping[int, np.ndarray],
-    whole: Mapping[int, np.ndarray],
-    noise: np.ndarray,
+    run: Run, channels: Mapping[int, Seen], contribution: np.ndarray
 ) -> dict[int, Place]:
-    """The place of each channel's part of one finding.
+    """The place of each channel's part of one finding; contribution: (n, 6).
 
-    excess, whole: channel -> (n,) what the standard's model leaves of the contribution and the
-    contribution about its mean, in standard deviations of the noise (6,).
     A pattern counts by what it tells of the channel's excess, and its dimension by what it tells
-    in all channels, for one physics is seen in all of them. Among those that tell nearly as
-    much as the best, the whole contribution decides: the standard's model does not blur it.
+    in all channels, for one physics is seen in all of them.
     """
-    views = {channel: _view(channel, float(noise[channel])) for channel in excess}
-    found = {c: patterns_in(run, course, views[c]) for c, course in excess.items()}
-    power = {c: float((course**2).sum()) for c, course in excess.items()}
+    found = {channel: patterns_in(run, seen) for channel, seen in channels.items()}
+    power = sum(seen.power for seen in channels.values())
     votes: defaultdict[Dimension, float] = defaultdict(float)
     for channel, ways in found.items():
         best = {way.dimension: way.score for way in sorted(ways, key=lambda each: each.score)}
         for dimension, score in best.items():
-            votes[dimension] += power[channel] / sum(power.values()) * score
+            votes[dimension] += channels[channel].power / power * score
     placed = {}
     for channel, ways in found.items():
-        shapes = patterns_in(run, whole[channel], replace(views[channel], floor=OF_THE_SHAPE))
-        chosen = _most_telling(ways, shapes, votes)
-        placed[channel] = _place(run, chosen, run.sums(excess[channel]), whole[channel])
+        most = max(ways, key=lambda each: each.score + votes[each.dimension], default=None)
+        placed[channel] = _place(run, most, channels[channel].sums, contribution[:, channel])
     return placed
 
 
-def _most_telling(
-    ways: list[Pattern], shapes: list[Pattern], votes: Mapping[Dimension, float]
-) -> Pattern | None:
-    """The way that tells most of the excess, or None; shapes: the same of the contribution."""
-    totals = {
-        k: way.score + votes[way.dimension] for k, way in enumerate(ways) if way.score >= TELLING
-    }
-    most = max(totals.values(), default=0.0)
-    near = {k: total + shapes[k].score for k, total in totals.items() if total >= NEARLY * most}
-    return ways[max(near, key=lambda k: near[k])] if near else None
-
-
-def _view(channel: int, noise: float) -> View:
-    """noise: one standard deviation, rad/s or m/s², what the excess is counted in."""
-    if channel < 3:
-        return View(OF_THE_EXCESS, float(np.degrees(noise)), "°/s")
-    return View(OF_THE_EXCESS, noise, "m/s²")
-
-
-def _place(run: Run, best: Pattern | None, sums: Sums, whole: np.ndarray) -> Place:
+def _place(run: Run, best: Pattern | None, sums: Sums, contribution: np.ndarray) -> Place:
     if best is None:
         return _without_pattern(run, sums)
-    fades = fading(run.motion, whole) if best.dimension == "after_moves" else None
+    fades = fading(run.motion, contribution) if best.dimension == "after_moves" else None
     text = best.text
     if fades is not None:
         text = f"{text[0]}; it fades with {fades:.2g} s", f"{text[1]}；时间常数 {fades:.2g} s"

@@ -65,11 +65,13 @@ class Run:
         """How many stretches the run is made of: what a pattern rests on."""
         return max(FEWEST, len(self.names))
 
-    def sums(self, course: np.ndarray) -> Sums:
-        """The blocks' sums of a course (n,)."""
-        rows = np.diff(np.append(self.starts, len(course))).astype(float)
-        first, second = (np.add.reduceat(each, self.starts) for each in (course, course**2))
-        return Sums(rows, first, second)
+    def summed(self, values: np.ndarray) -> np.ndarray:
+        """Sums of values (n, …) over the blocks, (m, …)."""
+        return np.add.reduceat(values, self.starts, axis=0)
+
+    def sums(self, course: np.ndarray, known: np.ndarray) -> Sums:
+        """The blocks' sums of a course (n,) over its known rows (n,); it is zero elsewhere."""
+        return Sums(self.summed(known.astype(float)), self.summed(course), self.summed(course**2))
 
 
 def segments_of(recording: Recording) -> tuple[Segment, ...]:

@@ -18,12 +18,14 @@ class Turns:
 
     name: of the axis. rows: which of the n. cell: their segment and bin of the angle, as one
     number. inverse: (HIGHEST, s, 3, 3) of the normal equations of 1, cos hθ and sin hθ.
+    most: waves per turn that the fastest turn still has two rows for.
     """
 
     name: str
     rows: np.ndarray
     cell: np.ndarray
     inverse: np.ndarray
+    most: float
 
     def waves(self, course: np.ndarray) -> np.ndarray:
         """(HIGHEST,) square sum of a course (n,) that each number of waves per turn takes up."""
@@ -32,7 +34,8 @@ class Turns:
         right = np.einsum("sb,hbi->hsi", sums, _basis())
         counts = np.bincount(self.cell, minlength=segments * BINS).reshape(-1, BINS).sum(axis=1)
         taken = np.einsum("hsi,hsij,hsj->hs", right, self.inverse, right)
-        return np.asarray((taken - right[:, :, 0] ** 2 / counts).sum(axis=1))
+        held = (taken - right[:, :, 0] ** 2 / counts).sum(axis=1)
+        return np.where(np.arange(1, HIGHEST + 1) <= self.most, held, 0.0)
 
 
 def turns_of(
@@ -63,7 +66,9 @@ def _turns(name: str, angle: np.ndarray, segments: list[slice]) -> Turns:
     counts = np.bincount(cell, minlength=len(segments) * BINS).reshape(-1, BINS)
     basis = _basis()
     gram = np.einsum("sb,hbi,hbj->hsij", counts.astype(float), basis, basis, optimize=True)
-    return Turns(name, rows, cell, np.linalg.pinv(gram, rcond=SINGULAR, hermitian=True))
+    inverse = np.linalg.pinv(gram, rcond=SINGULAR, hermitian=True)
+    step = max(float(np.nanmedian(np.abs(np.diff(angle[each])))) for each in segments)
+    return Turns(name, rows, cell, inverse, np.pi / max(step, SINGULAR))
 
 
 def _basis() -> np.ndarray:

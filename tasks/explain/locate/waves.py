@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tasks.explain.locate.patterns import Pattern, paid, told
-from tasks.explain.locate.run import Run, Sums
+from tasks.explain.locate.patterns import Pattern, Seen, followed, gathered, paid
+from tasks.explain.locate.run import Run
 from tasks.explain.locate.turns import HIGHEST, Turns
 
 TOGETHER = 3  # numbers of waves that are told together
@@ -12,20 +12,19 @@ PERIODS = 8  # in the run: slower is a trend
 WIDTH, BESIDE = 0.005, 2  # of the frequency, and lines beside it, that belong to it
 
 
-def by_turns(
-    run: Run, turns: Turns, course: np.ndarray, sums: Sums, floor: float
-) -> Pattern:
-    """The numbers of waves per turn of an axis that hold most of an excess (n,)."""
+def by_turns(run: Run, turns: Turns, seen: Seen) -> Pattern:
+    """The numbers of waves per turn of an axis that hold most of an excess."""
+    course = seen.course
     waves = turns.waves(course)
     order = np.argsort(-waves)[:TOGETHER]
-    whole = float(sums.second.sum())
+    whole = seen.power
     turning = float((course[turns.rows] ** 2).sum())
     kept = order[waves[order] >= OF_THE_FIRST * waves[order[0]]]
     held = min(float(waves[kept].sum()), turning)
     rows = np.array([len(turns.rows), len(course) - len(turns.rows)], float)
     left = np.array([turning - held, whole - turning])
     cost = paid(2 * len(kept), HIGHEST, run.pieces)
-    score = told(rows, np.maximum(left, 0.0), whole, floor) - cost
+    score = gathered(rows, left, whole) - cost
     numbers = [str(each) for each in sorted(kept + 1)]
     counted = "one wave" if numbers == ["1"] else f"{' and '.join(numbers)} waves"
     mask = np.zeros(len(course), bool)
@@ -37,11 +36,9 @@ def by_turns(
     return Pattern("rotation_phase", score, text, mask[run.starts])
 
 
-def by_frequency(
-    run: Run, course: np.ndarray, sums: Sums, floor: float
-) -> Pattern | None:
-    """The frequency at which an excess (n,) has most of its power."""
-    count = len(course)
+def by_frequency(run: Run, seen: Seen) -> Pattern | None:
+    """The frequency at which an excess has most of its power."""
+    course, count = seen.course, len(seen.course)
     power = np.abs(np.fft.rfft(course)) ** 2
     if len(power) < 2 * PERIODS or count < 2:
         return None
@@ -56,8 +53,6 @@ def by_frequency(
     line = band.start + int(power[band].argmax())
     interval = float(np.median(np.diff(run.motion.t)))
     hertz = line / (count * interval)
-    whole = float(sums.second.sum())
-    left = np.array([whole * (1 - share)])
-    score = told(np.array([float(count)]), left, whole, floor) - paid(2, len(lines), run.pieces)
+    score = followed(share) - paid(2, len(lines), run.pieces)
     text = f"{share:.0%} of it at {hertz:.4g} Hz", f"{share:.0%} 集中在 {hertz:.4g} Hz"
     return Pattern("frequency", score, text, np.ones(len(run.t), bool))
