@@ -18,7 +18,12 @@ from tasks.explain.locate.run import Run
 TOUCHED = 0.05  # share of a finding's excess from which a channel has an entry of its own
 NOTHING = 1e-4  # share of the other channels together that is not worth an entry
 INVISIBLE = 1e-6  # square sum, in variances of the noise, that is arithmetic
-NOWHERE = Place("level", ("the standard's model takes it up whole", "已被规范模型全部吸收"), ())
+NOWHERE = Place(
+    "level",
+    ("where the motion is known, the standard's model takes it up whole",
+     "在运动已知处，已被规范模型全部吸收"),
+    (),
+)  # fmt: skip
 SLIGHT = Place("level", ("less than 5 % of it in each", "各占不足 5 %"), ())
 
 __all__ = ["ExcessMap", "excess_map", "locate"]
