@@ -15,7 +15,7 @@ RANDOM_WALK = "bias_random_walk"
 WAVES = 30  # of a slow course, half a period and more over the run
 WALK, SMOOTH = 2.0, 4.0  # powers: a random walk, and what drifts more smoothly
 STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
-STEPS = 48  # times of a step that are tried
+JUMPS = 3  # times at which something may happen that are tried
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ class Candidate:
 
     members: numbers of its parameters within the pool; own: within the term. family: how many
     members of its name were tried, which it is charged for. prior: of a course that is drawn at
-    random, whose many parameters are charged by their evidence instead.
+    random, whose many parameters are charged by their evidence instead. looked: how many times or
+    periods its shape was proposed from.
     """
 
     term: Term
@@ -51,6 +52,7 @@ class Candidate:
     own: tuple[int, ...]
     tried: int
     prior: Prior | None = None
+    looked: float = 1.0
 
     @property
     def name(self) -> str:
@@ -98,7 +100,7 @@ def candidates_of(
 ) -> tuple[tuple[Candidate, ...], tuple[Column, ...]]:
     """The candidates of some terms, whole and in parts, and the columns they share.
 
-    A term that tells a `time` of what it does is tried at STEPS times; `bias_random_walk` and
+    A term that tells a `time` of what it does is tried at JUMPS times, which are proposed later; `bias_random_walk` and
     its smoother sister are courses drawn at random.
     """
     columns: list[Column] = []
@@ -125,7 +127,8 @@ def _variants(term: Term, motion: Motion) -> Iterator[Term]:
     if [shape.name for shape in term.shapes] != ["time"]:
         yield term
         return
-    for share in (np.arange(STEPS) + 0.5) / STEPS:
+    for n in range(JUMPS):
+        share = (n + 1.0) / (JUMPS + 1.0)
         yield term.shaped((float(motion.t[0] + share * (motion.t[-1] - motion.t[0])),))
 
 

@@ -20,9 +20,10 @@ from tasks.explain.observed import (
     in_blocks,
     plain_prediction,
 )
-from tasks.explain.pool import Pool, pooled, renewed
+from tasks.explain.pool import Pool, pooled, renewed, residuals
+from tasks.explain.propose import proposed
 from tasks.explain.refit import Model, fitted, linearised, model_of
-from tasks.explain.search import Found, precision_of, search
+from tasks.explain.search import Found, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
@@ -54,11 +55,14 @@ def explain(
     fine = in_blocks(freed, REFIT_RATE, events.masked)
     progress("candidates")
     terms = _terms(recording, coarse, only)
-    candidates, columns = candidates_of(terms, coarse.motion)
+    listed, columns = candidates_of(terms, coarse.motion)
+    candidates = list(listed)
     pool = pooled(coarse, standard_columns(coarse), coarse.readings, columns)
     progress("search")
     if only is None:
-        found = search(pool, candidates)
+        noises = first_noises(pool)
+        pool, candidates = proposed(pool, candidates, residuals(pool, (), noises), noises)
+        found = search(pool, candidates, (), noises)
         found, candidates, model = _looked_again(pool, candidates, found, fine)
     else:
         chosen = [one for one in candidates if one.own == tuple(range(len(one.term.parameters)))]
@@ -99,8 +103,8 @@ def _without_events(full: FullRate, events: Events) -> FullRate:
 
 
 def _looked_again(
-    pool: Pool, candidates: Sequence[Candidate], found: Found, fine: Observed
-) -> tuple[Found, Sequence[Candidate], Model]:
+    pool: Pool, candidates: list[Candidate], found: Found, fine: Observed
+) -> tuple[Found, list[Candidate], Model]:
     """Everything found is fitted in its real form, and what is then left is searched again."""
     noises = _at_rate(found.noises, fine, pool.observed)
     model = fitted(_model(found), fine, noises)
@@ -109,10 +113,12 @@ def _looked_again(
             break
         before = [one.candidate for one in found.chosen]
         shaped = _as_fitted(before, model)
-        swapped = {id(old): new for old, new in zip(before, shaped, strict=True)}
-        candidates = [swapped.get(id(one), one) for one in candidates]
+        candidates = _renamed(candidates, before, shaped)
         columns, readings = linearised(model, pool.observed, shaped)
-        again = search(renewed(pool, columns, readings), candidates, shaped, found.noises)
+        pool = renewed(pool, columns, readings)
+        left = residuals(pool, members_of(shaped), found.noises)
+        pool, candidates = proposed(pool, candidates, left, found.noises, shaped)
+        again = search(pool, candidates, shaped, found.noises)
         found = replace(again, p_value=found.p_value)
         same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
         noises = _at_rate(found.noises, fine, pool.observed)
@@ -141,6 +147,18 @@ def _as_fitted(candidates: Sequence[Candidate], model: Model) -> list[Candidate]
     terms = list(dict.fromkeys(id(one.term) for one in candidates))
     return [
         replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))])
+        for one in candidates
+    ]
+
+
+def _renamed(
+    candidates: Sequence[Candidate], before: Sequence[Candidate], after: Sequence[Candidate]
+) -> list[Candidate]:
+    """The candidates with the fitted ones in their places, and their parts with the same terms."""
+    swapped = {id(old): new for old, new in zip(before, after, strict=True)}
+    terms = {id(old.term): new.term for old, new in zip(before, after, strict=True)}
+    return [
+        swapped.get(id(one)) or replace(one, term=terms.get(id(one.term), one.term))
         for one in candidates
     ]
 

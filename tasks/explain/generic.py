@@ -24,7 +24,7 @@ AT_REST = 1e-3  # rad/s: slower is not a motion
 LONGEST_MOVE = 20.0  # s; what turns longer is a run
 RELAXATIONS = (1.5, 4.0, 8.0, 16.0, 40.0)  # s
 LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
-PERIODS = (45.0, 60.0, 80.0, 105.0, 140.0, 185.0, 250.0)  # s
+WAVES_TRIED = 2  # periods for each set of channels
 RECORDED: dict[str, Text] = {
     "humidity": ("the humidity", "湿度"),
     "pressure": ("the air pressure", "气压"),
@@ -95,7 +95,7 @@ def follows(
 def empirical(motion: Motion) -> tuple[Term, ...]:
     """Every empirical term that a recording could need."""
     return (
-        *_after_moves(), *_lags(), *_products(), *_recorded(motion), *_slow(motion),
+        *_after_moves(), *_lags(), *_products(), *_recorded(motion), *_waves(),
         *_of_table(motion),
     )  # fmt: skip
 
@@ -259,18 +259,37 @@ def _recorded(motion: Motion) -> Iterator[Term]:
         yield follows(f"{key}·input", title, EVERY, 1, scaled)
 
 
-def _slow(motion: Motion) -> Iterator[Term]:
-    span = float(motion.t[-1] - motion.t[0])
-    for period in (p for p in PERIODS if p < span / 4):
+def _waves() -> Iterator[Term]:
+    for channels in (EVERY, GYROS, ACCELS):
+        for _ in range(WAVES_TRIED):
+            yield wave(channels)
 
-        def courses(
-            motion: Motion, inputs: Inputs, channel: int, period: float = period
-        ) -> list[np.ndarray]:
-            turned = 2.0 * np.pi * motion.t / period
-            return [np.sin(turned), np.cos(turned)]
 
-        title = (f"a wave with a period of about {period:g} s", f"周期约 {period:g} s 的波动")
-        yield follows(f"wave of {period:g} s", title, EVERY, 2, courses, True)
+@dataclass(frozen=True)
+class Wave(Follows):
+    """Something that comes and goes with a period; shapes: the period."""
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        turned = 2.0 * np.pi * motion.t / self.at[0]
+        pair = (np.sin(turned), np.cos(turned))
+        return tuple({channel: course} for channel in self.channels for course in pair)
+
+    def shaped(self, at: tuple[float, ...]) -> "Wave":
+        """The wave of another period."""
+        said = f"{at[0]:.3g} s"
+        title = (f"a wave with a period of about {said}", f"周期约 {said} 的波动")
+        return replace(self, at=at, title=title)
+
+
+def wave(channels: tuple[int, ...], period: float = 100.0) -> Wave:
+    """A wave in some channels, at any phase in each."""
+    plain = follows("a wave", ("", ""), channels, 2, lambda motion, inputs, channel: ())
+    shape = Parameter("period", "P", "s", 1.0, (0.5, 2000.0))
+    return Wave(
+        plain.name, plain.family, plain.stage, "reading += a·sin(2πt/P) + b·cos(2πt/P)",
+        plain.source, plain.parameters, (shape,), (period,),
+        channels=channels, courses=plain.courses,
+    ).shaped((period,))  # fmt: skip
 
 
 def _of_table(motion: Motion) -> Iterator[Term]:

@@ -307,7 +307,8 @@ def _fixings(
     The positions on a table of several axes are one; each upright axis of the rates is another.
     """
     several = len(recording.manifest.station.table_axes or ()) > 1
-    number, at, last = np.zeros(len(t)), 0, None
+    number: np.ndarray = np.zeros(len(t))
+    at, last = 0, None
     for segment in segments:
         if segment.up is None:
             continue

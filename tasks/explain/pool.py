@@ -93,8 +93,9 @@ def pooled(
     return Pool(observed, bands, tuple(channels), tuple(columns))
 
 
-def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray) -> Pool:
-    """The pool with other columns for some parameters, in the channels that they had, and readings.
+def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray | None) -> Pool:
+    """The pool with other columns for some parameters, in the channels that they had, and other
+    readings (n, 6); None: the same ones.
 
     What was found is linearised anew where it stands now; everything else is as it was.
     """
@@ -107,19 +108,25 @@ def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray) -> 
         mine = [p for p in columns if p in set(channel.which.tolist())]
         weight = pool.observed.weight[:, number]
         nothing = np.zeros(len(weight))
-        courses = [*(columns[p].get(number, nothing) for p in mine), readings[:, number]]
-        rest = _projected(_weighed(courses, weight), channel.basis)
-        new, new_size = _at_unit_size(rest)
+        courses = [columns[p].get(number, nothing) for p in mine]
         first = len(channel.base)
         at = [first + int(np.flatnonzero(channel.which == p)[0]) for p in mine]
-        at.append(len(channel.size) - 1)
+        if readings is not None:
+            courses.append(readings[:, number])
+            at.append(len(channel.size) - 1)
+        if not at:
+            channels.append(channel)
+            continue
+        rest = _projected(_weighed(courses, weight), channel.basis)
+        new, new_size = _at_unit_size(rest)
+        reading = channel.reading if readings is None else transformed(rest[-1])
         rows, size, grams = channel.rows.copy(), channel.size.copy(), channel.grams.copy()
         rows[at], size[at] = new, new_size
         crossed = _products(new, rows, pool.bands) * new_size[:, None] * size
         grams[:, at, :] = crossed
         grams[:, :, at] = crossed.transpose(0, 2, 1)
         channels.append(
-            replace(channel, reading=transformed(rest[-1]), grams=grams, rows=rows, size=size)
+            replace(channel, reading=reading, grams=grams, rows=rows, size=size)
         )
         for p in mine:
             kept = {c: course for c, course in columns[p].items() if c in pool.columns[p]}
@@ -191,28 +198,36 @@ def inverse(normal: np.ndarray) -> np.ndarray:
     return np.asarray((turned / values[kept]) @ turned.T * scale[:, None] * scale)
 
 
-def noises_of(pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None) -> tuple[Noise, ...]:
-    """The noise of what the standard's model and the found parameters leave, channel by channel.
+def residuals(
+    pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None
+) -> list[np.ndarray]:
+    """For each channel what the standard's model and the found parameters leave, transformed (n,).
 
     noises: by which they are fitted; without them every coefficient counts the same.
     """
-    found = list(found)
-    estimated = []
+    left = []
     for number, channel in enumerate(pool.channels):
         if channel is None:
-            estimated.append(Noise(1.0, 0.0))
+            left.append(np.zeros(0))
             continue
-        mine = [p for p in found if number in pool.columns[p]]
-        weight = pool.observed.weight[:, number]
+        courses = [pool.columns[p][number] for p in found if number in pool.columns[p]]
         columns = channel.base
-        if mine:
-            courses = [pool.columns[p][number] for p in mine]
-            columns = np.vstack([columns, transformed(_weighed(courses, weight))])
+        if courses:
+            more = transformed(_weighed(courses, pool.observed.weight[:, number]))
+            columns = np.vstack([columns, more])
         level = np.ones(len(channel.reading))
         if noises is not None:
             variance = noises[number].variance(pool.bands.frequency)
             level = np.repeat(1.0 / variance, pool.bands.sizes)
         normal = (columns * level) @ columns.T
         values = inverse(normal) @ ((columns * level) @ channel.reading)
-        estimated.append(noise_of(channel.reading - values @ columns, pool.bands))
-    return tuple(estimated)
+        left.append(channel.reading - values @ columns)
+    return left
+
+
+def noises_of(pool: Pool, left: Sequence[np.ndarray]) -> tuple[Noise, ...]:
+    """The noise of each channel by its transformed residual (n,)."""
+    return tuple(
+        Noise(1.0, 0.0) if channel is None else noise_of(rest, pool.bands)
+        for channel, rest in zip(pool.channels, left, strict=True)
+    )

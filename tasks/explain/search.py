@@ -11,8 +11,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from tasks.explain.candidates import Candidate
-from tasks.explain.generic import UNNAMED
-from tasks.explain.pool import Pool, System, inverse, noises_of, system
+from tasks.explain.pool import Pool, System, inverse, noises_of, residuals, system
 from tasks.explain.spectrum import Noise
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
@@ -62,7 +61,7 @@ def search(
     """
     chosen = list(start)
     if noises is None:
-        noises = noises_of(pool, (), noises_of(pool, (), None))
+        noises = first_noises(pool)
     p_value = 1.0
     while len(chosen) < MOST:
         state = system(pool, noises)
@@ -75,45 +74,56 @@ def search(
         if corrected > FALSE_ALARMS:
             break
         chosen.append(ranked[0].candidate)
-        noises = noises_of(pool, _members(chosen), noises)
+        noises = beside(pool, chosen, noises)
         chosen = _put_right(system(pool, noises), candidates, chosen)
-        noises = noises_of(pool, _members(chosen), noises)
+        noises = beside(pool, chosen, noises)
     state = system(pool, noises)
     return Found(_with_rivals(state, candidates, chosen), noises, p_value, state)
 
 
-def _members(chosen: Sequence[Candidate]) -> list[int]:
+def first_noises(pool: Pool) -> tuple[Noise, ...]:
+    """The noise of what the standard's model alone leaves."""
+    plain = noises_of(pool, residuals(pool, (), None))
+    return noises_of(pool, residuals(pool, (), plain))
+
+
+def beside(pool: Pool, chosen: Sequence[Candidate], noises: Sequence[Noise]) -> tuple[Noise, ...]:
+    """The noise of what the chosen leave, fitted by earlier noises."""
+    return noises_of(pool, residuals(pool, members_of(chosen), noises))
+
+
+def members_of(chosen: Sequence[Candidate]) -> list[int]:
     return sorted({p for one in chosen for p in one.members})
 
 
 def rank(
-    state: System, candidates: Sequence[Candidate], beside: Sequence[Candidate]
+    state: System, candidates: Sequence[Candidate], taken: Sequence[Candidate]
 ) -> list[Scored]:
     """The candidates by score, beside others that are taken."""
-    normal, right = _projected(state, beside)
-    taken = {id(one) for one in beside}
-    known = {one.name for one in beside if one.known}
+    normal, right = _projected(state, taken)
+    own = {id(one) for one in taken}
+    known = {one.name for one in taken if one.known}
     scored = [
         _scored(normal, right, state, one)
         for one in candidates
-        if id(one) not in taken and one.name not in known
+        if id(one) not in own and one.name not in known
     ]
     return sorted((one for one in scored if one is not None), key=lambda one: -one.score)
 
 
-def _projected(state: System, beside: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
+def _projected(state: System, taken: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
     """Normal equations without what is taken: fitted parameters projected, known ones taken off."""
     normal, right = state.normal, state.right
-    for one in beside:
+    for one in taken:
         if one.known:
             p = one.members[0]
             if state.scale[p]:
                 right = right - normal[:, p] / state.scale[p]
-    free = _members([one for one in beside if not one.known])
+    free = members_of([one for one in taken if not one.known])
     if not free:
         return normal, right
     shared = normal[:, free]
-    solved = inverse(normal[np.ix_(free, free)] + np.diag(precision_of(state, beside, free)))
+    solved = inverse(normal[np.ix_(free, free)] + np.diag(precision_of(state, taken, free)))
     return normal - shared @ solved @ shared.T, right - shared @ (solved @ right[free])
 
 
@@ -139,8 +149,8 @@ def _scored(
         p = members[0]
         size = 1.0 / state.scale[p]
         gain, rank_ = 2.0 * own[0] * size - normal[p, p] * size**2, 0
-    price = PER_PARAMETER * rank_ + 2.0 * np.log(one.tried)
-    return Scored(one, gain, gain - price, p_value)
+    price = PER_PARAMETER * rank_ + 2.0 * np.log(one.tried * one.looked) + one.term.rarity
+    return Scored(one, gain, gain - price, min(1.0, p_value * one.looked))
 
 
 def _gain(state: System, chosen: Sequence[Candidate]) -> float:
@@ -151,7 +161,7 @@ def _gain(state: System, chosen: Sequence[Candidate]) -> float:
             p, size = one.members[0], 1.0 / state.scale[one.members[0]]
             fixed += 2.0 * right[p] * size - state.normal[p, p] * size**2
             right = right - state.normal[:, p] * size
-    free = _members([one for one in chosen if not one.known])
+    free = members_of([one for one in chosen if not one.known])
     if not free:
         return float(fixed)
     own = right[free]
@@ -203,7 +213,9 @@ def _put_right(
                 chosen = rest
                 continue
             own = next((s for s in ranked if s.candidate is one), None)
-            if own is None or ranked[0].score > own.score + 1e-9:
+            if own is None:
+                chosen = rest
+            elif ranked[0].score > own.score + 1e-9:
                 chosen = [ranked[0].candidate if other is one else other for other in chosen]
         if chosen == before:
             break
@@ -217,7 +229,9 @@ def _with_rivals(
     for one in chosen:
         rest = [other for other in chosen if other is not one]
         ranked = rank(state, candidates, rest)
-        own = next(s for s in ranked if s.candidate is one)
+        own = next((s for s in ranked if s.candidate is one), None)
+        if own is None:
+            continue
         rivals: dict[str, Scored] = {}
         for other in ranked:
             if other.candidate.name not in (one.name, *rivals):

@@ -52,7 +52,8 @@ class Term:
     shapes, at: what its columns are not linear in (a time constant, an order), and its values,
     SI; they are searched where the rest is solved. Several terms of one name differ in them.
     title: what an engineer calls it. confused_with: catalogue names that look much the same.
-    separated_by: the recording that would tell them apart.
+    separated_by: the recording that would tell them apart. rarity: chi-squared that it must earn
+    beyond a more usual piece of physics that looks the same.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Term:
     title: Text = ("", "")
     confused_with: tuple[str, ...] = ()
     separated_by: Text = ("", "")
+    rarity: float = 0.0
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
         """The motion that really was, given the one that the table tells; stage «motion»."""
