@@ -25,6 +25,7 @@ from tasks.explain.propose import proposed
 from tasks.explain.refit import Model, fitted, linearised, model_of
 from tasks.explain.search import Found, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
+from tasks.explain.weigh import Weighed, groups_of
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.standard import STANDARD_TERMS
@@ -63,11 +64,13 @@ def explain(
         noises = first_noises(pool)
         pool, candidates = proposed(pool, candidates, residuals(pool, (), noises), noises)
         found = search(pool, candidates, (), noises)
-        found, candidates, model = _looked_again(pool, candidates, found, fine)
+        found, model = _looked_again(pool, candidates, found, fine)
+        found, model = _needed(found, model, fine, coarse, len(candidates))
     else:
-        chosen = [one for one in candidates if one.own == tuple(range(len(one.term.parameters)))]
+        chosen = _whole_ones(candidates)
         found = search(pool, chosen, chosen)
         model = fitted(_model(found), fine, _at_rate(found.noises, fine, coarse))
+        found = _with_shapes(found, model)
     progress("evidence")
     noises = _at_rate(found.noises, fine, coarse)
     return assembled(recording, full, fine, events, found, model, noises)
@@ -97,20 +100,18 @@ def _without_events(full: FullRate, events: Events) -> FullRate:
         return full
     readings = np.where(events.masked, np.nan, full.readings)
     predicted = plain_prediction(readings, full.motion)
-    noise = np.sqrt(np.nanmedian(full.shaking, axis=0)).repeat(3)
+    noise = np.sqrt(full.quiet).repeat(3)
     freed = events.undone(full.motion.t, full.readings, predicted, noise)
     return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings))
 
 
 def _looked_again(
     pool: Pool, candidates: list[Candidate], found: Found, fine: Observed
-) -> tuple[Found, list[Candidate], Model]:
+) -> tuple[Found, Model]:
     """Everything found is fitted in its real form, and what is then left is searched again."""
     noises = _at_rate(found.noises, fine, pool.observed)
     model = fitted(_model(found), fine, noises)
-    for _ in range(LOOKS - 1):
-        if not found.chosen:
-            break
+    for _ in range(LOOKS - 1 if found.chosen else 0):
         before = [one.candidate for one in found.chosen]
         shaped = _as_fitted(before, model)
         candidates = _renamed(candidates, before, shaped)
@@ -125,7 +126,30 @@ def _looked_again(
         model = fitted(_model(found), fine, noises)
         if same:
             break
-    return found, candidates, model
+    return _with_shapes(found, model), model
+
+
+def _needed(
+    found: Found, model: Model, fine: Observed, coarse: Observed, tried: int
+) -> tuple[Found, Model]:
+    """Without the findings that the real form of the others has made needless."""
+    noises = _at_rate(found.noises, fine, coarse)
+    while found.chosen:
+        groups = groups_of(found)
+        weighed = Weighed.of(model, fine, noises, groups)
+        weak = [
+            (weighed.gain(n), group)
+            for n, group in enumerate(groups)
+            if weighed.needless(n, group, tried)
+        ]
+        if not weak:
+            break
+        least = min(weak, key=lambda pair: pair[0])[1]
+        kept = tuple(one for one in found.chosen if one not in least.chosen)
+        found = replace(found, chosen=kept)
+        model = fitted(_model(found), fine, noises)
+        found = _with_shapes(found, model)
+    return found, model
 
 
 def _model(found: Found) -> Model:
@@ -149,6 +173,21 @@ def _as_fitted(candidates: Sequence[Candidate], model: Model) -> list[Candidate]
         replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))])
         for one in candidates
     ]
+
+
+def _whole_ones(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Of each name the first term with all its parameters."""
+    first: dict[str, Candidate] = {}
+    for one in candidates:
+        first.setdefault(one.name, one)
+    return list(first.values())
+
+
+def _with_shapes(found: Found, model: Model) -> Found:
+    """What was found with the terms as the model has them."""
+    shaped = _as_fitted([one.candidate for one in found.chosen], model)
+    pairs = zip(found.chosen, shaped, strict=True)
+    return replace(found, chosen=tuple(replace(one, candidate=new) for one, new in pairs))
 
 
 def _renamed(

@@ -45,13 +45,25 @@ class Observed:
 
 @dataclass(frozen=True)
 class FullRate:
-    """The recording at the unit's own rows: readings (n, 6), motion with what was recorded."""
+    """The recording at the unit's own rows: readings (n, 6), motion with what was recorded.
+
+    segment: (n,) index into `segments`, −1 between them. shaking: (segments + 1, 2) variance of
+    a sample's noise in each, by triad; last: between them.
+    """
 
     readings: np.ndarray
     motion: Motion
     segment: np.ndarray
     segments: tuple[Segment, ...]
     shaking: np.ndarray
+
+    @property
+    def quiet(self) -> np.ndarray:
+        """(2,) variance of a sample's noise at rest, by triad; 1 where it is not known."""
+        least = np.min(np.where(np.isfinite(self.shaking), self.shaking, np.inf), axis=0)
+        usual = [_median(course) for course in self.shaking.T]
+        level = np.minimum(usual, 1.3 * least)
+        return np.asarray(np.where(np.isfinite(level) & (level > 0), level, 1.0))
 
 
 def full_rate(recording: Recording) -> FullRate:
@@ -204,13 +216,16 @@ def plain_prediction(readings: np.ndarray, motion: Motion) -> np.ndarray:
     return predicted
 
 
+def _median(course: np.ndarray) -> float:
+    known = course[np.isfinite(course)]
+    return float(np.median(known)) if len(known) else np.inf
+
+
 def _relative(full: FullRate, block: np.ndarray, count: int) -> np.ndarray:
     """(count, 6) root weight by the noise of the segment, 1 at rest."""
     first = np.minimum(np.searchsorted(block, np.arange(count)), len(block) - 1)
     variance = full.shaking
-    quiet = np.nanmedian(variance, axis=0) if np.isfinite(variance).any() else np.ones(2)
-    floor = np.nanmin(np.where(np.isfinite(variance), variance, np.inf), axis=0)
-    floor = np.where(np.isfinite(floor), np.minimum(quiet, 1.3 * floor), 1.0)
+    floor = full.quiet
     ratio = np.where(np.isfinite(variance), variance / np.where(floor > 0, floor, 1.0), 1.0)
     ratio = np.where(ratio > SHAKEN, ratio, 1.0)
     return np.asarray(np.repeat(1.0 / np.sqrt(ratio), 3, axis=1)[full.segment[first]])
@@ -235,8 +250,7 @@ def _corners(motion: Motion) -> np.ndarray:
 
 def _noise_of_blocks(full: FullRate, step: int) -> np.ndarray:
     """(6,) variance of a block at rest."""
-    quiet = np.nanmin(np.where(np.isfinite(full.shaking), full.shaking, np.inf), axis=0)
-    return np.asarray(np.where(np.isfinite(quiet) & (quiet > 0), quiet, 1.0).repeat(3) / step)
+    return full.quiet.repeat(3) / step
 
 
 def _vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np.ndarray:

@@ -36,6 +36,7 @@ class Chosen:
 
     candidate: Candidate
     gain: float
+    score: float
     rivals: tuple[Scored, ...]
 
 
@@ -191,9 +192,9 @@ def _evidence(normal: np.ndarray, right: np.ndarray, state: System, one: Candida
     root = 1.0 / np.sqrt(precision)
     seen = root * right[members]
     block = np.eye(len(members)) + root[:, None] * normal[np.ix_(members, members)] * root
-    factor = np.linalg.cholesky(block)
-    half = np.linalg.solve(factor, seen)
-    gain = float(half @ half) - 2.0 * float(np.log(np.diag(factor)).sum())
+    sizes, vectors = np.linalg.eigh(block)
+    sizes = np.maximum(sizes, 1.0)  # but for rounding they are
+    gain = float((((vectors.T @ seen) ** 2) / sizes).sum() - np.log(sizes).sum())
     price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.tried)
     return Scored(one, gain, gain - price, float(np.exp(-0.5 * max(gain, 0.0))))
 
@@ -236,5 +237,5 @@ def _with_rivals(
         for other in ranked:
             if other.candidate.name not in (one.name, *rivals):
                 rivals[other.candidate.name] = other
-        found.append(Chosen(one, own.gain, tuple(list(rivals.values())[:6])))
+        found.append(Chosen(one, own.gain, own.score, tuple(list(rivals.values())[:6])))
     return tuple(sorted(found, key=lambda each: -each.gain))

@@ -1,0 +1,163 @@
+"""What each finding earns: chi-squared lost without it, and on segments that a fit did not see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from schemas.discrepancy import HeldOut
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.generic import UNNAMED
+from tasks.explain.held_out import HalfSeen, half_seen
+from tasks.explain.observed import Observed
+from tasks.explain.pool import inverse
+from tasks.explain.refit import Equations, Model, equations_of
+from tasks.explain.search import FALSE_ALARMS, Chosen, Found
+from tasks.explain.spectrum import Noise
+from tasks.model.simulate import linearise, predict
+from tasks.model.term import Column, Term, places
+
+STEPS_ARE_JUMPS = 2  # as many steps or more are no single step
+
+
+@dataclass(frozen=True)
+class Group:
+    """One finding to be: its name, the terms that model it, and who else might."""
+
+    name: str
+    terms: tuple[Term, ...]
+    chosen: tuple[Chosen, ...]
+
+
+def groups_of(found: Found) -> list[Group]:
+    """Findings of one name are one, but those without a name; several steps are jumps."""
+    named: dict[str, list[Chosen]] = {}
+    for n, one in enumerate(found.chosen):
+        key = one.candidate.name if one.candidate.name != UNNAMED else f"{UNNAMED} {n}"
+        named.setdefault(key, []).append(one)
+    return [
+        Group(
+            _name_of(some),
+            tuple({id(one.candidate.term): one.candidate.term for one in some}.values()),
+            tuple(some),
+        )
+        for some in named.values()
+    ]
+
+
+def _name_of(some: Sequence[Chosen]) -> str:
+    times = {one.candidate.term.at for one in some}
+    if some[0].candidate.name == "bias_step" and len(times) >= STEPS_ARE_JUMPS:
+        return UNNAMED
+    return some[0].candidate.name
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """The model's columns, whitened, on all rows and on the two halves.
+
+    groups: for each finding the columns that are its own and what they are multiplied by now.
+    prior: (q,) precision beforehand.
+    """
+
+    whole: Equations
+    halves: HalfSeen
+    groups: tuple[tuple[list[int], np.ndarray], ...]
+    fixed: tuple[int, ...]
+    prior: np.ndarray
+    used: int
+
+    @classmethod
+    def of(
+        cls, model: Model, fine: Observed, noises: Sequence[Noise], groups: Sequence[Group]
+    ) -> "Weighed":
+        design = linearise(model.terms, fine.motion, model.values)
+        free = np.flatnonzero(model.free)
+        columns: list[Column] = [design.columns[p] for p in free]
+        prior = model.prior[free]
+        own, position = places(model.terms), {int(p): q for q, p in enumerate(free)}
+        indexed, fixed = [], []
+        for group in groups:
+            mine, now = [], []
+            for k, term in enumerate(model.terms):
+                if not any(term is each for each in group.terms):
+                    continue
+                if not term.parameters:
+                    effect = design.prediction - predict(
+                        model.without(term).terms, fine.motion, model.without(term).values
+                    )
+                    fixed.append(len(columns))
+                    mine.append(len(columns))
+                    now.append(1.0)
+                    columns.append({c: effect[:, c] for c in range(6)})
+                for p in range(own[k].start, own[k].stop):
+                    if p in position:
+                        mine.append(position[p])
+                        now.append(float(model.values[p]))
+            indexed.append((mine, np.array(now)))
+        misfit = fine.readings - design.prediction
+        prior = np.concatenate([prior, np.zeros(len(columns) - len(prior))])
+        return cls(
+            equations_of(columns, misfit, fine, noises),
+            half_seen(columns, misfit, fine, noises),
+            tuple(indexed), tuple(fixed), prior, int((fine.weight > 0).sum()),
+        )  # fmt: skip
+
+    def _kept(self, without: Sequence[int]) -> list[int]:
+        return [q for q in range(self.whole.count) if q not in without and q not in self.fixed]
+
+    def _added(self, numbers: Sequence[int]) -> np.ndarray:
+        added = np.zeros(self.whole.count)
+        for number in numbers:
+            mine, now = self.groups[number]
+            added[mine] = now
+        return added
+
+    def gain(self, number: int) -> float:
+        """Chi-squared lost when one finding is left out and all else is fitted again."""
+        return self._chi2(self._kept(self.groups[number][0]), self._added([number])) - self._chi2(
+            self._kept(()), np.zeros(self.whole.count)
+        )
+
+    def _chi2(self, kept: Sequence[int], added: np.ndarray) -> float:
+        normal, right, misfit = self.whole.normal()
+        right = right + normal @ added
+        chi2 = misfit + 2.0 * added @ self.whole.normal()[1] + added @ normal @ added
+        rows = list(kept)
+        block = normal[np.ix_(rows, rows)] + np.diag(self.prior[rows])
+        return float(chi2 - right[rows] @ inverse(block) @ right[rows])
+
+    def held_out_gain(self, number: int) -> float:
+        """Log-likelihood (nats) that one finding adds on segments that a fit did not see."""
+        without = self.halves.chi2(
+            self._kept(self.groups[number][0]), self._added([number]), self.prior
+        )
+        return 0.5 * float((without - self._after()).sum())
+
+    def _after(self) -> np.ndarray:
+        return self.halves.chi2(self._kept(()), np.zeros(self.whole.count), self.prior)
+
+    def held_out(self) -> HeldOut:
+        """How segments that a fit did not see are predicted, before and after."""
+        every = range(len(self.groups))
+        mine = [q for number in every for q in self.groups[number][0]]
+        before = self.halves.chi2(self._kept(mine), self._added(list(every)), self.prior)
+        after = self._after()
+        ratio = {
+            name: float(np.sqrt(after[c] / before[c]))
+            for c, name in enumerate(CHANNELS)
+            if before[c] > 0
+        }
+        return HeldOut(
+            rms_ratio=ratio,
+            chi2_per_dof_before=float(before.sum() / self.used),
+            chi2_per_dof_after=float(after.sum() / self.used),
+        )
+
+    def needless(self, number: int, group: Group, tried: int) -> bool:
+        """Whether a finding gains no more than chance would, with so many tried."""
+        if any(one.candidate.prior is not None for one in group.chosen):
+            return False
+        count = max(1, len(self.groups[number][0]))
+        return bool(chi2.sf(max(self.gain(number), 0.0), count) * tried > FALSE_ALARMS)
