@@ -1,0 +1,56 @@
+"""Events that are heard in what a regression leaves: lines, clicks, bursts."""
+
+import numpy as np
+
+from tasks.explain.events.before import scatter_with
+from tasks.explain.events.event import Event, Events
+from tasks.explain.events.lines import find_lines
+from tasks.explain.events.plain import noise_of
+from tasks.explain.events.quantisation import Quantisation
+from tasks.explain.events.slips import Slips, delay
+from tasks.explain.events.transients import find_bursts
+from tasks.motion.whole import Motion
+
+TURNS = 0.05  # rad/s
+
+
+def heard_after(
+    events: Events, t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
+) -> Events:
+    """The events found before a regression, and those that are heard in what it leaves.
+
+    t: (n,) s. residual: (n, 6) readings minus `events.applied` to what the fitted model predicts,
+    NaN where that is not known or `events.masked`. noise: (6,) standard deviation of a sample,
+    where the residual itself tells none. motion: at the same rows.
+    What is heard is added to what the unit senses, so that it acts before all that follows.
+    """
+    taken = _taken_at(events, t)
+    left = np.where(events.masked, np.nan, residual)
+    level = _level(events, left, noise, motion)
+    turning = np.linalg.norm(motion.rate, axis=1) > TURNS
+    lines = find_lines(taken, left, level, turning)
+    for line in lines:
+        left = left - line.applied(taken, np.zeros(left.shape), noise)
+    bursts, _ = find_bursts(taken, left, level, motion)
+    heard: tuple[Event, ...] = lines + ((bursts,) if bursts is not None else ())
+    return Events(heard + events.events, events.masked, events.remarks)
+
+
+def _taken_at(events: Events, t: np.ndarray) -> np.ndarray:
+    """When each reading was taken, s: stamps slip where samples were lost."""
+    for event in events.events:
+        if isinstance(event, Slips):
+            return t + delay(t, event.times, event.lost) * event.interval
+    return t
+
+
+def _level(
+    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion
+) -> np.ndarray:
+    """The noise (n, 6) that the residual has at each rate."""
+    level = noise_of(residual, motion)
+    level = np.where(np.isfinite(level) & (level > 0), level, noise)
+    for event in events.events:
+        if isinstance(event, Quantisation):
+            level = scatter_with(event, level)
+    return level
