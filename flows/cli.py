@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.exceptions import TyperException
@@ -162,6 +162,27 @@ def acquire(
     print(run.id)
     for remark in acquired.warnings:
         print(remark.en, file=sys.stderr)
+
+
+@app.command()
+def prove(
+    seed: options.Seed = 1,
+    short: Annotated[
+        bool, typer.Option("--short", help="Some thirty recordings in place of four hundred.")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="New folder for the trial; default: proof-SEED here."),
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Show in a sealed trial what `explain` finds, and what it does not.
+
+    Recordings of an independent plant, explained blind, scored against the truth.
+    """
+    from flows.prove import run_prove
+
+    run_prove(seed=seed, short=short, out=out, as_json=as_json)
 
 
 @station.command()

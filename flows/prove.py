@@ -1,0 +1,62 @@
+"""`mimucal prove`: a sealed trial of `explain`, held from beginning to end."""
+
+import json
+import time
+from pathlib import Path
+
+from flows.printing import print_rows, stdout
+from flows.progress import counting
+from schemas.base import Unusable
+from tasks.prove.trial.draw import draw
+from tasks.prove.trial.evidence import Trial, as_data, as_markdown, headline
+from tasks.prove.trial.hold import explain_blind, prepare
+from tasks.prove.trial.page import page
+from tasks.prove.trial.score import score_all
+from tasks.version import code_version
+
+DEFAULT_OUT = "proof"
+
+
+def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
+    """Draws, seals, explains blind and scores; everything stays in the folder.
+
+    Raises Unusable for a folder that is in use or cannot be written.
+    """
+    folder = out or Path(f"{DEFAULT_OUT}-{seed}")
+    _make(folder)
+    started = time.perf_counter()
+    cases = draw(seed, short)
+    with counting("record and seal") as report:
+        seals = prepare(cases, folder, report)
+    with counting("explain blind") as report:
+        explain_blind(folder, report)
+    scores = score_all(folder)
+    seconds = time.perf_counter() - started
+    trial = Trial(seed, short, code_version(), seals, seconds, scores)
+    data = json.dumps(as_data(trial), indent=1, ensure_ascii=False) + "\n"
+    contents = {
+        "evidence.json": data,
+        "evidence.md": as_markdown(trial),
+        "evidence.html": page(trial),
+    }
+    for name, text in contents.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    if as_json:
+        print(data, end="")
+        return
+    print_rows("The sealed trial", ("", "figure"), headline(trial))
+    console = stdout(markup=False)
+    for name in (*contents, "seals.txt"):
+        console.print(str(folder / name))
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        used = any(folder.iterdir())
+    except OSError as error:
+        raise Unusable(
+            f"--out {folder} cannot be used ({error.strerror}); name a folder that can be written"
+        ) from error
+    if used:
+        raise Unusable(f"--out {folder} is not empty; a trial needs a folder of its own")
