@@ -1,8 +1,11 @@
 """Events that are heard in what a regression leaves: lines, clicks, bursts."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tasks.explain.events.before import scatter_with
+from tasks.explain.events.clicks import find_clicks
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.plain import noise_of
@@ -29,11 +32,22 @@ def heard_after(
     level = _level(events, left, noise, motion)
     turning = np.linalg.norm(motion.rate, axis=1) > TURNS
     lines = find_lines(taken, left, level, turning)
-    for line in lines:
-        left = left - line.applied(taken, np.zeros(left.shape), noise)
+    clicks = find_clicks(taken, _without(lines, taken, left), level, motion)
+    if clicks is not None:  # at even speed they look like lines
+        left = _without((clicks,), taken, left)
+        lines = find_lines(taken, left, level, turning)
+    left = _without(lines, taken, left)
     bursts, _ = find_bursts(taken, left, level, motion)
-    heard: tuple[Event, ...] = lines + ((bursts,) if bursts is not None else ())
-    return Events(heard + events.events, events.masked, events.remarks)
+    rung = tuple(event for event in (clicks, bursts) if event is not None)
+    return Events(lines + rung + events.events, events.masked, events.remarks)
+
+
+def _without(events: Sequence[Event], t: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """What is left (n, 6) once events are taken out as well."""
+    nothing = np.zeros(left.shape)
+    for event in events:
+        left = left - event.applied(t, nothing, nothing)
+    return left
 
 
 def _taken_at(events: Events, t: np.ndarray) -> np.ndarray:

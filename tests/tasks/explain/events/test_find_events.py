@@ -8,7 +8,7 @@ from made_up import RATE, SIGMA, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.event import Events
 from tasks.explain.events.find import find_events
-from tasks.explain.events.lines import mains_of
+from tasks.explain.events.naming import mains_of
 from tasks.explain.events.quantisation import rounding
 from tasks.explain.events.saturation import cut_off
 from tasks.explain.events.steps import Codes, codes_of

@@ -1,0 +1,62 @@
+"""The power of what a fit leaves at each frequency, over that of the noise about it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+
+SLOWEST = 1.0  # Hz; what is slower is left to the regression
+STRETCH = 1024  # bins that tell the level of the noise about a line
+TAPER = 0.02  # of the recording, at either end
+LONGEST = 4  # times its rows that a recording may last, gaps included
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """power: (bins,) over that of the noise about it, summed over channels: of noise alone it is
+    gamma distributed, with a shape of their number. level: (bins, channels) of the noise, over
+    white noise. frequency: (bins,) Hz. channels: (k,) those that were recorded."""
+
+    power: np.ndarray
+    level: np.ndarray
+    frequency: np.ndarray
+    channels: np.ndarray
+
+    def level_at(self, frequency: float) -> np.ndarray:
+        """Level (channels,) of the noise at a frequency in Hz."""
+        return np.asarray(self.level[int(np.abs(self.frequency - frequency).argmin())])
+
+
+def spectrum_of(t: np.ndarray, white: np.ndarray) -> Spectrum:
+    """The spectrum of readings divided by their noise (n, 6), 0 where not known."""
+    channels = np.flatnonzero(white.any(axis=0))
+    interval = float(np.median(np.diff(t)))
+    place = np.round((t - t[0]) / interval).astype(int)
+    if place[-1] > LONGEST * len(t) or (np.diff(place) < 1).any():
+        place = np.arange(len(t))
+    count = int(place[-1]) + 1
+    edge = np.minimum(1.0, np.arange(1, count + 1) / max(TAPER * count, 1.0))
+    taper = np.sin(0.5 * np.pi * np.minimum(edge, edge[::-1])) ** 2
+    size = next_fast_len(2 * count, real=True)
+    frequency = np.arange(size // 2 + 1) / (size * interval)
+    inside = (frequency > SLOWEST) & (frequency < 0.5 / interval - 3 / (count * interval))
+    total, level = np.zeros(int(inside.sum())), np.zeros((int(inside.sum()), len(channels)))
+    for k, channel in enumerate(channels):
+        even = np.zeros(count)
+        even[place] = white[:, channel]
+        heard = rfft((even - even.mean()) * taper, size)[inside]
+        power = heard.real**2 + heard.imag**2
+        about = _about(power)
+        total += np.divide(power, about, out=np.zeros_like(power), where=about > 0)
+        level[:, k] = about / max(float((taper[place] ** 2)[white[:, channel] != 0].sum()), 1.0)
+    return Spectrum(total, level, frequency[inside], channels)
+
+
+def _about(power: np.ndarray) -> np.ndarray:
+    """The mean (bins,) that a bin's neighbours tell: their median over ln 2."""
+    stretches = len(power) // STRETCH
+    if stretches == 0:
+        return np.zeros(len(power))
+    level = np.median(power[: stretches * STRETCH].reshape(stretches, STRETCH), axis=1)
+    middle = (np.arange(stretches) + 0.5) * STRETCH
+    return np.asarray(np.interp(np.arange(len(power)), middle, level) / np.log(2))
