@@ -100,8 +100,8 @@ def candidates_of(
 ) -> tuple[tuple[Candidate, ...], tuple[Column, ...]]:
     """The candidates of some terms, whole and in parts, and the columns they share.
 
-    A term that tells a `time` of what it does is tried at JUMPS times, which are proposed later; `bias_random_walk` and
-    its smoother sister are courses drawn at random.
+    A term that tells a `time` of what it does is tried at JUMPS times, which are proposed later;
+    `bias_random_walk` and its smoother sister are courses drawn at random.
     """
     columns: list[Column] = []
     found: list[tuple[Term, tuple[int, ...], tuple[int, ...]]] = []
@@ -120,6 +120,17 @@ def candidates_of(
         tried[name] = tried.get(name, 0) + 1
     plain = (Candidate(t, m, o, tried[t.name]) for t, m, o in found)
     return (*plain, *(replace(one, tried=tried[one.name]) for one in slow)), tuple(columns)
+
+
+def plausible_sizes(candidates: Sequence[Candidate], count: int) -> np.ndarray:
+    """(count,) half of the range that each parameter may plausibly have; infinite for the others."""
+    half = np.full(count, np.inf)
+    for one in candidates:
+        if one.prior is None and not one.known:
+            for p, q in zip(one.members, one.own, strict=True):
+                low, high = one.term.parameters[q].plausible
+                half[p] = 0.5 * (high - low)
+    return half
 
 
 def _variants(term: Term, motion: Motion) -> Iterator[Term]:
@@ -147,7 +158,7 @@ def _slow_ones(terms: Sequence[Term], first: int) -> Iterator[Candidate]:
 
 
 def _parts(columns: Sequence[Column]) -> Iterator[tuple[int, ...]]:
-    """All parameters; and, where each reads one channel alone, those of a triad and of a channel."""
+    """All parameters; and, where each reads one channel alone, those of a triad, of a channel."""
     seen = [p for p, column in enumerate(columns) if column]
     yield tuple(seen)
     if any(len(columns[p]) > 1 for p in seen) or len(seen) < 2:

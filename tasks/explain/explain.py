@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.explain.assemble import assembled
-from tasks.explain.candidates import Candidate, candidates_of
+from tasks.explain.candidates import Candidate, candidates_of, plausible_sizes
 from tasks.explain.events.event import Events
 from tasks.explain.events.find import find_events
 from tasks.explain.explanation import Explanation
@@ -58,7 +58,8 @@ def explain(
     terms = _terms(recording, coarse, only)
     listed, columns = candidates_of(terms, coarse.motion)
     candidates = list(listed)
-    pool = pooled(coarse, standard_columns(coarse), coarse.readings, columns)
+    half = plausible_sizes(candidates, len(columns))
+    pool = pooled(coarse, standard_columns(coarse), coarse.readings, columns, half)
     progress("search")
     if only is None:
         noises = first_noises(pool)
@@ -77,7 +78,7 @@ def explain(
 
 
 def standard_columns(observed: Observed) -> list[list[np.ndarray]]:
-    """The standard's columns of each channel: rates, one, g's direction; that, one, ω² crosswise."""
+    """The standard's columns of each channel: rate, one, g's direction; that, one, ω² of others."""
     motion, one = observed.motion, np.ones(len(observed.t))
     gyro = [*motion.rate.T, one, *motion.up.T]
     accel = [

@@ -12,12 +12,14 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording, Segment
 from tasks.motion.nudge import slope
-from tasks.motion.whole import Motion, whole_motion
+from tasks.motion.whole import Motion, TableAxes, whole_motion
 from tasks.segments.find import find_segments
 
 CHANNELS = GYRO + ACCEL
 SEARCH_RATE = 25.0  # Hz
 FEWEST_BLOCKS = 200
+SAMPLE = 50_000  # readings that the output's step is read off
+STIRRED = 0.5  # of the readings differ from the one before: noise is larger than the step
 SHAKEN = 1.3  # times the noise variance at rest: vibration
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 AT_REST = 1e-3  # rad/s
@@ -31,7 +33,8 @@ class Observed:
     t: (n,) s from the start of the run, block centres. readings: (n, 6); 0 where not used.
     weight: (n, 6) root of the weight of a block, 1 for a full one at rest, 0: not used.
     motion: at the blocks, with all that was recorded. rate: blocks a second.
-    segment: (n,) index into `segments`, −1 between them.
+    segment: (n,) index into `segments`, −1 between them. rounding: (6,) variance of a block that
+    the output's step makes by itself.
     """
 
     t: np.ndarray
@@ -41,6 +44,7 @@ class Observed:
     rate: float
     segment: np.ndarray
     segments: tuple[Segment, ...]
+    rounding: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -101,13 +105,13 @@ def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> 
     masked: (n, 6) bool, samples that must not be used.
     """
     t = full.motion.t
-    own = (len(t) - 1) / max(float(t[-1] - t[0]), 1e-9)
+    own = 1.0 / max(float(np.median(np.diff(t))), 1e-9)
     step = max(1, round(own / rate))
-    block = np.minimum(((t + 0.5 / own) * own / step).astype(int), int(t[-1] * own / step + 1))
+    block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
     if count < FEWEST_BLOCKS:
         raise Unusable(
-            f"the recording lasts {t[-1]:.1f} s; explain needs at least {FEWEST_BLOCKS / rate:.0f} s"
+            f"the recording lasts {t[-1]:.1f} s; explain needs {FEWEST_BLOCKS / rate:.0f} s at least"
         )
     usable = np.isfinite(full.readings) & full.motion.known[:, None]
     if masked is not None:
@@ -121,9 +125,22 @@ def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> 
     weight[~motion.known] = 0.0
     first = np.searchsorted(block, np.arange(count))
     segment = full.segment[np.minimum(first, len(block) - 1)]
+    rounding = np.array([_rounding(course, step) for course in full.readings.T])
     return Observed(
-        motion.t, readings, weight, motion, own / step, segment, full.segments
+        motion.t, readings, weight, motion, own / step, segment, full.segments, rounding
     )
+
+
+def _rounding(course: np.ndarray, step: int) -> float:
+    """Variance of a block mean by rounding alone: q²/12, less by averaging where noise stirs it."""
+    known = course[np.isfinite(course)][:SAMPLE]
+    changes = np.abs(np.diff(known))
+    moved = changes[changes > 0]
+    if not len(moved):
+        return 0.0
+    least = float(np.quantile(moved, 0.01))
+    stirred = len(moved) > STIRRED * len(changes)
+    return least**2 / 12.0 / (step if stirred else 1)
 
 
 def _means(

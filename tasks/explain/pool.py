@@ -41,12 +41,16 @@ class ChannelPool:
 
 @dataclass(frozen=True)
 class Pool:
-    """All channels; None for one that was not recorded. columns: of every parameter."""
+    """All channels; None for one that was not recorded. columns: of every parameter.
+
+    half: (p,) half of the range that a parameter may plausibly have, which is known beforehand.
+    """
 
     observed: Observed
     bands: Bands
     channels: tuple[ChannelPool | None, ...]
     columns: tuple[Column, ...]
+    half: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -68,8 +72,12 @@ def pooled(
     base: Sequence[Sequence[np.ndarray]],
     readings: np.ndarray,
     columns: Sequence[Column],
+    half: np.ndarray,
 ) -> Pool:
-    """The pool of base columns (for each channel), candidates' columns and readings (n, 6)."""
+    """The pool of base columns (for each channel), candidates' columns and readings (n, 6).
+
+    half: (p,) half of each parameter's plausible range.
+    """
     bands = bands_of(padded_length(len(observed.t)), observed.rate)
     channels: list[ChannelPool | None] = []
     for channel in range(CHANNEL_COUNT):
@@ -90,7 +98,7 @@ def pooled(
                 grams, rows, size, basis,
             )
         )  # fmt: skip
-    return Pool(observed, bands, tuple(channels), tuple(columns))
+    return Pool(observed, bands, tuple(channels), tuple(columns), half)
 
 
 def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray | None) -> Pool:
@@ -131,7 +139,7 @@ def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray | No
         for p in mine:
             kept = {c: course for c, course in columns[p].items() if c in pool.columns[p]}
             every[p] = {c: kept.get(c, nothing) for c in pool.columns[p]}
-    return Pool(pool.observed, pool.bands, tuple(channels), tuple(every))
+    return replace(pool, channels=tuple(channels), columns=tuple(every))
 
 
 def _weighed(courses: Sequence[np.ndarray], weight: np.ndarray) -> np.ndarray:
@@ -185,7 +193,8 @@ def system(pool: Pool, noises: Sequence[Noise]) -> System:
     power = np.diag(normal)
     seen = power > ABSORBED * full
     scale = np.where(seen, 1.0 / np.sqrt(np.where(seen, power, 1.0)), 0.0)
-    return System(normal * scale[:, None] * scale, right * scale, scale, misfit)
+    whole = normal * scale[:, None] * scale + np.diag((scale / pool.half) ** 2)
+    return System(whole, right * scale, scale, misfit)
 
 
 def inverse(normal: np.ndarray) -> np.ndarray:
@@ -228,6 +237,6 @@ def residuals(
 def noises_of(pool: Pool, left: Sequence[np.ndarray]) -> tuple[Noise, ...]:
     """The noise of each channel by its transformed residual (n,)."""
     return tuple(
-        Noise(1.0, 0.0) if channel is None else noise_of(rest, pool.bands)
-        for channel, rest in zip(pool.channels, left, strict=True)
+        Noise(1.0, 0.0) if channel is None else noise_of(rest, pool.bands, floor)
+        for channel, rest, floor in zip(pool.channels, left, pool.observed.rounding, strict=True)
     )

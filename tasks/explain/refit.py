@@ -65,11 +65,12 @@ def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]]) -> Model:
         if not same:
             terms.append(candidate.term)
             free.append(np.zeros(len(candidate.term.parameters), bool))
-            prior.append(np.zeros(len(candidate.term.parameters)))
+            widths = [high - low for low, high in (p.plausible for p in candidate.term.parameters)]
+            prior.append(4.0 / np.array(widths) ** 2)
             same = [len(terms) - 1]
         if candidate.term.parameters:
             free[same[0]][list(candidate.own)] = True
-            prior[same[0]][list(candidate.own)] = precision
+            prior[same[0]][list(candidate.own)] += precision
     values = nominal_values(tuple(terms))
     return Model(
         tuple(terms), values, np.concatenate(free), np.concatenate(prior),

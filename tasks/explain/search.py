@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
-from tasks.explain.candidates import Candidate
+from tasks.explain.candidates import WAVES, Candidate, Prior
 from tasks.explain.pool import Pool, System, inverse, noises_of, residuals, system
 from tasks.explain.spectrum import Noise
 
@@ -18,6 +18,8 @@ FALSE_ALARMS = 0.005  # of clean recordings, at most
 MOST = 8  # findings
 NEAR = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0
+SEEN = 1e-4  # of a column's power: less is left of it beside what was taken
+SINGULAR = 1e-6  # of a column's power: keeps columns that are the same from dividing by nothing
 
 
 @dataclass(frozen=True)
@@ -104,12 +106,11 @@ def rank(
     normal, right = _projected(state, taken)
     own = {id(one) for one in taken}
     known = {one.name for one in taken if one.known}
-    scored = [
-        _scored(normal, right, state, one)
-        for one in candidates
-        if id(one) not in own and one.name not in known
-    ]
-    return sorted((one for one in scored if one is not None), key=lambda one: -one.score)
+    asked = [one for one in candidates if id(one) not in own and one.name not in known]
+    plain = [one for one in asked if one.prior is None]
+    scored = _scored(normal, right, state, plain)
+    scored += _courses(normal, right, state, [one for one in asked if one.prior is not None])
+    return sorted(scored, key=lambda one: -one.score)
 
 
 def _projected(state: System, taken: Sequence[Candidate]) -> tuple[np.ndarray, np.ndarray]:
@@ -129,29 +130,37 @@ def _projected(state: System, taken: Sequence[Candidate]) -> tuple[np.ndarray, n
 
 
 def _scored(
-    normal: np.ndarray, right: np.ndarray, state: System, one: Candidate
-) -> Scored | None:
-    members = [p for p in one.members if state.scale[p] and normal[p, p] > 1e-4]
-    if not members:
-        return None
-    if one.prior is not None:
-        return _evidence(normal, right, state, one)
-    own = right[members]
-    if len(members) == 1:
-        gain, rank_ = float(own[0] ** 2 / normal[members[0], members[0]]), 1
-    else:
-        block = normal[np.ix_(members, members)]
-        values, vectors = np.linalg.eigh(block)
-        kept = values > 1e-6 * values[-1]
-        gain = float((((vectors[:, kept].T @ own) ** 2) / values[kept]).sum())
-        rank_ = int(kept.sum())
-    p_value = float(chi2.sf(gain, rank_))
-    if one.known:
-        p = members[0]
+    normal: np.ndarray, right: np.ndarray, state: System, candidates: Sequence[Candidate]
+) -> list[Scored]:
+    """Candidates of a few parameters, those of one size all at once."""
+    found: list[Scored] = []
+    for size in sorted({len(one.members) for one in candidates}):
+        some = [one for one in candidates if len(one.members) == size]
+        members = np.array([one.members for one in some])
+        blocks = normal[members[:, :, None], members[:, None, :]]
+        seen = (state.scale[members] > 0) & (normal[members, members] > SEEN)
+        blocks = blocks * seen[:, :, None] * seen[:, None, :]
+        diagonal = np.arange(size)
+        blocks[:, diagonal, diagonal] += np.where(seen, SINGULAR, 1.0)
+        heard = right[members] * seen
+        gains = (heard * np.linalg.solve(blocks, heard[:, :, None])[:, :, 0]).sum(axis=1)
+        ranks = seen.sum(axis=1)
+        for one, gain, rank_ in zip(some, gains.tolist(), ranks.tolist(), strict=True):
+            if rank_:
+                found.append(_one(normal, right, state, one, gain, rank_))
+    return found
+
+
+def _one(
+    normal: np.ndarray, right: np.ndarray, state: System, one: Candidate, gain: float, rank_: int
+) -> Scored:
+    p_value = min(1.0, float(chdtrc(rank_, gain)) * one.looked)
+    if one.known:  # no factor is fitted: it gains what it gains
+        p, rank_ = one.members[0], 0
         size = 1.0 / state.scale[p]
-        gain, rank_ = 2.0 * own[0] * size - normal[p, p] * size**2, 0
+        gain = float(2.0 * right[p] * size - normal[p, p] * size**2)
     price = PER_PARAMETER * rank_ + 2.0 * np.log(one.tried * one.looked) + one.term.rarity
-    return Scored(one, gain, gain - price, min(1.0, p_value * one.looked))
+    return Scored(one, gain, gain - price, p_value)
 
 
 def _gain(state: System, chosen: Sequence[Candidate]) -> float:
@@ -175,28 +184,56 @@ def precision_of(state: System, chosen: Sequence[Candidate], free: Sequence[int]
     precision = np.zeros(len(state.scale))
     for one in chosen:
         if one.prior is not None:
-            precision[list(one.members)] = one.prior.precision(_powers(state, one))
+            members = np.array(one.members)
+            precision[members] = one.prior.precision(_powers(state, members))
     return precision[list(free)]
 
 
-def _powers(state: System, one: Candidate) -> np.ndarray:
-    scale = state.scale[list(one.members)]
-    return np.divide(1.0, scale**2, out=np.zeros_like(scale), where=scale > 0)
+def _courses(
+    normal: np.ndarray, right: np.ndarray, state: System, candidates: Sequence[Candidate]
+) -> list[Scored]:
+    """Random courses: 2·ln of how much likelier the readings are with one than without.
 
-
-def _evidence(normal: np.ndarray, right: np.ndarray, state: System, one: Candidate) -> Scored:
-    """Of a random course: 2·ln of how much likelier the readings are with it than without."""
-    assert one.prior is not None
-    members = list(one.members)
-    precision = one.prior.precision(_powers(state, one))
+    Channel by channel, which share columns between many candidates; what other findings couple
+    between the channels is left out here.
+    """
+    if not candidates:
+        return []
+    keys: dict[tuple[Prior, tuple[int, ...]], int] = {}
+    for one in candidates:
+        for channel in _by_channel(one):
+            keys.setdefault((_prior(one), channel), len(keys))
+    members = np.array([channel for _, channel in keys])
+    power = _powers(state, members)
+    precision = np.array([
+        prior.precision(row) for (prior, _), row in zip(keys, power, strict=True)
+    ])  # fmt: skip
     root = 1.0 / np.sqrt(precision)
-    seen = root * right[members]
-    block = np.eye(len(members)) + root[:, None] * normal[np.ix_(members, members)] * root
-    sizes, vectors = np.linalg.eigh(block)
-    sizes = np.maximum(sizes, 1.0)  # but for rounding they are
-    gain = float((((vectors.T @ seen) ** 2) / sizes).sum() - np.log(sizes).sum())
-    price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.tried)
-    return Scored(one, gain, gain - price, float(np.exp(-0.5 * max(gain, 0.0))))
+    blocks = normal[members[:, :, None], members[:, None, :]]
+    blocks = np.eye(members.shape[1]) + root[:, :, None] * blocks * root[:, None, :]
+    heard = root * right[members]
+    gains = (heard * np.linalg.solve(blocks, heard[:, :, None])[:, :, 0]).sum(axis=1)
+    gains -= np.linalg.slogdet(blocks)[1]
+    found = []
+    for one in candidates:
+        gain = sum(float(gains[keys[_prior(one), channel]]) for channel in _by_channel(one))
+        price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.tried)
+        found.append(Scored(one, gain, gain - price, float(np.exp(-0.5 * max(gain, 0.0)))))
+    return found
+
+
+def _prior(one: Candidate) -> Prior:
+    assert one.prior is not None
+    return one.prior
+
+
+def _by_channel(one: Candidate) -> list[tuple[int, ...]]:
+    return [one.members[n : n + WAVES] for n in range(0, len(one.members), WAVES)]
+
+
+def _powers(state: System, members: np.ndarray) -> np.ndarray:
+    scale = state.scale[members]
+    return np.divide(1.0, scale**2, out=np.zeros_like(scale), where=scale > 0)
 
 
 def _put_right(

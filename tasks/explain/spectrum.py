@@ -64,8 +64,10 @@ class Noise:
         return self.white + self.flicker / frequency
 
 
-def noise_of(left: np.ndarray, bands: Bands) -> Noise:
+def noise_of(left: np.ndarray, bands: Bands, floor: float) -> Noise:
     """White and flicker noise of what a fit left, in DCT coefficients (n,).
+
+    floor: variance that rounding has at least.
 
     White from the upper half of the band; flicker from the middle, by maximum likelihood
     (Whittle) over bands whose power is a median: lines and steps of physics not yet found are
@@ -79,9 +81,10 @@ def noise_of(left: np.ndarray, bands: Bands) -> Noise:
         power.append(np.median(left[cut[k] : cut[k + 1]] ** 2) / MEDIAN)
     # Small medians are biased upwards: 1 + 0.58/n to first order.
     levels = np.array(power) / (1.0 + 0.58 / np.maximum(sizes, 1))
-    white = float(np.mean(left[start:] ** 2))
+    white = max(float(np.mean(left[start:] ** 2)), floor)
     if white <= 0 or not len(levels):
         return Noise(max(white, 1e-30), 0.0)
+    levels = np.maximum(levels, floor)
     top = 0.75 * bands.frequency[-1]
     best, flicker = np.inf, 0.0
     for corner in np.concatenate([[0.0], np.geomspace(1e-4, STEEPEST, 60)]):

@@ -147,7 +147,7 @@ class Weighed:
         ratio = {
             name: float(np.sqrt(after[c] / before[c]))
             for c, name in enumerate(CHANNELS)
-            if before[c] > 0
+            if before[c] > 0 and after[c] > 0
         }
         return HeldOut(
             rms_ratio=ratio,

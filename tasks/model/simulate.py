@@ -8,6 +8,7 @@ from tasks.model.term import Column, Inputs, Term, parameters_of, places
 from tasks.motion.whole import Motion
 
 CHANNEL_COUNT = 6  # gyro x, y, z in rad/s, then accelerometer x, y, z in m/s²
+STANDARD = "standard"  # family of the terms of models (1) and (2)
 STEP = 1e-3  # of the plausible range, to differentiate by a parameter of motion or input
 
 
@@ -96,7 +97,16 @@ def _passed_column(
 
 
 def _difference(terms: tuple[Term, ...], motion: Motion, values: np.ndarray, p: int) -> Column:
-    """Readings per unit of one parameter, in the channels that follow it."""
+    """Readings per unit of one parameter, in the channels that follow it.
+
+    Through the standard's terms: what other terms of a sensor would make of a small change of
+    their input is small twice over, and an iteration does without it.
+    """
+    kept = [k for k, term in enumerate(terms) if term.stage != "sensor" or term.family == STANDARD]
+    own = places(terms)
+    rows = np.concatenate([np.arange(own[k].start, own[k].stop) for k in kept])
+    p = int(np.flatnonzero(rows == p)[0])
+    terms, values = tuple(terms[k] for k in kept), values[rows]
     low, high = parameters_of(terms)[p].plausible
     step = STEP * (high - low)
     moved = []
