@@ -8,7 +8,14 @@ from flows.printing import print_rows, stdout
 from flows.progress import counting
 from schemas.base import Unusable
 from tasks.prove.trial.draw import draw
-from tasks.prove.trial.evidence import Trial, as_data, as_markdown, headline
+from tasks.prove.trial.evidence import (
+    SUMMARY,
+    Trial,
+    as_data,
+    as_markdown,
+    besides,
+    summary,
+)
 from tasks.prove.trial.hold import explain_blind, prepare
 from tasks.prove.trial.page import page
 from tasks.prove.trial.score import score_all
@@ -44,8 +51,10 @@ def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
     if as_json:
         print(data, end="")
         return
-    print_rows("The sealed trial", ("", "figure"), headline(trial))
+    print_rows(f"The sealed trial, {len(scores)} recordings", SUMMARY, summary(trial))
     console = stdout(markup=False)
+    for what, figure in besides(trial):
+        console.print(f"{what}: {figure}")
     for name in (*contents, "seals.txt"):
         console.print(str(folder / name))
 

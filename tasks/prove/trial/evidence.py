@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from statistics import median
 from typing import Any
 
 from tasks.prove.trial.score import Score
@@ -9,7 +10,12 @@ from tasks.prove.trial.table import Rate, Row, rows_of, totals_of
 
 COLUMNS = (
     "case", "z", "concealed", "cases", "detected", "first name right", "or its twin", "any wrong",
-    "wrong beyond twins", "abstained", "effects named", "95 % intervals", "gap closed",
+    "wrong beyond twins", "left unnamed", "effects named", "95 % intervals", "gap closed",
+    "of what can be",
+)  # fmt: skip
+SUMMARY = (
+    "recordings", "", "detected", "first name right", "any name wrong", "left unnamed",
+    "gap closed", "of what can be",
 )  # fmt: skip
 
 
@@ -37,8 +43,14 @@ def as_data(trial: Trial) -> dict[str, Any]:
         "failed": [each.number for each in trial.scores if each.failed],
         "totals": {name: _plain(each) for name, each in totals_of(trial.scores).items()},
         "rows": [_plain(each) for each in rows_of(trial.scores)],
-        "cases": [asdict(each) for each in trial.scores],
+        "cases": [_case(each) for each in trial.scores],
     }
+
+
+def _case(score: Score) -> dict[str, Any]:
+    gap = score.gap
+    closed = {} if gap is None else {"closed": gap.closed, "of_closable": gap.of_closable}
+    return asdict(score) | {"gap": None if gap is None else asdict(gap) | closed}
 
 
 def _plain(row: Row) -> dict[str, Any]:
@@ -55,6 +67,8 @@ def as_markdown(trial: Trial) -> str:
             "",
             f"{count} recordings, {trial.code_version}, {trial.seconds:.0f} s; SHA-256 of the "
             f"seals {trial.seals}. Intervals in brackets are Wilson's, 95 %.",
+            "",
+            *(f"- {what}: {figure}" for what, figure in besides(trial)),
             "",
             *_table(list(totals_of(trial.scores).values()), intervals=True),
             "",
@@ -78,14 +92,18 @@ def cells(row: Row, intervals: bool) -> list[str]:
     many = row.found.of > row.cases
     return [
         row.name,
-        "–" if row.z_median is None else f"{row.z_median:.3g}",
+        "–" if row.z_median is None else f"{round(row.z_median, 1):g}",
         "–" if row.concealment is None else f"{100 * row.concealment:.0f} %",
         f"{row.cases}",
         *(rate_words(rate, intervals) for rate in rates),
         f"{row.found.count}/{row.found.of}" if many else "–",
         f"{row.parameters.count}/{row.parameters.of}" if row.parameters.of else "–",
-        "–" if row.gap is None else f"{row.gap:.3f}",
+        *(_number(share) for share in (row.gap, row.of_closable)),
     ]
+
+
+def _number(share: float | None) -> str:
+    return "–" if share is None else f"{share:.3f}".replace("-", "−")
 
 
 def rate_words(rate: Rate, interval: bool) -> str:
@@ -95,36 +113,30 @@ def rate_words(rate: Rate, interval: bool) -> str:
     if not interval:
         return f"{rate.count}/{rate.of}"
     low, high = (100 * bound for bound in rate.interval)
-    return f"{100 * rate.share:.1f} % [{low:.0f}, {high:.0f}]"
+    return f"{100 * rate.share:.0f} % [{low:.0f}, {high:.0f}]"
 
 
-def headline(trial: Trial) -> list[tuple[str, str]]:
-    """What the trial comes to: (what, figure)."""
-    totals = totals_of(trial.scores)
+def summary(trial: Trial) -> list[tuple[str, ...]]:
+    """The figures that matter, by kind of case; in the order of SUMMARY."""
+    rows = []
+    for name, row in totals_of(trial.scores).items():
+        rates = (row.detected, row.right, row.wrong, row.abstained)
+        words = (rate_words(rate, True) for rate in rates)
+        gaps = (_number(row.gap), _number(row.of_closable))
+        rows.append((name, f"{row.cases}", *words, *gaps))
+    return rows
+
+
+def besides(trial: Trial) -> list[tuple[str, str]]:
+    """What holds for the whole trial: (what, figure)."""
     every = [pair for each in trial.scores for pair in each.parameters]
     inside = Rate(sum(pair.inside for pair in every), len(every))
-    told = [("recordings", f"{len(trial.scores)}")]
-    if (clean := totals.get("clean")) is not None:
-        told.append(("false alarms on clean ones", _long(clean.detected)))
-    for name, each in totals.items():
-        if name in ("clean", "cannot be told"):
-            continue
-        told.append((f"{name}: detected", _long(each.detected)))
-        if name == "outside the catalogue":
-            told.append((f"{name}: left unnamed", _long(each.abstained)))
-        else:
-            told.append((f"{name}: first name right", _long(each.right)))
-        told.append((f"{name}: any name wrong", _long(each.wrong)))
-        if each.gap is not None:
-            told.append((f"{name}: gap closed, median", f"{each.gap:.3f}"))
-    told.append(("parameters inside their 95 % interval", _long(inside)))
     failures = sum(each.failed is not None for each in trial.scores)
-    told.append(("recordings on which explain failed", f"{failures}"))
-    seconds = sorted(each.seconds for each in trial.scores)
-    told.append(("time of one explanation, median", f"{seconds[len(seconds) // 2]:.1f} s"))
-    told.append(("time in all", f"{trial.seconds / 60:.1f} min"))
-    return told
-
-
-def _long(rate: Rate) -> str:
-    return f"{rate.count} of {rate.of}: {rate_words(rate, True)}" if rate.of else "–"
+    seconds = median(each.seconds for each in trial.scores)
+    return [
+        ("parameters inside their 95 % interval",
+         f"{inside.count} of {inside.of}: {rate_words(inside, True)}"),
+        ("recordings on which explain failed", f"{failures}"),
+        ("one explanation, median", f"{seconds:.1f} s"),
+        ("the whole trial", f"{trial.seconds / 60:.1f} min"),
+    ]  # fmt: skip

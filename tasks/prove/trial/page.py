@@ -1,10 +1,11 @@
 """evidence.html: what the trial was, its pictures and its tables, in one file."""
 
+from collections.abc import Sequence
 from html import escape
 
 from tasks.explain.report.look import both, document, table
 from tasks.model.term import Text
-from tasks.prove.trial.evidence import COLUMNS, Trial, cells, headline
+from tasks.prove.trial.evidence import COLUMNS, SUMMARY, Trial, besides, cells, summary
 from tasks.prove.trial.picture import cases_svg, outcome, power_svg
 from tasks.prove.trial.score import Score
 from tasks.prove.trial.table import rows_of, totals_of
@@ -30,16 +31,18 @@ RULES: Text = (
     "Detected: anything was found. Right: the first name is the truth. Or its twin: that name, or "
     "one that is listed as indistinguishable from it. Any wrong: a name that is not in the truth, "
     "even beside a right one; for what is outside the catalogue any name is wrong. Gap closed: "
-    "1 − Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ², σ the white noise of the grade.",
+    "1 − Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ², σ the white noise of the grade, the "
+    "median; of what can be: beside the errors that noise alone leaves in the standard's "
+    "parameters, which nobody who has to fit them can take away.",
     "检出：有任何发现。正确：首个名称即真值。或其孪生：首个名称或与其不可区分者之一为真值。任一错误：出现真值以外的名称，"
     "即使另有正确名称；对目录外因素，任何名称均为错误。"
-    "缺口闭合：1 − Σ|真值 − 解释|²/σ² / Σ|真值 − 规范模型|²/σ²，σ为该等级的白噪声。",
+    "缺口闭合：1 − Σ|真值 − 解释|²/σ² / Σ|真值 − 规范模型|²/σ²，σ为该等级的白噪声，取中位数；"
+    "占可闭合量：扣除噪声本身给规范模型参数带来的、任何拟合都无法消除的误差。",
 )
 
 
 def page(trial: Trial) -> str:
     """The HTML of a trial, in both languages."""
-    figures = [[escape(what), escape(figure)] for what, figure in headline(trial)]
     numbers = tuple(range(1, len(COLUMNS)))
     totals = [_cells(cells(row, True)) for row in totals_of(trial.scores).values()]
     rows = [_cells(cells(row, False)) for row in rows_of(trial.scores)]
@@ -48,13 +51,14 @@ def page(trial: Trial) -> str:
         [
             f"<h1>{both(TITLE)}</h1>",
             f'<p class="lead">{both(METHOD)}</p>',
-            table(["", ""], figures),
+            table(list(SUMMARY), [_cells(each) for each in summary(trial)], tuple(range(1, 8))),
+            table(["", ""], [_cells(each) for each in besides(trial)]),
+            f"<p>{both(RULES)}</p>",
             *_heading("Power", "检出能力"),
             _figure(power_svg(trial.scores), POWER),
             *_heading("Every case", "逐例结果"),
             _figure(cases_svg(trial.scores), CASES),
             *_heading("In all", "总计"),
-            f"<p>{both(RULES)}</p>",
             table(list(COLUMNS), totals, numbers),
             *_heading("By effect and visibility", "按因素与可见度"),
             table(list(COLUMNS), rows, numbers),
@@ -89,7 +93,7 @@ def _told(each: Score) -> list[str]:
     ]
 
 
-def _cells(words: list[str]) -> list[str]:
+def _cells(words: Sequence[str]) -> list[str]:
     return [escape(word) for word in words]
 
 

@@ -21,6 +21,30 @@ UNNAMED = "unnamed"
 
 
 @dataclass(frozen=True)
+class Gap:
+    """Misfits to the noise-free truth, Σ|…|²/σ², σ the white noise of the grade.
+
+    first: of the standard's model, fitted. left: with the findings. floor: what noise alone makes
+    of the standard's parameters.
+    """
+
+    first: float
+    left: float
+    floor: float
+
+    @property
+    def closed(self) -> float:
+        """1 − Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ²."""
+        return 1.0 - self.left / self.first
+
+    @property
+    def of_closable(self) -> float | None:
+        """What was closed, of what the noise lets be closed; None where that is nothing."""
+        closable = self.first - self.floor
+        return (self.first - self.left) / closable if closable > 0.0 else None
+
+
+@dataclass(frozen=True)
 class Score:
     """What one answer is worth.
 
@@ -28,8 +52,7 @@ class Score:
     them. A name's twins are what its finding lists as indistinguishable from it.
     right: the first name is a true one. right_or_twin: it or one of its twins is.
     wrong: names that are not true; wrong_beyond_twins: of them those without a true twin.
-    gap: 1 − Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ², σ the grade's white noise; None for
-    clean cases and failures. parameters: of effects named rightly.
+    gap: None for clean cases and failures. parameters: of effects named rightly.
     """
 
     number: str
@@ -45,7 +68,7 @@ class Score:
     right_or_twin: bool
     wrong: tuple[str, ...]
     wrong_beyond_twins: tuple[str, ...]
-    gap: float | None
+    gap: Gap | None
     parameters: tuple[Compared, ...]
     uncompared: tuple[str, ...]
     seconds: float
@@ -82,10 +105,11 @@ def score(folder: Path, number: str) -> Score:
     sealed, answers = folder / SEALED / number, folder / ANSWERS / number
     told = _json(sealed / "truth.json")
     answer = _json(answers / ANSWER)
-    gap = None
+    trial, gap = _json(sealed / "trial.json"), None
     if told["effects"] and "failed" not in answer:
-        gap = gap_closed(sealed / "truth.parquet", answers / PREDICTION, told["case"])
-    return scored(number, told, _json(sealed / "trial.json"), answer, gap)
+        first, left = misfits(sealed / "truth.parquet", answers / PREDICTION, told["case"])
+        gap = Gap(first, left, trial["floor"])
+    return scored(number, told, trial, answer, gap)
 
 
 def scored(
@@ -93,7 +117,7 @@ def scored(
     told: dict[str, Any],
     trial: dict[str, Any],
     answer: dict[str, Any],
-    gap: float | None,
+    gap: Gap | None,
 ) -> Score:
     """The score from what truth.json, trial.json and answer.json say."""
     case, effects = told["case"], tuple(told["effects"])
@@ -136,8 +160,8 @@ def _true_or_twin(finding: dict[str, Any], effects: tuple[str, ...]) -> bool:
     return not {finding["effect"], *finding["indistinguishable_from"]}.isdisjoint(effects)
 
 
-def gap_closed(truth: Path, prediction: Path, case: dict[str, Any]) -> float:
-    """The share of the misfit of the fitted standard's model that the findings take away."""
+def misfits(truth: Path, prediction: Path, case: dict[str, Any]) -> tuple[float, float]:
+    """Σ|truth − nominal|²/σ² and Σ|truth − found|²/σ² over the rows where both are known."""
     true, said = pq.read_table(truth), pq.read_table(prediction)
     left = first = 0.0
     for channel, noise in zip(GYRO + ACCEL, channel_noise(case["grade"]), strict=True):
@@ -150,7 +174,7 @@ def gap_closed(truth: Path, prediction: Path, case: dict[str, Any]) -> float:
         known = np.isfinite(found) & np.isfinite(nominal)
         left += float(found[known] @ found[known])
         first += float(nominal[known] @ nominal[known])
-    return 1.0 - left / first
+    return first, left
 
 
 def _json(path: Path) -> Any:

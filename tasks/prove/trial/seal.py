@@ -12,6 +12,7 @@ from tasks.prove.plant.files import seal, write
 from tasks.prove.plant.simulate import simulate
 from tasks.prove.plant.visibility import Visibility, at_visibility, visibility
 from tasks.prove.trial.draw import Drawn, conditions
+from tasks.prove.trial.floor import floor_of
 
 RECORDINGS, SEALED, SEALS = "recordings", "sealed", "seals.txt"
 
@@ -20,7 +21,8 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     """Sizes and plays one case: its recording, and apart from it its truth.
 
     Writes recordings/<number>/ and sealed/<number>/ with truth.json, truth.parquet and
-    trial.json: kind, z asked, and z and concealment of each effect as they came out.
+    trial.json: kind, z asked, z and concealment of each effect as they came out, and the floor
+    that noise alone sets to the misfit.
     """
     case = sized(drawn)
     simulated = simulate(case)
@@ -28,7 +30,7 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     write(simulated, folder / RECORDINGS / drawn.label)
     sealed = folder / SEALED / drawn.label
     seal(simulated, sealed)
-    _write_trial(drawn, seen, sealed / "trial.json")
+    _write_trial(drawn, seen, floor_of(case), sealed / "trial.json")
 
 
 def sized(drawn: Drawn) -> Case:
@@ -62,12 +64,15 @@ def _on_three_axes(drawn: Drawn) -> Case:
     return case.model_copy(update={"temperature_recorded": True})
 
 
-def _write_trial(drawn: Drawn, seen: dict[str, Visibility], path: Path) -> None:
+def _write_trial(
+    drawn: Drawn, seen: dict[str, Visibility], floor: float, path: Path
+) -> None:
     told = {
         "kind": drawn.kind,
         "asked_z": drawn.z,
         "z": {name: each.z for name, each in seen.items()},
         "concealment": {name: each.concealment for name, each in seen.items()},
+        "floor": floor,
     }
     path.write_text(json.dumps(told, indent=1), encoding="utf-8")
 

@@ -30,7 +30,8 @@ class Rate:
 
 @dataclass(frozen=True)
 class Row:
-    """Cases of one kind. parameters: intervals that hold the truth; gap: the median."""
+    """Cases of one kind. parameters: intervals that hold the truth; gap: the median share
+    closed; of_closable: that of what noise lets be closed."""
 
     name: str
     z: float | None
@@ -47,12 +48,14 @@ class Row:
     parameters: Rate
     gap: float | None
     gap_worst: float | None
+    of_closable: float | None
     seconds: float
 
 
 def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
     """The figures of some cases, at least one."""
-    gaps = [each.gap for each in scores if each.gap is not None]
+    gaps = [each.gap.closed for each in scores if each.gap is not None]
+    shares = [share for e in scores if e.gap and (share := e.gap.of_closable) is not None]
     seen = [z for each in scores for z in each.z.values()]
     hidden = [share for each in scores for share in each.concealment.values()]
     pairs = [pair for each in scores for pair in each.parameters]
@@ -76,6 +79,7 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         parameters=Rate(sum(pair.inside for pair in pairs), len(pairs)),
         gap=median(gaps) if gaps else None,
         gap_worst=min(gaps) if gaps else None,
+        of_closable=median(shares) if shares else None,
         seconds=median(each.seconds for each in scores),
     )
 
@@ -104,15 +108,15 @@ def totals_of(scores: Sequence[Score]) -> dict[str, Row]:
     single = [each for each in scores if each.kind == "single"]
     kinds: dict[str, Iterable[Score]] = {
         "clean": (each for each in scores if each.kind == "clean"),
-        "faint": (each for each in scores if each.kind == "faint"),
+        "one effect, z 5": (each for each in scores if each.kind == "faint"),
         **{
-            f"single z {z:g}": [each for each in single if each.asked_z == z]
+            f"one effect, z {z:g}": [each for each in single if each.asked_z == z]
             for z in sorted({each.asked_z for each in single if each.asked_z})
         },
-        "single, all sized": (each for each in single if each.asked_z),
-        "earth_rotation as it is": (each for each in single if each.effects == ("earth_rotation",)),
+        "one effect, z 10 and more": (each for each in single if each.asked_z),
+        "Earth as it is": (each for each in single if each.effects == ("earth_rotation",)),
         "cannot be told": (each for each in single if not each.can_be_told),
-        "several": (each for each in scores if each.kind == "several"),
+        "several effects": (each for each in scores if each.kind == "several"),
         "outside the catalogue": (each for each in scores if each.kind == "outside"),
     }
     listed = {name: list(group) for name, group in kinds.items()}

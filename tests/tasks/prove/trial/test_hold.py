@@ -1,0 +1,55 @@
+"""A whole trial of two recordings, by the command; and who knows what of whom."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from flows import prove
+from schemas.base import Unusable
+from tasks.prove.trial.draw import Drawn
+
+KNOWS = """
+import sys
+import tasks.explain.explain, tasks.explain.report, tasks.prove.trial.blind
+print([name for name in sys.modules if name.startswith("tasks.prove.plant")])
+"""
+
+
+def test_what_explains_holds_no_code_of_the_plant() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KNOWS], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_trial_is_held_and_leaves_its_evidence(
+    two_cases: list[Drawn], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setattr(prove, "draw", lambda seed, short: two_cases)
+    folder = tmp_path / "trial"
+    prove.run_prove(seed=7, short=True, out=folder, as_json=True)
+    said = json.loads(capsys.readouterr().out)
+    assert said == json.loads((folder / "evidence.json").read_text())
+    assert said["format"] == "mimu-prove/1"
+    assert [case["effects"] for case in said["cases"]] == [[], ["temperature_bias"]]
+    assert said["totals"]["one effect, z 60"]["detected"]["share"] == 1.0
+    assert said["cases"][1]["gap"]["closed"] > 0.5
+    answer = json.loads((folder / "answers/0002/answer.json").read_text())
+    assert [one["effect"] for one in answer["findings"]] == said["cases"][1]["names"]
+    assert "| temperature_bias |" in (folder / "evidence.md").read_text()
+    page = (folder / "evidence.html").read_text()
+    assert page.count("<svg") == 2
+    assert said["seals_sha256"] in page
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+
+
+def test_folder_in_use_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "kept.txt").write_text("mine")
+    with pytest.raises(Unusable, match="is not empty"):
+        prove.run_prove(seed=1, short=True, out=tmp_path, as_json=False)
+    with pytest.raises(Unusable, match="cannot be used"):
+        prove.run_prove(seed=1, short=True, out=tmp_path / "kept.txt", as_json=False)
