@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from tasks.explain.events.before import scatter_with
+from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.clicks import find_clicks
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.plain import noise_of
 from tasks.explain.events.quantisation import Quantisation
 from tasks.explain.events.slips import Slips, delay
-from tasks.explain.events.transients import find_bursts
 from tasks.motion.whole import Motion
 
 TURNS = 0.05  # rad/s
@@ -37,7 +37,7 @@ def heard_after(
         left = _without((clicks,), taken, left)
         lines = find_lines(taken, left, level, turning)
     left = _without(lines, taken, left)
-    bursts, _ = find_bursts(taken, left, level, motion)
+    bursts = find_bursts(taken, left, level, motion)
     rung = tuple(event for event in (clicks, bursts) if event is not None)
     return Events(lines + rung + events.events, events.masked, events.remarks)
 

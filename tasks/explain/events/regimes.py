@@ -1,0 +1,46 @@
+"""Where the motion is alike, so that what is left can be compared: rest, even turns, changes."""
+
+import numpy as np
+
+from tasks.motion.whole import Motion
+
+RESTS, TURNS, CHANGES = range(3)
+STEADY = 0.02  # rad/s: how far the rate may move within a second where it counts as steady
+SETTLES = 5.0  # s after a change of rate that still count to it
+FEWEST = 12  # values that tell the level of a regime
+UNEVEN = 2.0  # times its median that a level is taken for where the rate changes
+
+
+def regimes_at(motion: Motion, at: np.ndarray) -> np.ndarray:
+    """The regime (m,) at times at (m,) s, rising evenly."""
+    rates = np.nan_to_num(motion.rate).T
+    speed = np.column_stack([np.interp(at, motion.t, rate) for rate in rates])
+    step = float(np.median(np.diff(at))) if len(at) > 1 else 1.0
+    half = max(1, round(0.5 / step))
+    padded = np.pad(speed, ((half, half), (0, 0)), mode="edge")
+    changes: np.ndarray = np.asarray(
+        np.abs(padded[2 * half :] - padded[: -2 * half]).max(axis=1) > STEADY
+    )
+    latest = np.maximum.accumulate(np.where(changes, at, -np.inf))
+    turns = np.linalg.norm(speed, axis=1) > STEADY
+    regime = np.where(turns, TURNS, RESTS)
+    return np.where(at - latest < SETTLES, CHANGES, regime)
+
+
+def levels(power: np.ndarray, regime: np.ndarray, fewest: int) -> np.ndarray:
+    """The level (m, k) of power (m, k): the median of its regime, or of its stretch if higher.
+
+    A stretch is what lies between two changes of regime; of less than `fewest` values it tells no
+    level, for what is looked for may fill it.
+    """
+    level = np.ones(power.shape)
+    for each in np.unique(regime):
+        rows = regime == each
+        level[rows] = np.median(power[rows], axis=0) if rows.sum() >= FEWEST else np.inf
+    level[regime == CHANGES] *= UNEVEN
+    edges = np.flatnonzero(np.diff(regime)) + 1
+    for start, stop in zip(np.append(0, edges), np.append(edges, len(regime)), strict=True):
+        if stop - start >= fewest:
+            own = np.median(power[start:stop], axis=0)
+            level[start:stop] = np.maximum(level[start:stop], own)
+    return level

@@ -1,0 +1,85 @@
+"""Swings that stand out from what is left elsewhere: where they start, how fast they swing.
+
+Power of exponentially fading windows, at every frequency, over its median wherever the motion is
+alike. A step or a peak has more beside its frequency than a swing has.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.fft import next_fast_len, rfft
+from scipy.stats import gamma
+
+from tasks.explain.events.regimes import levels, regimes_at
+from tasks.motion.whole import Motion
+
+DECAYS = (0.2, 0.6, 2.0)  # s, that are tried
+SLOWEST, FASTEST = 0.6, 10.0  # Hz
+LONG = 5.0  # decays that a window lasts
+FILLED = 12  # decays that a swing may fill
+HOPS = 4  # windows that start within a decay
+BESIDE = 5  # bins from a peak
+PEAKED = 0.5  # of its power: what a swing may have there
+
+
+@dataclass(frozen=True)
+class Swing:
+    """start: s. frequency: Hz. decay: s. power: over the noise, gamma distributed without one."""
+
+    start: float
+    frequency: float
+    decay: float
+    power: float
+
+
+def standing_out(
+    t: np.ndarray, white: np.ndarray, motion: Motion, false_alarm: float
+) -> tuple[list[Swing], int]:
+    """Swings in white readings (m, k) at even times t (m,) s, strongest first, apart in time.
+
+    With them how many windows and frequencies were looked at.
+    """
+    seen, looked = list[tuple[float, Swing]](), 0
+    powers = [(decay, *_powers(t, white, motion, decay)) for decay in DECAYS]
+    looked = sum(power.size for _, _, _, power in powers)
+    threshold = float(gamma.isf(false_alarm / max(looked, 1), white.shape[1]))
+    for decay, starts, frequencies, power in powers:
+        for row, column in zip(*np.nonzero(power > threshold), strict=True):
+            swing = Swing(
+                float(starts[row]), float(frequencies[column]), decay, float(power[row, column])
+            )
+            seen.append((-swing.power, swing))
+    seen.sort(key=lambda pair: pair[0])
+    apart: list[Swing] = []
+    for _, swing in seen:
+        if all(abs(swing.start - each.start) > 2 * max(swing.decay, each.decay) for each in apart):
+            apart.append(swing)
+    return apart, looked
+
+
+def _powers(
+    t: np.ndarray, white: np.ndarray, motion: Motion, decay: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Starts (w,) s, frequencies (k,) Hz and the power (w, k) of peaks, 0 where there is none."""
+    step = float(np.median(np.diff(t)))
+    length, hop = int(LONG * decay / step), max(1, round(decay / step / HOPS))
+    if len(t) < 4 * length:
+        return np.zeros(0), np.zeros(0), np.zeros((0, 0))
+    fading = np.exp(-np.arange(length) * step / decay)
+    size = next_fast_len(2 * length, real=True)
+    frequencies = np.fft.rfftfreq(size, step)
+    reach = int(np.searchsorted(frequencies, min(FASTEST, 0.4 / step)))
+    starts = np.arange(0, len(t) - length, hop)
+    regime = regimes_at(motion, t[starts])
+    total = np.zeros((len(starts), reach))
+    for channel in white.T:
+        cut = np.lib.stride_tricks.sliding_window_view(channel, length)[starts]
+        heard = rfft(cut * fading, size)[:, :reach]
+        power = heard.real**2 + heard.imag**2
+        level = levels(power, regime, FILLED * HOPS) / np.log(2)
+        total += np.divide(power, level, out=np.zeros_like(power), where=level > 0)
+    inner = total[:, BESIDE:-BESIDE]
+    beside = np.maximum(total[:, : -2 * BESIDE], total[:, 2 * BESIDE :])
+    slow = frequencies[BESIDE : reach - BESIDE] < SLOWEST
+    peaks = np.where((beside < PEAKED * inner) & ~slow, inner, 0.0)
+    return t[starts], frequencies[BESIDE : reach - BESIDE], peaks
