@@ -6,6 +6,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, Verdict
 from schemas.recording import Recording
+from tasks.explain.events.after import heard_after
 from tasks.explain.events.event import Event, Events
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.generic import UNNAMED
@@ -31,31 +32,31 @@ def assembled(
     noises: Sequence[Noise],
 ) -> Explanation:
     """The explanation that a fitted model is, with the events in front."""
-    standard = fitted(model_of(()), fine, noises)
+    standard = fitted(model_of((), fine), fine, noises)
     noise = np.sqrt(full.quiet).repeat(3)
     t = full.motion.t
     bare = predict(model.terms, full.motion, model.values)
     groups = groups_of(found)
     weighed = Weighed.of(model, fine, noises, groups)
+    residual = full.readings - events.applied(t, bare, noise)
+    heard = heard_after(events, t, residual, noise, full.motion)
     findings = [
         _finding(group, number, weighed, model, full, bare, fine, noises)
         for number, group in enumerate(groups)
     ]
-    findings.sort(key=lambda each: -each.gain)
-    happened = _of_events(events, t, full, bare, noise)
-    with_events = events.applied(t, bare, noise) if events.events else bare
+    happened = _of_events(heard, t, full, bare, noise)
     nominal = predict(standard.terms, full.motion, standard.values)
-    whole = (*happened, *findings)
+    whole = tuple(sorted((*happened, *findings), key=lambda each: -each.gain))
     return Explanation(
         recording=recording,
         nominal=nominal,
-        found=with_events,
+        found=heard.applied(t, bare, noise),
         noise=noise,
-        p_value=min([found.p_value, *(event.p_value for event in events.events)]),
+        p_value=min([found.p_value, *(event.p_value for event in heard.events)]),
         verdict=_verdict(whole),
         held_out=weighed.held_out(),
         findings=whole,
-        remarks=events.remarks,
+        remarks=heard.remarks,
     )
 
 
@@ -82,7 +83,8 @@ def _finding(
     for term in group.terms:
         rest = rest.without(next(each for each in rest.terms if each is term))
     contribution = bare - predict(rest.terms, full.motion, rest.values)
-    gain = weighed.gain(number)
+    soaked = group.chosen[0].instead_of is not None
+    gain = group.chosen[0].gain if soaked else weighed.gain(number)
     count = sum(len(one.candidate.own) for one in group.chosen if not one.candidate.known)
     if group.chosen[0].candidate.prior is not None:
         count = len(group.chosen)
@@ -141,7 +143,8 @@ def _parameters(
             continue
         freed = term.freed()
         if freed is not None:
-            found.extend(_freed_parameters(model, term, freed, fine, noises))
+            soaks = group.chosen[0].instead_of
+            found.extend(_freed_parameters(model, term, freed, soaks, fine, noises))
         for p, parameter in zip(range(own[k].start, own[k].stop), term.parameters, strict=True):
             if model.free[p] and u[p] > 0:
                 found.append(_said(parameter, float(model.values[p]), float(u[p])))
@@ -151,10 +154,20 @@ def _parameters(
 
 
 def _freed_parameters(
-    model: Model, term: Term, freed: Term, fine: Observed, noises: Sequence[Noise]
+    model: Model,
+    term: Term,
+    freed: Term,
+    soaks: str | None,
+    fine: Observed,
+    noises: Sequence[Noise],
 ) -> list[FoundParameter]:
-    """Parameters of known physics as the data alone have them, all else fitted beside them."""
+    """Parameters of known physics as the data alone have them, all else fitted beside them.
+
+    soaks: a term of the standard that cannot be told from it, which is taken to be nothing.
+    """
     rest = model.without(term)
+    for other in [each for each in rest.terms if each.name == soaks]:
+        rest = rest.without(other)
     free = np.concatenate([rest.free, np.ones(len(freed.parameters), bool)])
     count = len(freed.parameters)
     longer = Model(

@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
+from tasks.explain.absorbed import soaked_up
 from tasks.explain.assemble import assembled
-from tasks.explain.candidates import Candidate, candidates_of, plausible_sizes
+from tasks.explain.candidates import Candidate, candidates_of, columns_of, plausible_sizes
+from tasks.explain.events.before import find_events
 from tasks.explain.events.event import Events
-from tasks.explain.events.find import find_events
 from tasks.explain.explanation import Explanation
 from tasks.explain.generic import empirical
 from tasks.explain.observed import (
@@ -67,10 +68,11 @@ def explain(
         found = search(pool, candidates, (), noises)
         found, model = _looked_again(pool, candidates, found, fine)
         found, model = _needed(found, model, fine, coarse, len(candidates))
+        found, model = _soaked_up(pool, candidates, found, model, fine)
     else:
         chosen = _whole_ones(candidates)
         found = search(pool, chosen, chosen)
-        model = fitted(_model(found), fine, _at_rate(found.noises, fine, coarse))
+        model = fitted(_model(found, fine), fine, _at_rate(found.noises, fine, coarse))
         found = _with_shapes(found, model)
     progress("evidence")
     noises = _at_rate(found.noises, fine, coarse)
@@ -111,7 +113,7 @@ def _looked_again(
 ) -> tuple[Found, Model]:
     """Everything found is fitted in its real form, and what is then left is searched again."""
     noises = _at_rate(found.noises, fine, pool.observed)
-    model = fitted(_model(found), fine, noises)
+    model = fitted(_model(found, fine), fine, noises)
     for _ in range(LOOKS - 1 if found.chosen else 0):
         before = [one.candidate for one in found.chosen]
         shaped = _as_fitted(before, model)
@@ -124,7 +126,7 @@ def _looked_again(
         found = replace(again, p_value=found.p_value)
         same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
         noises = _at_rate(found.noises, fine, pool.observed)
-        model = fitted(_model(found), fine, noises)
+        model = fitted(_model(found, fine), fine, noises)
         if same:
             break
     return _with_shapes(found, model), model
@@ -148,13 +150,29 @@ def _needed(
         least = min(weak, key=lambda pair: pair[0])[1]
         kept = tuple(one for one in found.chosen if one not in least.chosen)
         found = replace(found, chosen=kept)
-        model = fitted(_model(found), fine, noises)
+        model = fitted(_model(found, fine), fine, noises)
         found = _with_shapes(found, model)
     return found, model
 
 
-def _model(found: Found) -> Model:
-    return model_of([(one.candidate, _prior(found, one.candidate)) for one in found.chosen])
+def _soaked_up(
+    pool: Pool, candidates: Sequence[Candidate], found: Found, model: Model, fine: Observed
+) -> tuple[Found, Model]:
+    """What was found, and the known physics that the standard's parameters soak up whole."""
+    coarse, names = pool.observed, {one.candidate.name for one in found.chosen}
+    for known in (one for one in candidates if one.known and one.name not in names):
+        (effect,) = columns_of(known.term, coarse.motion)
+        chosen = soaked_up(known, effect, coarse, found.noises)
+        if chosen is not None:
+            found = replace(found, chosen=(*found.chosen, chosen))
+            model = fitted(_model(found, fine), fine, _at_rate(found.noises, fine, coarse))
+            found = _with_shapes(found, model)
+    return found, model
+
+
+def _model(found: Found, fine: Observed) -> Model:
+    pairs = [(one.candidate, _prior(found, one.candidate)) for one in found.chosen]
+    return model_of(pairs, fine)
 
 
 def _prior(found: Found, candidate: Candidate) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording, Segment
 from tasks.motion.nudge import slope
-from tasks.motion.whole import Motion, TableAxes, whole_motion
+from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
 
 CHANNELS = GYRO + ACCEL
@@ -169,6 +169,8 @@ def _block_motion(
             for name in ("angles", "speeds", "directions", "base")
         },
     )
+    recorded = {name: mean(course) for name, course in motion.recorded.items()}
+    recorded["fixing"] = np.round(recorded["fixing"])  # a number, not a mean of two
     return Motion(
         t=(np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max())),
         up=mean(motion.up),
@@ -177,7 +179,7 @@ def _block_motion(
         acceleration=mean(motion.acceleration),
         gravity=motion.gravity,
         axes=axes,
-        recorded={name: mean(course) for name, course in motion.recorded.items()},
+        recorded=recorded,
     )
 
 

@@ -52,13 +52,17 @@ class Model:
         )  # fmt: skip
 
 
-def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]]) -> Model:
+def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Observed) -> Model:
     """The standard's model at its ideal values and the chosen terms at nothing.
 
-    chosen: candidates with the prior precision (m,) of their parameters, zero for most.
+    chosen: candidates with the prior precision (m,) of their parameters, zero for most. What the
+    recording gives the standard's model nothing to determine by (a scale factor where nothing
+    turned) stays as an ideal unit has it.
     """
     terms: list[Term] = list(STANDARD_TERMS)
-    free = [np.ones(len(term.parameters), bool) for term in terms]
+    ideal = linearise(STANDARD_TERMS, observed.motion, nominal_values(STANDARD_TERMS)).columns
+    seen = np.array([_seen(column, observed.weight) for column in ideal])
+    free = [seen[place] for place in places(STANDARD_TERMS)]
     prior = [np.zeros(len(term.parameters)) for term in terms]
     for candidate, precision in chosen:
         same = [k for k, term in enumerate(terms) if term is candidate.term]
@@ -76,6 +80,10 @@ def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]]) -> Model:
         tuple(terms), values, np.concatenate(free), np.concatenate(prior),
         np.zeros((len(values), len(values))), (None,) * len(terms),
     )  # fmt: skip
+
+
+def _seen(column: Column, weight: np.ndarray) -> bool:
+    return any(np.nan_to_num(course * weight[:, c]).any() for c, course in column.items())
 
 
 @dataclass(frozen=True)

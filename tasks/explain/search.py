@@ -34,12 +34,16 @@ class Scored:
 
 @dataclass(frozen=True)
 class Chosen:
-    """A candidate that was taken; rivals: other names that fit nearly as well, best first."""
+    """A candidate that was taken; rivals: other names that fit nearly as well, best first.
+
+    instead_of: the standard's term that soaks it up whole, where that is why it was taken.
+    """
 
     candidate: Candidate
     gain: float
     score: float
     rivals: tuple[Scored, ...]
+    instead_of: str | None = None
 
 
 @dataclass(frozen=True)

@@ -156,8 +156,11 @@ class Weighed:
         )
 
     def needless(self, number: int, group: Group, tried: int) -> bool:
-        """Whether a finding gains no more than chance would, with so many tried."""
-        if any(one.candidate.prior is not None for one in group.chosen):
+        """Whether a finding gains no more than chance would, with so many tried, or nothing at all
+        on segments that a fit did not see.
+        """
+        if any(one.candidate.prior is not None or one.instead_of for one in group.chosen):
             return False
         count = max(1, len(self.groups[number][0]))
-        return bool(chi2.sf(max(self.gain(number), 0.0), count) * tried > FALSE_ALARMS)
+        chance = chi2.sf(max(self.gain(number), 0.0), count) * tried > FALSE_ALARMS
+        return bool(chance or self.held_out_gain(number) <= 0.0)

@@ -129,8 +129,12 @@ def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """Lever arms and bending where it turned; re-fixing where it was re-fixed."""
+    """Lever arms and bending where it turned; re-fixing where it was re-fixed on a table.
+
+    Without encoders the attitude is the labels', and every position a fixing of its own.
+    """
     turning = (LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE) if turned(motion) else ()
     fixing = motion.recorded.get("fixing", np.zeros(1))
-    again = (remount_misalignment(fixing),) if len(_later_fixings(fixing)) else ()
+    refixed = motion.axes is not None and len(_later_fixings(fixing)) > 0
+    again = (remount_misalignment(fixing),) if refixed else ()
     return (*turning, *again)

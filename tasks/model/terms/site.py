@@ -26,24 +26,24 @@ class EarthRotation(Term):
         return Inputs(inputs.rate + EARTH_RATE * earth, inputs.force)
 
     def freed(self) -> Term:
-        """The same with its vertical and its northward rate free."""
-        return EARTH_AS_SEEN
+        """The same with its size free: its vertical part, the northward one in proportion."""
+        return EarthAsSeen(
+            "earth_rotation", "site", "input", "ω = ω_table + Ω·(up + cot φ·north)",
+            "rigid-body kinematics", one("vertical_rate", "Ω", ("deg/h", 3600.0 * DEG, 1e-3)),
+            latitude=self.latitude,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class EarthAsSeen(Term):
-    """A rotation of the ground about the vertical and about north, as the data have it."""
+    """A rotation of the ground about Earth's axis, as large as the data have it."""
+
+    latitude: float = field(kw_only=True)  # rad
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
         level = np.where(np.isfinite(motion.north), motion.north, 0.0)
-        return Inputs(inputs.rate + values[0] * motion.up + values[1] * level, inputs.force)
-
-
-EARTH_AS_SEEN = EarthAsSeen(
-    "earth_rotation", "site", "input", "ω = ω_table + Ω_v·up + Ω_n·north", "rigid-body kinematics",
-    one("vertical_rate", "Ω_v", ("deg/h", 3600.0 * DEG, 1e-3))
-    + one("north_rate", "Ω_n", ("deg/h", 3600.0 * DEG, 1e-3)),
-)  # fmt: skip
+        earth = motion.up + level / np.tan(self.latitude)
+        return Inputs(inputs.rate + values[0] * earth, inputs.force)
 
 
 def earth_rotation(latitude: float) -> EarthRotation:
