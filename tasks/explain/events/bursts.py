@@ -9,13 +9,13 @@ from scipy.stats import gamma
 from schemas.discrepancy import FoundParameter
 from schemas.recording import ACCEL, GYRO
 from tasks.explain.events.event import UNITS, named
-from tasks.explain.events.regimes import levels, regimes_at
+from tasks.explain.events.regimes import levels, regimes_at, without_louder
 from tasks.explain.events.ringing import OVER, Ringing, fitted_waves, shape_of, swings
 from tasks.explain.events.swings import FILLED, Swing, standing_out
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
-RATE = 25.0  # Hz, of the blocks that bursts are looked for in
+RATE = 20.0  # Hz, of the blocks that bursts are looked for in
 FALSE_ALARM = 1e-4
 SURE = 5.0  # of the noise: a further burst of a known wave
 ALIKE = (0.5, 2.0)  # sizes of a further burst, over that of the known one
@@ -119,8 +119,10 @@ def _further(blocks: Blocks, kind: Kind) -> np.ndarray:
     size = told / information
     sure = told / np.sqrt(information)
     filled = int(FILLED * kind.decay / step)
-    scatter = np.sqrt(levels(sure[:, None] ** 2, blocks.regime, filled)[:, 0] / 0.4549)
-    sure = sure / np.maximum(scatter, 1.0)
+    squares = (sure**2)[:, None]
+    squares = without_louder(squares / np.maximum(levels(squares, blocks.regime) / 0.4549, 1.0),
+                             blocks.regime, filled)  # fmt: skip
+    sure = np.sign(sure) * np.sqrt(squares[:, 0])
     likely = np.where((size > ALIKE[0]) & (size < ALIKE[1]), sure, 0.0)
     starts = []
     while likely.max() > SURE:

@@ -8,6 +8,7 @@ RESTS, TURNS, CHANGES = range(3)
 STEADY = 0.02  # rad/s: how far the rate may move within a second where it counts as steady
 SETTLES = 5.0  # s after a change of rate that still count to it
 FEWEST = 12  # values that tell the level of a regime
+MOST = 200  # values that a median is taken of
 UNEVEN = 2.0  # times its median that a level is taken for where the rate changes
 
 
@@ -27,20 +28,33 @@ def regimes_at(motion: Motion, at: np.ndarray) -> np.ndarray:
     return np.where(at - latest < SETTLES, CHANGES, regime)
 
 
-def levels(power: np.ndarray, regime: np.ndarray, fewest: int) -> np.ndarray:
-    """The level (m, k) of power (m, k): the median of its regime, or of its stretch if higher.
+def levels(power: np.ndarray, regime: np.ndarray) -> np.ndarray:
+    """The median (m, k) of power (m, k) where the motion is alike."""
+    level = np.ones(power.shape, power.dtype)
+    for each in np.unique(regime):
+        rows = regime == each
+        uneven = UNEVEN if each == CHANGES else 1.0
+        level[rows] = uneven * _median(power[rows]) if rows.sum() >= FEWEST else np.inf
+    return level
+
+
+def without_louder(power: np.ndarray, regime: np.ndarray, fewest: int) -> np.ndarray:
+    """Power (m, k) over that of its stretch, where that is louder than the others of its regime.
 
     A stretch is what lies between two changes of regime; of less than `fewest` values it tells no
     level, for what is looked for may fill it.
     """
-    level = np.ones(power.shape)
-    for each in np.unique(regime):
-        rows = regime == each
-        level[rows] = np.median(power[rows], axis=0) if rows.sum() >= FEWEST else np.inf
-    level[regime == CHANGES] *= UNEVEN
+    usual = {each: _median(power[regime == each]) for each in np.unique(regime)}
+    even = power.copy()
     edges = np.flatnonzero(np.diff(regime)) + 1
     for start, stop in zip(np.append(0, edges), np.append(edges, len(regime)), strict=True):
         if stop - start >= fewest:
-            own = np.median(power[start:stop], axis=0)
-            level[start:stop] = np.maximum(level[start:stop], own)
-    return level
+            own, among = _median(power[start:stop]), usual[regime[start]]
+            louder = np.divide(own, among, out=np.ones_like(own), where=among > 0)
+            even[start:stop] /= np.maximum(louder, 1.0)
+    return even
+
+
+def _median(power: np.ndarray) -> np.ndarray:
+    """The median (k,) of power (m, k), of evenly spread rows where there are many."""
+    return np.asarray(np.median(power[:: len(power) // MOST + 1], axis=0))

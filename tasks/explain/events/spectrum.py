@@ -36,13 +36,13 @@ def spectrum_of(t: np.ndarray, white: np.ndarray) -> Spectrum:
         place = np.arange(len(t))
     count = int(place[-1]) + 1
     edge = np.minimum(1.0, np.arange(1, count + 1) / max(TAPER * count, 1.0))
-    taper = np.sin(0.5 * np.pi * np.minimum(edge, edge[::-1])) ** 2
+    taper = np.sin(0.5 * np.pi * np.minimum(edge, edge[::-1])).astype(np.float32) ** 2
     size = next_fast_len(2 * count, real=True)
     frequency = np.arange(size // 2 + 1) / (size * interval)
     inside = (frequency > SLOWEST) & (frequency < 0.5 / interval - 3 / (count * interval))
     total, level = np.zeros(int(inside.sum())), np.zeros((int(inside.sum()), len(channels)))
     for k, channel in enumerate(channels):
-        even = np.zeros(count)
+        even = np.zeros(count, np.float32)  # half the work, and exact enough
         even[place] = white[:, channel]
         heard = rfft((even - even.mean()) * taper, size)[inside]
         power = heard.real**2 + heard.imag**2

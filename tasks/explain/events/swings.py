@@ -10,15 +10,15 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.stats import gamma
 
-from tasks.explain.events.regimes import levels, regimes_at
+from tasks.explain.events.regimes import levels, regimes_at, without_louder
 from tasks.motion.whole import Motion
 
-DECAYS = (0.2, 0.6, 2.0)  # s, that are tried
-SLOWEST, FASTEST = 0.6, 10.0  # Hz
-LONG = 5.0  # decays that a window lasts
+DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
+SLOWEST, FASTEST = 0.6, 8.0  # Hz
+LONG, PADDED = 3.0, 8.0  # decays that a window lasts, and with the zeros after it
 FILLED = 12  # decays that a swing may fill
 HOPS = 4  # windows that start within a decay
-BESIDE = 5  # bins from a peak
+BESIDE = 4  # bins from a peak
 PEAKED = 0.5  # of its power: what a swing may have there
 
 
@@ -65,19 +65,20 @@ def _powers(
     length, hop = int(LONG * decay / step), max(1, round(decay / step / HOPS))
     if len(t) < 4 * length:
         return np.zeros(0), np.zeros(0), np.zeros((0, 0))
-    fading = np.exp(-np.arange(length) * step / decay)
-    size = next_fast_len(2 * length, real=True)
+    fading = np.exp(-np.arange(length) * step / decay).astype(np.float32)
+    size = next_fast_len(int(PADDED * decay / step), real=True)
     frequencies = np.fft.rfftfreq(size, step)
     reach = int(np.searchsorted(frequencies, min(FASTEST, 0.4 / step)))
     starts = np.arange(0, len(t) - length, hop)
     regime = regimes_at(motion, t[starts])
-    total = np.zeros((len(starts), reach))
-    for channel in white.T:
+    total = np.zeros((len(starts), reach), np.float32)
+    for channel in white.astype(np.float32).T:  # half the work, and exact enough
         cut = np.lib.stride_tricks.sliding_window_view(channel, length)[starts]
         heard = rfft(cut * fading, size)[:, :reach]
         power = heard.real**2 + heard.imag**2
-        level = levels(power, regime, FILLED * HOPS) / np.log(2)
+        level = levels(power, regime) / np.float32(np.log(2))
         total += np.divide(power, level, out=np.zeros_like(power), where=level > 0)
+    total = without_louder(total, regime, FILLED * HOPS)
     inner = total[:, BESIDE:-BESIDE]
     beside = np.maximum(total[:, : -2 * BESIDE], total[:, 2 * BESIDE :])
     slow = frequencies[BESIDE : reach - BESIDE] < SLOWEST
