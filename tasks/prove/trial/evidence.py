@@ -6,16 +6,16 @@ from statistics import median
 from typing import Any
 
 from tasks.prove.trial.score import Score
-from tasks.prove.trial.table import Rate, Row, rows_of, totals_of
+from tasks.prove.trial.table import Rate, Row, row, rows_of, totals_of
 
 COLUMNS = (
     "case", "z", "concealed", "cases", "detected", "first name right", "or its twin", "any wrong",
     "wrong beyond twins", "left unnamed", "effects named", "95 % intervals", "gap closed",
-    "of what can be",
+    "of what can be", "certificate off, U",
 )  # fmt: skip
 SUMMARY = (
     "recordings", "", "detected", "first name right", "any name wrong", "left unnamed",
-    "gap closed", "of what can be",
+    "gap closed", "of what can be", "certificate off, U",
 )  # fmt: skip
 
 
@@ -80,7 +80,7 @@ def as_markdown(trial: Trial) -> str:
 
 def _table(rows: list[Row], intervals: bool) -> list[str]:
     head = ["| " + " | ".join(COLUMNS) + " |", "|---" * len(COLUMNS) + "|"]
-    return head + ["| " + " | ".join(cells(row, intervals)) + " |" for row in rows]
+    return head + ["| " + " | ".join(cells(each, intervals)) + " |" for each in rows]
 
 
 def cells(row: Row, intervals: bool) -> list[str]:
@@ -99,6 +99,7 @@ def cells(row: Row, intervals: bool) -> list[str]:
         f"{row.found.count}/{row.found.of}" if many else "–",
         f"{row.parameters.count}/{row.parameters.of}" if row.parameters.of else "–",
         *(_number(share) for share in (row.gap, row.of_closable)),
+        "–" if row.certificate is None else f"{row.certificate:.2g}",
     ]
 
 
@@ -119,11 +120,11 @@ def rate_words(rate: Rate, interval: bool) -> str:
 def summary(trial: Trial) -> list[tuple[str, ...]]:
     """The figures that matter, by kind of case; in the order of SUMMARY."""
     rows = []
-    for name, row in totals_of(trial.scores).items():
-        rates = (row.detected, row.right, row.wrong, row.abstained)
+    for name, each in totals_of(trial.scores).items():
+        rates = (each.detected, each.right, each.wrong, each.abstained)
         words = (rate_words(rate, True) for rate in rates)
-        gaps = (_number(row.gap), _number(row.of_closable))
-        rows.append((name, f"{row.cases}", *words, *gaps))
+        gaps = (_number(each.gap), _number(each.of_closable))
+        rows.append((name, f"{each.cases}", *words, *gaps, cells(each, True)[-1]))
     return rows
 
 
@@ -131,11 +132,14 @@ def besides(trial: Trial) -> list[tuple[str, str]]:
     """What holds for the whole trial: (what, figure)."""
     every = [pair for each in trial.scores for pair in each.parameters]
     inside = Rate(sum(pair.inside for pair in every), len(every))
+    wrong = row("", None, trial.scores).certificate_wrong
     failures = sum(each.failed is not None for each in trial.scores)
     seconds = median(each.seconds for each in trial.scores)
     return [
         ("parameters inside their 95 % interval",
          f"{inside.count} of {inside.of}: {rate_words(inside, True)}"),
+        ("certificates of the standard's clauses that the effects put off by more than U",
+         f"{wrong.count} of {wrong.of}: {rate_words(wrong, True)}"),
         ("recordings on which explain failed", f"{failures}"),
         ("one explanation, median", f"{seconds:.1f} s"),
         ("the whole trial", f"{trial.seconds / 60:.1f} min"),

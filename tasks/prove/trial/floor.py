@@ -4,18 +4,17 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from schemas.recording import ACCEL, GYRO
-from tasks.prove.plant.case import Case
 from tasks.prove.plant.grades import Noise, channel_noise
-from tasks.prove.plant.simulate import simulate
+from tasks.prove.plant.simulate import Simulated
 
 
-def floor_of(case: Case) -> float:
-    """Σ over channels of |error|²/σ² of models (1) and (2), fitted to the case without effects.
+def floor_of(clean: Simulated) -> float:
+    """Σ over channels of |error|²/σ² of models (1) and (2), fitted to a case without effects.
 
     The fit weighs by the inverse of the true noise spectrum; σ is the grade's white noise. It is
     about the number of parameters, and with flicker noise many times that.
     """
-    clean = simulate(case.only())
+    case = clean.case
     noise = clean.recording.imu.stack(GYRO + ACCEL) - clean.truth
     rates, force = clean.reported[:, :3], clean.reported[:, 3:]
     one = np.ones((len(rates), 1))

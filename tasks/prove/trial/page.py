@@ -10,7 +10,7 @@ from tasks.prove.trial.picture import cases_svg, outcome, power_svg
 from tasks.prove.trial.score import Score
 from tasks.prove.trial.table import rows_of, totals_of
 
-TITLE: Text = ("The sealed trial of `explain`", "“失配解释”密封试验")
+TITLE: Text = ("The sealed trial: what explain finds", "密封试验：失配解释能发现什么")
 METHOD: Text = (
     "Recordings come from an independent plant, which works with kinematics, filters and clocks "
     "and shares no code with what explains them. What each one hides is drawn from the seed, "
@@ -33,11 +33,14 @@ RULES: Text = (
     "even beside a right one; for what is outside the catalogue any name is wrong. Gap closed: "
     "1 − Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ², σ the white noise of the grade, the "
     "median; of what can be: beside the errors that noise alone leaves in the standard's "
-    "parameters, which nobody who has to fit them can take away.",
+    "parameters, which nobody who has to fit them can take away. Certificate off: by how many of "
+    "its own U the value that suffers most changes, by the clauses of JJF 2003-2022, when the "
+    "effects are there.",
     "检出：有任何发现。正确：首个名称即真值。或其孪生：首个名称或与其不可区分者之一为真值。任一错误：出现真值以外的名称，"
     "即使另有正确名称；对目录外因素，任何名称均为错误。"
     "缺口闭合：1 − Σ|真值 − 解释|²/σ² / Σ|真值 − 规范模型|²/σ²，σ为该等级的白噪声，取中位数；"
-    "占可闭合量：扣除噪声本身给规范模型参数带来的、任何拟合都无法消除的误差。",
+    "占可闭合量：扣除噪声本身给规范模型参数带来的、任何拟合都无法消除的误差。"
+    "证书偏差：按JJF 2003—2022条款计算时，受影响最大的值因这些因素而改变多少倍其扩展不确定度U。",
 )
 
 
@@ -51,7 +54,7 @@ def page(trial: Trial) -> str:
         [
             f"<h1>{both(TITLE)}</h1>",
             f'<p class="lead">{both(METHOD)}</p>',
-            table(list(SUMMARY), [_cells(each) for each in summary(trial)], tuple(range(1, 8))),
+            _summary(trial),
             table(["", ""], [_cells(each) for each in besides(trial)]),
             f"<p>{both(RULES)}</p>",
             *_heading("Power", "检出能力"),
@@ -69,6 +72,11 @@ def page(trial: Trial) -> str:
             f"<code>{trial.seals}</code></p>",
         ],
     )
+
+
+def _summary(trial: Trial) -> str:
+    rows = [_cells(each) for each in summary(trial)]
+    return table(list(SUMMARY), rows, tuple(range(1, len(SUMMARY))))
 
 
 def _wrong(trial: Trial) -> str:

@@ -205,6 +205,7 @@ CONVERSIONS: Mapping[str, Callable[[Truth, Mapping[str, Any]], Known]] = {
     "coarse_quantisation": lambda truth, p: {"gyro": (p["gyro"], "rad/s"),
                                              "accel": (p["accel"], "m/s2")},
     "mains_pickup": _mains,
-    "hysteresis": lambda truth, p: _vector("amplitude", p["amplitude"], "rad/s"),
+    "hysteresis": lambda truth, p: _vector("amplitude", p["amplitude"], "rad/s")
+    | {"angle": (p["angle"], "rad")},
     "bias_step": _step,
 }  # fmt: skip

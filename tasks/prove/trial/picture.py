@@ -95,6 +95,8 @@ def outcome(score: Score) -> tuple[str, str]:
         return WRONG, "a wrong name"
     if score.right:
         return RIGHT, "first name right"
+    if not score.has_a_name and (score.abstained or not score.can_be_told):
+        return RIGHT, "rightly without a name"
     if score.right_or_twin:
         return TWIN, "a twin named, the truth listed beside it"
     if score.abstained:
@@ -126,7 +128,7 @@ def cases_svg(scores: Sequence[Score]) -> str:
             same = [e for e in kept if e.effects[0] == name and e.asked_z == z]
             parts += [_square(x + CELL * k, y, outcome(e)[0]) for k, e in enumerate(same)]
     legend = [
-        ("first name right", RIGHT), ("a twin, the truth beside it", TWIN),
+        ("right: the name, or none where none is", RIGHT), ("a twin, the truth beside it", TWIN),
         ("left unnamed", ABSTAINED), ("nothing found", MISSED), ("a wrong name", WRONG),
     ]  # fmt: skip
     shown = [*_legend(legend, 22.0), *parts]

@@ -52,6 +52,7 @@ class Score:
     them. A name's twins are what its finding lists as indistinguishable from it.
     right: the first name is a true one. right_or_twin: it or one of its twins is.
     wrong: names that are not true; wrong_beyond_twins: of them those without a true twin.
+    certificate: the largest |change| of a value that the standard's clauses give, in its U.
     gap: None for clean cases and failures. parameters: of effects named rightly.
     """
 
@@ -68,6 +69,7 @@ class Score:
     right_or_twin: bool
     wrong: tuple[str, ...]
     wrong_beyond_twins: tuple[str, ...]
+    certificate: float | None
     gap: Gap | None
     parameters: tuple[Compared, ...]
     uncompared: tuple[str, ...]
@@ -92,6 +94,11 @@ class Score:
     def can_be_told(self) -> bool:
         """Whether the data show it at all: the standard absorbs another gravity whole."""
         return self.effects != (ABSORBED,)
+
+    @property
+    def has_a_name(self) -> bool:
+        """Whether a name of the catalogue would be right."""
+        return self.can_be_told and any(not e.startswith("x_") for e in self.effects)
 
 
 def score_all(folder: Path) -> list[Score]:
@@ -148,6 +155,7 @@ def scored(
         wrong_beyond_twins=tuple(
             one["effect"] for one in wrong if not _true_or_twin(one, effects)
         ),
+        certificate=trial["certificate"] and trial["certificate"]["ratio"],
         gap=gap,
         parameters=tuple(pair for pairs, _ in beside for pair in pairs),
         uncompared=tuple(name for _, alone in beside for name in alone),

@@ -10,7 +10,8 @@ from schemas.base import Unusable
 from tasks.prove.plant.case import Case
 from tasks.prove.plant.files import seal, write
 from tasks.prove.plant.simulate import simulate
-from tasks.prove.plant.visibility import Visibility, at_visibility, visibility
+from tasks.prove.plant.visibility import at_visibility, visibility
+from tasks.prove.trial.certificate import certificate_off
 from tasks.prove.trial.draw import Drawn, conditions
 from tasks.prove.trial.floor import floor_of
 
@@ -21,8 +22,8 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     """Sizes and plays one case: its recording, and apart from it its truth.
 
     Writes recordings/<number>/ and sealed/<number>/ with truth.json, truth.parquet and
-    trial.json: kind, z asked, z and concealment of each effect as they came out, and the floor
-    that noise alone sets to the misfit.
+    trial.json: kind, z asked, z and concealment of each effect as they came out, the floor
+    that noise alone sets to the misfit, and what is off most on the standard's certificate.
     """
     case = sized(drawn)
     simulated = simulate(case)
@@ -30,7 +31,17 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     write(simulated, folder / RECORDINGS / drawn.label)
     sealed = folder / SEALED / drawn.label
     seal(simulated, sealed)
-    _write_trial(drawn, seen, floor_of(case), sealed / "trial.json")
+    clean = simulate(case.only())
+    off = certificate_off(simulated.recording, clean.recording) if case.effects else None
+    told = {
+        "kind": drawn.kind,
+        "asked_z": drawn.z,
+        "z": {name: each.z for name, each in seen.items()},
+        "concealment": {name: each.concealment for name, each in seen.items()},
+        "floor": floor_of(clean),
+        "certificate": None if off is None else off._asdict(),
+    }
+    (sealed / "trial.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
 
 
 def sized(drawn: Drawn) -> Case:
@@ -62,19 +73,6 @@ def _on_three_axes(drawn: Drawn) -> Case:
     effects = tuple(call.name for call in drawn.case.effects)
     case = conditions(rng, (drawn.kind, effects, drawn.z), "three_axis")
     return case.model_copy(update={"temperature_recorded": True})
-
-
-def _write_trial(
-    drawn: Drawn, seen: dict[str, Visibility], floor: float, path: Path
-) -> None:
-    told = {
-        "kind": drawn.kind,
-        "asked_z": drawn.z,
-        "z": {name: each.z for name, each in seen.items()},
-        "concealment": {name: each.concealment for name, each in seen.items()},
-        "floor": floor,
-    }
-    path.write_text(json.dumps(told, indent=1), encoding="utf-8")
 
 
 def set_seals(folder: Path) -> str:

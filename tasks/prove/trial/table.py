@@ -31,7 +31,9 @@ class Rate:
 @dataclass(frozen=True)
 class Row:
     """Cases of one kind. parameters: intervals that hold the truth; gap: the median share
-    closed; of_closable: that of what noise lets be closed."""
+    closed; of_closable: that of what noise lets be closed. right: of those that have a name.
+    certificate: median of what is off most by the standard's clauses, in U; wrong above one.
+    """
 
     name: str
     z: float | None
@@ -48,6 +50,8 @@ class Row:
     parameters: Rate
     gap: float | None
     gap_worst: float | None
+    certificate: float | None
+    certificate_wrong: Rate
     of_closable: float | None
     seconds: float
 
@@ -58,6 +62,8 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
     shares = [share for e in scores if e.gap and (share := e.gap.of_closable) is not None]
     seen = [z for each in scores for z in each.z.values()]
     hidden = [share for each in scores for share in each.concealment.values()]
+    off = [each.certificate for each in scores if each.certificate is not None]
+    nameable = [each for each in scores if each.has_a_name]
     pairs = [pair for each in scores for pair in each.parameters]
 
     def rate(holds: Callable[[Score], object]) -> Rate:
@@ -70,8 +76,8 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         z_median=median(seen) if seen else None,
         concealment=median(hidden) if hidden else None,
         detected=rate(lambda each: each.detected),
-        right=rate(lambda each: each.right),
-        right_or_twin=rate(lambda each: each.right_or_twin),
+        right=Rate(sum(each.right for each in nameable), len(nameable)),
+        right_or_twin=Rate(sum(each.right_or_twin for each in nameable), len(nameable)),
         wrong=rate(lambda each: each.wrong),
         wrong_beyond_twins=rate(lambda each: each.wrong_beyond_twins),
         abstained=rate(lambda each: each.abstained),
@@ -79,6 +85,8 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         parameters=Rate(sum(pair.inside for pair in pairs), len(pairs)),
         gap=median(gaps) if gaps else None,
         gap_worst=min(gaps) if gaps else None,
+        certificate=median(off) if off else None,
+        certificate_wrong=Rate(sum(each > 1.0 for each in off), len(off)),
         of_closable=median(shares) if shares else None,
         seconds=median(each.seconds for each in scores),
     )

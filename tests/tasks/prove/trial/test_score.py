@@ -17,7 +17,7 @@ from tasks.prove.trial.table import Rate, row, rows_of, totals_of
 
 Told = Callable[..., dict[str, Any]]
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
-CABLE = {"x_cable_drag": {}}
+CABLE: dict[str, Any] = {"x_cable_drag": {}}
 
 
 @pytest.fixture
@@ -35,6 +35,7 @@ def answered(told: Told) -> Callable[..., Score]:
             "asked_z": z,
             "z": dict.fromkeys(effects, 30.0),
             "concealment": dict.fromkeys(effects, 0.5),
+            "certificate": {"ratio": 3.0, "item": "accel_bias", "element": "x"},
         }
         answer = {"verdict": "explained", "findings": said, "seconds": 1.0}
         return scored("0001", told(effects), trial, answer, None)
@@ -84,7 +85,7 @@ def test_finding_on_a_clean_recording_is_a_false_alarm(answered: Callable[..., S
 
 
 def test_failure_of_explain_is_no_detection(told: Told) -> None:
-    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
+    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None}
     answer = {"failed": "ValueError: no", "seconds": 0.5}
     score = scored("0001", told(LEVER), trial, answer, None)
     assert score.failed == "ValueError: no"
@@ -97,7 +98,7 @@ def test_parameters_of_what_was_rightly_named_are_compared(told: Told) -> None:
         {"effect": name, "indistinguishable_from": [], "parameters": stated}
         for name in ("lever_arm", "size_effect")
     ]
-    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
+    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None}
     answer = {"verdict": "explained", "findings": findings, "seconds": 0.5}
     score = scored("0001", told(LEVER), trial, answer, None)
     assert [pair.inside for pair in score.parameters] == [True]
@@ -141,6 +142,20 @@ def test_rows_are_by_effect_and_z_with_the_clean_ones_first(
         ("2 effects together", 40.0),
     ]  # fmt: skip
     assert row("", None, scores[3:4]).found == Rate(1, 2)
+
+
+def test_right_is_asked_only_where_there_is_a_name(answered: Callable[..., Score]) -> None:
+    scores = [answered(LEVER, "lever_arm"), answered(CABLE, "unnamed"),
+              answered({"gravity_value": {"difference": 1e-3}})]  # fmt: skip
+    assert row("", None, scores).right == Rate(1, 1)
+
+
+def test_certificate_that_is_off_by_more_than_its_uncertainty_is_counted(
+    answered: Callable[..., Score],
+) -> None:
+    figures = row("", None, [answered(LEVER, "lever_arm")])
+    assert figures.certificate == 3.0
+    assert figures.certificate_wrong == Rate(1, 1)
 
 
 def test_rates_carry_wilsons_interval() -> None:

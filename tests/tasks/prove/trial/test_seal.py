@@ -23,16 +23,16 @@ def test_recording_is_handed_out_without_its_truth(sealed: Path) -> None:
 def test_truth_is_sealed_with_the_visibility_that_was_asked(sealed: Path) -> None:
     trial = json.loads((sealed / "sealed/0002/trial.json").read_text())
     assert trial["z"]["temperature_bias"] == pytest.approx(60.0, rel=0.03)
+    assert trial["floor"] > 6.0  # a parameter of each channel at the least
+    assert trial["certificate"]["ratio"] > 0.0
     truth = json.loads((sealed / "sealed/0002/truth.json").read_text())
     assert list(truth["effects"]) == ["temperature_bias"]
 
 
 def test_seals_are_the_sha256_of_every_sealed_file(sealed: Path) -> None:
-    lines = dict(
-        reversed(line.split("  ")) for line in (sealed / "seals.txt").read_text().splitlines()
-    )
+    lines = (sealed / "seals.txt").read_text().splitlines()
     assert len(lines) == 6  # three files of each case
-    for name, digest in lines.items():
+    for digest, name in (line.split("  ") for line in lines):
         assert hashlib.sha256((sealed / name).read_bytes()).hexdigest() == digest
     check_seals(sealed)
 
