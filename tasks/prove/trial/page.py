@@ -26,7 +26,12 @@ POWER: Text = (
     "Effects of the catalogue, alone. Bars are 95 % intervals (Wilson).",
     "目录内因素单独出现时的结果；短线为95 %区间（Wilson）。",
 )
-CASES: Text = ("Each square is one recording.", "每格为一个记录。")
+CASES: Text = (
+    "Each square is one recording. Right is the name; for what is outside the catalogue (x_…), "
+    "to leave it unnamed, and for another gravity, which the scale factors take whole, to tell "
+    "nothing.",
+    "每格为一个记录。正确：名称即真值；对目录外因素（x_…）为不予命名；对标度因数完全吸收的重力差异为不作判断。",
+)
 RULES: Text = (
     "Detected: anything was found. Right: the first name is the truth. Or its twin: that name, or "
     "one that is listed as indistinguishable from it. Any wrong: a name that is not in the truth, "

@@ -128,7 +128,7 @@ def cases_svg(scores: Sequence[Score]) -> str:
             same = [e for e in kept if e.effects[0] == name and e.asked_z == z]
             parts += [_square(x + CELL * k, y, outcome(e)[0]) for k, e in enumerate(same)]
     legend = [
-        ("right: the name, or none where none is", RIGHT), ("a twin, the truth beside it", TWIN),
+        ("right", RIGHT), ("a twin, the truth beside it", TWIN),
         ("left unnamed", ABSTAINED), ("nothing found", MISSED), ("a wrong name", WRONG),
     ]  # fmt: skip
     shown = [*_legend(legend, 22.0), *parts]
