@@ -44,9 +44,10 @@ def motion(rate: float = RATE) -> Motion:
         bend = turns * 2.0 * np.pi / MOVE * np.sin(2.0 * np.pi * part[rows])
         change[rows] = bend[:, None] * axis
         now = np.array([_turned(row, axis, np.array([-whole]))[0] for row in now])
+    slow = 2.0 * np.pi / 170.0  # rad/s: the room's heating
     recorded = {
-        "temperature": 22.0 + 6.0 * (1.0 - np.exp(-t / 150.0)),
-        "temperature_rate": 0.04 * np.exp(-t / 150.0),
+        "temperature": 28.0 - 6.0 * np.exp(-t / 150.0) + 1.5 * np.sin(slow * t),
+        "temperature_rate": 0.04 * np.exp(-t / 150.0) + 1.5 * slow * np.cos(slow * t),
         "fixing": np.zeros(len(t)), "steady_turn": np.zeros(len(t)),
     }  # fmt: skip
     return Motion(t, up, north, speed, change, GRAVITY, recorded=recorded)
