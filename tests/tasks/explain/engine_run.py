@@ -75,7 +75,7 @@ def segments() -> tuple[Segment, ...]:
     return tuple(found)
 
 
-def read(run: Motion, *terms: tuple[Term, Sequence[float]]) -> np.ndarray:
+def read(run: Motion, *terms: tuple[Term, Sequence[float] | np.ndarray]) -> np.ndarray:
     """Readings (n, 6), without noise, of an otherwise ideal unit with some terms."""
     values = [nominal_values(STANDARD_TERMS), *(np.array(own, float) for _, own in terms)]
     everything = (*STANDARD_TERMS, *(term for term, _ in terms))

@@ -86,11 +86,14 @@ def test_a_gain_is_the_difference_of_two_fits(both: Asked, name: str, beside: st
     taken = [] if beside is None else [both.named(beside)]
     held = [p for one in taken for p in one.members]
     one = both.named(name)
-    ranked = rank(system(both.pool, NOISY), both.candidates, taken)
-    own = next(scored for scored in ranked if scored.candidate is one)
+    state = system(both.pool, NOISY)
+    own = next(s for s in rank(state, both.candidates, taken) if s.candidate is one)
     direct = misfit(both, held) - misfit(both, [*held, *one.members])
     assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
-    price = PER_PARAMETER * len(one.members) + 2.0 * np.log(one.tried) + one.term.rarity
+    count = int((state.scale[list(one.members)] > 0).sum())
+    # Of nine places three look like the standard's p_ij: they are not charged.
+    assert count == {"size_effect": 6}.get(name, len(one.members))
+    price = PER_PARAMETER * count + 2.0 * np.log(one.tried) + one.term.rarity
     assert own.gain - own.score == pytest.approx(price)
 
 
