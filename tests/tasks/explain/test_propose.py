@@ -71,7 +71,7 @@ def test_two_steps_are_both_proposed_and_not_one_of_them_twice() -> None:
 
 @pytest.mark.parametrize("period", [2.37, 17.3, 61.0])
 def test_the_period_of_a_wave_is_found_within_a_percent(period: float) -> None:
-    """Or, where few go into the run, within a point of the spectrum; the fit takes it from there."""
+    """Where few go into the run, within a point of the spectrum; the fit takes it from there."""
     made = np.zeros((len(RUN.t), 6))
     made[:, 1] = 0.5 * np.sqrt(NOISY[1].white) * np.sin(2.0 * np.pi * RUN.t / period + 0.4)
     _, _, moved = looked(made, 3)
