@@ -103,10 +103,16 @@ class HeldOut(Frozen):
 
 
 class Discrepancy(Frozen):
-    """The whole answer."""
+    """The whole answer.
+
+    digest: SHA-256 of the recording's content. model: what the recording is compared with.
+    """
 
     format: Literal["mimu-discrepancy/1"] = "mimu-discrepancy/1"
     recording_id: str
+    digest: str = ""
+    code_version: str = ""
+    model: Statement
     verdict: Verdict
     detection: Detection
     findings: tuple[FindingSaid, ...] = ()

@@ -14,11 +14,16 @@ from tasks.explain.observed import FullRate, Observed
 from tasks.explain.refit import Model, fitted, model_of
 from tasks.explain.search import NEAR, Found
 from tasks.explain.spectrum import Noise
+from tasks.explain.told import Told, other_parameters
 from tasks.explain.weigh import Group, Weighed, groups_of
 from tasks.model.events import EVENT_TEXTS
 from tasks.model.simulate import predict
 from tasks.model.term import Parameter, Term, Text, places
 
+FITTED: Text = (
+    "the standard's model, its parameters fitted to this recording",
+    "参数由本次记录拟合的标准模型",
+)
 SEEN = 0.02  # of a finding's power: a channel with less is not named
 
 
@@ -30,33 +35,43 @@ def assembled(
     found: Found,
     model: Model,
     noises: Sequence[Noise],
+    told: Told | None = None,
 ) -> Explanation:
-    """The explanation that a fitted model is, with the events in front."""
+    """The explanation that a fitted model is, with the events.
+
+    told: a prediction from elsewhere, by which the readings were reduced to those of an ideal unit.
+    """
+    more = 0.0 if told is None else told.beyond_ideal(full.motion)
     standard = fitted(model_of((), fine), fine, noises)
     noise = np.sqrt(full.quiet).repeat(3)
     t = full.motion.t
     bare = predict(model.terms, full.motion, model.values)
     groups = groups_of(found)
     weighed = Weighed.of(model, fine, noises, groups)
-    residual = full.readings - events.applied(t, bare, noise)
+    residual = full.readings - events.applied(t, bare + more, noise)
     heard = heard_after(events, t, residual, noise, full.motion)
     findings = [
         _finding(group, number, weighed, model, full, bare, fine, noises)
         for number, group in enumerate(groups)
     ]
-    happened = _of_events(heard, t, full, bare, noise)
+    happened = _of_events(heard, t, full, bare + more, noise)
     nominal = predict(standard.terms, full.motion, standard.values)
+    if told is not None:
+        nominal = told.readings
+        other = other_parameters(standard, full, fine, noises)
+        findings += [other] if other is not None else []
     whole = tuple(sorted((*happened, *findings), key=lambda each: -each.gain))
     return Explanation(
         recording=recording,
         nominal=nominal,
-        found=heard.applied(t, bare, noise),
+        found=heard.applied(t, bare + more, noise),
         noise=noise,
         p_value=min([found.p_value, *(event.p_value for event in heard.events)]),
         verdict=_verdict(whole),
         held_out=weighed.held_out(),
         findings=whole,
         remarks=heard.remarks,
+        model=FITTED if told is None else told.model,
     )
 
 

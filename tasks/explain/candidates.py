@@ -123,7 +123,7 @@ def candidates_of(
 
 
 def plausible_sizes(candidates: Sequence[Candidate], count: int) -> np.ndarray:
-    """(count,) half of the range that each parameter may plausibly have; infinite for the others."""
+    """(count,) half of each parameter's plausible range; infinite where nothing is known of it."""
     half = np.full(count, np.inf)
     for one in candidates:
         if one.prior is None and not one.known:

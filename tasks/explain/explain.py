@@ -26,6 +26,7 @@ from tasks.explain.propose import proposed
 from tasks.explain.refit import Model, fitted, linearised, model_of
 from tasks.explain.search import Found, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
+from tasks.explain.told import Told
 from tasks.explain.weigh import Weighed, groups_of
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
@@ -40,12 +41,14 @@ Progress = Callable[[str], None]
 def explain(
     recording: Recording,
     *,
+    told: Told | None = None,
     only: Sequence[str] | None = None,
     progress: Progress = lambda said: None,
 ) -> Explanation:
     """Where the standard's model and a recording differ, and which physics is missing.
 
-    only: names of the catalogue that are fitted, and nothing else; without them a search.
+    told: what a calibration or another simulator predicts, in place of the fitted model. only:
+    names of the catalogue that are fitted, and nothing else; without them a search.
     Raises Unusable where the recording tells no motion or is too short.
     """
     progress("motion")
@@ -53,6 +56,8 @@ def explain(
     progress("events")
     events = find_events(full.motion.t, full.readings, full.motion)
     freed = _without_events(full, events)
+    if told is not None:
+        freed = replace(freed, readings=freed.readings - told.beyond_ideal(full.motion))
     coarse = in_blocks(freed, SEARCH_RATE, events.masked)
     fine = in_blocks(freed, REFIT_RATE, events.masked)
     progress("candidates")
@@ -76,7 +81,7 @@ def explain(
         found = _with_shapes(found, model)
     progress("evidence")
     noises = _at_rate(found.noises, fine, coarse)
-    return assembled(recording, full, fine, events, found, model, noises)
+    return assembled(recording, full, fine, events, found, model, noises, told)
 
 
 def standard_columns(observed: Observed) -> list[list[np.ndarray]]:

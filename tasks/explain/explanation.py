@@ -43,7 +43,7 @@ class Explanation:
     nominal, found: (n, 6) predicted readings at the unit's rows, without and with the findings;
     NaN where the motion is not known. noise: (6,) standard deviation of one sample at rest.
     p_value: of the strongest mismatch, corrected for how many were looked for.
-    findings: ordered by evidence.
+    findings: ordered by evidence. model: what `nominal` is of.
     """
 
     recording: Recording
@@ -55,3 +55,4 @@ class Explanation:
     held_out: HeldOut
     findings: tuple[Finding, ...]
     remarks: tuple[Text, ...] = ()
+    model: Text = ("the standard's model", "标准模型")

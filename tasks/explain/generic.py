@@ -32,6 +32,7 @@ RECORDED: dict[str, Text] = {
 }
 
 Courses = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
+Driver = Callable[[Motion, Inputs, int], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -166,7 +167,7 @@ def _after_moves() -> Iterator[Term]:
 
 
 def _lags() -> Iterator[Term]:
-    drivers: dict[str, tuple[Text, tuple[int, ...], Callable[[Motion, Inputs, int], np.ndarray]]] = {
+    drivers: dict[str, tuple[Text, tuple[int, ...], Driver]] = {
         "ω": (("the rate about its own axis", "自身轴角速率"), GYROS, lambda m, u, c: u.rate[:, c]),
         "ω²": (
             ("the square of the rate", "角速率平方"), EVERY,
@@ -192,7 +193,7 @@ def _lags() -> Iterator[Term]:
                 motion: Motion,
                 inputs: Inputs,
                 channel: int,
-                driver: Callable[[Motion, Inputs, int], np.ndarray] = driver,
+                driver: Driver = driver,
                 tau: float = tau,
             ) -> list[np.ndarray]:
                 return [lagged(driver(motion, inputs, channel), motion.t, tau)]
@@ -219,7 +220,7 @@ def _products() -> Iterator[Term]:
          EVERY, 2, lambda m, u, c: [u.rate[:, c % 3] * u.rate[:, j] for j in _others(c)]),
         ("f_j·f_k", ("the product of the specific forces on the two other axes", "另两轴比力之积"),
          EVERY, 1, lambda m, u, c: [u.force[:, _others(c)[0]] * u.force[:, _others(c)[1]]]),
-        ("f_i·f_j", ("products of the own specific force with the others", "自身轴与其他轴比力之积"),
+        ("f_i·f_j", ("products of its own specific force with the others", "自身与其他轴比力之积"),
          EVERY, 2, lambda m, u, c: [u.force[:, c % 3] * u.force[:, j] for j in _others(c)]),
         ("f_j²", ("the squares of the other specific forces", "其他轴比力的平方"),
          ACCELS, 2, lambda m, u, c: [u.force[:, j] ** 2 for j in _others(c)]),
@@ -247,12 +248,17 @@ def _recorded(motion: Motion) -> Iterator[Term]:
         if course is None or np.nanstd(course) < 1e-9:
             continue
 
-        def courses(motion: Motion, inputs: Inputs, channel: int, key: str = key) -> list[np.ndarray]:
+        def courses(
+            motion: Motion, inputs: Inputs, channel: int, key: str = key
+        ) -> list[np.ndarray]:
             return [motion.recorded[key] - np.nanmean(motion.recorded[key])]
 
-        def scaled(motion: Motion, inputs: Inputs, channel: int, key: str = key) -> list[np.ndarray]:
+        def scaled(
+            motion: Motion, inputs: Inputs, channel: int, key: str = key
+        ) -> list[np.ndarray]:
             felt = inputs.rate if channel < 3 else inputs.force
-            return [(motion.recorded[key] - np.nanmean(motion.recorded[key])) * felt[:, channel % 3]]
+            course = motion.recorded[key] - np.nanmean(motion.recorded[key])
+            return [course * felt[:, channel % 3]]
 
         yield follows(key, of, EVERY, 1, courses, True)
         title = (f"{of[0]} times the input", f"{of[1]}与输入之积")

@@ -1,4 +1,4 @@
-"""What a model predicts of segments that its fit did not see: every other segment, both ways."""
+"""What a model predicts of segments that its fit did not see: every fourth one, in turn."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,58 +6,77 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.explain.observed import Observed
-from tasks.explain.pool import inverse
 from tasks.explain.refit import Equations, equations_of
 from tasks.explain.spectrum import Noise
 from tasks.model.term import Column
 
+FOLDS = 4
+BARELY = 1e-9  # of a column's power: what no other fold determines is as good as free
 CHUNK = 30.0  # s of what has no segments
 
 
 @dataclass(frozen=True)
-class HalfSeen:
-    """Whitened Gram matrices of the two halves of a recording, columns and misfit of one model."""
+class PartlySeen:
+    """Whitened Gram matrices of a model's columns and misfit: on all rows, and on each fold."""
 
-    halves: tuple[Equations, Equations]
+    whole: Equations
+    folds: tuple[Equations, ...]
 
-    def chi2(
-        self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray
-    ) -> np.ndarray:
-        """Chi-squared (6,) of each half predicted by a fit to the other.
+    def surprise(self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray) -> np.ndarray:
+        """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
 
+        What the others leave uncertain is uncertain in the prediction: e ~ N(0, 1 + J·C·Jᵀ).
         kept: the columns that are fitted. added: (q,) what is put back into the misfit of the
         columns that are not. prior: (q,) precision beforehand, of changes about `added`.
         """
         total = np.zeros(6)
-        for seen, hidden in (self.halves, self.halves[::-1]):
-            normal, right, _ = seen.normal()
+        rows = list(kept)
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(self.whole.normal()[0])[rows], 1e-300))
+        least = np.diag(np.full(len(rows), BARELY))
+        for fold in self.folds:
+            normal, right = self._seen(fold)
             right = right + normal @ added
-            rows = list(kept)
-            block = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
-            change = np.zeros(seen.count)
-            change[rows] = inverse(block) @ right[rows]
-            for channel, (gram, which) in enumerate(zip(hidden.grams, hidden.which, strict=True)):
-                combined = np.append((added - change)[which], 1.0)
-                total[channel] += combined @ gram @ combined
+            own = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
+            own = own * scale[:, None] * scale + least
+            change = added.copy()
+            change[rows] -= scale * np.linalg.solve(own, scale * right[rows])
+            for channel, (gram, which) in enumerate(zip(fold.grams, fold.which, strict=True)):
+                left = np.append(change[which], 1.0)
+                heard, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
+                heard[which] = gram[:-1] @ left
+                more[np.ix_(which, which)] = gram[:-1, :-1]
+                mine = own + more[np.ix_(rows, rows)] * scale[:, None] * scale
+                told = scale * heard[rows]
+                total[channel] += left @ gram @ left - told @ np.linalg.solve(mine, told)
+                total[channel] += np.linalg.slogdet(mine)[1] - np.linalg.slogdet(own)[1]
         return total
 
-
-def half_seen(
-    columns: Sequence[Column], misfit: np.ndarray, observed: Observed, noises: Sequence[Noise]
-) -> HalfSeen:
-    """The two halves: segments of even and of odd number, with the move before each."""
-    even = halves_of(observed)
-    return HalfSeen((
-        equations_of(columns, misfit, observed, noises, even),
-        equations_of(columns, misfit, observed, noises, ~even),
-    ))  # fmt: skip
+    def _seen(self, fold: Equations) -> tuple[np.ndarray, np.ndarray]:
+        """Normal matrix and right side of all rows but the fold's."""
+        (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
+        return normal - hidden, right - hidden_right
 
 
-def halves_of(observed: Observed) -> np.ndarray:
-    """(n,) bool: rows of every other segment; a move belongs to the segment after it."""
+def partly_seen(
+    whole: Equations,
+    columns: Sequence[Column],
+    misfit: np.ndarray,
+    observed: Observed,
+    noises: Sequence[Noise],
+) -> PartlySeen:
+    """Every fourth segment, with the move before it, is a fold."""
+    fold = folds_of(observed)
+    return PartlySeen(
+        whole,
+        tuple(equations_of(columns, misfit, observed, noises, fold == k) for k in range(FOLDS)),
+    )
+
+
+def folds_of(observed: Observed) -> np.ndarray:
+    """(n,) number of the fold of each row; a move belongs to the segment after it."""
     number = observed.segment
     if (number < 0).all():
-        return np.asarray((observed.t / CHUNK).astype(int) % 2 == 0)
+        return np.asarray((observed.t / CHUNK).astype(int) % FOLDS)
     rows = np.flatnonzero(number >= 0)
     following = rows[np.minimum(np.searchsorted(rows, np.arange(len(number))), len(rows) - 1)]
-    return np.asarray(number[following] % 2 == 0)
+    return np.asarray(number[following] % FOLDS)

@@ -52,7 +52,8 @@ class FullRate:
     """The recording at the unit's own rows: readings (n, 6), motion with what was recorded.
 
     segment: (n,) index into `segments`, −1 between them. shaking: (segments + 1, 2) variance of
-    a sample's noise in each, by triad; last: between them.
+    a sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they
+    were read; stirred: (6,) bool, noise is larger, so that means are finer than steps.
     """
 
     readings: np.ndarray
@@ -60,13 +61,16 @@ class FullRate:
     segment: np.ndarray
     segments: tuple[Segment, ...]
     shaking: np.ndarray
+    steps: np.ndarray
+    stirred: np.ndarray
 
     @property
     def quiet(self) -> np.ndarray:
         """(2,) variance of a sample's noise at rest, by triad; 1 where it is not known."""
         least = np.min(np.where(np.isfinite(self.shaking), self.shaking, np.inf), axis=0)
         usual = [_median(course) for course in self.shaking.T]
-        level = np.minimum(usual, 1.3 * least)
+        rounded = np.array([self.steps[:3].max(), self.steps[3:].max()]) ** 2 / 12.0
+        level = np.maximum(np.minimum(usual, 1.3 * least), rounded)
         return np.asarray(np.where(np.isfinite(level) & (level > 0), level, 1.0))
 
 
@@ -96,7 +100,7 @@ def full_rate(recording: Recording) -> FullRate:
         variance, number, np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     )
     motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
-    return FullRate(readings, motion, number, segments, variance)
+    return FullRate(readings, motion, number, segments, variance, *_steps(readings))
 
 
 def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Observed:
@@ -111,7 +115,7 @@ def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> 
     count = int(block[-1]) + 1
     if count < FEWEST_BLOCKS:
         raise Unusable(
-            f"the recording lasts {t[-1]:.1f} s; explain needs {FEWEST_BLOCKS / rate:.0f} s at least"
+            f"the recording lasts {t[-1]:.1f} s; explain needs {FEWEST_BLOCKS / rate:.0f} s or more"
         )
     usable = np.isfinite(full.readings) & full.motion.known[:, None]
     if masked is not None:
@@ -125,22 +129,22 @@ def in_blocks(full: FullRate, rate: float, masked: np.ndarray | None = None) -> 
     weight[~motion.known] = 0.0
     first = np.searchsorted(block, np.arange(count))
     segment = full.segment[np.minimum(first, len(block) - 1)]
-    rounding = np.array([_rounding(course, step) for course in full.readings.T])
+    rounding = full.steps**2 / 12.0 / np.where(full.stirred, step, 1)
     return Observed(
         motion.t, readings, weight, motion, own / step, segment, full.segments, rounding
     )
 
 
-def _rounding(course: np.ndarray, step: int) -> float:
-    """Variance of a block mean by rounding alone: q²/12, less by averaging where noise stirs it."""
-    known = course[np.isfinite(course)][:SAMPLE]
-    changes = np.abs(np.diff(known))
-    moved = changes[changes > 0]
-    if not len(moved):
-        return 0.0
-    least = float(np.quantile(moved, 0.01))
-    stirred = len(moved) > STIRRED * len(changes)
-    return least**2 / 12.0 / (step if stirred else 1)
+def _steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(6,) steps of the outputs, 0 where there are none, and whether noise is larger than them."""
+    steps, stirred = np.zeros(6), np.ones(6, bool)
+    for channel, course in enumerate(readings.T):
+        changes = np.abs(np.diff(course[np.isfinite(course)][:SAMPLE]))
+        moved = changes[changes > 0]
+        if len(moved):
+            steps[channel] = np.quantile(moved, 0.01)
+            stirred[channel] = len(moved) > STIRRED * len(changes)
+    return steps, stirred
 
 
 def _means(
@@ -157,10 +161,10 @@ def _block_motion(
 
     def mean(values: np.ndarray) -> np.ndarray:
         flat = values.reshape(len(values), -1)
-        total = np.column_stack([np.bincount(block, column, count) for column in flat.T])
+        sums = np.column_stack([np.bincount(block, column, count) for column in flat.T])
         with np.errstate(invalid="ignore"):
-            total = total / np.where(rows > 0, rows, np.nan)[:, None]
-        return np.asarray(total.reshape(count, *values.shape[1:]))
+            means = sums / np.where(rows > 0, rows, np.nan)[:, None]
+        return np.asarray(means.reshape(count, *values.shape[1:]))
 
     axes = motion.axes and replace(
         motion.axes,
@@ -185,7 +189,7 @@ def _block_motion(
 
 def _numbers(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
     """Which segment each row lies in, −1 for none."""
-    number = np.full(len(t), -1)
+    number: np.ndarray = np.full(len(t), -1)
     for k, segment in enumerate(segments):
         start, stop = np.searchsorted(t, (segment.t_start, segment.t_end))
         number[start:stop] = k

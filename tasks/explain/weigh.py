@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from schemas.discrepancy import HeldOut
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.generic import UNNAMED
-from tasks.explain.held_out import HalfSeen, half_seen
+from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
 from tasks.explain.refit import Equations, Model, equations_of
@@ -55,14 +55,14 @@ def _name_of(some: Sequence[Chosen]) -> str:
 
 @dataclass(frozen=True)
 class Weighed:
-    """The model's columns, whitened, on all rows and on the two halves.
+    """The model's columns, whitened, on all rows and on each fold.
 
     groups: for each finding the columns that are its own and what they are multiplied by now.
     prior: (q,) precision beforehand.
     """
 
     whole: Equations
-    halves: HalfSeen
+    parts: PartlySeen
     groups: tuple[tuple[list[int], np.ndarray], ...]
     fixed: tuple[int, ...]
     prior: np.ndarray
@@ -98,9 +98,10 @@ class Weighed:
             indexed.append((mine, np.array(now)))
         misfit = fine.readings - design.prediction
         prior = np.concatenate([prior, np.zeros(len(columns) - len(prior))])
+        whole = equations_of(columns, misfit, fine, noises)
         return cls(
-            equations_of(columns, misfit, fine, noises),
-            half_seen(columns, misfit, fine, noises),
+            whole,
+            partly_seen(whole, columns, misfit, fine, noises),
             tuple(indexed), tuple(fixed), prior, int((fine.weight > 0).sum()),
         )  # fmt: skip
 
@@ -130,19 +131,19 @@ class Weighed:
 
     def held_out_gain(self, number: int) -> float:
         """Log-likelihood (nats) that one finding adds on segments that a fit did not see."""
-        without = self.halves.chi2(
+        without = self.parts.surprise(
             self._kept(self.groups[number][0]), self._added([number]), self.prior
         )
         return 0.5 * float((without - self._after()).sum())
 
     def _after(self) -> np.ndarray:
-        return self.halves.chi2(self._kept(()), np.zeros(self.whole.count), self.prior)
+        return self.parts.surprise(self._kept(()), np.zeros(self.whole.count), self.prior)
 
     def held_out(self) -> HeldOut:
         """How segments that a fit did not see are predicted, before and after."""
         every = range(len(self.groups))
         mine = [q for number in every for q in self.groups[number][0]]
-        before = self.halves.chi2(self._kept(mine), self._added(list(every)), self.prior)
+        before = self.parts.surprise(self._kept(mine), self._added(list(every)), self.prior)
         after = self._after()
         ratio = {
             name: float(np.sqrt(after[c] / before[c]))

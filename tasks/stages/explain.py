@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from storage.home import Home
 from storage.results import named_result
 from storage.store import Run
 from tasks.stages import refuse
+
+if TYPE_CHECKING:
+    from tasks.explain.told import Told
 
 WIDEST_STEP = 1.5  # steps of the unit between which another simulator's rows are interpolated
 FEWEST_ROWS = 0.5  # of the unit's rows that a simulation must have
@@ -54,12 +57,8 @@ def explain_run(
 
     _check_folder(out)
     recording = store.load(run, home)
-    against: dict[str, Any] = {}  # instead of the standard's model, fitted to this recording
-    if calibration is not None:
-        against["calibration"] = calibration_named(calibration, home)
-    if simulated is not None:
-        against["simulated"] = simulated_readings(recording, simulated)
-    explanation = explain(recording, progress=progress, **against)
+    told = _told(recording, home, calibration, simulated)
+    explanation = explain(recording, told=told, progress=progress)
     progress("consequences")
     effects = consequences(recording, explanation, _tolerance(recording, home))
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
@@ -68,6 +67,27 @@ def explain_run(
     progress("report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)
+
+
+def _told(
+    recording: Recording, home: Home, calibration: str | None, simulated: Path | None
+) -> "Told | None":
+    """What a calibration or another simulator says the unit should have read; None: neither."""
+    from tasks.explain.told import Told
+
+    if simulated is not None:
+        said = ("the simulation that was given", "给定的仿真信号")
+        return Told(simulated_readings(recording, simulated), said)
+    if calibration is None:
+        return None
+    from tasks.model.simulate import predict
+    from tasks.model.terms.standard import STANDARD_TERMS
+    from tasks.motion.whole import whole_motion
+    from tasks.stages.simulate import model_values
+
+    values, _ = model_values(calibration_named(calibration, home))
+    said = ("the standard's model with the given calibration", "采用给定校准结果的标准模型")
+    return Told(predict(STANDARD_TERMS, whole_motion(recording), values), said)
 
 
 def calibration_named(reference: str, home: Home) -> Calibration:

@@ -9,7 +9,7 @@ from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.clicks import find_clicks
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import find_lines
-from tasks.explain.events.plain import noise_of
+from tasks.explain.events.plain import alive, noise_of
 from tasks.explain.events.quantisation import Quantisation
 from tasks.explain.events.slips import Slips, delay
 from tasks.motion.whole import Motion
@@ -37,6 +37,7 @@ def heard_after(
         left = _without((clicks,), taken, left)
         lines = find_lines(taken, left, level, turning)
     left = _without(lines, taken, left)
+    left[:, _coarse(events)] = np.nan  # what rounding leaves at rest is no noise
     bursts = find_bursts(taken, left, level, motion)
     rung = tuple(event for event in (clicks, bursts) if event is not None)
     return Events(lines + rung + events.events, events.masked, events.remarks)
@@ -58,12 +59,20 @@ def _taken_at(events: Events, t: np.ndarray) -> np.ndarray:
     return t
 
 
+def _coarse(events: Events) -> list[int]:
+    """Channels whose steps are visible."""
+    return [
+        channel for event in events.events if isinstance(event, Quantisation)
+        for channel in event.channels
+    ]  # fmt: skip
+
+
 def _level(
     events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion
 ) -> np.ndarray:
     """The noise (n, 6) that the residual has at each rate."""
-    level = noise_of(residual, motion)
-    level = np.where(np.isfinite(level) & (level > 0), level, noise)
+    level = alive(noise_of(residual, motion))
+    level = np.where(level == 0, noise, level)
     for event in events.events:
         if isinstance(event, Quantisation):
             level = scatter_with(event, level)

@@ -3,11 +3,11 @@
 import numpy as np
 
 from tasks.explain.events.event import Event, Events
-from tasks.explain.events.plain import noise_of, predictions
+from tasks.explain.events.plain import alive, noise_of, predictions
 from tasks.explain.events.quantisation import Quantisation, find_quantisation
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.slips import find_slips, gaps
-from tasks.explain.events.transients import find_spikes
+from tasks.explain.events.spikes import find_spikes
 from tasks.motion.whole import Motion
 
 
@@ -26,7 +26,7 @@ def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
     left = _left(t, readings, motion, masked, found + limits, noise)
     steps = find_quantisation(free, readings - left)
     left[masked] = np.nan
-    spikes, at_spikes = find_spikes(left, scatter_with(steps, noise), motion)
+    spikes, at_spikes = find_spikes(left, scatter_with(steps, alive(noise)), motion)
     # In the order in which they act: when a reading was taken, limit, rounding.
     last = tuple(event for event in (steps, spikes) if event is not None)
     return Events(found + limits + last, masked | at_spikes, gaps(t))

@@ -9,19 +9,21 @@ from scipy.stats import gamma
 from schemas.discrepancy import FoundParameter
 from schemas.recording import ACCEL, GYRO
 from tasks.explain.events.event import UNITS, named
-from tasks.explain.events.regimes import levels, regimes_at, without_louder
+from tasks.explain.events.regimes import CHANGES, levels, regimes_at, without_louder
 from tasks.explain.events.ringing import OVER, Ringing, fitted_waves, shape_of, swings
 from tasks.explain.events.swings import FILLED, Swing, standing_out
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
-RATE = 20.0  # Hz, of the blocks that bursts are looked for in
+RATE = 25.0  # Hz, of the blocks that bursts are looked for in
 FALSE_ALARM = 1e-4
 SURE = 5.0  # of the noise: a further burst of a known wave
 ALIKE = (0.5, 2.0)  # sizes of a further burst, over that of the known one
+FEWEST = 100  # rows
 MOST = 60  # bursts; more are no odd events
 ROUNDS = 3
-SEEN = 3.0
+SEEN = 4.0  # standard uncertainties from which a channel has the bursts
+LONGEST = 8.0  # s that a burst may fade in
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ def find_bursts(
     t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
 ) -> Ringing | None:
     """Bursts in what a fit leaves (n, 6), NaN: not known; noise: (n, 6), its level at each row."""
+    if len(t) < FEWEST:
+        return None
     blocks = _blocks(t, residual, noise, motion)
     channels = np.flatnonzero(blocks.weight.any(axis=0))
     if len(channels) == 0:
@@ -58,24 +62,33 @@ def find_bursts(
     if not strong or len(strong) > MOST:
         return None
     kind = _kind(blocks, strong[0])
-    if len(kind.starts) > MOST:
+    if len(kind.starts) > MOST or kind.decay > LONGEST or _follows_changes(blocks, kind):
         return None
     p_value = min(1.0, looked * float(gamma.sf(strong[0].power, len(channels))))
     return _event(kind, p_value)
 
 
 def _blocks(t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion) -> Blocks:
-    width = max(1, round(1 / (RATE * float(np.median(np.diff(t)))))) * float(np.median(np.diff(t)))
-    block = np.floor((t - t[0]) / width + 1e-6).astype(int)
-    count = int(block[-1]) + 1
+    """Means of so many rows as make up a block; gaps in the stamps are passed over."""
+    rows = max(1, round(1 / (RATE * float(np.median(np.diff(t))))))
+    starts = np.arange(0, len(t) - rows + 1, rows)
     known = np.isfinite(residual) & (noise > 0)
     square = np.divide(1.0, noise**2, out=np.zeros(noise.shape), where=known)
     heard = np.where(known, residual, 0.0) * square
-    information = np.column_stack([np.bincount(block, each, count) for each in square.T])
-    told = np.column_stack([np.bincount(block, each, count) for each in heard.T])
+    cut = slice(0, len(starts) * rows)
+    information, told = (
+        each[cut].reshape(-1, rows, 6).sum(axis=1) for each in (square, heard)
+    )
     left = np.divide(told, information, out=np.zeros_like(told), where=information > 0)
-    middle = t[0] + np.arange(count) * width + 0.5 * (width - float(np.median(np.diff(t))))
+    middle = t[cut].reshape(-1, rows).mean(axis=1)
     return Blocks(middle, left, np.sqrt(information), regimes_at(motion, middle))
+
+
+def _follows_changes(blocks: Blocks, kind: Kind) -> bool:
+    """Whether bursts come where the rate changes: what is left of the motion then is no burst."""
+    among = blocks.regime[np.searchsorted(blocks.t, kind.starts).clip(0, len(blocks.t) - 1)]
+    even = float((blocks.regime != CHANGES).mean())
+    return bool((among != CHANGES).sum() < 0.5 * even * len(among))
 
 
 def _kind(blocks: Blocks, strongest: Swing) -> Kind:
@@ -124,6 +137,7 @@ def _further(blocks: Blocks, kind: Kind) -> np.ndarray:
                              blocks.regime, filled)  # fmt: skip
     sure = np.sign(sure) * np.sqrt(squares[:, 0])
     likely = np.where((size > ALIKE[0]) & (size < ALIKE[1]), sure, 0.0)
+    likely[-max(1, int(kind.decay / step)) :] = 0.0  # too little is left of it to tell
     starts = []
     while likely.max() > SURE:
         top = int(likely.argmax())
@@ -150,7 +164,7 @@ def _summit(course: np.ndarray, top: int) -> float:
 
 
 def _event(kind: Kind, p_value: float) -> Ringing:
-    channels = tuple(int(c) for c in np.flatnonzero(kind.gain > SEEN**2 + 2))
+    channels = tuple(int(c) for c in np.flatnonzero(kind.gain > SEEN**2))
     channels = channels or (int(kind.gain.argmax()),)
     wave = np.where(np.isin(np.arange(6), channels), kind.wave, 0.0)
     count, gain = len(kind.starts), float(kind.gain.sum())

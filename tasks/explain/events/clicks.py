@@ -9,7 +9,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.events.comb import Comb, find_comb
 from tasks.explain.events.event import ACCELS, GYROS, UNITS, named
 from tasks.explain.events.orders import Orders, orders_of
-from tasks.explain.events.ringing import OVER, Ringing, fitted_waves, shape_of
+from tasks.explain.events.ringing import OVER, Ringing, bounds_of, fitted_waves, shape_of
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
@@ -21,7 +21,7 @@ BINS = 10  # of its age, that tell the best place without a shape
 FREQUENCIES = np.geomspace(2.0, 40.0, 12)  # Hz
 DECAYS = np.geomspace(0.003, 0.05, 6)  # s
 SHRINKS = 4  # times that the steps of per_turn and place are halved
-SEEN = 3.0
+SEEN = 4.0  # standard uncertainties from which a channel has the clicks
 
 
 def find_clicks(
@@ -51,7 +51,7 @@ def find_clicks(
     starts = passed(t, turns, per_turn, place)
     rows, age = _young(t, starts, OVER * decay)
     wave, gain = fitted_waves(age, left[rows], weight[rows], frequency, decay)
-    channels = tuple(int(c) for c in np.flatnonzero(gain > SEEN**2 + 2)) or (int(gain.argmax()),)
+    channels = tuple(int(c) for c in np.flatnonzero(gain > SEEN**2)) or (int(gain.argmax()),)
     wave = np.where(np.isin(np.arange(6), channels), wave, 0.0)
     u = 1 / (orders.range * per_turn * np.sqrt(comb.gain))
     parameters = _parameters(per_turn, u, frequency, decay, wave, gain, channels)
@@ -149,6 +149,7 @@ def _sharpened(
     first = np.concatenate([[0.0, 0.0], np.log(shape)])
     simplex = np.vstack([first, first + 0.3 * np.eye(4)])
     best = minimize(cost, first, method="Nelder-Mead",
+                    bounds=[(-10.0, 10.0)] * 2 + bounds_of(FREQUENCIES, DECAYS),
                     options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.1,
                              "maxiter": 250}).x  # fmt: skip
     later, more_clicks = best[:2] * scale

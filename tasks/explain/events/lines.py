@@ -10,6 +10,7 @@ from tasks.explain.events.spectrum import STRETCH, Spectrum, spectrum_of
 FALSE_ALARM = 2e-4  # of one recording, for the mains and for all other frequencies
 NEARLY = 0.7  # of the power that is sure: from here a line is measured closely
 MOST_LINES = 8
+MOST_OTHERS = 3  # that come and go: where so many do, it is not lines that are heard
 BESIDE = 40  # bins beside a line that are not looked at again: no line is quite sharp
 CANDIDATES = 4  # of each kind that are measured
 
@@ -26,16 +27,18 @@ def find_lines(
     known = np.isfinite(residual) & (noise > 0)
     weight = np.divide(1.0, noise, out=np.zeros(noise.shape), where=known)
     white = np.where(known, residual, 0.0) * weight
+    pure = white  # without what are lines, but with all that comes and goes
     found, kept = list[Line](), list[Line]()
-    while len(found) < MOST_LINES and white.any():
-        heard = Heard(t, white, weight, turning)
-        line = _strongest(heard, [each.frequency for each in found])
+    while len(found) < MOST_LINES and len(found) - len(kept) < MOST_OTHERS and white.any():
+        line = _strongest(Heard(t, white, weight, turning), [each.frequency for each in found])
         if line is None:
             break
         found.append(line)
-        if stays(heard, line):
+        course = line.course(t) * weight
+        if stays(Heard(t, pure, weight, turning), line):
             kept.append(line)
-        white = white - line.course(t) * weight
+            pure = pure - course
+        white = white - course
     return events_of(kept, 1 / float(np.median(np.diff(t))))
 
 

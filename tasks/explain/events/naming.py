@@ -11,6 +11,7 @@ from tasks.explain.events.event import UNITS, Event, named
 
 MAINS = (50.0, 60.0)
 GRID = 0.15  # Hz that the mains may be off
+SAME = 2e-3  # Hz that two lines of one mains may tell it apart
 HARMONICS = 3  # those that are looked for at the mains' alias
 
 
@@ -25,18 +26,28 @@ class Lines(Event):
 
 
 def events_of(lines: list[Line], rate: float) -> tuple[Lines, ...]:
-    """Those of the mains together, every other by itself."""
-    mains: list[tuple[int, tuple[float, ...], Line]] = []
-    events = []
-    for line in lines:
-        of = mains_of(line.frequency, rate)
-        if of is None:
-            events.append(_unnamed(line))
-        else:
-            mains.append((*of, line))
-    if mains:
-        events.append(_mains(sorted(mains, key=lambda each: each[0])))
-    return tuple(events)
+    """Those of the mains together, every other by itself.
+
+    A harmonic is one of the mains only beside its fundamental, and at that frequency's multiple:
+    by itself, and aliased, any line may lie near one.
+    """
+    of = [(mains_of(line.frequency, rate), line) for line in lines]
+    first = [(each[1], line) for each, line in of if each is not None and each[0] == 1]
+    mains = [
+        (*each, line) for each, line in of
+        if each is not None and first and _agree(each[1], line, *first[0])
+    ]  # fmt: skip
+    others = [line for line in lines if not any(line is each[2] for each in mains)]
+    named_ones = [_mains(sorted(mains, key=lambda each: each[0]))] if mains else []
+    return (*map(_unnamed, others), *named_ones)
+
+
+def _agree(
+    sources: tuple[float, ...], line: Line, fundamental: tuple[float, ...], first: Line
+) -> bool:
+    """Whether two lines may come from mains of one frequency."""
+    apart = min(abs(one - other) for one in sources for other in fundamental)
+    return apart < SAME + 5 * float(np.hypot(line.u_frequency, first.u_frequency))
 
 
 def near_mains(frequencies: np.ndarray, rate: float) -> np.ndarray:

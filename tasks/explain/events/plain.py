@@ -9,6 +9,7 @@ CLASSES = np.array([0.0, 0.02, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0,
 MOST = 400_000  # rows that a fit is made of, evenly spread
 GYRO_COLUMNS = np.arange(7)  # rate, up, 1
 ACCEL_COLUMNS = np.arange(3, 10)  # up, 1, squares of the rates
+DEAD = 1e-10  # rad/s, m/s²: what scatters less is the rounding of sums
 FEWEST = 3  # blocks that a class of rates needs to tell its noise
 
 
@@ -69,6 +70,11 @@ def noise_of(residual: np.ndarray, motion: Motion) -> np.ndarray:
     for channel in range(6):
         noise[:, channel] = _by_rate(scatter[:, channel], speeds, speed)
     return noise
+
+
+def alive(noise: np.ndarray) -> np.ndarray:
+    """The noise (n, 6), NaN of a channel that never scatters: it is dead."""
+    return np.where(np.nan_to_num(noise).max(axis=0) > DEAD, noise, np.nan)
 
 
 def block_scatter(residual: np.ndarray) -> np.ndarray:

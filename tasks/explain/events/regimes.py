@@ -9,11 +9,10 @@ STEADY = 0.02  # rad/s: how far the rate may move within a second where it count
 SETTLES = 5.0  # s after a change of rate that still count to it
 FEWEST = 12  # values that tell the level of a regime
 MOST = 200  # values that a median is taken of
-UNEVEN = 2.0  # times its median that a level is taken for where the rate changes
 
 
 def regimes_at(motion: Motion, at: np.ndarray) -> np.ndarray:
-    """The regime (m,) at times at (m,) s, rising evenly."""
+    """The regime (m,) at times at (m,) s, rising. What is not known counts as a change."""
     rates = np.nan_to_num(motion.rate).T
     speed = np.column_stack([np.interp(at, motion.t, rate) for rate in rates])
     step = float(np.median(np.diff(at))) if len(at) > 1 else 1.0
@@ -22,6 +21,8 @@ def regimes_at(motion: Motion, at: np.ndarray) -> np.ndarray:
     changes: np.ndarray = np.asarray(
         np.abs(padded[2 * half :] - padded[: -2 * half]).max(axis=1) > STEADY
     )
+    changes |= np.interp(at, motion.t, motion.known.astype(float)) < 1
+    changes |= np.diff(at, prepend=-np.inf) > 1.5 * step
     latest = np.maximum.accumulate(np.where(changes, at, -np.inf))
     turns = np.linalg.norm(speed, axis=1) > STEADY
     regime = np.where(turns, TURNS, RESTS)
@@ -33,8 +34,7 @@ def levels(power: np.ndarray, regime: np.ndarray) -> np.ndarray:
     level = np.ones(power.shape, power.dtype)
     for each in np.unique(regime):
         rows = regime == each
-        uneven = UNEVEN if each == CHANGES else 1.0
-        level[rows] = uneven * _median(power[rows]) if rows.sum() >= FEWEST else np.inf
+        level[rows] = _median(power[rows]) if rows.sum() >= FEWEST else np.inf
     return level
 
 

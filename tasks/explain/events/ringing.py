@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 
 from tasks.explain.events.event import Event
 
+REACH = 1.5  # beyond a grid that a shape may lie
 OVER = 7.0  # decay times after which nothing is left of a swing
 
 
@@ -74,6 +75,15 @@ def shape_of(
     grid = [(cost(np.log([f, d])), f, d) for f in frequencies for d in decays]
     _, frequency, decay = min(grid)
     best = minimize(cost, np.log([frequency, decay]), method="Nelder-Mead",
+                    bounds=bounds_of(frequencies, decays),
                     options={"xatol": 1e-3, "fatol": 0.01, "maxiter": 80})  # fmt: skip
     frequency, decay = np.exp(best.x)
     return float(frequency), float(decay)
+
+
+def bounds_of(frequencies: np.ndarray, decays: np.ndarray) -> list[tuple[float, float]]:
+    """Logarithms that a search from a grid may reach."""
+    return [
+        (float(np.log(grid.min() / REACH)), float(np.log(grid.max() * REACH)))
+        for grid in (frequencies, decays)
+    ]

@@ -10,11 +10,11 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.stats import gamma
 
-from tasks.explain.events.regimes import levels, regimes_at, without_louder
+from tasks.explain.events.regimes import CHANGES, levels, regimes_at, without_louder
 from tasks.motion.whole import Motion
 
 DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
-SLOWEST, FASTEST = 0.6, 8.0  # Hz
+SLOWEST, FASTEST = 0.6, 10.0  # Hz
 LONG, PADDED = 3.0, 8.0  # decays that a window lasts, and with the zeros after it
 FILLED = 12  # decays that a swing may fill
 HOPS = 4  # windows that start within a decay
@@ -82,5 +82,7 @@ def _powers(
     inner = total[:, BESIDE:-BESIDE]
     beside = np.maximum(total[:, : -2 * BESIDE], total[:, 2 * BESIDE :])
     slow = frequencies[BESIDE : reach - BESIDE] < SLOWEST
-    peaks = np.where((beside < PEAKED * inner) & ~slow, inner, 0.0)
+    # What starts while the rate changes may be left of the motion itself.
+    even = (regime != CHANGES)[:, None]
+    peaks = np.where(even & ~slow & (beside < PEAKED * inner), inner, 0.0)
     return t[starts], frequencies[BESIDE : reach - BESIDE], peaks

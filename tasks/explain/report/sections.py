@@ -209,6 +209,7 @@ def origins(explanation: Explanation) -> str:
         [both(("recording", "记录")), f"<code>{escape(manifest.recording_id)}</code>"],
         [both(("digest of its content (SHA-256)", "内容摘要（SHA-256）")),
          f"<code>{escape(explanation.recording.digest) or '–'}</code>"],
+        [both(("compared with", "比较对象")), both(explanation.model)],
         [both(("unit", "被校单元")),
          escape(" ".join((unit.manufacturer, unit.model, unit.serial)))],
         [both(("station", "校准台位")), escape(manifest.station.id)],

@@ -34,6 +34,7 @@ from tasks.explain.report.words import (
 )
 from tasks.explain.search import FALSE_ALARMS
 from tasks.model.term import Text
+from tasks.version import code_version
 
 PICTURES = ("where.svg", "before_after.svg")
 MOST_PARAMETERS, MOST_WHERES = 3, 2  # in a sentence; tables hold all of them
@@ -56,6 +57,9 @@ def said(
     )
     return Discrepancy(
         recording_id=explanation.recording.manifest.recording_id,
+        digest=explanation.recording.digest,
+        code_version=code_version(),
+        model=_statement(explanation.model),
         verdict=explanation.verdict,
         detection=Detection(p_value=explanation.p_value, false_alarm_rate=FALSE_ALARMS),
         findings=findings,

@@ -73,7 +73,8 @@ TEMPERATURE_SCALE = TemperatureScale(
 )  # fmt: skip
 THERMAL_GRADIENT = FollowsRecorded(
     "thermal_gradient", "environment", "sensor", "bᵢ = cᵢ·dT/dt", "IEEE Std 952",
-    each_channel("c", *_per("(K/s)", 1.0, 10.0)), course="temperature_rate", reference=0.0, rarity=2.0,
+    each_channel("c", *_per("(K/s)", 1.0, 10.0)), course="temperature_rate", reference=0.0,
+    rarity=2.0,
     title=("bias that follows the rate of temperature change", "温变率（温度梯度）引起的零偏"),
     confused_with=("temperature_bias", "thermal_transient", "bias_random_walk"),
     separated_by=(

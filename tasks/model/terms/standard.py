@@ -86,7 +86,8 @@ GYRO_BIAS = LinearTerm(
 )  # fmt: skip
 GYRO_G_SENSITIVITY = LinearTerm(
     "gyro_g_sensitivity", "standard", "sensor", "ω′ᵢ = Σⱼ g_ij·fⱼ/g", "JJF 2003-2022, 5.1 eq. (1)",
-    _matrix("g_", "(deg/s)/g", DEG, 0.01, 0.0), regressors=_in_local_g, reads=_on(GYRO_FIRST, MATRIX),
+    _matrix("g_", "(deg/s)/g", DEG, 0.01, 0.0),
+    regressors=_in_local_g, reads=_on(GYRO_FIRST, MATRIX),
 )  # fmt: skip
 ACCEL_MATRIX = LinearTerm(
     "accel_matrix", "standard", "sensor", "a′ᵢ = Σⱼ K_aij·fⱼ", "JJF 2003-2022, 5.2 eq. (2)",
