@@ -11,6 +11,7 @@ from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.plain import alive, noise_of
 from tasks.explain.events.quantisation import Quantisation
+from tasks.explain.events.saturation import Saturation
 from tasks.explain.events.slips import Slips, delay
 from tasks.motion.whole import Motion
 
@@ -37,7 +38,7 @@ def heard_after(
         left = _without((clicks,), taken, left)
         lines = find_lines(taken, left, level, turning)
     left = _without(lines, taken, left)
-    left[:, _coarse(events)] = np.nan  # what rounding leaves at rest is no noise
+    left[:, _uneven(events)] = np.nan
     bursts = find_bursts(taken, left, level, motion)
     rung = tuple(event for event in (clicks, bursts) if event is not None)
     return Events(lines + rung + events.events, events.masked, events.remarks)
@@ -59,10 +60,10 @@ def _taken_at(events: Events, t: np.ndarray) -> np.ndarray:
     return t
 
 
-def _coarse(events: Events) -> list[int]:
-    """Channels whose steps are visible."""
+def _uneven(events: Events) -> list[int]:
+    """Channels with a limit or with visible steps: they leave more than noise."""
     return [
-        channel for event in events.events if isinstance(event, Quantisation)
+        channel for event in events.events if isinstance(event, Quantisation | Saturation)
         for channel in event.channels
     ]  # fmt: skip
 

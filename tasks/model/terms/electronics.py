@@ -65,7 +65,6 @@ BANDWIDTH = Bandwidth(
     "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
     (Parameter("time_constant", "T", "s", 1.0, (0.0, 0.05)),),
     title=("the unit's low-pass", "产品带宽限制（低通滤波）"),
-    rarity=2.0,
     confused_with=("time_offset", "gyro_angular_acceleration"),
     separated_by=(
         "oscillation at several frequencies up to the corner: a low-pass lowers the amplitude, a "

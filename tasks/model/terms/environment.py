@@ -99,7 +99,7 @@ def thermal_transient(seconds: float) -> ThermalTransient:
     return ThermalTransient(
         "thermal_transient", "environment", "sensor", "bᵢ = cᵢ·e^(−t/τ)", "IEEE Std 1293",
         each_channel("c", ("deg/s", DEG, 0.1), ("m/s2", 1.0, 1.0)),
-        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 2000.0)),), (seconds,),
+        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
         title=("warm-up", "开机热瞬态（预热漂移）"),
         confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
         separated_by=(

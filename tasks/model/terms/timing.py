@@ -1,6 +1,7 @@
 """What the clocks do: a shift, a rate, axes read one after another."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -32,6 +33,27 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     return shifted
 
 
+def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
+    """`read_earlier` in each take by itself: nothing is read across a re-fixing."""
+    jumps = _seams(motion)
+    if not len(jumps):
+        return read_earlier(readings, late)
+    shifted = np.empty_like(readings)
+    for start, stop in pairwise([0, *jumps, len(readings)]):
+        part = late[start:stop] if isinstance(late, np.ndarray) else late
+        shifted[start:stop] = read_earlier(readings[start:stop], part)
+    return shifted
+
+
+def _seams(motion: Motion) -> list[int]:
+    """Rows before which the attitude jumps by more than any turn between two rows does."""
+    moved = np.linalg.norm(np.diff(np.nan_to_num(motion.up), axis=0), axis=1)
+    turned = np.linalg.norm(np.nan_to_num(motion.rate), axis=1) * interval(motion)
+    most = 0.05 + 3.0 * np.maximum(turned[1:], turned[:-1])
+    known = motion.known[1:] & motion.known[:-1]
+    return [int(row) + 1 for row in np.flatnonzero((moved > most) & known)]
+
+
 def interval(motion: Motion) -> float:
     """Time between rows, s."""
     return float(np.median(np.diff(motion.t)))
@@ -42,7 +64,11 @@ class TimeOffset(Term):
     """The unit's stamps are late: at t it says what happened at t − seconds."""
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return read_earlier(readings, values[0] / interval(motion)) if values[0] else readings
+        return (
+            shifted_within(motion, readings, values[0] / interval(motion))
+            if values[0]
+            else readings
+        )
 
 
 TIME_OFFSET = TimeOffset(
@@ -66,7 +92,7 @@ class ClockSkew(Term):
         if not values[0]:
             return readings
         late = motion.t * values[0] / (1.0 + values[0])
-        return read_earlier(readings, late / interval(motion))
+        return shifted_within(motion, readings, late / interval(motion))
 
 
 CLOCK_SKEW = ClockSkew(
@@ -93,7 +119,7 @@ class AccelAxisSkew(Term):
         for axis in (1, 2):
             channel = slice(ACCEL_FIRST + axis, ACCEL_FIRST + axis + 1)
             late = -axis * values[0] / interval(motion)
-            skewed[:, channel] = read_earlier(readings[:, channel], late)
+            skewed[:, channel] = shifted_within(motion, readings[:, channel], late)
         return skewed
 
 

@@ -111,8 +111,6 @@ def test_what_is_there_earns_on_segments_that_were_not_seen(
     assert earned["lever_arm"] > 50.0
     assert earned["earth_rotation"] > 10.0
     assert earned["thermal_gradient"] < 5.0
-    for n, group in enumerate(groups):  # half a chi-squared is a nat; unseen earns no more
-        assert earned[group.name] < 1.05 * 0.5 * one.gain(n) + 5.0
 
 
 def test_unseen_segments_are_noise_after_and_worse_before(

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import RATE, SIGMA, counted, mean_readings, motion, noisy
+from made_up import SIGMA, counted, mean_readings, motion, noisy
 
+from tasks.explain.events.before import find_events
 from tasks.explain.events.event import Events
-from tasks.explain.events.find import find_events
-from tasks.explain.events.naming import mains_of
 from tasks.explain.events.quantisation import rounding
 from tasks.explain.events.saturation import cut_off
 from tasks.explain.events.steps import Codes, codes_of
@@ -122,36 +121,6 @@ def test_gaps_in_the_stamps_are_a_remark() -> None:
     events = find_events(made.t[kept], readings, made.taken(kept))
     assert events.events == ()
     assert "2 gaps, of 6" in events.remarks[0][0]
-
-
-def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
-    made = motion()
-    for frequency, effect in ((60.03, "mains_pickup"), (17.3, "unnamed")):
-        readings = noisy(mean_readings(made), 10)
-        wave = np.cos(2 * np.pi * frequency * made.t + 1.0)
-        readings[:, 1] += 1e-4 * wave
-        readings[:, 4] += 3e-4 * wave
-        events = find_events(made.t, counted(readings), made)
-        assert _effects(events) == [effect]
-        assert _found(events, "frequency") == pytest.approx(frequency, abs=2e-4)
-        assert _found(events, "gyro_y") == pytest.approx(1e-4, abs=3e-5)
-        added = events.applied(made.t, np.zeros((len(made.t), 6)), SIGMA)
-        assert np.corrcoef(added[:, 1], wave)[0, 1] > 0.95
-
-
-def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
-    made = motion()
-    readings = noisy(mean_readings(made), 11)
-    turns = np.abs(made.rate).max(axis=1) > 1
-    readings[:, 3] += 1e-3 * np.cos(2 * np.pi * 7.7 * made.t) * turns
-    assert find_events(made.t, counted(readings), made).events == ()
-
-
-def test_mains_on_either_side_of_a_fold_cannot_be_told_apart() -> None:
-    harmonic, sources = mains_of(49.92, RATE) or (0, ())
-    assert harmonic == 1
-    assert sources == pytest.approx((49.92, 50.08))
-    assert mains_of(31.0, RATE) is None
 
 
 def test_spikes_are_counted_and_masked() -> None:
