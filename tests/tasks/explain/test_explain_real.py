@@ -1,0 +1,65 @@
+"""`explain` on other people's hardware, where something is known of what was left out."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage.exchange import read_folder
+from tasks.explain.explain import explain
+from tasks.explain.explanation import Explanation, Finding
+
+REAL = Path(__file__).parents[3] / ".." / "shared" / "data" / "real"
+EARTH = 15.04107  # deg/h
+LATITUDE = 51.0784  # deg, of the ring-laser unit's laboratory
+DELAYS = ("time_offset", "bandwidth")
+
+pytestmark = pytest.mark.timeout(240)
+
+
+@cache
+def explained(name: str) -> Explanation:
+    return explain(read_folder(REAL / name))
+
+
+def named(name: str, *effects: str) -> list[Finding]:
+    return [each for each in explained(name).findings if each.effect in effects]
+
+
+def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
+    (earth,) = named("ln100_two_position", "earth_rotation")
+    (vertical,) = earth.parameters
+    assert (vertical.name, vertical.unit) == ("vertical_rate", "deg/h")
+    true = EARTH * np.sin(np.radians(LATITUDE))
+    assert abs(vertical.value - true) < 2.0 * vertical.u
+    assert vertical.u < 1.0
+    assert earth.channels == (0,)  # x stands upwards, then downwards
+
+
+def test_a_mems_unit_in_two_positions_does_not_see_it() -> None:
+    assert named("adi_mems_two_position", "earth_rotation") == []
+
+
+def test_a_unit_with_a_low_pass_is_late_against_an_encoder() -> None:
+    """Its maker says 4.8 ms; the encoder's and the bus's delays are not known."""
+    late = named("encoder_mpu6050_pitch_slow", *DELAYS)
+    assert late
+    assert late[0].channels == (1,)  # the shaft turns the unit about y
+    seconds = sum(parameter.value for each in late for parameter in each.parameters)
+    assert 0.002 < seconds < 0.015
+    assert late[0].held_out_gain > 100.0
+
+
+def test_a_recording_that_tells_no_motion_is_refused_in_one_sentence(
+    real: Callable[[str], Recording],
+) -> None:
+    with pytest.raises(Unusable) as refused:
+        explain(real("xsens_multiposition"))
+    said = str(refused.value)
+    assert "xsens_multiposition tells no motion" in said
+    assert "\n" not in said
+    assert said.count(". ") == 0
