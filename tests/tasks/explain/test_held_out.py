@@ -15,15 +15,16 @@ from tasks.model.term import Column, nominal_values
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.whole import Motion
 
 RUN = motion()
 ARM = (0.004, -0.006, 0.003)
 
 
-def columns() -> list[Column]:
+def columns(run: Motion = RUN) -> list[Column]:
     """The standard's, then three of the lever arm."""
     terms = (*STANDARD_TERMS, LEVER_ARM)
-    return list(linearise(terms, RUN, nominal_values(terms)).columns)
+    return list(linearise(terms, run, nominal_values(terms)).columns)
 
 
 def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> PartlySeen:
@@ -33,10 +34,10 @@ def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> 
 
 
 def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> float:
-    """Chi-squared of every fold by a fit of some columns to the others."""
+    """Twice the nats that every fold costs, as a fit of some columns to the others tells it."""
     every = [*columns()[:-3], *more]
     zero = np.zeros(len(every))
-    return float(seen(made, every, NOISY).chi2(kept, zero, zero).sum())
+    return float(seen(made, every, NOISY).surprise(kept, zero, zero).sum())
 
 
 def gained(made: np.ndarray, more: Sequence[Column]) -> float:
@@ -65,27 +66,32 @@ def test_a_run_without_segments_is_cut_by_time() -> None:
     assert np.bincount(fold).min() > 0.2 * len(fold)
 
 
-def test_a_fold_is_predicted_by_least_squares_on_the_rows_outside_it() -> None:
-    """White noise, so that whitened rows are the rows themselves."""
-    made = read(RUN, (LEVER_ARM, ARM)) + noise(len(RUN.t), 20, QUIET)
-    every = columns()
-    zero = np.zeros(len(every))
-    by_fold = seen(made, every, QUIET).chi2(list(range(len(every))), zero, zero)
-    fold, misfit = folds_of(observed(made, RUN)), made - read(RUN)
+def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
+    """By what the rows outside it tell, and how surely; in white noise, row by row."""
+    run = RUN.taken(np.arange(0, len(RUN.t), 5))
+    made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
+    every, blocks, misfit = columns(run), observed(made, run, RATE / 5), made - read(run)
+    whole, zero = equations_of(every, misfit, blocks, QUIET), np.zeros(len(every))
+    parts = partly_seen(whole, every, misfit, blocks, QUIET)
     sigma = np.sqrt([one.white for one in QUIET])
-    design = np.zeros((6, len(RUN.t), len(every)))
+    design = np.zeros((6, len(run.t), len(every)))
     for q, column in enumerate(every):
         for channel, course in column.items():
             design[channel, :, q] = course / sigma[channel]
-    total = np.zeros(6)
+    fold, total = folds_of(blocks), np.zeros(6)
     for k in range(FOLDS):
         rows = design[:, fold != k].reshape(-1, len(every))
         target = (misfit / sigma)[fold != k].T.ravel()
         size = np.linalg.norm(rows, axis=0)
-        values, *_ = np.linalg.lstsq(rows / size, target, rcond=1e-12)
-        left = (misfit / sigma)[fold == k].T - design[:, fold == k] @ (values / size)
-        total += (left**2).sum(axis=1)
-    np.testing.assert_allclose(by_fold, total, rtol=1e-6)
+        known = np.linalg.inv((rows / size).T @ (rows / size))
+        values = known @ ((rows / size).T @ target)
+        for channel in range(6):
+            hidden = design[channel, fold == k] / size
+            left = (misfit / sigma)[fold == k, channel] - hidden @ values
+            spread = np.eye(len(left)) + hidden @ known @ hidden.T
+            total[channel] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
+    found = parts.surprise(list(range(len(every))), zero, zero)
+    np.testing.assert_allclose(found, total, rtol=1e-5)
 
 
 def test_true_physics_predicts_what_was_not_seen() -> None:
@@ -117,7 +123,7 @@ def test_the_part_that_is_not_fitted_is_put_back() -> None:
     without = seen(made, every, NOISY)
     known = seen(made - read(RUN, (LEVER_ARM, ARM)) + read(RUN), every, NOISY)
     np.testing.assert_allclose(
-        known.chi2(kept, added, zero), without.chi2(kept, zero, zero), rtol=1e-6
+        known.surprise(kept, added, zero), without.surprise(kept, zero, zero), rtol=1e-6
     )
 
 
@@ -128,6 +134,6 @@ def test_what_is_known_beforehand_is_not_learnt_anew() -> None:
     zero, held = np.zeros(len(every)), np.zeros(len(every))
     held[-1] = 1e30
     kept = list(range(len(every)))
-    firm, free = parts.chi2(kept, zero, held)[0], parts.chi2(kept, zero, zero)[0]
-    assert firm == pytest.approx(parts.chi2(kept[:-1], zero, zero)[0], rel=1e-6)
+    firm, free = parts.surprise(kept, zero, held)[0], parts.surprise(kept, zero, zero)[0]
+    assert firm == pytest.approx(parts.surprise(kept[:-1], zero, zero)[0], rel=1e-6)
     assert free < 0.5 * firm

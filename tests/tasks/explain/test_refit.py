@@ -79,10 +79,10 @@ def test_in_noise_the_planted_parameters_come_back_within_their_uncertainty(seed
 
 
 def test_the_stated_uncertainty_is_the_scatter_over_many_runs() -> None:
-    """Of a delay and an arm in noise that drifts; 12 runs tell a scatter within 15 %."""
+    """Of a delay and an arm in noise that drifts; eight runs tell a scatter within 15 %."""
     made = read(RUN, (LEVER_ARM, ARM), (TIME_OFFSET, DELAY))
     away = []
-    for seed in range(12):
+    for seed in range(8):
         blocks = observed(made + noise(len(RUN.t), 100 + seed, NOISY), RUN)
         model = fitted(model_of(chosen(LEVER_ARM, TIME_OFFSET), blocks), blocks, NOISY)
         arm, u_arm = values_of(model, "lever_arm")
