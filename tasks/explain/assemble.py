@@ -24,6 +24,7 @@ FITTED: Text = (
     "the standard's model, its parameters fitted to this recording",
     "参数由本次记录拟合的标准模型",
 )
+TOLD = 0.9  # of what is plausible: a parameter known no better than before is not listed
 SEEN = 0.02  # of a finding's power: a channel with less is not named
 
 
@@ -105,7 +106,7 @@ def _finding(
         count = len(group.chosen)
     first = group.terms[0]
     named = group.name != UNNAMED
-    title = first.title if named or first.name == UNNAMED else JUMPS
+    title = first.title if named else _followed(group)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
@@ -122,6 +123,16 @@ def _finding(
         separated_by=first.separated_by if named else ("", ""),
         follows=None if named else title,
     )
+
+
+def _followed(group: Group) -> Text:
+    """What an unnamed finding follows; a name that was withdrawn becomes a likeness."""
+    first = group.terms[0]
+    if first.name == UNNAMED:
+        return first.title
+    if len(group.terms) > 1:
+        return JUMPS
+    return f"something like «{first.title[0]}» of another form", f"类似“{first.title[1]}”但形式不同"
 
 
 JUMPS: Text = ("jumps between levels at several times", "在多个时刻的电平跳变")
@@ -161,7 +172,7 @@ def _parameters(
             soaks = group.chosen[0].instead_of
             found.extend(_freed_parameters(model, term, freed, soaks, fine, noises))
         for p, parameter in zip(range(own[k].start, own[k].stop), term.parameters, strict=True):
-            if model.free[p] and u[p] > 0:
+            if model.free[p] and 0.0 < u[p] < TOLD * (parameter.plausible[1] - parameter.nominal):
                 found.append(_said(parameter, float(model.values[p]), float(u[p])))
         for shape, value in zip(term.shapes, term.at, strict=True):
             found.append(_said(shape, value, model.shape_u[k] or 0.0))

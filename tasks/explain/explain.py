@@ -23,7 +23,7 @@ from tasks.explain.observed import (
 )
 from tasks.explain.pool import Pool, pooled, renewed, residuals
 from tasks.explain.propose import proposed
-from tasks.explain.refit import Model, fitted, linearised, model_of
+from tasks.explain.refit import Model, fitted, linearised, model_of, started
 from tasks.explain.search import Found, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told
@@ -131,7 +131,7 @@ def _looked_again(
         found = replace(again, p_value=found.p_value)
         same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
         noises = _at_rate(found.noises, fine, pool.observed)
-        model = fitted(_model(found, fine), fine, noises)
+        model = fitted(started(_model(found, fine), model), fine, noises)
         if same:
             break
     return _with_shapes(found, model), model
@@ -155,7 +155,7 @@ def _needed(
         least = min(weak, key=lambda pair: pair[0])[1]
         kept = tuple(one for one in found.chosen if one not in least.chosen)
         found = replace(found, chosen=kept)
-        model = fitted(_model(found, fine), fine, noises)
+        model = fitted(started(_model(found, fine), model), fine, noises)
         found = _with_shapes(found, model)
     return found, model
 
@@ -170,7 +170,9 @@ def _soaked_up(
         chosen = soaked_up(known, effect, coarse, found.noises)
         if chosen is not None:
             found = replace(found, chosen=(*found.chosen, chosen))
-            model = fitted(_model(found, fine), fine, _at_rate(found.noises, fine, coarse))
+            model = fitted(
+                started(_model(found, fine), model), fine, _at_rate(found.noises, fine, coarse)
+            )
             found = _with_shapes(found, model)
     return found, model
 

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from tasks.explain.observed import Observed
-from tasks.explain.refit import Equations, equations_of
+from tasks.explain.refit import Equations
 from tasks.explain.spectrum import Noise
 from tasks.model.term import Column
 
@@ -58,25 +59,62 @@ class PartlySeen:
 
 
 def partly_seen(
-    whole: Equations,
+    columns: Sequence[Column], misfit: np.ndarray, observed: Observed, noises: Sequence[Noise]
+) -> PartlySeen:
+    """Every fourth segment, with the move before it, is a fold.
+
+    Drift joins neighbours that stand in different folds; so here it is an offset of each segment,
+    as large as flicker makes it between the length of a segment and that of the run.
+    """
+    cells = _cells(observed)
+    grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
+    folds = tuple(
+        Equations(
+            tuple(part[np.arange(len(part)) % FOLDS == k].sum(axis=0) for part, _ in grams),
+            tuple(which for _, which in grams),
+            len(columns),
+        )
+        for k in range(FOLDS)
+    )
+    whole = Equations(
+        tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns)
+    )
+    return PartlySeen(whole, folds)
+
+
+def _grams_of_cells(
     columns: Sequence[Column],
     misfit: np.ndarray,
     observed: Observed,
-    noises: Sequence[Noise],
-) -> PartlySeen:
-    """Every fourth segment, with the move before it, is a fold."""
-    fold = folds_of(observed)
-    return PartlySeen(
-        whole,
-        tuple(equations_of(columns, misfit, observed, noises, fold == k) for k in range(FOLDS)),
-    )
+    channel: int,
+    noise: Noise,
+    cells: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gram matrices (cells, k + 1, k + 1) of a channel's columns and misfit, and which columns."""
+    weight = observed.weight[:, channel]
+    own = [q for q, column in enumerate(columns) if channel in column]
+    stack = np.column_stack([*(columns[q][channel] for q in own), misfit[:, channel]])
+    stack = np.nan_to_num(stack) * weight[:, None] / np.sqrt(noise.white)
+    level = weight / np.sqrt(noise.white)
+    edges = np.searchsorted(cells, np.arange(cells[-1] + 2))
+    span = len(weight) / observed.rate
+    grams = np.zeros((len(edges) - 1, len(own) + 1, len(own) + 1))
+    for n, (start, stop) in enumerate(pairwise(edges)):
+        part, one = stack[start:stop], level[start:stop]
+        lasts = max(stop - start, 1) / observed.rate
+        offset = 2.0 * noise.flicker / observed.rate * np.log(1.0 + span / lasts)
+        shared = one @ part
+        share = offset / (1.0 + offset * float(one @ one))
+        grams[n] = part.T @ part - share * np.outer(shared, shared)
+    return grams, np.array(own, int)
 
 
-def folds_of(observed: Observed) -> np.ndarray:
-    """(n,) number of the fold of each row; a move belongs to the segment after it."""
+def _cells(observed: Observed) -> np.ndarray:
+    """(n,) number of the segment of each row; a move belongs to the segment after it."""
     number = observed.segment
     if (number < 0).all():
-        return np.asarray((observed.t / CHUNK).astype(int) % FOLDS)
+        return np.asarray((observed.t / CHUNK).astype(int))
     rows = np.flatnonzero(number >= 0)
     following = rows[np.minimum(np.searchsorted(rows, np.arange(len(number))), len(rows) - 1)]
-    return np.asarray(number[following] % FOLDS)
+    changes = np.diff(number[following], prepend=number[following[0]]) != 0
+    return np.asarray(np.cumsum(changes))

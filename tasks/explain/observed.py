@@ -19,6 +19,7 @@ CHANNELS = GYRO + ACCEL
 SEARCH_RATE = 25.0  # Hz
 FEWEST_BLOCKS = 200
 SAMPLE = 50_000  # readings that the output's step is read off
+WHOLE, MOSTLY = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
 STIRRED = 0.5  # of the readings differ from the one before: noise is larger than the step
 SHAKEN = 1.3  # times the noise variance at rest: vibration
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
@@ -141,8 +142,12 @@ def _steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for channel, course in enumerate(readings.T):
         changes = np.abs(np.diff(course[np.isfinite(course)][:SAMPLE]))
         moved = changes[changes > 0]
-        if len(moved):
-            steps[channel] = np.quantile(moved, 0.01)
+        if not len(moved):
+            continue
+        least = float(np.quantile(moved, 0.01))
+        parts = moved / least
+        if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MOSTLY:
+            steps[channel] = least
             stirred[channel] = len(moved) > STIRRED * len(changes)
     return steps, stirred
 
@@ -262,13 +267,22 @@ def _corners(motion: Motion) -> np.ndarray:
     """
     rough = np.zeros((len(motion.t), 6))
     for first, course in ((0, motion.rate), (3, motion.force)):
-        fourth = np.abs(np.diff(np.nan_to_num(course), 4, axis=0)).max(axis=1)
+        fourth = np.abs(np.diff(_bridged(course), 4, axis=0)).max(axis=1)
         near = np.zeros(len(motion.t))
         for shift in range(5):
             rows = slice(shift, shift + len(fourth))
             near[rows] = np.maximum(near[rows], fourth)
         rough[:, first : first + 3] = ((CORNER * near) ** 2)[:, None]
     return rough
+
+
+def _bridged(course: np.ndarray) -> np.ndarray:
+    """A course (n, 3) that goes straight on where it is not known."""
+    known = np.isfinite(course).all(axis=1)
+    if known.all() or not known.any():
+        return np.nan_to_num(course)
+    rows = np.arange(len(course))
+    return np.column_stack([np.interp(rows, rows[known], c[known]) for c in course.T])
 
 
 def _noise_of_blocks(full: FullRate, step: int) -> np.ndarray:
@@ -341,17 +355,18 @@ def _fixings(
 ) -> np.ndarray:
     """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
 
-    The positions on a table of several axes are one; each upright axis of the rates is another.
+    The positions on a table of several axes are one; each upright axis of the rates is another. A
+    unit is fixed anew right after the last segment of a block, before the move to the next.
     """
     several = len(recording.manifest.station.table_axes or ()) > 1
     number: np.ndarray = np.zeros(len(t))
-    at, last = 0, None
+    at, last, ended = 0, None, 0.0
     for segment in segments:
         if segment.up is None:
             continue
         block = "positions" if several and segment.item == "twelve_position" else segment.up
         if last is not None and block != last:
             at += 1
-            number[np.searchsorted(t, segment.t_start) :] = at
-        last = block
+            number[np.searchsorted(t, ended) :] = at
+        last, ended = block, segment.t_end
     return number

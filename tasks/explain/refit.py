@@ -18,7 +18,7 @@ from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.standard import STANDARD_TERMS
 
-ROUNDS = 4
+ROUNDS = 10
 SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
 SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
 COUNTS = "1"  # unit of a shape that is a whole number
@@ -84,6 +84,16 @@ def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Observed)
 
 def _seen(column: Column, weight: np.ndarray) -> bool:
     return any(np.nan_to_num(course * weight[:, c]).any() for c, course in column.items())
+
+
+def started(model: Model, before: Model) -> Model:
+    """The model with the values that an earlier one had for the same terms."""
+    values = model.values.copy()
+    earlier = dict(zip(map(id, before.terms), places(before.terms), strict=True))
+    for term, place in zip(model.terms, places(model.terms), strict=True):
+        if id(term) in earlier:
+            values[place] = before.values[earlier[id(term)]]
+    return replace(model, values=np.where(model.free, values, model.values))
 
 
 @dataclass(frozen=True)

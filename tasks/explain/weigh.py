@@ -12,12 +12,13 @@ from tasks.explain.generic import UNNAMED
 from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.refit import Equations, Model, equations_of
+from tasks.explain.refit import COUNTS, Equations, Model, equations_of
 from tasks.explain.search import FALSE_ALARMS, Chosen, Found
 from tasks.explain.spectrum import Noise
 from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, places
 
+CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
 STEPS_ARE_JUMPS = 2  # as many steps or more are no single step
 
 
@@ -50,7 +51,19 @@ def _name_of(some: Sequence[Chosen]) -> str:
     times = {one.candidate.term.at for one in some}
     if some[0].candidate.name == "bias_step" and len(times) >= STEPS_ARE_JUMPS:
         return UNNAMED
+    if any(_at_bound(one.candidate.term) for one in some):
+        return UNNAMED
     return some[0].candidate.name
+
+
+def _at_bound(term: Term) -> bool:
+    """Whether a continuous shape was driven out of what is plausible: another form fits better."""
+    for shape, value in zip(term.shapes, term.at, strict=True):
+        low, high = shape.plausible
+        searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
+        if searched and (value >= 0.99 * high or value <= 1.01 * low):
+            return True
+    return False
 
 
 @dataclass(frozen=True)
@@ -98,10 +111,9 @@ class Weighed:
             indexed.append((mine, np.array(now)))
         misfit = fine.readings - design.prediction
         prior = np.concatenate([prior, np.zeros(len(columns) - len(prior))])
-        whole = equations_of(columns, misfit, fine, noises)
         return cls(
-            whole,
-            partly_seen(whole, columns, misfit, fine, noises),
+            equations_of(columns, misfit, fine, noises),
+            partly_seen(columns, misfit, fine, noises),
             tuple(indexed), tuple(fixed), prior, int((fine.weight > 0).sum()),
         )  # fmt: skip
 
@@ -157,11 +169,13 @@ class Weighed:
         )
 
     def needless(self, number: int, group: Group, tried: int) -> bool:
-        """Whether a finding gains no more than chance would, with so many tried, or nothing at all
-        on segments that a fit did not see.
+        """Whether a finding gains no more than chance would, with so many tried, or segments that
+        a fit did not see contradict it: at all where it is weak, altogether where it is clear.
         """
         if any(one.candidate.prior is not None or one.instead_of for one in group.chosen):
-            return False
+            return self.held_out_gain(number) <= 0.0 and not group.chosen[0].instead_of
         count = max(1, len(self.groups[number][0]))
-        chance = chi2.sf(max(self.gain(number), 0.0), count) * tried > FALSE_ALARMS
-        return bool(chance or self.held_out_gain(number) <= 0.0)
+        gain, unseen = self.gain(number), self.held_out_gain(number)
+        chance = float(chi2.sf(max(gain, 0.0), count)) * tried
+        contradicted = unseen <= 0.0 and (chance > CLEAR or unseen < -gain)
+        return chance > FALSE_ALARMS or contradicted
