@@ -124,19 +124,20 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, shared, engine, tmp
     calibration = mimucal("calibrate", shared / PLANT, "--json")
     (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
     assert mimucal("simulate", shared / PLANT, "--out", tmp_path / "sim").code == 0
-    done = mimucal(
-        "explain", shared / PLANT, "--calibration", kept["id"], "--simulated", tmp_path / "sim"
-    )
-    assert done.code == 0, done.err
-    assert asked["calibration"].run == calibration.json["run"]
+    by_result = mimucal("explain", shared / PLANT, "--calibration", kept["id"])
+    assert by_result.code == 0, by_result.err
     simulated = read_folder(tmp_path / "sim").imu.stack(CHANNELS)
-    np.testing.assert_array_equal(asked["simulated"], simulated)
+    np.testing.assert_allclose(asked["told"].readings, simulated, atol=1e-12)
+    assert "calibration" in asked["told"].model[0]
+    assert mimucal("explain", shared / PLANT, "--simulated", tmp_path / "sim").code == 0
+    np.testing.assert_array_equal(asked["told"].readings, simulated)
+    assert "simulation" in asked["told"].model[0]
 
 
 def test_fitted_is_the_default(mimucal, shared, engine) -> None:
     asked = engine(0)
     assert mimucal("explain", shared / SMALL).code == 0
-    assert not {"calibration", "simulated"} & set(asked)
+    assert asked["told"] is None
 
 
 def test_limits_in_the_home_say_whether_a_verdict_changes(mimucal, shared, engine, home) -> None:
