@@ -66,7 +66,7 @@ def partly_seen(
     Drift joins neighbours that stand in different folds; so here it is an offset of each segment,
     as large as flicker makes it between the length of a segment and that of the run.
     """
-    cells = _cells(observed)
+    cells = cells_of(observed)
     grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
     folds = tuple(
         Equations(
@@ -109,7 +109,7 @@ def _grams_of_cells(
     return grams, np.array(own, int)
 
 
-def _cells(observed: Observed) -> np.ndarray:
+def cells_of(observed: Observed) -> np.ndarray:
     """(n,) number of the segment of each row; a move belongs to the segment after it."""
     number = observed.segment
     if (number < 0).all():

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, read
 
-from tasks.explain.held_out import CHUNK, FOLDS, PartlySeen, folds_of, partly_seen
-from tasks.explain.refit import equations_of
+from tasks.explain.held_out import CHUNK, FOLDS, PartlySeen, cells_of, partly_seen
 from tasks.explain.spectrum import Noise
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
@@ -29,8 +28,7 @@ def columns(run: Motion = RUN) -> list[Column]:
 
 def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> PartlySeen:
     blocks, misfit = observed(made, RUN), made - read(RUN)
-    whole = equations_of(every, misfit, blocks, noises)
-    return partly_seen(whole, every, misfit, blocks, noises)
+    return partly_seen(every, misfit, blocks, noises)
 
 
 def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> float:
@@ -51,16 +49,16 @@ def test_a_fold_is_every_fourth_segment_with_the_move_before_it() -> None:
     blocks = observed(read(RUN), RUN)
     turn = (RUN.t // (REST + MOVE)).astype(int)
     resting = RUN.t % (REST + MOVE) < REST
-    fold = folds_of(replace(blocks, segment=np.where(resting, turn, -1)))
+    fold = cells_of(replace(blocks, segment=np.where(resting, turn, -1))) % FOLDS
     for k in range(1, 20):
         with_move = (RUN.t >= k * (REST + MOVE) - MOVE) & (RUN.t < k * (REST + MOVE) + REST)
         assert set(fold[with_move].tolist()) == {k % FOLDS}
-    np.testing.assert_array_equal(folds_of(blocks), blocks.segment % FOLDS)
+    np.testing.assert_array_equal(cells_of(blocks), blocks.segment)
 
 
 def test_a_run_without_segments_is_cut_by_time() -> None:
     blocks = replace(observed(read(RUN), RUN), segment=np.full(len(RUN.t), -1))
-    fold = folds_of(blocks)
+    fold = cells_of(blocks) % FOLDS
     changes = np.flatnonzero(np.diff(fold))
     assert np.diff(changes) == pytest.approx(CHUNK * RATE)
     assert np.bincount(fold).min() > 0.2 * len(fold)
@@ -71,14 +69,13 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     run = RUN.taken(np.arange(0, len(RUN.t), 5))
     made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
     every, blocks, misfit = columns(run), observed(made, run, RATE / 5), made - read(run)
-    whole, zero = equations_of(every, misfit, blocks, QUIET), np.zeros(len(every))
-    parts = partly_seen(whole, every, misfit, blocks, QUIET)
+    parts, zero = partly_seen(every, misfit, blocks, QUIET), np.zeros(len(every))
     sigma = np.sqrt([one.white for one in QUIET])
     design = np.zeros((6, len(run.t), len(every)))
     for q, column in enumerate(every):
         for channel, course in column.items():
             design[channel, :, q] = course / sigma[channel]
-    fold, total = folds_of(blocks), np.zeros(6)
+    fold, total = cells_of(blocks) % FOLDS, np.zeros(6)
     for k in range(FOLDS):
         rows = design[:, fold != k].reshape(-1, len(every))
         target = (misfit / sigma)[fold != k].T.ravel()
