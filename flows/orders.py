@@ -116,9 +116,7 @@ def certify(
     folder = place(home_folder)
     papers = read_papers(tolerance, laboratory, order, calibrated_on, budget)
     run = run_of(reference, folder, stages)
-    calibration = _estimated(
-        stages, run, folder, method, uncertainty, terms, papers.laboratory
-    )
+    calibration = _estimated(stages, run, folder, method, uncertainty, terms, papers.laboratory)
     issued: Issued = stages.publish(run, calibration, folder, papers)
     return issued
 

@@ -24,6 +24,7 @@ FITTED: Text = (
     "the standard's model, its parameters fitted to this recording",
     "参数由本次记录拟合的标准模型",
 )
+MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
 TOLD = 0.9  # of what is plausible: a parameter known no better than before is not listed
 SEEN = 0.02  # of a finding's power: a channel with less is not named
 
@@ -149,12 +150,14 @@ def _alike(group: Group) -> tuple[str, ...]:
 
 
 def _channels(contribution: np.ndarray, full: FullRate) -> tuple[int, ...]:
-    """The channels with a share of the power, in units of their noise."""
+    """The channels with a share of the power in units of their noise, or that clearly move."""
     variance = full.quiet.repeat(3)
-    power = np.nansum(contribution**2, axis=0) / np.where(variance > 0, variance, np.inf)
+    power = np.nansum(contribution**2, axis=0) / variance
     if not power.any():
         return ()
-    return tuple(int(c) for c in np.flatnonzero(power > SEEN * power.sum()))
+    mean = np.nansum(contribution, axis=0) / len(contribution)
+    moving = np.nansum((contribution - mean) ** 2, axis=0) / variance
+    return tuple(int(c) for c in np.flatnonzero((power > SEEN * power.sum()) | (moving > MOVING)))
 
 
 def _parameters(
@@ -245,9 +248,7 @@ def _of_events(
     return found
 
 
-def _of_event(
-    event: Event, contribution: np.ndarray, full: FullRate, noise: np.ndarray
-) -> Finding:
+def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.ndarray) -> Finding:
     texts = EVENT_TEXTS.get(event.effect)
     variance = np.where(noise > 0, noise**2, np.inf)
     gain = float((np.nansum(contribution**2, axis=0) / variance).sum())
@@ -268,5 +269,3 @@ def _of_event(
         separated_by=texts.separated_by if texts else ("", ""),
         follows=None if texts else event.description,
     )
-
-

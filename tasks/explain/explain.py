@@ -228,11 +228,7 @@ def _renamed(
     ]
 
 
-def _at_rate(
-    noises: Sequence[Noise], observed: Observed, searched: Observed
-) -> tuple[Noise, ...]:
+def _at_rate(noises: Sequence[Noise], observed: Observed, searched: Observed) -> tuple[Noise, ...]:
     """The same spectrum for blocks of another rate."""
     factor = observed.rate / searched.rate
     return tuple(Noise(noise.white * factor, noise.flicker * factor) for noise in noises)
-
-

@@ -76,9 +76,7 @@ def partly_seen(
         )
         for k in range(FOLDS)
     )
-    whole = Equations(
-        tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns)
-    )
+    whole = Equations(tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns))
     return PartlySeen(whole, folds)
 
 

@@ -152,9 +152,7 @@ def _steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return steps, stirred
 
 
-def _means(
-    values: np.ndarray, block: np.ndarray, count: int, counts: np.ndarray
-) -> np.ndarray:
+def _means(values: np.ndarray, block: np.ndarray, count: int, counts: np.ndarray) -> np.ndarray:
     sums = np.column_stack([np.bincount(block, column, count) for column in values.T])
     return np.divide(sums, counts, out=np.zeros_like(sums), where=counts > 0)
 
@@ -350,9 +348,7 @@ def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
     return np.interp(t, grid + SETTLE / 8, slope(grid, smooth))
 
 
-def _fixings(
-    recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
-) -> np.ndarray:
+def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
     """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
 
     The positions on a table of several axes are one; each upright axis of the rates is another. A

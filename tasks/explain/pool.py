@@ -133,9 +133,7 @@ def renewed(pool: Pool, columns: Mapping[int, Column], readings: np.ndarray | No
         crossed = _products(new, rows, pool.bands) * new_size[:, None] * size
         grams[:, at, :] = crossed
         grams[:, :, at] = crossed.transpose(0, 2, 1)
-        channels.append(
-            replace(channel, reading=reading, grams=grams, rows=rows, size=size)
-        )
+        channels.append(replace(channel, reading=reading, grams=grams, rows=rows, size=size))
         for p in mine:
             kept = {c: course for c, course in columns[p].items() if c in pool.columns[p]}
             every[p] = {c: kept.get(c, nothing) for c in pool.columns[p]}
@@ -207,9 +205,7 @@ def inverse(normal: np.ndarray) -> np.ndarray:
     return np.asarray((turned / values[kept]) @ turned.T * scale[:, None] * scale)
 
 
-def residuals(
-    pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None
-) -> list[np.ndarray]:
+def residuals(pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None) -> list[np.ndarray]:
     """For each channel what the standard's model and the found parameters leave, transformed (n,).
 
     noises: by which they are fitted; without them every coefficient counts the same.

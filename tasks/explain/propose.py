@@ -94,9 +94,7 @@ def _heard(pool: Pool, c: int, left: np.ndarray, noise: Noise) -> np.ndarray:
     return np.asarray(idct(left / level, type=2, norm="ortho")[: len(weight)] * weight)
 
 
-def _jumps(
-    pool: Pool, c: int, channel: ChannelPool, heard: np.ndarray, noise: Noise
-) -> np.ndarray:
+def _jumps(pool: Pool, c: int, channel: ChannelPool, heard: np.ndarray, noise: Noise) -> np.ndarray:
     """(n,) chi-squared that a jump at each time would gain in one channel."""
     count, length = len(heard), channel.base.shape[1]
     level = np.repeat(noise.variance(pool.bands.frequency), pool.bands.sizes)

@@ -57,9 +57,7 @@ def _is_known(finding: Finding, terms: Sequence[Term], motion: Motion) -> bool:
     )
 
 
-def _adds_of(
-    finding: Finding, terms: Sequence[Term], motion: Motion
-) -> Adds | None:
+def _adds_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Adds | None:
     """What the term adds by its printed parameters, (n, 6); None if no term makes the finding."""
     plain = predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))
     found = {p.name: p.value for p in finding.parameters}

@@ -53,9 +53,7 @@ def adopt_terms(
     evaluation = evaluation_for(recording, "GUM", laboratory.limits if laboratory else None)
 
     def calibrate(read: Recording) -> Calibration:
-        return METHODS[chosen](
-            read, run=run.id, code_version=code_version(), evaluation=evaluation
-        )
+        return METHODS[chosen](read, run=run.id, code_version=code_version(), evaluation=evaluation)
 
     calibration = adopt(recording, [found[name] for name in names], calibrate, known, motion)
     store.save_result(calibration, home)

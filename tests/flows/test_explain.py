@@ -244,9 +244,7 @@ def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
         (("--terms", "bias_step", "--uncertainty", "montecarlo"), "propagation"),
     ],
 )
-def test_what_cannot_be_adopted_is_one_sentence(
-    mimucal, shared, engine, arguments, says
-) -> None:
+def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, arguments, says) -> None:
     engine(1)
     done = mimucal("calibrate", shared / PLANT, *arguments)
     assert (done.code, done.out) == (2, "")

@@ -68,9 +68,7 @@ def _uneven(events: Events) -> list[int]:
     ]  # fmt: skip
 
 
-def _level(
-    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion
-) -> np.ndarray:
+def _level(events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion) -> np.ndarray:
     """The noise (n, 6) that the residual has at each rate."""
     level = alive(noise_of(residual, motion))
     level = np.where(level == 0, noise, level)

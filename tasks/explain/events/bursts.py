@@ -76,9 +76,7 @@ def _blocks(t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Moti
     square = np.divide(1.0, noise**2, out=np.zeros(noise.shape), where=known)
     heard = np.where(known, residual, 0.0) * square
     cut = slice(0, len(starts) * rows)
-    information, told = (
-        each[cut].reshape(-1, rows, 6).sum(axis=1) for each in (square, heard)
-    )
+    information, told = (each[cut].reshape(-1, rows, 6).sum(axis=1) for each in (square, heard))
     left = np.divide(told, information, out=np.zeros_like(told), where=information > 0)
     middle = t[cut].reshape(-1, rows).mean(axis=1)
     return Blocks(middle, left, np.sqrt(information), regimes_at(motion, middle))
@@ -124,9 +122,7 @@ def _further(blocks: Blocks, kind: Kind) -> np.ndarray:
     age = np.arange(int(OVER * kind.decay / step)) * step
     course = (kind.wave * swings(age, kind.frequency, kind.decay)[:, None]).real
     squares = blocks.weight**2
-    told = sum(
-        _correlated(blocks.left[:, c] * squares[:, c], course[:, c]) for c in range(6)
-    )
+    told = sum(_correlated(blocks.left[:, c] * squares[:, c], course[:, c]) for c in range(6))
     information = sum(_correlated(squares[:, c], course[:, c] ** 2) for c in range(6))
     told, information = np.asarray(told), np.maximum(np.asarray(information), 1e-30)
     size = told / information

@@ -112,9 +112,7 @@ def _mains(found: list[tuple[int, tuple[float, ...], Line]]) -> Lines:
     )
     amplitudes = [each for number, _, line in found for each in _amplitudes(line, number)]
     p_value = min(line.p_value for line in lines)
-    return Lines(
-        "mains_pickup", channels, (frequency, *amplitudes), p_value, said, None, lines
-    )
+    return Lines("mains_pickup", channels, (frequency, *amplitudes), p_value, said, None, lines)
 
 
 def _unnamed(line: Line) -> Lines:

@@ -82,9 +82,7 @@ def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisati
     )  # fmt: skip
 
 
-def _seen(
-    channel: int, codes: Codes, readings: np.ndarray, predicted: np.ndarray
-) -> Seen | None:
+def _seen(channel: int, codes: Codes, readings: np.ndarray, predicted: np.ndarray) -> Seen | None:
     """Maximum likelihood of the noise before rounding, each block with a mean of its own."""
     counted = _counts(codes, readings, predicted)
     if len(counted) == 0:

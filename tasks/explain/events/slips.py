@@ -82,9 +82,7 @@ def find_slips(
     return found
 
 
-def _delays(
-    t: np.ndarray, residual: np.ndarray, slope: np.ndarray, noise: np.ndarray
-) -> Delays:
+def _delays(t: np.ndarray, residual: np.ndarray, slope: np.ndarray, noise: np.ndarray) -> Delays:
     """The delay of each cell, from the gyros where they tell: levers disturb accelerometers."""
     channels = slice(0, 3) if np.isfinite(residual[:, :3]).any() else slice(3, 6)
     weight = slope[:, channels] / noise[:, channels] ** 2
@@ -200,9 +198,10 @@ def _event(
             FoundParameter(name=f"lost_{k + 1}", value=float(count), unit="1", u=width),
             FoundParameter(name=f"time_{k + 1}", value=float(when), unit="s", u=float(u[k])),
         ]
-    gain = cells.cost(np.median(cells.delay)).sum() - cells.cost(
-        np.median(cells.delay - path) + path
-    ).sum()
+    gain = (
+        cells.cost(np.median(cells.delay)).sum()
+        - cells.cost(np.median(cells.delay - path) + path).sum()
+    )
     return Slips(
         "dropped_samples", (0, 1, 2, 3, 4, 5), tuple(parameters),
         float(chi2.sf(gain, 2 * len(times))), _said(times, lost), None, times, lost, interval,

@@ -20,9 +20,7 @@ SINCE = np.array([0.0, 5.0, 15.0, 30.0, 60.0, np.inf])  # s since the last move
 SIGNED = tuple(sign + axis for axis in AXES for sign in "+-")
 
 
-def by_rate(
-    motion: Motion, segments: tuple[Segment, ...], segment: np.ndarray
-) -> Iterator[Regime]:
+def by_rate(motion: Motion, segments: tuple[Segment, ...], segment: np.ndarray) -> Iterator[Regime]:
     """By the size of the rate, and by the rate about each axis with its sign."""
     measured = [k for k, each in enumerate(segments) if each.kind in MEASURED]
     courses = {"": np.linalg.norm(motion.rate, axis=1)}

@@ -40,9 +40,7 @@ def patterns_in(run: Run, seen: Seen) -> list[Pattern]:
     return [each for each in every if each.score >= TELLING]
 
 
-def places(
-    run: Run, channels: Mapping[int, Seen], contribution: np.ndarray
-) -> dict[int, Place]:
+def places(run: Run, channels: Mapping[int, Seen], contribution: np.ndarray) -> dict[int, Place]:
     """The place of each channel's part of one finding; contribution: (n, 6).
 
     A pattern counts by what it tells of the channel's excess, and its dimension by what it tells
@@ -81,8 +79,9 @@ def _without_pattern(run: Run, sums: Sums) -> Place:
     rows = np.isin(part, densest)
     if share < IN_STRETCHES:
         return Place("level", LEVEL, _holding(run, sums, np.ones(len(run.t), bool)))
-    text = f"{share:.0%} of it in a fifth of the time, in short stretches", (
-        f"{share:.0%} 出现在仅占总时间五分之一的若干短时段内"
+    text = (
+        f"{share:.0%} of it in a fifth of the time, in short stretches",
+        (f"{share:.0%} 出现在仅占总时间五分之一的若干短时段内"),
     )
     return Place("time", text, _holding(run, sums, rows))
 

@@ -51,9 +51,7 @@ def _by_course(dimension: Dimension, course: np.ndarray, follows: Text, unit: st
         (f"at {x}{unit}", f"{x}{unit} 时")
         for x in (_shown(each, edges) for each in 0.5 * (edges[1:] + edges[:-1]))
     )
-    return Regime(
-        dimension, cell, True, follows, cells, _between(edges, unit), dimension != "time"
-    )
+    return Regime(dimension, cell, True, follows, cells, _between(edges, unit), dimension != "time")
 
 
 def _shown(value: float, edges: np.ndarray) -> str:

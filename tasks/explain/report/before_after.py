@@ -140,9 +140,7 @@ def _band(cells: Cells, channel: int, x: Scale, up: Scale) -> list[str]:
     ]
 
 
-def _steps(
-    cells: Cells, means: np.ndarray, x: Scale, up: Scale
-) -> list[tuple[float, float]]:
+def _steps(cells: Cells, means: np.ndarray, x: Scale, up: Scale) -> list[tuple[float, float]]:
     points: list[tuple[float, float]] = []
     for a, b, mean in zip(cells.edges[:-1], cells.edges[1:], means, strict=True):
         points += [(x(a), up(mean)), (x(b), up(mean))] if np.isfinite(mean) else [(np.nan, 0.0)]

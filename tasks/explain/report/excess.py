@@ -129,9 +129,7 @@ def _swing(values: np.ndarray, sigma: float) -> float:
     return np.sqrt(beyond) if beyond > 4.0 * sigma**2 * np.sqrt(2.0 / len(values)) else 0.0
 
 
-def _excess(
-    cells: list[np.ndarray], rest: list[np.ndarray], stretches: np.ndarray
-) -> np.ndarray:
+def _excess(cells: list[np.ndarray], rest: list[np.ndarray], stretches: np.ndarray) -> np.ndarray:
     """How far each cell's power stands above that of noise, at the block where it shows most.
 
     rest: what is left when the findings are in the model. Noise that is not white is stronger

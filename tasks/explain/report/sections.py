@@ -57,14 +57,22 @@ def card(number: int, finding: FindingSaid) -> str:
     colour = colour_of(number)
     rows = [
         (("How large", "参数"), _parameters(finding)),
-        (("What it follows", "变化规律"), _told(sentence(text_of(finding.follows)))
-         if finding.follows not in (None, finding.title) else ""),
+        (
+            ("What it follows", "变化规律"),
+            _told(sentence(text_of(finding.follows)))
+            if finding.follows not in (None, finding.title)
+            else "",
+        ),
         (("Equation", "公式"), _equation(finding)),
         (("Where", "所在"), _wheres(finding)),
         (("Why we believe it", "依据"), both(why(finding.evidence))),
         (("Could also be", "其他可能"), _other(finding)),
-        (("To be sure, record", "如需确认，补充记录"), _told(sentence(
-            text_of(finding.separating_recording))) if finding.separating_recording else ""),
+        (
+            ("To be sure, record", "如需确认，补充记录"),
+            _told(sentence(text_of(finding.separating_recording)))
+            if finding.separating_recording
+            else "",
+        ),
         (("On the certificate", "对证书的影响"), _told(on_certificate(finding))),
     ]
     entries = "".join(f"<dt>{both(head)}</dt><dd>{body}</dd>" for head, body in rows if body)
@@ -158,9 +166,7 @@ def consequences(discrepancy: Discrepancy) -> str:
     return table([both(each) for each in head], rows, (2, 3, 4, 6))
 
 
-def _consequence(
-    number: int, each: Consequence, changes: tuple[VerdictChange, ...]
-) -> list[str]:
+def _consequence(number: int, each: Consequence, changes: tuple[VerdictChange, ...]) -> list[str]:
     values = (each.before, each.after)
     U = each.U or 0.0
     scale = sensible(max(abs(value) for value in (*values, U) if value is not None), each.unit)

@@ -201,9 +201,7 @@ def _finding_said(
         channels=tuple(CHANNELS[i] for i in finding.channels),
         where=wheres,
         parameters=finding.parameters,
-        evidence=EvidenceFor(
-            delta_bic=finding.delta_bic, held_out_gain_nats=finding.held_out_gain
-        ),
+        evidence=EvidenceFor(delta_bic=finding.delta_bic, held_out_gain_nats=finding.held_out_gain),
         equation=finding.equation,
         source=finding.source,
         follows=_statement(finding.follows) if finding.follows else None,

@@ -35,9 +35,7 @@ def rect(x: float, y: float, w: float, h: float, fill: str, opacity: float = 1.0
     return f'<rect x="{x:.1f}" y="{y:.1f}" width="{w:.1f}" height="{h:.1f}" fill="{fill}"{seen}/>'
 
 
-def line(
-    x1: float, y1: float, x2: float, y2: float, colour: str = GREY, width: float = 1.0
-) -> str:
+def line(x1: float, y1: float, x2: float, y2: float, colour: str = GREY, width: float = 1.0) -> str:
     """A straight line."""
     return (
         f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{colour}" '

@@ -155,8 +155,7 @@ def _gained(held_out: HeldOut) -> Text:
         (
             f"on stretches that the fit did not see, χ² per degree of freedom goes from "
             f"{before} to {after} (noise alone: 1){en}",
-            f"在未参与拟合的区段上，每自由度 χ² 由 {before} 变为 {after}"
-            f"（仅有噪声时为 1）{zh}",
+            f"在未参与拟合的区段上，每自由度 χ² 由 {before} 变为 {after}（仅有噪声时为 1）{zh}",
         )
     )
 
@@ -179,4 +178,3 @@ def _consequences(findings: Sequence[FindingSaid]) -> Text:
 
 def _count(number: int, noun: str) -> str:
     return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
-

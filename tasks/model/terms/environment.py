@@ -116,7 +116,5 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
         ("temperature_rate", (THERMAL_GRADIENT,)),
         ("supply_voltage", (SUPPLY_SENSITIVITY,)),
     )
-    recorded = (
-        term for course, terms in by_course if course in motion.recorded for term in terms
-    )
+    recorded = (term for course, terms in by_course if course in motion.recorded for term in terms)
     return (*recorded, *(thermal_transient(seconds) for seconds in TIME_CONSTANTS))

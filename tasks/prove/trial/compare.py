@@ -33,7 +33,6 @@ class Compared:
         return abs(self.found - self.true) <= NORMAL_95 * self.u
 
 
-
 def compared(
     truth: Truth, effect: str, stated: Sequence[Mapping[str, Any]]
 ) -> tuple[list[Compared], list[str]]:

@@ -38,8 +38,6 @@ def explain_blind(folder: Path, report: Report) -> None:
             report(done, len(recordings))
 
 
-
-
 @contextmanager
 def _fresh_processes() -> Iterator[ProcessPoolExecutor]:
     """A process for each core, begun anew; one thread each, or they hinder one another."""

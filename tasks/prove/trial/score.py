@@ -152,9 +152,7 @@ def scored(
         right=bool(named) and named[0]["effect"] in effects,
         right_or_twin=bool(named) and _true_or_twin(named[0], effects),
         wrong=tuple(one["effect"] for one in wrong),
-        wrong_beyond_twins=tuple(
-            one["effect"] for one in wrong if not _true_or_twin(one, effects)
-        ),
+        wrong_beyond_twins=tuple(one["effect"] for one in wrong if not _true_or_twin(one, effects)),
         certificate=trial["certificate"] and trial["certificate"]["ratio"],
         gap=gap,
         parameters=tuple(pair for pairs, _ in beside for pair in pairs),

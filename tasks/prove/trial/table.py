@@ -97,9 +97,7 @@ def rows_of(scores: Sequence[Score]) -> list[Row]:
     groups: dict[tuple[int, str, float], list[Score]] = {}
     for each in scores:
         groups.setdefault(_place(each), []).append(each)
-    return [
-        row(name, group[0].asked_z, group) for (_, name, _), group in sorted(groups.items())
-    ]
+    return [row(name, group[0].asked_z, group) for (_, name, _), group in sorted(groups.items())]
 
 
 def _place(each: Score) -> tuple[int, str, float]:

@@ -104,9 +104,7 @@ def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
 
 def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced) -> None:
     recording, found = displaced
-    weak = finding(
-        found.contribution, "lever_arm", parameters=found.parameters, delta_bic=-3.0
-    )
+    weak = finding(found.contribution, "lever_arm", parameters=found.parameters, delta_bic=-3.0)
     adopted = adopt(recording, [weak], calibrate, (LEVER_ARM,), whole_motion(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
     assert "-3.0" in said.en

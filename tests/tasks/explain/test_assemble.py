@@ -34,8 +34,7 @@ def picked(term: Term, own: tuple[int, ...] | None = None, *rivals: tuple[Term, 
     """A term chosen with a score of 90, beside rivals with theirs."""
     own = tuple(range(len(term.parameters))) if own is None else own
     others = tuple(
-        Scored(Candidate(other, (0,), (0,), 1), score + 10.0, score, 0.0)
-        for other, score in rivals
+        Scored(Candidate(other, (0,), (0,), 1), score + 10.0, score, 0.0) for other, score in rivals
     )
     return Chosen(Candidate(term, own or (0,), own, 1), 100.0, 90.0, others)
 
@@ -53,9 +52,7 @@ def explained(made: np.ndarray, *chosen: Chosen) -> Explanation:
     })  # fmt: skip
     recording = Recording(manifest, Stream(RUN.t, columns))
     # The labels know nothing of the motion, which is put in here.
-    full = replace(
-        full_rate(recording), motion=RUN, shaking=np.tile(WHITE[[0, 3]] ** 2, (2, 1))
-    )
+    full = replace(full_rate(recording), motion=RUN, shaking=np.tile(WHITE[[0, 3]] ** 2, (2, 1)))
     blocks = observed(made, RUN)
     pairs = [(one.candidate, np.zeros(len(one.candidate.own))) for one in chosen]
     model = fitted(model_of(pairs, blocks), blocks, NOISY)

@@ -273,9 +273,7 @@ def test_what_does_not_fade_has_no_time_constant(run: Recording, motion: Motion)
 def test_the_map_shows_the_misfit_and_what_is_left_of_it(run: Recording, motion: Motion) -> None:
     attitude = in_channels(len(motion.t), gyro_z=np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0))
     explanation = explained(run, attitude)
-    readings = {
-        name: run.imu.columns[name] + attitude[:, c] for c, name in enumerate(GYRO + ACCEL)
-    }
+    readings = {name: run.imu.columns[name] + attitude[:, c] for c, name in enumerate(GYRO + ACCEL)}
     recording = Recording(run.manifest, Stream(run.imu.t, readings), run.table)
     found = excess_map(Explanation(recording, *list(vars(explanation).values())[1:]))
     rest = [k for k, name in enumerate(found.segments) if name == "rest_-y_1"]

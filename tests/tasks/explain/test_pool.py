@@ -75,9 +75,7 @@ def test_gain_and_values_are_those_of_least_squares(small: Small, which: list[in
     block, right = state.normal[np.ix_(which, which)], state.right[which]
     values = inverse(block) @ right
     before, _ = chi2(small.pool, small.base, small.readings, (), NOISY)
-    after, direct = chi2(
-        small.pool, small.base, small.readings, [COLUMNS[p] for p in which], NOISY
-    )
+    after, direct = chi2(small.pool, small.base, small.readings, [COLUMNS[p] for p in which], NOISY)
     u = np.sqrt(np.diag(inverse(block)))
     assert right @ values == pytest.approx(before - after, rel=1e-4, abs=0.05)
     assert np.abs(values - direct / state.scale[which]).max() < 0.01 * u.max()
@@ -104,9 +102,7 @@ def test_what_the_standard_model_says_too_is_not_seen(small: Small) -> None:
 
 def test_a_channel_that_was_not_recorded_is_left_out(small: Small) -> None:
     nothing = {channel: np.zeros(len(RUN.t)) for channel in (3, 4, 5)}
-    pool = pooled(
-        with_weight(small.observed, nothing), small.base, small.readings, COLUMNS, FREE
-    )
+    pool = pooled(with_weight(small.observed, nothing), small.base, small.readings, COLUMNS, FREE)
     assert [channel is None for channel in pool.channels] == [False] * 3 + [True] * 3
     scale = system(pool, NOISY).scale
     assert (scale[:3] == 0).all()  # a lever arm is seen by accelerometers alone
@@ -177,9 +173,7 @@ def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, fact
         {c: course * (factor if c == channel else 1.0) for c, course in column.items()}
         for column in COLUMNS
     ]
-    noises = [
-        Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)
-    ]
+    noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]
     other = system(pooled(blocks, base, scaled, columns, FREE), noises)
     assert other.misfit == pytest.approx(plain.misfit, rel=1e-4)
     np.testing.assert_allclose(other.normal, plain.normal, atol=1e-4)

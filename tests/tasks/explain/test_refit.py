@@ -40,9 +40,7 @@ def values_of(model: Model, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 def three(seed: int | None) -> tuple[Model, np.ndarray]:
     """Lever arm, delay and warm-up together, the warm-up begun at a wrong time constant."""
-    made = read(
-        RUN, (LEVER_ARM, ARM), (TIME_OFFSET, DELAY), (thermal_transient(TAU), WARM_UP)
-    )
+    made = read(RUN, (LEVER_ARM, ARM), (TIME_OFFSET, DELAY), (thermal_transient(TAU), WARM_UP))
     if seed is not None:
         made = made + noise(len(RUN.t), seed, NOISY)
     terms = (LEVER_ARM, TIME_OFFSET, thermal_transient(90.0))

@@ -121,8 +121,10 @@ def test_known_physics_is_charged_nothing_and_compared_by_its_own_size() -> None
 def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int) -> None:
     run = RUN.taken(np.arange(0, len(RUN.t), 25))
     rng = np.random.default_rng(8)
-    walk = np.cumsum(rng.standard_normal((len(run.t), 6)), axis=0) * 0.3 * np.sqrt(
-        [each.white for each in QUIET]
+    walk = (
+        np.cumsum(rng.standard_normal((len(run.t), 6)), axis=0)
+        * 0.3
+        * np.sqrt([each.white for each in QUIET])
     )
     made = read(run) + noise(len(run.t), 8, QUIET, 1.0) + walk
     blocks = observed(made, run, 1.0)
