@@ -9,7 +9,7 @@ from schemas.recording import Recording
 from tasks.explain.events.after import heard_after
 from tasks.explain.events.event import Event, Events
 from tasks.explain.explanation import Explanation, Finding
-from tasks.explain.generic import UNNAMED
+from tasks.explain.follows import UNNAMED
 from tasks.explain.observed import FullRate, Observed
 from tasks.explain.refit import Model, fitted, model_of
 from tasks.explain.search import NEAR, Found

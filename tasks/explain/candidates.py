@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.generic import slow_course
+from tasks.explain.follows import slow_course
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 

@@ -19,11 +19,11 @@ from tasks.explain.observed import (
     Observed,
     full_rate,
     in_blocks,
-    plain_prediction,
 )
 from tasks.explain.pool import Pool, pooled, renewed, residuals
 from tasks.explain.propose import proposed
 from tasks.explain.refit import Model, fitted, linearised, model_of, started
+from tasks.explain.sample_noise import plain_prediction
 from tasks.explain.search import Found, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told

@@ -4,24 +4,25 @@ Each is a term named `unnamed` whose title says what it follows: relaxations aft
 harmonics of the table's angle, products and powers, slow waves, and everything recorded.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
 
 import numpy as np
-from scipy.signal import lfilter
 
-from tasks.model.term import Column, Inputs, Parameter, Term, Text
-from tasks.motion.nudge import nudged
+from tasks.explain.follows import (
+    ACCELS,
+    EVERY,
+    GYROS,
+    UNNAMED,
+    Askew,
+    Courses,
+    follows,
+    wave,
+)
+from tasks.explain.moves import lagged, repositioned, since_last, turned_over, turning
+from tasks.model.term import Inputs, Parameter, Term, Text
 from tasks.motion.whole import Motion
 
-UNNAMED = "unnamed"
-GYROS, ACCELS = (0, 1, 2), (3, 4, 5)
-EVERY = GYROS + ACCELS
-LETTERS = "xyzxyz"
 TURNED = 2.0 * np.pi  # rad: an axis that turned further has harmonics
-MOVED = 0.02  # of a unit vector in a second: gravity's direction changes
-AT_REST = 1e-3  # rad/s: slower is not a motion
-LONGEST_MOVE = 20.0  # s; what turns longer is a run
 RELAXATIONS = (1.5, 4.0, 8.0, 16.0, 40.0)  # s
 LAGS = (3.0, 7.0, 18.0, 45.0, 120.0)  # s
 WAVES_TRIED = 2  # periods for each set of channels
@@ -31,66 +32,7 @@ RECORDED: dict[str, Text] = {
     "air_temperature": ("the air temperature", "环境温度"),
 }
 
-Courses = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
 Driver = Callable[[Motion, Inputs, int], np.ndarray]
-
-
-@dataclass(frozen=True)
-class Follows(Term):
-    """Readings of some channels follow one or more courses, each channel with its own factors.
-
-    courses: of motion, inputs and the channel, each (n,); alike: the same for every channel.
-    """
-
-    channels: tuple[int, ...] = field(kw_only=True)
-    courses: Courses = field(kw_only=True)
-    alike: bool = field(default=False, kw_only=True)
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        first = self.courses(motion, inputs, self.channels[0])
-        return tuple(
-            {channel: np.nan_to_num(course)}
-            for channel in self.channels
-            for course in (first if self.alike else self.courses(motion, inputs, channel))
-        )
-
-
-@dataclass(frozen=True)
-class Askew(Term):
-    """The unit is turned by a small rotation vector that follows a course."""
-
-    course: Callable[[Motion], np.ndarray] = field(kw_only=True)
-
-    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
-        course = np.nan_to_num(self.course(motion))
-        change = np.gradient(course, motion.t)
-        for axis in range(3):
-            if values[axis]:
-                turned, speed = values[axis] * course, values[axis] * change
-                motion = nudged(motion, np.eye(3)[axis], turned, speed, motion.rate)
-        return motion
-
-
-def follows(
-    key: str,
-    title: Text,
-    channels: tuple[int, ...],
-    number: int,
-    courses: Courses,
-    alike: bool = False,
-) -> Follows:
-    """An empirical term with `number` courses in each channel."""
-    parameters = tuple(
-        Parameter(
-            f"{'gyro' if c < 3 else 'accel'}_{LETTERS[c]}" + (f"_{k + 1}" if number > 1 else ""),
-            key, "rad/s" if c < 3 else "m/s2", 1.0, (-1.0, 1.0),
-        )
-        for c in channels for k in range(number)
-    )  # fmt: skip
-    return Follows(
-        UNNAMED, "unnamed", "sensor", f"reading += c·{key}", "empirical", parameters,
-        title=title, channels=channels, courses=courses, alike=alike,
-    )  # fmt: skip
 
 
 def empirical(motion: Motion) -> tuple[Term, ...]:
@@ -99,46 +41,6 @@ def empirical(motion: Motion) -> tuple[Term, ...]:
         *_after_moves(), *_lags(), *_products(), *_recorded(motion), *_waves(),
         *_of_table(motion),
     )  # fmt: skip
-
-
-def since_last(motion: Motion, events: np.ndarray) -> np.ndarray:
-    """(n,) s since the last event (n,) bool was over; infinite before the first."""
-    rows = np.flatnonzero(np.diff(events.astype(int)) == -1) + 1
-    if not len(rows):
-        return np.full(len(motion.t), np.inf)
-    last = np.searchsorted(rows, np.arange(len(motion.t)), "right") - 1
-    since = motion.t - motion.t[rows[np.maximum(last, 0)]]
-    return np.where(last >= 0, since, np.inf)
-
-
-def turned_over(motion: Motion) -> np.ndarray:
-    """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
-    up = np.nan_to_num(motion.up)
-    step = float(np.median(np.diff(motion.t)))
-    return np.asarray(np.linalg.norm(np.gradient(up, step, axis=0), axis=1) > MOVED)
-
-
-def turning(motion: Motion) -> np.ndarray:
-    """(n,) bool: the unit turns, in whatever way."""
-    return np.asarray(np.linalg.norm(np.nan_to_num(motion.rate), axis=1) > AT_REST)
-
-
-def repositioned(motion: Motion) -> np.ndarray:
-    """(n,) bool: the unit turns from one rest to another, without a steady turn between."""
-    moving = turning(motion)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(int), [0]])))
-    steady = motion.recorded.get("steady_turn", np.zeros(len(moving)))
-    found = moving.copy()
-    for start, stop in edges.reshape(-1, 2):
-        if steady[start:stop].any() or motion.t[stop - 1] - motion.t[start] > LONGEST_MOVE:
-            found[start:stop] = False
-    return found
-
-
-def lagged(course: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
-    """First-order lag of a course (n,), from rest."""
-    keep = np.exp(-float(np.median(np.diff(t))) / tau)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], np.nan_to_num(course)))
 
 
 def _after_moves() -> Iterator[Term]:
@@ -271,33 +173,6 @@ def _waves() -> Iterator[Term]:
             yield wave(channels)
 
 
-@dataclass(frozen=True)
-class Wave(Follows):
-    """Something that comes and goes with a period; shapes: the period."""
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        turned = 2.0 * np.pi * motion.t / self.at[0]
-        pair = (np.sin(turned), np.cos(turned))
-        return tuple({channel: course} for channel in self.channels for course in pair)
-
-    def shaped(self, at: tuple[float, ...]) -> "Wave":
-        """The wave of another period."""
-        said = f"{at[0]:.3g} s"
-        title = (f"a wave with a period of about {said}", f"周期约 {said} 的波动")
-        return replace(self, at=at, title=title)
-
-
-def wave(channels: tuple[int, ...], period: float = 100.0) -> Wave:
-    """A wave in some channels, at any phase in each."""
-    plain = follows("a wave", ("", ""), channels, 2, lambda motion, inputs, channel: ())
-    shape = Parameter("period", "P", "s", 1.0, (0.5, 2000.0))
-    return Wave(
-        plain.name, plain.family, plain.stage, "reading += a·sin(2πt/P) + b·cos(2πt/P)",
-        plain.source, plain.parameters, (shape,), (period,),
-        channels=channels, courses=plain.courses,
-    ).shaped((period,))  # fmt: skip
-
-
 def _of_table(motion: Motion) -> Iterator[Term]:
     if motion.axes is None:
         return
@@ -310,20 +185,20 @@ def _of_table(motion: Motion) -> Iterator[Term]:
 
 
 def _harmonics(axis: int) -> Iterator[Term]:
-    for wave in range(1, 7):
+    for order in range(1, 7):
 
         def courses(
-            motion: Motion, inputs: Inputs, channel: int, wave: int = wave
+            motion: Motion, inputs: Inputs, channel: int, order: int = order
         ) -> list[np.ndarray]:
             assert motion.axes is not None
-            turned = wave * motion.axes.angles[:, axis]
+            turned = order * motion.axes.angles[:, axis]
             return [np.sin(turned), np.cos(turned)]
 
         title = (
-            f"the angle of table axis {axis + 1}, {wave} times a turn",
-            f"转台第 {axis + 1} 轴转角，每转 {wave} 次",
+            f"the angle of table axis {axis + 1}, {order} times a turn",
+            f"转台第 {axis + 1} 轴转角，每转 {order} 次",
         )
-        yield follows(f"cos {wave}θ{axis + 1}", title, EVERY, 2, courses, True)
+        yield follows(f"cos {order}θ{axis + 1}", title, EVERY, 2, courses, True)
 
 
 def _bumps(axis: int) -> Iterator[Term]:
@@ -346,21 +221,3 @@ def _bumps(axis: int) -> Iterator[Term]:
                 ),
                 course=course,
             )  # fmt: skip
-
-
-def slow_course(said: Term | None, waves: int) -> Follows:
-    """Slow waves of half a period and more over the run, in every channel.
-
-    said: the term whose name and texts it takes; without one it is `unnamed`.
-    """
-
-    def courses(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
-        share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
-        return [np.cos(np.pi * k * share) for k in range(1, waves + 1)]
-
-    title = ("a slow drift that nothing recorded follows", "与任何记录量均无关的缓慢漂移")
-    drift = follows("slow waves", title, EVERY, waves, courses, True)
-    if said is None:
-        return drift
-    texts = ("name", "family", "equation", "source", "title", "confused_with", "separated_by")
-    return replace(drift, **{text: getattr(said, text) for text in texts})

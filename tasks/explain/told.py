@@ -13,7 +13,7 @@ from scipy.special import chdtrc
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.explanation import Finding
-from tasks.explain.generic import UNNAMED
+from tasks.explain.follows import UNNAMED
 from tasks.explain.observed import FullRate, Observed
 from tasks.explain.refit import Model, equations_of
 from tasks.explain.search import FALSE_ALARMS

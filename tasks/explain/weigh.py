@@ -8,7 +8,7 @@ from scipy.stats import chi2
 
 from schemas.discrepancy import HeldOut
 from tasks.explain.explanation import CHANNELS
-from tasks.explain.generic import UNNAMED
+from tasks.explain.follows import UNNAMED
 from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse

@@ -11,7 +11,7 @@ from tasks.explain.assemble import JUMPS, assembled, si_unit
 from tasks.explain.candidates import Candidate
 from tasks.explain.events.event import Events
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.generic import ACCELS, UNNAMED, wave
+from tasks.explain.follows import ACCELS, UNNAMED, wave
 from tasks.explain.observed import full_rate
 from tasks.explain.pool import System
 from tasks.explain.refit import fitted, model_of

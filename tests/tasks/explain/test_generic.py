@@ -6,18 +6,9 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
 
-from tasks.explain.generic import (
-    GYROS,
-    UNNAMED,
-    empirical,
-    lagged,
-    repositioned,
-    since_last,
-    slow_course,
-    turned_over,
-    turning,
-    wave,
-)
+from tasks.explain.follows import GYROS, UNNAMED, slow_course, wave
+from tasks.explain.generic import empirical
+from tasks.explain.moves import lagged, repositioned, since_last, turned_over, turning
 from tasks.model.term import Inputs
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import TableAxes

@@ -1,0 +1,50 @@
+"""When a unit was moved, and what lags behind."""
+
+import numpy as np
+from scipy.signal import lfilter
+
+from tasks.motion.whole import Motion
+
+MOVED = 0.02  # of a unit vector in a second: gravity's direction changes
+AT_REST = 1e-3  # rad/s: slower is not a motion
+LONGEST_MOVE = 20.0  # s; what turns longer is a run
+
+
+def since_last(motion: Motion, events: np.ndarray) -> np.ndarray:
+    """(n,) s since the last event (n,) bool was over; infinite before the first."""
+    rows = np.flatnonzero(np.diff(events.astype(int)) == -1) + 1
+    if not len(rows):
+        return np.full(len(motion.t), np.inf)
+    last = np.searchsorted(rows, np.arange(len(motion.t)), "right") - 1
+    since = motion.t - motion.t[rows[np.maximum(last, 0)]]
+    return np.where(last >= 0, since, np.inf)
+
+
+def turned_over(motion: Motion) -> np.ndarray:
+    """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
+    up = np.nan_to_num(motion.up)
+    step = float(np.median(np.diff(motion.t)))
+    return np.asarray(np.linalg.norm(np.gradient(up, step, axis=0), axis=1) > MOVED)
+
+
+def turning(motion: Motion) -> np.ndarray:
+    """(n,) bool: the unit turns, in whatever way."""
+    return np.asarray(np.linalg.norm(np.nan_to_num(motion.rate), axis=1) > AT_REST)
+
+
+def repositioned(motion: Motion) -> np.ndarray:
+    """(n,) bool: the unit turns from one rest to another, without a steady turn between."""
+    moving = turning(motion)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(int), [0]])))
+    steady = motion.recorded.get("steady_turn", np.zeros(len(moving)))
+    found = moving.copy()
+    for start, stop in edges.reshape(-1, 2):
+        if steady[start:stop].any() or motion.t[stop - 1] - motion.t[start] > LONGEST_MOVE:
+            found[start:stop] = False
+    return found
+
+
+def lagged(course: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
+    """First-order lag of a course (n,), from rest."""
+    keep = np.exp(-float(np.median(np.diff(t))) / tau)
+    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], np.nan_to_num(course)))

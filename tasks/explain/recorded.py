@@ -1,0 +1,89 @@
+"""What was recorded beside the readings, at the unit's rows, and what the run itself tells."""
+
+import numpy as np
+
+from schemas.recording import Recording, Segment
+from tasks.motion.nudge import slope
+
+AT_REST = 1e-3  # rad/s
+SETTLE = 20.0  # s over which the unit's temperature is smoothed before it is differentiated
+
+
+def recorded_courses(
+    recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
+) -> dict[str, np.ndarray]:
+    """What sensors of unit and room recorded, at the unit's rows, and which fixing it was."""
+    recorded = {}
+    if "temperature" in recording.imu.columns:
+        recorded["temperature"] = recording.imu.columns["temperature"]
+    if (room := recording.environment) is not None:
+        for name, course in room.columns.items():
+            key = "air_temperature" if name == "temperature" else name
+            recorded[key] = np.interp(t, room.t, course)
+    if "temperature" in recorded:
+        recorded["temperature"] = _filled(recorded["temperature"])
+        recorded["temperature_rate"] = _smooth_slope(t, recorded["temperature"])
+    recorded["fixing"] = _fixings(recording, t, segments)
+    recorded["steady_turn"] = np.zeros(len(t))
+    for segment in segments:
+        if segment.kind == "rate":
+            start, stop = np.searchsorted(recording.imu.t, (segment.t_start, segment.t_end))
+            recorded["steady_turn"][start:stop] = 1.0
+    return recorded
+
+
+def _filled(course: np.ndarray) -> np.ndarray:
+    known = np.isfinite(course)
+    rows = np.arange(len(course))
+    return np.interp(rows, rows[known], course[known]) if known.any() else np.zeros(len(course))
+
+
+def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
+    """Derivative by differences of means over SETTLE."""
+    grid = np.arange(t[0], t[-1] + SETTLE, SETTLE / 4)
+    cells = np.clip(np.searchsorted(grid, t, "right") - 1, 0, len(grid) - 1)
+    counts = np.maximum(np.bincount(cells, minlength=len(grid)), 1)
+    means = np.bincount(cells, course, len(grid)) / counts
+    held = counts > 1
+    means = np.interp(np.arange(len(grid)), np.flatnonzero(held), means[held])
+    kernel = np.ones(5) / 5
+    padded = np.concatenate([2 * means[0] - means[4:0:-1], means, 2 * means[-1] - means[-2:-6:-1]])
+    smooth = np.convolve(np.convolve(padded, kernel, "valid"), kernel, "valid")
+    return np.interp(t, grid + SETTLE / 8, slope(grid, smooth))
+
+
+def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
+    """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
+
+    The positions on a table of several axes are one; each upright axis of the rates is another. A
+    unit is fixed anew right after the last segment of a block, before the move to the next.
+    """
+    several = len(recording.manifest.station.table_axes or ()) > 1
+    number: np.ndarray = np.zeros(len(t))
+    at, last, ended = 0, None, 0.0
+    for segment in segments:
+        if segment.up is None:
+            continue
+        block = "positions" if several and segment.item == "twelve_position" else segment.up
+        if last is not None and block != last:
+            at += 1
+            number[np.searchsorted(t, ended) :] = at
+        last, ended = block, segment.t_end
+    return number
+
+
+def vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """(n,) mean square of the accelerometers' noise beyond that at rest, by the speed it has.
+
+    variance: (segments, 2); number: (n,) segment of each row; speed: (n,) rad/s.
+    """
+    seen = [k for k in range(len(variance) - 1) if np.isfinite(variance[k, 1])]
+    if not seen:
+        return np.zeros(len(number))
+    speeds = np.array([float(np.median(speed[number == k])) for k in seen])
+    resting = speeds < AT_REST
+    quiet = float(np.median(variance[seen, 1][resting if resting.any() else slice(None)]))
+    order = np.argsort(speeds)
+    beyond = np.maximum(variance[seen, 1] - quiet, 0.0)
+    turning = order[speeds[order] >= AT_REST]
+    return np.interp(speed, np.append(0.0, speeds[turning]), np.append(0.0, beyond[turning]))

@@ -1,0 +1,68 @@
+"""Noise and steps of single samples, read off what a plain fit leaves."""
+
+import numpy as np
+
+from tasks.motion.whole import Motion
+
+SAMPLE = 50_000  # readings that the output's step is read off
+WHOLE, MOSTLY = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
+STIRRED = 0.5  # of the readings differ from the one before: noise is larger than the step
+
+
+def noise_by_segment(
+    readings: np.ndarray, motion: Motion, number: np.ndarray, count: int
+) -> np.ndarray:
+    """(count + 1, 2) variance of a sample's noise in each segment, by triad; last: between them.
+
+    From second differences of what a straight-line fit leaves, by their median, so that neither
+    motion nor single bad samples count.
+    """
+    left = readings - plain_prediction(readings, motion)
+    rough = np.full_like(left, np.nan)
+    rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
+    variance = np.full((count + 1, 2), np.nan)
+    for k in range(-1, count):
+        rows = np.flatnonzero(number == k)
+        if len(rows) < 30:
+            continue
+        rows = rows[:: 1 + len(rows) // 4000]
+        for triad in range(2):
+            part = rough[rows, 3 * triad : 3 * triad + 3]
+            part = part[np.isfinite(part)]
+            if len(part):
+                variance[k, triad] = np.median(part) / 0.4549
+    return variance
+
+
+def plain_prediction(readings: np.ndarray, motion: Motion) -> np.ndarray:
+    """(n, 6) what the standard's model says, fitted by plain least squares to all rows."""
+    up, rate = np.nan_to_num(motion.up), np.nan_to_num(motion.rate)
+    one = np.ones((len(up), 1))
+    predicted = np.full(readings.shape, np.nan)
+    for channel in range(6):
+        columns = np.hstack([rate, up, one]) if channel < 3 else np.hstack([up, rate**2, one])
+        rows = np.isfinite(readings[:, channel]) & motion.known
+        if not rows.any():
+            continue
+        scale = np.sqrt((columns[rows] ** 2).mean(axis=0)) + 1e-12
+        scaled = columns / scale
+        normal = scaled[rows].T @ scaled[rows]
+        right = scaled[rows].T @ readings[rows, channel]
+        predicted[:, channel] = scaled @ (np.linalg.pinv(normal, rcond=1e-10) @ right)
+    return predicted
+
+
+def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(6,) steps of the outputs, 0 where there are none, and whether noise is larger than them."""
+    steps, stirred = np.zeros(6), np.ones(6, bool)
+    for channel, course in enumerate(readings.T):
+        changes = np.abs(np.diff(course[np.isfinite(course)][:SAMPLE]))
+        moved = changes[changes > 0]
+        if not len(moved):
+            continue
+        least = float(np.quantile(moved, 0.01))
+        parts = moved / least
+        if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MOSTLY:
+            steps[channel] = least
+            stirred[channel] = len(moved) > STIRRED * len(changes)
+    return steps, stirred
