@@ -50,7 +50,7 @@ def padded_length(count: int) -> int:
 
 def transformed(columns: np.ndarray) -> np.ndarray:
     """DCT of each row of (k, n), orthonormal."""
-    return np.asarray(dct(columns, type=2, norm="ortho", axis=-1, workers=-1))
+    return np.asarray(dct(columns, type=2, norm="ortho", axis=-1))
 
 
 @dataclass(frozen=True)

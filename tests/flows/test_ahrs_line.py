@@ -94,5 +94,5 @@ def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(tm
         assert "the unit turned over by hand 2 times, and nobody is at a terminal" in alone.stderr
     finally:
         serving.send_signal(signal.SIGINT)
-        serving.wait(10)
+        serving.wait(30)
     assert told["unit_link"]["frame"] == "angles"
