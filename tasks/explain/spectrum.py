@@ -14,7 +14,9 @@ SINGLE = 8  # lowest coefficients that are bands of their own
 PER_OCTAVE = 4
 MIDDLE = (0.006, 1.0)  # Hz: where flicker is read off
 TOP = 0.5  # of the band, from where up noise is white
+FLATTEST = 1e-4  # Hz: smallest corner considered; all are equally likely on a log scale
 STEEPEST = 15.0  # Hz: largest corner b/w that a unit may have
+EFFICIENCY = 0.37  # of a median of squares beside their mean
 MEDIAN = 0.4549  # of a squared standard normal
 
 
@@ -69,8 +71,8 @@ def noise_of(left: np.ndarray, bands: Bands, floor: float) -> Noise:
 
     floor: variance that rounding has at least.
 
-    White from the upper half of the band; flicker from the middle, by maximum likelihood
-    (Whittle) over bands whose power is a median: lines and steps of physics not yet found are
+    White from the upper half of the band; flicker from the middle, by its posterior mean
+    (Whittle's likelihood) over bands whose power is a median: lines and steps of physics not yet found are
     sparse there, noise is not.
     """
     cut = bands.edges
@@ -86,11 +88,13 @@ def noise_of(left: np.ndarray, bands: Bands, floor: float) -> Noise:
         return Noise(max(white, 1e-30), 0.0)
     levels = np.maximum(levels, floor)
     top = 0.75 * bands.frequency[-1]
-    best, flicker = np.inf, 0.0
-    for corner in np.concatenate([[0.0], np.geomspace(1e-4, STEEPEST, 60)]):
-        level = white / (1.0 + corner / top)
-        expected = level * (1.0 + corner / frequency)
-        cost = float((sizes * (np.log(expected) + levels / expected)).sum())
-        if cost < best:
-            best, flicker = cost, level * corner
+    corners = np.geomspace(FLATTEST, STEEPEST, 80)
+    costs = np.empty(len(corners))
+    for n, corner in enumerate(corners):
+        expected = white / (1.0 + corner / top) * (1.0 + corner / frequency)
+        costs[n] = (sizes * (np.log(expected) + levels / expected)).sum()
+    # The mean, not the likeliest: a short run does not exclude flicker, and a jump is told from it.
+    odds = np.exp(-0.5 * EFFICIENCY * (costs - costs.min()))
+    corner = float(odds @ corners / odds.sum())
+    flicker = white / (1.0 + corner / top) * corner
     return Noise(white - flicker / top, flicker)
