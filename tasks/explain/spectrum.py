@@ -72,8 +72,8 @@ def noise_of(left: np.ndarray, bands: Bands, floor: float) -> Noise:
     floor: variance that rounding has at least.
 
     White from the upper half of the band; flicker from the middle, by its posterior mean
-    (Whittle's likelihood) over bands whose power is a median: lines and steps of physics not yet found are
-    sparse there, noise is not.
+    (Whittle's likelihood) over bands whose power is a median: lines and steps of physics not yet
+    found are sparse there, noise is not.
     """
     cut = bands.edges
     start = int(TOP * len(left))
