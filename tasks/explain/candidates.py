@@ -41,7 +41,7 @@ class Prior:
 class Candidate:
     """A term with some of its parameters, or all of them.
 
-    members: numbers of its parameters within the pool; own: within the term. family: how many
+    members: numbers of its parameters within the pool; own: within the term. tried: how many
     members of its name were tried, which it is charged for. prior: of a course that is drawn at
     random, whose many parameters are charged by their evidence instead. looked: how many times or
     periods its shape was proposed from.

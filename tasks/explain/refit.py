@@ -17,6 +17,7 @@ from tasks.explain.spectrum import Noise, padded_length, transformed
 from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.whole import Motion
 
 ROUNDS = 10
 SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
@@ -50,6 +51,13 @@ class Model:
             self.prior[rows], self.covariance[np.ix_(rows, rows)],
             tuple(self.shape_u[k] for k in kept),
         )  # fmt: skip
+
+
+def whole_effect(model: Model, term: Term, motion: Motion, prediction: np.ndarray) -> Column:
+    """What one term of a model adds to its prediction (n, 6), in every channel."""
+    rest = model.without(term)
+    effect = prediction - predict(rest.terms, motion, rest.values)
+    return {channel: effect[:, channel] for channel in range(6)}
 
 
 def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Observed) -> Model:
@@ -236,12 +244,9 @@ def linearised(
     for candidate in chosen:
         k = next(n for n, term in enumerate(model.terms) if term is candidate.term)
         if candidate.known:
-            effect = design.prediction - predict(
-                model.without(candidate.term).terms, observed.motion,
-                model.without(candidate.term).values,
-            )  # fmt: skip
-            columns[candidate.members[0]] = {c: effect[:, c] for c in range(6)}
-            readings = readings + effect
+            effect = whole_effect(model, candidate.term, observed.motion, design.prediction)
+            columns[candidate.members[0]] = effect
+            readings = readings + np.column_stack(list(effect.values()))
             continue
         for p, q in zip(candidate.members, candidate.own, strict=True):
             column = design.columns[own[k].start + q]

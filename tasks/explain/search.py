@@ -167,22 +167,6 @@ def _one(
     return Scored(one, gain, gain - price, p_value)
 
 
-def _gain(state: System, chosen: Sequence[Candidate]) -> float:
-    """Chi-squared that a list takes away from the standard's model."""
-    right, fixed = state.right, 0.0
-    for one in chosen:
-        if one.known and state.scale[one.members[0]]:
-            p, size = one.members[0], 1.0 / state.scale[one.members[0]]
-            fixed += 2.0 * right[p] * size - state.normal[p, p] * size**2
-            right = right - state.normal[:, p] * size
-    free = members_of([one for one in chosen if not one.known])
-    if not free:
-        return float(fixed)
-    own = right[free]
-    block = state.normal[np.ix_(free, free)] + np.diag(precision_of(state, chosen, free))
-    return float(fixed + own @ inverse(block) @ own)
-
-
 def precision_of(state: System, chosen: Sequence[Candidate], free: Sequence[int]) -> np.ndarray:
     """Prior precision (m,) of the free parameters at unit column size; zero for most."""
     precision = np.zeros(len(state.scale))

@@ -12,10 +12,10 @@ from tasks.explain.follows import UNNAMED
 from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.refit import COUNTS, Equations, Model, equations_of
+from tasks.explain.refit import COUNTS, Equations, Model, equations_of, whole_effect
 from tasks.explain.search import FALSE_ALARMS, Chosen, Found
 from tasks.explain.spectrum import Noise
-from tasks.model.simulate import linearise, predict
+from tasks.model.simulate import linearise
 from tasks.model.term import Column, Term, places
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
@@ -97,13 +97,10 @@ class Weighed:
                 if not any(term is each for each in group.terms):
                     continue
                 if not term.parameters:
-                    effect = design.prediction - predict(
-                        model.without(term).terms, fine.motion, model.without(term).values
-                    )
                     fixed.append(len(columns))
                     mine.append(len(columns))
                     now.append(1.0)
-                    columns.append({c: effect[:, c] for c in range(6)})
+                    columns.append(whole_effect(model, term, fine.motion, design.prediction))
                 for p in range(own[k].start, own[k].stop):
                     if p in position:
                         mine.append(position[p])
