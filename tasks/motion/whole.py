@@ -5,12 +5,13 @@ segments' labels. Where nothing tells, the motion is unknown (NaN), never assume
 Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from schemas.recording import AXES, Recording, Segment, Stream, Up
+from tasks.motion.reported_rate import is_rate_of
 from tasks.motion.smooth import smooth_derivatives
 from tasks.motion.table import mount_of
 
@@ -134,6 +135,7 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
         angles = np.unwrap(angles, axis=0)
     angle, speed, change = smooth_derivatives(table.t, angles, at)
+    speed = _as_reported(table, [axis.name for axis in axes], angles, at, speed)
     heading = recording.manifest.station.heading_deg
     vertical, level = (np.tile(each, (len(at), 1)) for each in np.eye(3)[[2, 1]])
     vectors = [vertical, _north(heading, len(at)), level]
@@ -150,6 +152,19 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     seen = TableAxes(angle, speed, np.stack(spins, axis=1), base)
     payload = Motion(at, up, north, rate, acceleration, gravity_of(recording), seen)
     return _mounted(recording, payload)
+
+
+def _as_reported(
+    table: Stream, names: Sequence[str], angles: np.ndarray, at: np.ndarray, speed: np.ndarray
+) -> np.ndarray:
+    """Rates (m, k) of the axes: the reported one where it is the angle's, else the derivative."""
+    speed = speed.copy()
+    for k, name in enumerate(names):
+        reported = table.columns.get(f"{name}_rate")
+        if reported is not None and is_rate_of(table.t, angles[:, k], reported):
+            course = np.interp(at, table.t, reported)
+            speed[:, k] = np.where(np.isfinite(speed[:, k]), course, np.nan)
+    return speed
 
 
 def _north(heading: float | None, count: int) -> np.ndarray:
