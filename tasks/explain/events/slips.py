@@ -18,12 +18,12 @@ from tasks.motion.whole import Motion
 CELL = 1.0  # s, within which a delay is told
 SHARP = 0.1  # of a sample interval: a cell that tells the delay worse tells none
 FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
-MODEL = 0.05  # of a sample interval: what else may look like a delay in a cell
+MODEL = 0.08  # of a sample interval: what else may look like a delay in a cell
 MOST = 30  # samples lost in all
 OUTLIER = 25.0  # chi-squared that one cell may cost at most
 STEP = 30.0  # chi-squared that a further loss must gain
 GAIN = 100.0  # chi-squared that losses must gain against a constant and a running delay
-WHOLE = 0.15  # sample intervals that a jump may be off a whole number
+WHOLE = 0.25  # sample intervals that a jump may be off a whole number
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def find_slips(
     found: Slips | None = None
     for _ in range(2):  # the second time with a fit that the losses do not disturb
         residual = np.where(masked, np.nan, readings - predicted)
-        cells = _delays(t, residual, slope, noise)
+        cells = _delays(t, residual, predicted, slope, noise)
         path = _path(cells)
         if path is None:
             return None
@@ -82,30 +82,45 @@ def find_slips(
     return found
 
 
-def _delays(t: np.ndarray, residual: np.ndarray, slope: np.ndarray, noise: np.ndarray) -> Delays:
-    """The delay of each cell, from the gyros where they tell: levers disturb accelerometers."""
-    channels = slice(0, 3) if np.isfinite(residual[:, :3]).any() else slice(3, 6)
-    weight = slope[:, channels] / noise[:, channels] ** 2
-    told = np.nan_to_num(weight * residual[:, channels]).sum(axis=1)
-    known = np.where(np.isfinite(residual[:, channels]), weight * slope[:, channels], 0.0)
+def _delays(
+    t: np.ndarray,
+    residual: np.ndarray,
+    predicted: np.ndarray,
+    slope: np.ndarray,
+    noise: np.ndarray,
+) -> Delays:
+    """The delay of each cell, from the gyros where they tell: levers disturb accelerometers.
+
+    Beside it a cell may have a scale factor and a bias of its own: those of the whole run are
+    fitted to readings that the losses have put off.
+    """
+    channels = range(3) if np.isfinite(residual[:, :3]).any() else range(3, 6)
     cell = ((t - t[0]) / CELL).astype(int)
     count = int(cell[-1]) + 1
-    sum_told = np.bincount(cell, told, count)
-    information = np.bincount(cell, np.nan_to_num(known).sum(axis=1), count)
+    told, information = np.zeros(count), np.zeros(count)
+    for c in channels:
+        known = np.isfinite(residual[:, c] + slope[:, c] + noise[:, c])
+        rows, number, weight = np.flatnonzero(known), cell[known], noise[known, c] ** -2
+        forms = (slope[rows, c], np.ones(len(rows)), predicted[rows, c], residual[rows, c])
+        gram = np.array(
+            [[np.bincount(number, weight * x * y, count) for x in forms] for y in forms]
+        )
+        for q in (1, 2):  # the bias taken off, then the scale factor
+            by = np.divide(gram[:, q], gram[q, q], out=np.zeros((4, count)), where=gram[q, q] > 0)
+            gram = gram - by[:, None] * gram[q][None]
+        told += gram[0, 3]
+        information += np.maximum(gram[0, 0], 0.0)
     sharp = information > SHARP**-2
     u = np.sqrt(1 / information[sharp] + MODEL**2)
     middle = t[0] + (np.arange(count)[sharp] + 0.5) * CELL
-    return Delays(middle, sum_told[sharp] / information[sharp], u)
+    return Delays(middle, told[sharp] / information[sharp], u)
 
 
 def _path(cells: Delays) -> np.ndarray | None:
     """Whole samples lost (m,) before each cell; None where that is not what the delays do."""
     if len(cells.at) < 6:
         return None
-    start, path = float(np.median(cells.delay[:3])), np.zeros(len(cells.at))
-    for _ in range(4):
-        path = _cheapest(cells, start)
-        start = float(np.median(cells.delay - path))
+    path, start = _stairs(cells)
     if path[0] != 0 or path[-1] == 0 or path[-1] >= MOST:
         return None
     stairs = cells.cost(start + path).sum() + STEP * np.count_nonzero(np.diff(path))
@@ -115,6 +130,20 @@ def _path(cells: Delays) -> np.ndarray | None:
     if 2 * cells.cost(start + path).sum() > constant or not _whole(cells, path):
         return None
     return path
+
+
+def _stairs(cells: Delays) -> tuple[np.ndarray, float]:
+    """The cheapest stairs (m,) and the delay of their foot, from several feet to begin with."""
+    found = []
+    for start in np.unique(np.round(cells.delay[: max(3, len(cells.at) // 4)], 1)):
+        path = _cheapest(cells, float(start))
+        for _ in range(3):
+            start = float(np.median(cells.delay - path))
+            path = _cheapest(cells, start)
+        cost = cells.cost(start + path).sum() + STEP * np.count_nonzero(np.diff(path))
+        found.append((float(cost), start, path))
+    _, start, path = min(found, key=lambda each: each[0])
+    return path, start
 
 
 def _cheapest(cells: Delays, start: float) -> np.ndarray:
