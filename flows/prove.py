@@ -16,8 +16,10 @@ from tasks.prove.trial.evidence import (
     besides,
     summary,
 )
+from tasks.prove.trial.figures import costs, figures
 from tasks.prove.trial.hold import explain_blind, prepare
 from tasks.prove.trial.page import page
+from tasks.prove.trial.pictures.headline import headline_svg
 from tasks.prove.trial.score import score_all
 from tasks.version import code_version
 
@@ -45,6 +47,7 @@ def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
         "evidence.json": data,
         "evidence.md": as_markdown(trial),
         "evidence.html": page(trial),
+        "headline.svg": headline_svg(scores),
     }
     for name, text in contents.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -53,6 +56,10 @@ def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
         return
     print_rows(f"The sealed trial, {len(scores)} recordings", SUMMARY, summary(trial))
     console = stdout(markup=False)
+    for each in figures(scores):
+        console.print(f"{each.what[0]}: {each.reached} (asked: {each.asked}), {each.of}")
+    for line in costs(scores):
+        console.print(f"{line.what[0]}: {line.before}; with explain {line.after}")
     for what, figure in besides(trial):
         console.print(f"{what}: {figure}")
     for name in (*contents, "seals.txt"):

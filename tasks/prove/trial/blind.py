@@ -12,29 +12,49 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from schemas.recording import Recording
 from storage.exchange import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.prove.trial.certificate import CERTIFICATE, certificate_less, certificate_of
 
 ANSWER, PREDICTION = "answer.json", "prediction.parquet"
 
 
 def answer(recording: Path, folder: Path) -> None:
-    """Explains recording/ and writes answer.json and prediction.parquet (float32) to folder/.
+    """Explains recording/ and writes answer.json, prediction.parquet (float32) and
+    certificate.json to folder/.
 
     A failure is an answer, too: it says what was raised.
     """
     folder.mkdir(parents=True)
+    read, explanation = read_folder(recording), None
     started = time.perf_counter()
     try:
-        explanation = explain(read_folder(recording))
+        explanation = explain(read)
     except Exception as failure:
         said: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
     else:
         said = _said(explanation)
         _write_prediction(explanation, folder / PREDICTION)
     said["seconds"] = time.perf_counter() - started
-    (folder / ANSWER).write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+    _write_json(said, folder / ANSWER)
+    _write_json(_certificates(read, explanation), folder / CERTIFICATE)
+
+
+def _certificates(recording: Recording, explanation: Explanation | None) -> dict[str, Any]:
+    """As read, and less what was found; a failure leaves the second out and says why."""
+    said: dict[str, Any] = {"read": certificate_of(recording), "less": None}
+    if explanation is not None:
+        try:
+            said["less"] = certificate_less(recording, explanation)
+        except Exception as failure:
+            said["failed"] = f"{type(failure).__name__}: {failure}"
+    return said
+
+
+def _write_json(said: dict[str, Any], path: Path) -> None:
+    path.write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
 
 
 def _said(explanation: Explanation) -> dict[str, Any]:

@@ -1,32 +1,63 @@
-"""What leaving the effects out does to the standard's own results, in their stated U."""
+"""What a certificate by the clauses states, of the readings as they are and less what was found.
 
-from typing import NamedTuple
+Imports nothing of the plant: the processes that explain write it, too.
+"""
+
+from typing import Any
 
 from schemas.base import Unusable
+from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.items.jjf2003 import calibrate
+from tasks.explain.adopt import adopt
+from tasks.explain.explanation import Explanation
+from tasks.explain.observed import full_rate
+from tasks.items import jjf1536, jjf2003
+from tasks.model.catalogue import catalogue
+
+CERTIFICATE = "certificate.json"
+UNNAMED = "unnamed"
+SCATTER = "excess_scatter"  # the remark of a residual beyond the noise, at 1 %
 
 
-class Off(NamedTuple):
-    """The value that is off most. ratio: |with effects − without| / U."""
+def certificate_of(recording: Recording) -> dict[str, Any] | None:
+    """The clauses' items of a recording; None where it gives none.
 
-    ratio: float
-    item: str
-    element: str
-
-
-def certificate_off(recording: Recording, clean: Recording) -> Off | None:
-    """JJF 2003-2022 by its clauses on a recording and on the same one, noise and all, without
-    effects; None where it gives nothing."""
+    values: [value, U] by item and element. scatter: how many remarks say that residuals are
+    beyond the noise, which is all that the clauses' own evaluation would notice.
+    """
     try:
-        shown, true = (calibrate(one, run="-", code_version="-") for one in (recording, clean))
+        return _stated(_by_clauses(recording))
     except Unusable:
         return None
-    off = []
-    for name, item in shown.items.items():
-        beside = true.items[name].value if name in true.items else {}
-        for element, value in item.value.items():
-            known, U = beside.get(element), item.U[element]
-            if value is not None and known is not None and U:
-                off.append(Off(abs(value - known) / U, name, element))
-    return max(off, default=None)
+
+
+def certificate_less(recording: Recording, explanation: Explanation) -> dict[str, Any] | None:
+    """The same with what was found and named taken off first, as `calibrate --terms` does.
+
+    What is unnamed cannot be ordered taken off, and stays. None where there is nothing to take
+    off, or no item.
+    """
+    named = [finding for finding in explanation.findings if finding.effect != UNNAMED]
+    if not named:
+        return None
+    motion = full_rate(recording).motion
+    try:
+        return _stated(adopt(recording, named, _by_clauses, catalogue(recording, motion), motion))
+    except Unusable:
+        return None
+
+
+def _by_clauses(recording: Recording) -> Calibration:
+    ahrs = recording.manifest.standard == "JJF 1536-2015"
+    calibrate = jjf1536.calibrate if ahrs else jjf2003.calibrate
+    return calibrate(recording, run="-", code_version="-")
+
+
+def _stated(calibration: Calibration) -> dict[str, Any]:
+    values = {
+        f"{name} {element}": [value, item.U.get(element)]
+        for name, item in calibration.items.items()
+        for element, value in item.value.items()
+        if value is not None and item.U.get(element)
+    }
+    return {"values": values, "scatter": sum(r.code == SCATTER for r in calibration.remarks)}

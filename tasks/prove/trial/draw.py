@@ -22,15 +22,18 @@ NEEDS_THERMOMETER = ("temperature_bias", "temperature_scale", "thermal_gradient"
 
 # how often each procedure is drawn; `partial` is three_axis with few rates
 PROCEDURES = {
-    "three_axis": 0.5, "single_axis": 0.15, "six_orientations": 0.12, "one_axis": 0.08,
-    "rests": 0.05, "partial": 0.1,
+    "three_axis": 0.47, "single_axis": 0.15, "six_orientations": 0.12, "one_axis": 0.08,
+    "rests": 0.05, "partial": 0.08, "ahrs": 0.05,
 }  # fmt: skip
 RATES = ((10.0, 50.0, 100.0, 200.0, 300.0), (20.0, 60.0, 150.0, 250.0), (50.0, 100.0, 300.0, 400.0))
 FEW_RATES = ((50.0, 200.0), (30.0, 120.0), (300.0,))
 DWELLS = (12.0, 16.0, 20.0, 30.0)  # s
 MOST_ROWS = 110_000  # so that a case is explained within 8 s
+# dwells: fixed ones, and for each rate
 LEGS = {"three_axis": (18, 6), "single_axis": (18, 6), "six_orientations": (12, 12),
-        "one_axis": (2, 2), "rests": (12, 0)}  # fmt: skip # dwells: fixed ones, and for each rate
+        "one_axis": (2, 2), "rests": (12, 0), "ahrs": (22, 6)}  # fmt: skip
+TURNING = {"ahrs": 300.0}  # s that no dwell makes shorter: ten turns, three axes, both ways
+CLEAN = 120  # recordings without effects: as many as false alarms of 1 % ask for at the least
 
 
 class Drawn(Data):
@@ -54,8 +57,7 @@ def draw(seed: int, short: bool = False) -> list[Drawn]:
     """The cases of a trial, in an order that tells nothing. At least a fifth of them is clean."""
     rng = np.random.default_rng([seed, 5])
     asked = list(_short(rng) if short else _full(rng))
-    clean = -(-len(asked) // 4) + (0 if short else 2)
-    asked += [("clean", (), None)] * clean
+    asked += [("clean", (), None)] * (-(-len(asked) // 4) if short else CLEAN)
     order = rng.permutation(len(asked))
     return [
         Drawn(number=n, kind=asked[i][0], case=conditions(rng, asked[i]), z=asked[i][2])
@@ -100,6 +102,8 @@ def conditions(rng: np.random.Generator, ask: Ask, procedure: str | None = None)
     kind, effects, _ = ask
     names = list(PROCEDURES)
     drawn = procedure or str(rng.choice(names, p=list(PROCEDURES.values())))
+    if kind == "outside" and drawn == "ahrs":  # nothing there moves to a position, as some need
+        drawn = "three_axis"
     told: dict[str, Any] = {
         "seed": int(rng.integers(1, 1_000_000)),
         "grade": str(rng.choice(["consumer", "industrial", "tactical"])),
@@ -112,6 +116,8 @@ def conditions(rng: np.random.Generator, ask: Ask, procedure: str | None = None)
         "gravity_m_s2": round(float(rng.uniform(9.781, 9.825)), 4),
         "effects": tuple(EffectCall(name=name, strength=TYPICAL) for name in effects),
     }
+    if drawn == "ahrs":  # its turns alone would fill a run at the highest rate
+        told["rate_hz"] = min(told["rate_hz"], 100)
     few = drawn == "partial" or told["rate_hz"] == 200
     choices = FEW_RATES if few else RATES
     told["rates_deg_s"] = choices[int(rng.integers(len(choices)))]
@@ -130,5 +136,6 @@ def _dwell(drawn: float, told: dict[str, Any]) -> float:
     """The longest dwell up to the one drawn that keeps the run short enough."""
     fixed, for_each = LEGS[told["procedure"]]
     legs = fixed + for_each * len(told["rates_deg_s"])
-    longest = MOST_ROWS / (told["rate_hz"] * legs) - 4.0
+    seconds = MOST_ROWS / told["rate_hz"] - TURNING.get(told["procedure"], 0.0)
+    longest = seconds / legs - 4.0
     return max(min(drawn, float(np.floor(longest))), min(DWELLS))

@@ -11,13 +11,15 @@ import pyarrow.parquet as pq
 from schemas.recording import ACCEL, GYRO
 from tasks.prove.plant.grades import channel_noise
 from tasks.prove.trial.blind import ANSWER, PREDICTION
+from tasks.prove.trial.certificate import CERTIFICATE, UNNAMED
 from tasks.prove.trial.compare import Compared, compared
+from tasks.prove.trial.cost import Cost, cost_of
 from tasks.prove.trial.draw import ABSORBED
+from tasks.prove.trial.limit import freedom_of
 from tasks.prove.trial.parameters import Truth
 from tasks.prove.trial.seal import SEALED, check_seals
 
 ANSWERS = "answers"
-UNNAMED = "unnamed"
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,13 @@ class Gap:
 class Score:
     """What one answer is worth.
 
-    z, concealment: of each true effect. names: of the findings, in their order, `unnamed` among
-    them. A name's twins are what its finding lists as indistinguishable from it.
+    z, concealment, freedom (how many numbers its form leaves open): of each true effect.
+    names: of the findings, in their order, `unnamed` among them. A name's twins are what its
+    finding lists as indistinguishable from it.
     right: the first name is a true one. right_or_twin: it or one of its twins is.
     wrong: names that are not true; wrong_beyond_twins: of them those without a true twin.
-    certificate: the largest |change| of a value that the standard's clauses give, in its U.
-    gap: None for clean cases and failures. parameters: of effects named rightly.
+    cost: what missing it costs, None where the clauses give no item. gap: None for clean cases
+    and failures. parameters: of effects named rightly.
     """
 
     number: str
@@ -62,6 +65,7 @@ class Score:
     asked_z: float | None
     z: dict[str, float]
     concealment: dict[str, float]
+    freedom: dict[str, int]
     conditions: dict[str, Any]
     verdict: str
     names: tuple[str, ...]
@@ -69,7 +73,7 @@ class Score:
     right_or_twin: bool
     wrong: tuple[str, ...]
     wrong_beyond_twins: tuple[str, ...]
-    certificate: float | None
+    cost: Cost | None
     gap: Gap | None
     parameters: tuple[Compared, ...]
     uncompared: tuple[str, ...]
@@ -112,11 +116,15 @@ def score(folder: Path, number: str) -> Score:
     sealed, answers = folder / SEALED / number, folder / ANSWERS / number
     told = _json(sealed / "truth.json")
     answer = _json(answers / ANSWER)
-    trial, gap = _json(sealed / "trial.json"), None
+    trial, stated, gap = _json(sealed / "trial.json"), _json(answers / CERTIFICATE), None
     if told["effects"] and "failed" not in answer:
         first, left = misfits(sealed / "truth.parquet", answers / PREDICTION, told["case"])
         gap = Gap(first, left, trial["floor"])
-    return scored(number, told, trial, answer, gap)
+    seed = told["case"]["seed"]
+    cost = cost_of(trial["certificate"], stated["read"], stated["less"], seed)
+    if "failed" in stated:
+        answer.setdefault("failed", f"calibrate --terms: {stated['failed']}")
+    return scored(number, told, trial, answer, gap, cost)
 
 
 def scored(
@@ -125,6 +133,7 @@ def scored(
     trial: dict[str, Any],
     answer: dict[str, Any],
     gap: Gap | None,
+    cost: Cost | None = None,
 ) -> Score:
     """The score from what truth.json, trial.json and answer.json say."""
     case, effects = told["case"], tuple(told["effects"])
@@ -146,6 +155,7 @@ def scored(
         asked_z=trial["asked_z"],
         z=trial["z"],
         concealment=trial["concealment"],
+        freedom={effect: freedom_of(truth, effect) for effect in effects},
         conditions={name: case[name] for name in shown},
         verdict=answer.get("verdict", "failed"),
         names=tuple(one["effect"] for one in findings),
@@ -153,7 +163,7 @@ def scored(
         right_or_twin=bool(named) and _true_or_twin(named[0], effects),
         wrong=tuple(one["effect"] for one in wrong),
         wrong_beyond_twins=tuple(one["effect"] for one in wrong if not _true_or_twin(one, effects)),
-        certificate=trial["certificate"] and trial["certificate"]["ratio"],
+        cost=cost,
         gap=gap,
         parameters=tuple(pair for pairs, _ in beside for pair in pairs),
         uncompared=tuple(name for _, alone in beside for name in alone),

@@ -11,7 +11,7 @@ from tasks.prove.plant.case import Case
 from tasks.prove.plant.files import seal, write
 from tasks.prove.plant.simulate import simulate
 from tasks.prove.plant.visibility import at_visibility, visibility
-from tasks.prove.trial.certificate import certificate_off
+from tasks.prove.trial.certificate import certificate_of
 from tasks.prove.trial.draw import Drawn, conditions
 from tasks.prove.trial.floor import floor_of
 
@@ -23,7 +23,7 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
 
     Writes recordings/<number>/ and sealed/<number>/ with truth.json, truth.parquet and
     trial.json: kind, z asked, z and concealment of each effect as they came out, the floor
-    that noise alone sets to the misfit, and what is off most on the standard's certificate.
+    that noise alone sets to the misfit, and the certificate of the same run without effects.
     """
     case = sized(drawn)
     simulated = simulate(case)
@@ -32,14 +32,13 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     sealed = folder / SEALED / drawn.label
     seal(simulated, sealed)
     clean = simulate(case.only())
-    off = certificate_off(simulated.recording, clean.recording) if case.effects else None
     told = {
         "kind": drawn.kind,
         "asked_z": drawn.z,
         "z": {name: each.z for name, each in seen.items()},
         "concealment": {name: each.concealment for name, each in seen.items()},
         "floor": floor_of(clean),
-        "certificate": None if off is None else off._asdict(),
+        "certificate": certificate_of(clean.recording),
     }
     (sealed / "trial.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
 

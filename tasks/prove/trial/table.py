@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
+from tasks.prove.trial.cost import Cost
 from tasks.prove.trial.score import Score
 from tasks.validation.coverage import wilson
 
@@ -32,7 +33,9 @@ class Rate:
 class Row:
     """Cases of one kind. parameters: intervals that hold the truth; gap: the median share
     closed; of_closable: that of what noise lets be closed. right: of those that have a name.
-    certificate: median of what is off most by the standard's clauses, in U; wrong above one.
+    before, after: median of the certificate's largest error, in U, without the findings and with
+    them; beyond_before, beyond_after: those above one U; wrong_before, wrong_after: verdicts that
+    are not the unit's; unnoticed: certificates whose own evaluation remarks on nothing.
     """
 
     name: str
@@ -50,8 +53,14 @@ class Row:
     parameters: Rate
     gap: float | None
     gap_worst: float | None
-    certificate: float | None
-    certificate_wrong: Rate
+    before: float | None
+    after: float | None
+    before_most: float | None
+    beyond_before: Rate
+    beyond_after: Rate
+    wrong_before: Rate
+    wrong_after: Rate
+    unnoticed: Rate
     of_closable: float | None
     seconds: float
 
@@ -62,9 +71,12 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
     shares = [share for e in scores if e.gap and (share := e.gap.of_closable) is not None]
     seen = [z for each in scores for z in each.z.values()]
     hidden = [share for each in scores for share in each.concealment.values()]
-    off = [each.certificate for each in scores if each.certificate is not None]
+    costs = [each.cost for each in scores if each.cost is not None]
     nameable = [each for each in scores if each.has_a_name]
     pairs = [pair for each in scores for pair in each.parameters]
+
+    def of_costs(holds: Callable[[Cost], bool]) -> Rate:
+        return Rate(sum(map(holds, costs)), len(costs))
 
     def rate(holds: Callable[[Score], object]) -> Rate:
         return Rate(sum(bool(holds(each)) for each in scores), len(scores))
@@ -85,8 +97,14 @@ def row(name: str, z: float | None, scores: Sequence[Score]) -> Row:
         parameters=Rate(sum(pair.inside for pair in pairs), len(pairs)),
         gap=median(gaps) if gaps else None,
         gap_worst=min(gaps) if gaps else None,
-        certificate=median(off) if off else None,
-        certificate_wrong=Rate(sum(each > 1.0 for each in off), len(off)),
+        before=median(each.before for each in costs) if costs else None,
+        after=median(each.after for each in costs) if costs else None,
+        before_most=max((each.before for each in costs), default=None),
+        beyond_before=of_costs(lambda each: each.before > 1.0),
+        beyond_after=of_costs(lambda each: each.after > 1.0),
+        wrong_before=of_costs(lambda each: each.wrong_before),
+        wrong_after=of_costs(lambda each: each.wrong_after),
+        unnoticed=of_costs(lambda each: each.unnoticed),
         of_closable=median(shares) if shares else None,
         seconds=median(each.seconds for each in scores),
     )
@@ -107,6 +125,16 @@ def _place(each: Score) -> tuple[int, str, float]:
     if each.kind == "several":
         return 3, f"{len(each.effects)} effects together", z
     return (2 if each.kind == "outside" else 1), each.effects[0], z
+
+
+def by_effect(scores: Sequence[Score]) -> list[Row]:
+    """Every effect alone, whatever its z, what costs most first; what has no name comes last."""
+    groups: dict[str, list[Score]] = {}
+    for each in scores:
+        if len(each.effects) == 1:
+            groups.setdefault(each.effects[0], []).append(each)
+    rows = [row(name, None, group) for name, group in groups.items()]
+    return sorted(rows, key=lambda each: (each.name.startswith("x_"), -(each.before or 0.0)))
 
 
 def totals_of(scores: Sequence[Score]) -> dict[str, Row]:

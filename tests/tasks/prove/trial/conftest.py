@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from tasks.prove.plant.case import Case, EffectCall
+from tasks.prove.trial.cost import Cost
 from tasks.prove.trial.draw import Drawn
+from tasks.prove.trial.score import Score, scored
 from tasks.prove.trial.seal import record_and_seal, set_seals
 
 SHORT: dict[str, Any] = {"seed": 11, "dwell_s": 5.0, "rates_deg_s": (200.0,), "procedure": "rests"}
@@ -43,5 +45,28 @@ def told() -> Callable[..., dict[str, Any]]:
             "effects": effects,
             "parameters": {"Kg": scale, "Ka": scale},
         }
+
+    return build
+
+
+@pytest.fixture
+def answered(told: Callable[..., dict[str, Any]]) -> Callable[..., Score]:
+    """Scores findings, each a name or a name with its twins, for a truth."""
+
+    def build(effects: dict[str, Any], *findings: str | tuple[str, ...], kind: str = "single",
+              z: float | None = 30.0) -> Score:  # fmt: skip
+        said = [
+            {"effect": each[0], "indistinguishable_from": list(each[1:]), "parameters": []}
+            for each in ((one,) if isinstance(one, str) else one for one in findings)
+        ]
+        trial = {
+            "kind": kind,
+            "asked_z": z,
+            "z": dict.fromkeys(effects, 30.0),
+            "concealment": dict.fromkeys(effects, 0.5),
+        }
+        answer = {"verdict": "explained", "findings": said, "seconds": 1.0}
+        cost = Cost(3.0, 0.5, "accel_bias x", True, False, True, True)
+        return scored("0001", told(effects), trial, answer, None, cost)
 
     return build

@@ -7,10 +7,10 @@ from tasks.prove.plant.procedures import plan_of
 from tasks.prove.trial.draw import MOST_ROWS, OF_ITS_OWN, draw
 
 
-def test_full_form_has_400_cases_a_fifth_clean_and_every_effect_at_every_z() -> None:
+def test_full_form_has_120_clean_cases_and_every_effect_at_every_z() -> None:
     cases = draw(3)
-    assert len(cases) >= 400
-    assert sum(each.kind == "clean" for each in cases) >= 0.2 * len(cases)
+    assert len(cases) >= 406
+    assert sum(each.kind == "clean" for each in cases) == 120
     alone = Counter(
         (each.case.effects[0].name, each.z) for each in cases if len(each.case.effects) == 1
     )
@@ -54,6 +54,13 @@ def test_conditions_are_spread() -> None:
     cases = [each.case for each in draw(1)]
     assert {each.grade for each in cases} == {"consumer", "industrial", "tactical"}
     assert {each.rate_hz for each in cases} == {50, 100, 200}
-    assert len({each.procedure for each in cases}) == 5
+    assert len({each.procedure for each in cases}) == 6
+    ahrs = [each for each in cases if each.procedure == "ahrs"]
+    assert 0.02 * len(cases) < len(ahrs) < 0.1 * len(cases)
     assert {each.temperature_recorded for each in cases} == {True, False}
     assert {each.climate for each in cases} == {"room", "cycling"}
+
+
+def test_ahrs_runs_hide_nothing_that_needs_moves_to_positions() -> None:
+    outside = [each for seed in (1, 2, 3) for each in draw(seed) if each.kind == "outside"]
+    assert all(each.case.procedure != "ahrs" for each in outside)

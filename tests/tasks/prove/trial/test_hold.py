@@ -34,16 +34,20 @@ def test_trial_is_held_and_leaves_its_evidence(
     prove.run_prove(seed=7, short=True, out=folder, as_json=True)
     said = json.loads(capsys.readouterr().out)
     assert said == json.loads((folder / "evidence.json").read_text())
-    assert said["format"] == "mimu-prove/1"
+    assert said["format"] == "mimu-prove/2"
     assert [case["effects"] for case in said["cases"]] == [[], ["temperature_bias"]]
     assert said["totals"]["one effect, z 60"]["detected"]["share"] == 1.0
     assert said["cases"][1]["gap"]["closed"] > 0.5
+    cost = said["cases"][1]["cost"]
+    assert cost["after"] < cost["before"] / 3.0
     answer = json.loads((folder / "answers/0002/answer.json").read_text())
     assert [one["effect"] for one in answer["findings"]] == said["cases"][1]["names"]
     assert "| temperature_bias |" in (folder / "evidence.md").read_text()
     page = (folder / "evidence.html").read_text()
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 5
     assert said["seals_sha256"] in page
+    assert "mimucal prove --seed 7 --short" in page
+    assert len((folder / "headline.svg").read_text()) < 40_000
     assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
 
 

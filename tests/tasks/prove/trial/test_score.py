@@ -17,30 +17,8 @@ from tasks.prove.trial.table import Rate, row, rows_of, totals_of
 
 Told = Callable[..., dict[str, Any]]
 LEVER = {"lever_arm": {"r": [0.001, 0.002, 0.003]}}
-CABLE: dict[str, Any] = {"x_cable_drag": {}}
-
-
-@pytest.fixture
-def answered(told: Told) -> Callable[..., Score]:
-    """Scores findings, each a name or a name with its twins, for a truth."""
-
-    def build(effects: dict[str, Any], *findings: str | tuple[str, ...], kind: str = "single",
-              z: float | None = 30.0) -> Score:  # fmt: skip
-        said = [
-            {"effect": each[0], "indistinguishable_from": list(each[1:]), "parameters": []}
-            for each in ((one,) if isinstance(one, str) else one for one in findings)
-        ]
-        trial = {
-            "kind": kind,
-            "asked_z": z,
-            "z": dict.fromkeys(effects, 30.0),
-            "concealment": dict.fromkeys(effects, 0.5),
-            "certificate": {"ratio": 3.0, "item": "accel_bias", "element": "x"},
-        }
-        answer = {"verdict": "explained", "findings": said, "seconds": 1.0}
-        return scored("0001", told(effects), trial, answer, None)
-
-    return build
+TILT = {"axis_tilt": {"east": 1e-4, "north": 0.0}}
+CABLE = {"x_cable_drag": {"gyro": [1e-4, 0.0, 0.0]}}
 
 
 def test_first_name_right(answered: Callable[..., Score]) -> None:
@@ -85,7 +63,7 @@ def test_finding_on_a_clean_recording_is_a_false_alarm(answered: Callable[..., S
 
 
 def test_failure_of_explain_is_no_detection(told: Told) -> None:
-    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None}
+    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
     answer = {"failed": "ValueError: no", "seconds": 0.5}
     score = scored("0001", told(LEVER), trial, answer, None)
     assert score.failed == "ValueError: no"
@@ -98,7 +76,7 @@ def test_parameters_of_what_was_rightly_named_are_compared(told: Told) -> None:
         {"effect": name, "indistinguishable_from": [], "parameters": stated}
         for name in ("lever_arm", "size_effect")
     ]
-    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}, "certificate": None}
+    trial = {"kind": "single", "asked_z": 10.0, "z": {}, "concealment": {}}
     answer = {"verdict": "explained", "findings": findings, "seconds": 0.5}
     score = scored("0001", told(LEVER), trial, answer, None)
     assert [pair.inside for pair in score.parameters] == [True]
@@ -133,7 +111,7 @@ def test_rows_are_by_effect_and_z_with_the_clean_ones_first(
         answered(CABLE, "unnamed", kind="outside"),
         answered(LEVER, "lever_arm", z=100.0),
         answered(LEVER, "lever_arm"),
-        answered(LEVER | {"axis_tilt": {}}, "lever_arm", kind="several", z=40.0),
+        answered(LEVER | TILT, "lever_arm", kind="several", z=40.0),
         answered({}, kind="clean", z=None),
     ]
     names = [(each.name, each.z) for each in rows_of(scores)]
@@ -154,8 +132,10 @@ def test_certificate_that_is_off_by_more_than_its_uncertainty_is_counted(
     answered: Callable[..., Score],
 ) -> None:
     figures = row("", None, [answered(LEVER, "lever_arm")])
-    assert figures.certificate == 3.0
-    assert figures.certificate_wrong == Rate(1, 1)
+    assert (figures.before, figures.after, figures.before_most) == (3.0, 0.5, 3.0)
+    assert (figures.beyond_before, figures.beyond_after) == (Rate(1, 1), Rate(0, 1))
+    assert (figures.wrong_before, figures.wrong_after) == (Rate(1, 1), Rate(0, 1))
+    assert figures.unnoticed == Rate(1, 1)
 
 
 def test_rates_carry_wilsons_interval() -> None:

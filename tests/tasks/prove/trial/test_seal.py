@@ -24,7 +24,8 @@ def test_truth_is_sealed_with_the_visibility_that_was_asked(sealed: Path) -> Non
     trial = json.loads((sealed / "sealed/0002/trial.json").read_text())
     assert trial["z"]["temperature_bias"] == pytest.approx(60.0, rel=0.03)
     assert trial["floor"] > 6.0  # a parameter of each channel at the least
-    assert trial["certificate"]["ratio"] > 0.0
+    value, U = trial["certificate"]["values"]["accel_bias x"]
+    assert 0.0 < U < abs(value)
     truth = json.loads((sealed / "sealed/0002/truth.json").read_text())
     assert list(truth["effects"]) == ["temperature_bias"]
 

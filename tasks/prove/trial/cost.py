@@ -1,0 +1,83 @@
+"""What it costs to miss the physics: how wrong the certificate is without it and with it found."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+LIMIT = 4.0  # of U: the tightest limits that a test accuracy of 4 to 1 lets anybody judge by
+SPREAD = LIMIT / 3.0  # of U: standard deviation of what a unit's values changed by in its service
+
+Values = Mapping[str, tuple[float, float]]  # value and U by item and element
+
+
+@dataclass(frozen=True)
+class Cost:
+    """One case's certificates, beside that of the same run and noise without the effects.
+
+    before, after: the largest error of a value in its own stated U, as the clauses give it and
+    with the findings taken off; worst: which one it is before. conforms: whether the unit that is
+    judged conforms; passed_before, passed_after: whether its certificate says so. unnoticed: the
+    clauses' own evaluation remarks on no more residuals than it does without the effects.
+    """
+
+    before: float
+    after: float
+    worst: str
+    conforms: bool
+    passed_before: bool
+    passed_after: bool
+    unnoticed: bool
+
+    @property
+    def wrong_before(self) -> bool:
+        return self.passed_before != self.conforms
+
+    @property
+    def wrong_after(self) -> bool:
+        return self.passed_after != self.conforms
+
+
+def cost_of(
+    clean: Mapping[str, Any] | None,
+    read: Mapping[str, Any] | None,
+    less: Mapping[str, Any] | None,
+    seed: int,
+) -> Cost | None:
+    """From the certificates without effects, as read, and less what was found (None: nothing was).
+
+    The verdict is that of a recalibration: each value may differ by 4 U (of the clean run) at
+    most from the last certificate's. The unit's own change since then is drawn for each value from
+    N(0, (4 U/3)²), so that nine units of ten conform; what the effects add goes on top.
+    None where there is no certificate, or no value that all of them state.
+    """
+    if clean is None or read is None:
+        return None
+    true, shown = clean["values"], read["values"]
+    mended = shown if less is None else less["values"]
+    common = [name for name in true if name in shown and name in mended]
+    if not common:
+        return None
+    before, after = (_errors(true, said, common) for said in (shown, mended))
+    own = np.array([true[name][1] for name in common])
+    changed = np.random.default_rng([seed, 11]).normal(0.0, SPREAD, len(common))
+
+    def passes(said: Values) -> bool:
+        moved = np.array([said[name][0] - true[name][0] for name in common]) / own
+        return bool((np.abs(changed + moved) <= LIMIT).all())
+
+    return Cost(
+        before=float(before.max()),
+        after=float(after.max()),
+        worst=common[int(before.argmax())],
+        conforms=passes(true),
+        passed_before=passes(shown),
+        passed_after=passes(mended),
+        unnoticed=read["scatter"] <= clean["scatter"],
+    )
+
+
+def _errors(true: Values, said: Values, names: list[str]) -> np.ndarray:
+    """|stated − true|/U of each value."""
+    return np.array([abs(said[name][0] - true[name][0]) / said[name][1] for name in names])
