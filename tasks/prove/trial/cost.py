@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from schemas.tolerance import Verdict
+
 LIMIT = 4.0  # of U: the tightest limits that a test accuracy of 4 to 1 lets anybody judge by
 SPREAD = LIMIT / 3.0  # of U: standard deviation of what a unit's values changed by in its service
 
@@ -26,17 +28,18 @@ class Cost:
     after: float
     worst: str
     conforms: bool
-    passed_before: bool
-    passed_after: bool
+    verdict_before: Verdict
+    verdict_after: Verdict
     unnoticed: bool
 
     @property
     def wrong_before(self) -> bool:
-        return self.passed_before != self.conforms
+        """Passed and does not conform, or the other way round; to leave it open is not wrong."""
+        return self.verdict_before == ("fail" if self.conforms else "pass")
 
     @property
     def wrong_after(self) -> bool:
-        return self.passed_after != self.conforms
+        return self.verdict_after == ("fail" if self.conforms else "pass")
 
 
 def cost_of(
@@ -49,7 +52,8 @@ def cost_of(
 
     The verdict is that of a recalibration: each value may differ by 4 U (of the clean run) at
     most from the last certificate's. The unit's own change since then is drawn for each value from
-    N(0, (4 U/3)²), so that nine units of ten conform; what the effects add goes on top.
+    N(0, (4 U/3)²), so that nine units of ten conform; what the effects add goes on top. A value
+    whose U has grown beyond the limits is left open.
     None where there is no certificate, or no value that all of them state.
     """
     if clean is None or read is None:
@@ -60,22 +64,33 @@ def cost_of(
     if not common:
         return None
     before, after = (_errors(true, said, common) for said in (shown, mended))
-    own = np.array([true[name][1] for name in common])
+    known, own = np.array([true[name] for name in common]).T
     changed = np.random.default_rng([seed, 11]).normal(0.0, SPREAD, len(common))
 
-    def passes(said: Values) -> bool:
-        moved = np.array([said[name][0] - true[name][0] for name in common]) / own
-        return bool((np.abs(changed + moved) <= LIMIT).all())
+    def judged(said: Values) -> Verdict:
+        value, U = np.array([said[name] for name in common]).T
+        return _verdict(changed + (value - known) / own, U / own)
 
     return Cost(
         before=float(before.max()),
         after=float(after.max()),
         worst=common[int(before.argmax())],
-        conforms=passes(true),
-        passed_before=passes(shown),
-        passed_after=passes(mended),
+        conforms=bool((np.abs(changed) <= LIMIT).all()),
+        verdict_before=judged(shown),
+        verdict_after=judged(mended),
         unnoticed=read["scatter"] <= clean["scatter"],
     )
+
+
+def _verdict(moved: np.ndarray, U: np.ndarray) -> Verdict:
+    """On changes and U (n,), both in U of the clean run; by JCGM 106 without a guard band.
+
+    A U beyond the limits leaves a value open, unless all of value ± U lies outside.
+    """
+    outside, open_ = np.abs(moved) > LIMIT, U > LIMIT
+    if (outside & ~open_).any() or (np.abs(moved) - U > LIMIT).any():
+        return "fail"
+    return "inconclusive" if open_.any() else "pass"
 
 
 def _errors(true: Values, said: Values, names: list[str]) -> np.ndarray:

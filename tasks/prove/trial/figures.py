@@ -107,13 +107,18 @@ def costs(scores: Sequence[Score]) -> list[CostLine]:
         ),
         CostLine(
             ("units that fail and are passed", "实际不合格却判为合格"),
-            words(counting(cost.passed_before and not cost.conforms for cost in known)),
-            words(counting(cost.passed_after and not cost.conforms for cost in known)),
+            words(counting(cost.wrong_before and not cost.conforms for cost in known)),
+            words(counting(cost.wrong_after and not cost.conforms for cost in known)),
         ),
         CostLine(
             ("units that conform and are failed", "实际合格却判为不合格"),
-            words(counting(cost.conforms and not cost.passed_before for cost in known)),
-            words(counting(cost.conforms and not cost.passed_after for cost in known)),
+            words(counting(cost.wrong_before and cost.conforms for cost in known)),
+            words(counting(cost.wrong_after and cost.conforms for cost in known)),
+        ),
+        CostLine(
+            ("units that cannot be judged, U has grown too large", "因U过大而无法判定"),
+            words(counting(cost.verdict_before == "inconclusive" for cost in known)),
+            words(counting(cost.verdict_after == "inconclusive" for cost in known)),
         ),
         CostLine(
             ("recordings on which nothing was noticed", "未察觉任何异常的记录"),

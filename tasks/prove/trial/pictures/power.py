@@ -29,10 +29,10 @@ def alone(scores: Sequence[Score]) -> list[Score]:
 
 
 def by_family(scores: Sequence[Score]) -> dict[str, list[Score]]:
-    """The same by the catalogue's families, in its order; without those that have no case."""
+    """Cases of one effect by the catalogue's families, in its order; without empty families."""
     families = {name: {each.name for each in effects} for name, effects in FAMILIES.items()}
     sorted_ = {
-        name: [each for each in alone(scores) if each.effects[0] in effects]
+        name: [each for each in scores if each.effects[0] in effects]
         for name, effects in families.items()
     }
     return {name: group for name, group in sorted_.items() if group}
@@ -58,7 +58,7 @@ def limit_of(scores: Sequence[Score]) -> Callable[[float], float]:
 
 def families_svg(scores: Sequence[Score]) -> str:
     """A panel for each family: shares of its pooled cases with Wilson's intervals."""
-    groups = by_family(scores)
+    groups = by_family(alone(scores))
     columns, across, down = 3, 325.0, 205.0
     parts = legend([*SERIES, (KNOWS, LIMIT)], 50.0, 20.0)
     for n, (name, group) in enumerate(groups.items()):
@@ -84,9 +84,10 @@ def effects_svg(scores: Sequence[Score]) -> str:
                 34.0, 18.0, 12),
         *legend([(f"case: {words}", colour) for words, colour in LEGEND], 34.0, 40.0, 12),
     ]  # fmt: skip
+    told = [e for e in scores if e.kind in ("single", "faint") and e.can_be_told]
     shown = [
-        (name, group, own)
-        for group in by_family(scores).values()
+        (name, alone(group), own)
+        for group in by_family(told).values()
         for name in CATALOGUE
         if (own := [each for each in group if each.effects[0] == name])
     ]

@@ -66,7 +66,7 @@ def answered(told: Callable[..., dict[str, Any]]) -> Callable[..., Score]:
             "concealment": dict.fromkeys(effects, 0.5),
         }
         answer = {"verdict": "explained", "findings": said, "seconds": 1.0}
-        cost = Cost(3.0, 0.5, "accel_bias x", True, False, True, True)
+        cost = Cost(3.0, 0.5, "accel_bias x", True, "fail", "pass", True)
         return scored("0001", told(effects), trial, answer, None, cost)
 
     return build

@@ -46,11 +46,20 @@ def test_nine_units_of_ten_conform_when_as_many_values_are_judged_as_on_a_certif
 def test_error_turns_verdicts_both_ways() -> None:
     clean, off = stated(0.0), stated(1.5 * LIMIT * 0.1)
     costs = [cost_of(clean, off, clean, seed) for seed in range(2000)]
-    failed = [one for one in costs if one and one.conforms and not one.passed_before]
-    passed = [one for one in costs if one and one.passed_before and not one.conforms]
+    failed = [one for one in costs if one and one.conforms and one.verdict_before == "fail"]
+    passed = [one for one in costs if one and one.verdict_before == "pass" and not one.conforms]
     assert len(failed) > 1500
     assert passed  # units that changed by more than the limit the other way
+    assert all(one and one.wrong_before for one in (*failed, *passed))
     assert not any(one and one.wrong_after for one in costs)
+
+
+def test_value_whose_uncertainty_is_beyond_the_limits_is_left_open() -> None:
+    clean = stated(0.0)
+    for value, verdict in ((0.0, "inconclusive"), (0.6, "inconclusive"), (50.0, "fail")):
+        cost = cost_of(clean, stated(value, U=1.1 * LIMIT * 0.1), None, seed=3)
+        assert cost is not None
+        assert cost.verdict_before == verdict
 
 
 def test_more_scatter_than_without_the_effects_is_noticed() -> None:
