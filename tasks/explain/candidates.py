@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.follows import slow_course
+from tasks.explain.observed import TRIADS
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 
 STEP = 1e-3  # of the plausible range: small enough to be linear
-TRIADS = ((0, 1, 2), (3, 4, 5))
 RANDOM_WALK = "bias_random_walk"
 WAVES = 30  # of a slow course, half a period and more over the run
 WALK, SMOOTH = 2.0, 4.0  # powers: a random walk, and what drifts more smoothly
@@ -44,7 +44,7 @@ class Candidate:
     members: numbers of its parameters within the pool; own: within the term. tried: how many
     members of its name were tried, which it is charged for. prior: of a course that is drawn at
     random, whose many parameters are charged by their evidence instead. looked: how many times or
-    periods its shape was proposed from.
+    periods its shape was proposed from. fitted: its shape is where a fit put it.
     """
 
     term: Term
@@ -53,6 +53,7 @@ class Candidate:
     tried: int
     prior: Prior | None = None
     looked: float = 1.0
+    fitted: bool = False
 
     @property
     def name(self) -> str:

@@ -24,7 +24,7 @@ from tasks.explain.pool import Pool, pooled, renewed, residuals
 from tasks.explain.propose import proposed
 from tasks.explain.refit import Model, fitted, linearised, model_of, started
 from tasks.explain.sample_noise import plain_prediction
-from tasks.explain.search import Found, first_noises, members_of, precision_of, search
+from tasks.explain.search import Found, beside, first_noises, members_of, precision_of, search
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told
 from tasks.explain.weigh import Weighed, groups_of
@@ -125,9 +125,12 @@ def _looked_again(
         candidates = _renamed(candidates, before, shaped)
         columns, readings = linearised(model, pool.observed, shaped)
         pool = renewed(pool, columns, readings)
-        left = residuals(pool, members_of(shaped), found.noises)
-        pool, candidates = proposed(pool, candidates, left, found.noises, shaped)
-        again = search(pool, candidates, shaped, found.noises)
+        # Random courses make up for what the shapes of others lacked: they prove themselves anew.
+        firm = [one for one in shaped if one.prior is None]
+        noises = beside(pool, firm, found.noises)
+        left = residuals(pool, members_of(firm), noises)
+        pool, candidates = proposed(pool, candidates, left, noises, firm)
+        again = search(pool, candidates, firm, noises)
         found = replace(again, p_value=found.p_value)
         same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
         noises = _at_rate(found.noises, fine, pool.observed)
@@ -196,7 +199,7 @@ def _as_fitted(candidates: Sequence[Candidate], model: Model) -> list[Candidate]
     """The candidates with the shapes that the fit gave their terms, in the same order."""
     terms = list(dict.fromkeys(id(one.term) for one in candidates))
     return [
-        replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))])
+        replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))], fitted=True)
         for one in candidates
     ]
 

@@ -11,8 +11,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.observed import Observed
-from tasks.explain.spectrum import Bands, Noise, bands_of, noise_of, padded_length, transformed
+from tasks.explain.observed import TRIADS, Observed
+from tasks.explain.spectrum import (
+    Bands,
+    Left,
+    Noise,
+    bands_of,
+    noises_of_triad,
+    padded_length,
+    transformed,
+)
 from tasks.model.term import Column
 
 CHANNEL_COUNT = 6
@@ -210,29 +218,38 @@ def residuals(pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None) 
 
     noises: by which they are fitted; without them every coefficient counts the same.
     """
-    left = []
-    for number, channel in enumerate(pool.channels):
-        if channel is None:
-            left.append(np.zeros(0))
-            continue
-        courses = [pool.columns[p][number] for p in found if number in pool.columns[p]]
-        columns = channel.base
-        if courses:
-            more = transformed(_weighed(courses, pool.observed.weight[:, number]))
-            columns = np.vstack([columns, more])
-        level = np.ones(len(channel.reading))
-        if noises is not None:
-            variance = noises[number].variance(pool.bands.frequency)
-            level = np.repeat(1.0 / variance, pool.bands.sizes)
-        normal = (columns * level) @ columns.T
-        values = inverse(normal) @ ((columns * level) @ channel.reading)
-        left.append(channel.reading - values @ columns)
-    return left
+    return [_left(pool, number, found, noises).course for number in range(len(pool.channels))]
 
 
-def noises_of(pool: Pool, left: Sequence[np.ndarray]) -> tuple[Noise, ...]:
-    """The noise of each channel by its transformed residual (n,)."""
-    return tuple(
-        Noise(1.0, 0.0) if channel is None else noise_of(rest, pool.bands, floor)
-        for channel, rest, floor in zip(pool.channels, left, pool.observed.rounding, strict=True)
-    )
+def noises_of(
+    pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None
+) -> tuple[Noise, ...]:
+    """The noise of what the standard's model and the found parameters leave, triad by triad."""
+    made = [Noise(1.0, 0.0)] * len(pool.channels)
+    for triad in TRIADS:
+        alive = [c for c in triad if pool.channels[c] is not None]
+        floors = [pool.observed.rounding[c] for c in alive]
+        lefts = [_left(pool, c, found, noises) for c in alive]
+        for c, noise in zip(alive, noises_of_triad(lefts, pool.bands, floors), strict=True):
+            made[c] = noise
+    return tuple(made)
+
+
+def _left(pool: Pool, number: int, found: Sequence[int], noises: Sequence[Noise] | None) -> Left:
+    channel = pool.channels[number]
+    if channel is None:
+        return Left(np.zeros(0), np.ones(0))
+    courses = [pool.columns[p][number] for p in found if number in pool.columns[p]]
+    columns = channel.base
+    if courses:
+        more = transformed(_weighed(courses, pool.observed.weight[:, number]))
+        columns = np.vstack([columns, more])
+    level = np.ones(len(channel.reading))
+    if noises is not None:
+        variance = noises[number].variance(pool.bands.frequency)
+        level = np.repeat(1.0 / variance, pool.bands.sizes)
+    solved = inverse((columns * level) @ columns.T)
+    values = solved @ ((columns * level) @ channel.reading)
+    taken = ((solved @ columns) * columns).sum(axis=0) * level
+    by_band = np.add.reduceat(taken, pool.bands.edges[:-1]) / pool.bands.sizes
+    return Left(channel.reading - values @ columns, 1.0 - by_band)

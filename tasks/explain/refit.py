@@ -22,7 +22,6 @@ from tasks.motion.whole import Motion
 ROUNDS = 10
 SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
 SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
-COUNTS = "1"  # unit of a shape that is a whole number
 
 
 @dataclass(frozen=True)
@@ -161,14 +160,7 @@ def _misfit(model: Model, observed: Observed) -> np.ndarray:
 def _shaped(model: Model) -> list[int]:
     """Terms with one continuous shape in whose columns there is something to differentiate."""
     own = places(model.terms)
-    return [
-        k
-        for k, term in enumerate(model.terms)
-        if len(term.shapes) == 1
-        and term.shapes[0].unit != COUNTS
-        and term.shapes[0].name != "time"
-        and model.values[own[k]].any()
-    ]
+    return [k for k, term in enumerate(model.terms) if term.bent and model.values[own[k]].any()]
 
 
 def _shape_column(model: Model, observed: Observed, k: int) -> Column:

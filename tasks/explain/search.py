@@ -11,7 +11,8 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tasks.explain.candidates import WAVES, Candidate, Prior
-from tasks.explain.pool import Pool, System, inverse, noises_of, residuals, system
+from tasks.explain.follows import UNNAMED
+from tasks.explain.pool import Pool, System, inverse, noises_of, system
 from tasks.explain.spectrum import Noise
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
@@ -90,13 +91,12 @@ def search(
 
 def first_noises(pool: Pool) -> tuple[Noise, ...]:
     """The noise of what the standard's model alone leaves."""
-    plain = noises_of(pool, residuals(pool, (), None))
-    return noises_of(pool, residuals(pool, (), plain))
+    return noises_of(pool, (), noises_of(pool, (), None))
 
 
 def beside(pool: Pool, chosen: Sequence[Candidate], noises: Sequence[Noise]) -> tuple[Noise, ...]:
     """The noise of what the chosen leave, fitted by earlier noises."""
-    return noises_of(pool, residuals(pool, members_of(chosen), noises))
+    return noises_of(pool, members_of(chosen), noises)
 
 
 def members_of(chosen: Sequence[Candidate]) -> list[int]:
@@ -109,8 +109,13 @@ def rank(
     """The candidates by score, beside others that are taken."""
     normal, right = _projected(state, taken)
     own = {id(one) for one in taken}
-    known = {one.name for one in taken if one.known}
-    asked = [one for one in candidates if id(one) not in own and one.name not in known]
+    # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
+    whole = {one.name for one in taken if one.known or (one.term.bent and not one.fitted)}
+    asked = [
+        one
+        for one in candidates
+        if id(one) not in own and (one.name == UNNAMED or one.name not in whole)
+    ]
     plain = [one for one in asked if one.prior is None]
     scored = _scored(normal, right, state, plain)
     scored += _courses(normal, right, state, [one for one in asked if one.prior is not None])

@@ -12,11 +12,11 @@ from tasks.explain.follows import UNNAMED
 from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.refit import COUNTS, Equations, Model, equations_of, whole_effect
+from tasks.explain.refit import Equations, Model, equations_of, whole_effect
 from tasks.explain.search import FALSE_ALARMS, Chosen, Found
 from tasks.explain.spectrum import Noise
 from tasks.model.simulate import linearise
-from tasks.model.term import Column, Term, places
+from tasks.model.term import COUNTS, Column, Term, places
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
 STEPS_ARE_JUMPS = 2  # as many steps or more are no single step

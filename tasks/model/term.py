@@ -19,6 +19,7 @@ from tasks.motion.whole import Motion
 Stage = Literal["motion", "input", "sensor", "signal"]
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
 Text = tuple[str, str]  # English, Chinese
+COUNTS = "1"  # unit of a shape that is a whole number
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,15 @@ class Term:
     confused_with: tuple[str, ...] = ()
     separated_by: Text = ("", "")
     rarity: float = 0.0
+
+    @property
+    def bent(self) -> bool:
+        """Whether it has one continuous shape that a fit can follow: no count and no instant."""
+        return (
+            len(self.shapes) == 1
+            and self.shapes[0].unit != COUNTS
+            and self.shapes[0].name != "time"
+        )
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
         """The motion that really was, given the one that the table tells; stage «motion»."""

@@ -4,14 +4,26 @@ import numpy as np
 import pytest
 from engine_run import RATE, flicker
 
-from tasks.explain.spectrum import Bands, Noise, bands_of, noise_of, padded_length, transformed
+from tasks.explain.spectrum import (
+    Bands,
+    Left,
+    Noise,
+    bands_of,
+    noises_of_triad,
+    padded_length,
+    transformed,
+)
 
 COUNT = padded_length(40_000)  # 27 min at 25 Hz
 BANDS = bands_of(COUNT, RATE)
 
 
 def heard(course: np.ndarray, floor: float = 0.0) -> Noise:
-    return noise_of(transformed(course[None])[0], BANDS, floor)
+    return noises_of_triad([left(course)], BANDS, [floor])[0]
+
+
+def left(course: np.ndarray) -> Left:
+    return Left(transformed(course[None])[0], np.ones(len(BANDS.sizes)))
 
 
 def drifting(w: float, b: float, seed: int) -> np.ndarray:
@@ -83,3 +95,34 @@ def test_noise_scales_with_the_square_of_the_readings() -> None:
     plain, larger = heard(course), heard(1e3 * course)
     assert larger.white == pytest.approx(1e6 * plain.white)
     assert larger.flicker == pytest.approx(1e6 * plain.flicker)
+
+
+def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better() -> None:
+    alone, together = [], []
+    for seed in range(8):
+        lefts = [left(drifting(1.0, 0.01, 3 * seed + k)) for k in range(3)]
+        alone += [noises_of_triad([one], BANDS, [0.0])[0].flicker for one in lefts]
+        together += [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+    assert np.std(together) < 0.8 * np.std(alone)
+    assert np.mean(together) == pytest.approx(0.01, rel=0.4)
+
+
+def test_a_sensor_unlike_the_others_of_its_triad_keeps_its_own_flicker() -> None:
+    lefts = [left(drifting(1.0, b, 5)) for b in (0.02, 0.02, 2.0)]
+    found = [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+    assert found[2] == pytest.approx(2.0, rel=0.25)
+    assert max(found[:2]) < 0.06
+
+
+def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
+    """A fit that takes half of the power below 0.05 Hz, and says so, changes nothing."""
+    whole = left(drifting(1.0, 0.05, 7))
+    count = int(np.searchsorted(BANDS.frequency, 0.05))
+    free = np.where(np.arange(len(BANDS.sizes)) < count, 0.5, 1.0)
+    fitted = whole.course * np.sqrt(np.repeat(free, BANDS.sizes))
+    plain, said, blind = (
+        noises_of_triad([one], BANDS, [0.0])[0].flicker
+        for one in (whole, Left(fitted, free), Left(fitted, whole.free))
+    )
+    assert said == pytest.approx(plain, rel=0.1)
+    assert blind < 0.9 * plain
