@@ -174,12 +174,25 @@ def prove(
         Path | None,
         typer.Option(metavar="DIR", help="New folder for the trial; default: proof-SEED here."),
     ] = None,
+    real: Annotated[
+        Path | None,
+        typer.Option(
+            "--real",
+            metavar="DIR",
+            help="Instead of the plant's: real recordings in DIR, by hand and with known changes.",
+        ),
+    ] = None,
     as_json: options.Json = False,
 ) -> None:
     """Show in a sealed trial what `explain` finds, and what it does not.
 
     Recordings of an independent plant, explained blind, scored against the truth.
     """
+    if real is not None:
+        from flows.prove_real import run_prove_real
+
+        run_prove_real(real, seed, out, as_json)
+        return
     from flows.prove import run_prove
 
     run_prove(seed=seed, short=short, out=out, as_json=as_json)

@@ -32,7 +32,7 @@ def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
     Raises Unusable for a folder that is in use or cannot be written.
     """
     folder = out or Path(f"{DEFAULT_OUT}-{seed}")
-    _make(folder)
+    make_new(folder)
     started = time.perf_counter()
     cases = draw(seed, short)
     with counting("record and seal") as report:
@@ -66,7 +66,8 @@ def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
         console.print(str(folder / name))
 
 
-def _make(folder: Path) -> None:
+def make_new(folder: Path) -> None:
+    """An empty folder. Raises Unusable where it is in use or cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         used = any(folder.iterdir())
