@@ -1,5 +1,7 @@
 """A shaft by plain algebra: a unit that swings to and fro beside its encoder."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -46,3 +48,9 @@ def shaft() -> Recording:
     })  # fmt: skip
     table = Stream(t, {"shaft_angle": angle(t)})
     return Recording(manifest, Stream(t, columns), table=table)
+
+
+@pytest.fixture(scope="session")
+def shared_real(shared: Path) -> Path:
+    """The folder of the real recordings."""
+    return shared / "real"

@@ -1,0 +1,77 @@
+"""The whole of it on one recording, in fresh processes, and its pages."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from flows import prove_real
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage.exchange import read_folder
+from tasks.prove.real.cases import Hidden
+from tasks.prove.real.fact import Claim, Fact, Told
+from tasks.prove.real.hand.measured import Measured
+from tasks.prove.real.hide import Size
+from tasks.prove.real.hold import Results, explained, write
+from tasks.prove.real.page import data, markdown, page
+from tasks.prove.real.pictures import Picture
+from tasks.prove.real.score import Score
+
+
+def test_recording_that_was_written_is_read_again(shaft: Recording, tmp_path: Path) -> None:
+    write(shaft, tmp_path / "001")
+    again = read_folder(tmp_path / "001")
+    assert again.manifest.station == shaft.manifest.station
+    assert set(again.streams()) == {"imu", "table"}
+    assert (again.imu.t == shaft.imu.t).all()
+
+
+def test_recordings_are_explained_by_number(tmp_path: Path, shared_real: Path) -> None:
+    mems = read_folder(shared_real / "adi_mems_two_position")
+    answers = explained({"mems": mems}, tmp_path, lambda done, of: None)
+    assert "mains_pickup" in [each["effect"] for each in answers["mems"]["findings"]]
+    assert [each.name for each in (tmp_path / "recordings").iterdir()] == ["001"]
+
+
+@pytest.fixture
+def results() -> Results:
+    told = Told("time_offset 0.012 ± 0.0001 s", "right")
+    fact = Fact(
+        "delay", ("shaft",), ("late <", "滞后"), (("phase", "相位"), ("angle", "角度")),
+        ("12 ms", "11.9 ms"), ("whose", "来源"), lambda answer: told,
+    )  # fmt: skip
+    claim = Claim("shaft", ("a line", "谱线"), "false", ("gone", "消失"), lambda answer: True)
+    hidden = Hidden("shaft", "time_offset", Size(0.01, "s"))
+    measured = Measured(0.01, 1e-4, "s")
+    score = Score(hidden, ("time_offset",), True, measured, measured, 3.0, None)
+    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), ("absorbed", "被吸收"))
+    quiet = Score(unseen, (), False, None, None, 2.0, None)
+    picture = Picture("<svg></svg>", ("delay", "时延"))
+    return Results(
+        1, "test", ((fact, (told,)),), ((claim, True),), (score, quiet), (picture,), 9.0, 8.0
+    )
+
+
+def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> None:
+    said = data(results)
+    assert json.loads(json.dumps(said)) == said
+    assert said["summary"]["hidden and visible: found, value right"] == "1 of 1"
+    assert said["summary"]["doubtful claims that it makes now and are false"] == "1 of 1"
+    html, plain = page(results), markdown(results)
+    assert "late &lt;" in html
+    assert "被吸收" in html
+    assert "absorbed" in plain
+    assert html.count("<svg") == 1
+    assert "http" not in html
+    for words in ("0.01 ± 0.0001 s", "found, value right", "rightly nothing new"):
+        assert words in html
+        assert words in plain
+
+
+def test_folder_without_the_recordings_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(Unusable, match="there is no recording ln100_two_position"):
+        prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path / "out", as_json=False)
+    with pytest.raises(Unusable, match="is not empty"):
+        prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path, as_json=False)
