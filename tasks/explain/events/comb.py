@@ -35,8 +35,9 @@ def find_comb(orders: Orders) -> Comb | None:
               if abs(each.turns) > 0.99 * fastest)  # fmt: skip
     if top < 2 * FEWEST:
         return None
-    count = int(np.ceil(2 * top * orders.range * np.log(MOST / FEWEST)))
-    per_turn = np.geomspace(FEWEST, MOST, count)
+    most = min(MOST, top)  # what comes oftener has no harmonic within the band
+    count = int(np.ceil(2 * top * orders.range * np.log(most / FEWEST)))
+    per_turn = np.geomspace(FEWEST, most, count)
     promise = _promise(orders, per_turn, top)
     best = np.argsort(promise)[::-1][:PROMISING]
     tried = count * TRIED
