@@ -49,7 +49,7 @@ def figures(scores: Sequence[Score]) -> list[Figure]:
 
 
 def _at_most(what: Text, rate: Rate, most: float) -> Figure:
-    asked = f"≤ {100 * most:g} %" if most else "none"
+    asked = f"≤ {100 * most:g} %" if most else "0 %"
     return Figure(what, asked, percent(rate), counted(rate),
                   None if rate.share is None else rate.share <= most)  # fmt: skip
 

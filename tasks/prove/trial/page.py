@@ -80,7 +80,7 @@ def _asked(made: Sequence[Figure], trial: Trial) -> list[str]:
     ]
     return [
         *_heading(texts.ASKED_TITLE),
-        table(["", "asked", "reached", "", "of [95 % interval, %]"], rows, (1, 2)),
+        table(["", *map(both, texts.ASKED_HEAD)], rows, (1, 2)),
         f'<p class="quiet">{both(texts.ASKED)}</p>',
         table(["", ""], [_cells(each) for each in besides(trial)]),
     ]
@@ -92,7 +92,7 @@ def _cost(trial: Trial) -> list[str]:
     return [
         *_heading(texts.COST_TITLE),
         f"<p>{both(texts.COST)}</p>",
-        table(["", "as the clauses give it", "with explain"], rows, (1, 2)),
+        table(["", *map(both, texts.COST_HEAD)], rows, (1, 2)),
         _figure(cost_svg(trial.scores), texts.DUMBBELL),
         _folded(texts.BY_EFFECT, table(list(COSTS), effects, tuple(range(1, len(COSTS))))),
     ]

@@ -26,6 +26,12 @@ HEADLINE: Text = (
     "的极限。右：同一批记录，按规范模型参数吸收该因素信号功率的比例分布。",
 )
 ASKED_TITLE: Text = ("Asked and reached", "要求与结果")
+ASKED_HEAD: tuple[Text, ...] = (
+    ("asked", "要求"),
+    ("reached", "结果"),
+    ("", ""),
+    ("of [95 % interval, %]", "基数［95 %区间，%］"),
+)
 ASKED: Text = (
     "Intervals are Wilson's, 95 %: with no false alarm in 120 clean recordings the true rate may "
     "still be 3 %. Right and closed: one effect of the catalogue alone. A wrong name: one that is "
@@ -34,6 +40,10 @@ ASKED: Text = (
     "与闭合比例：仅含单一目录内因素的记录。错误名称：既非真值，其不可区分项中亦不含真值。",
 )
 COST_TITLE: Text = ("What it costs to miss it", "漏掉它的代价")
+COST_HEAD: tuple[Text, ...] = (
+    ("as the clauses give it", "按条款"),
+    ("with explain", "经失配解释"),
+)
 COST: Text = (
     "Each recording was calibrated by the clauses three times: as read, with what explain named "
     "taken off first (`calibrate --terms`), and, behind the seal, the same run and noise without "
