@@ -8,11 +8,11 @@ from schemas.recording import Recording
 from storage.exchange import read_folder
 from tasks.model.term import Text
 from tasks.prove.real.hand.measured import Measured
-from tasks.prove.real.hand.shaft import delay_by_angle, scale_by_gravity, slip_at
+from tasks.prove.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
 from tasks.prove.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part
 from tasks.prove.real.on_shaft import SHAFT
 
-PART = 120.0  # s of the shaft, to be quick: fifteen strokes to and fro
+PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
 SEEN_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")
 
 
@@ -95,7 +95,7 @@ def hidden_cases(seed: int) -> list[Hidden]:
 
 
 BY_HAND: dict[str, Callable[[Recording, Size], Measured]] = {
-    "time_offset": lambda recording, size: delay_by_angle(recording),
+    "time_offset": lambda recording, size: delay_by_phase(recording),
     "table_scale": lambda recording, size: scale_by_gravity(recording),
     "dropped_samples": lambda recording, size: slip_at(recording, size.at),
 }

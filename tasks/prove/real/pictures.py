@@ -20,7 +20,7 @@ from tasks.prove.real.hand.rests import (
     rests,
     vertical_earth_rate,
 )
-from tasks.prove.real.hand.shaft import delay_by_angle, lag_course, transfer
+from tasks.prove.real.hand.shaft import alike, delay_by_angle, lag_course, transfer
 from tasks.prove.real.hide import Size, shifted_clock
 from tasks.prove.real.on_rate_table import FIRST, SECOND
 from tasks.prove.real.on_shaft import SHAFT
@@ -59,8 +59,11 @@ def _earth(recordings: Recordings) -> Picture:
         drawn.append(Series(f"gyro x, {rest.up}", at, y, colour, dots=True))
     known = vertical_earth_rate(recording).value
     mean = np.mean([each.y.mean() for each in drawn])
-    marks = [Mark("mean ± Earth's rate by latitude", mean + s * known, FINDINGS[1], True)
-             for s in (1, -1)]  # fmt: skip
+    words = "mean ± Earth's rate by latitude"
+    marks = [
+        Mark(name, mean + side * known, FINDINGS[1], across=True)
+        for name, side in ((words, 1.0), ("", -1.0))
+    ]
     svg = chart("Rests by Earth's rate", "min", "deg/h", drawn, marks)
     return Picture(svg, (
         "The ring-laser unit at rest: gyro x in batches of 30 s, x up and then down, beside "
@@ -89,7 +92,7 @@ def _delay(recordings: Recordings) -> Picture:
 
 def _phase(recordings: Recordings) -> Picture:
     frequency, gain, coherence = transfer(recordings[SHAFT])
-    good = (coherence > 0.98) & (frequency > 0.5) & (frequency < 13.1)
+    good = alike(gain, coherence) & (frequency > 0.5) & (frequency < 13.1)
     course = 0.01 * np.arange(0.0, 1301.0)
     phase = np.unwrap(np.angle(gain[good]))
     low_pass = -np.degrees(np.arctan(2.0 * np.pi * course * 0.00719))

@@ -45,10 +45,15 @@ def transfer(recording: Recording) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return frequency[used], gain, coherence
 
 
+def alike(gain: np.ndarray, coherence: np.ndarray) -> np.ndarray:
+    """Where both see the same motion: (m,) bool. At 10.2 Hz something else shakes the unit."""
+    return (coherence > COHERENT) & (np.abs(np.abs(gain) - 1.0) < 0.25)
+
+
 def delay_by_phase(recording: Recording) -> Measured:
     """Slope of the phase of the transfer function over frequency, where it is coherent, s."""
     frequency, gain, coherence = transfer(recording)
-    good = (coherence > COHERENT) & (frequency > SLOW[0]) & (frequency < STEPPER[1])
+    good = alike(gain, coherence) & (frequency > SLOW[0]) & (frequency < STEPPER[1])
     delay = -np.angle(gain[good]) / (2.0 * np.pi * frequency[good])
     weight = frequency[good] ** 2 * coherence[good] / (1.0 - coherence[good])
     mean = float((weight * delay).sum() / weight.sum())
