@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.exchange import read_folder
 from tasks.prove.real.cases import Hidden, by_hand, hidden_cases, untouched
-from tasks.prove.real.fact import Answer, Claim, Fact, Told
+from tasks.prove.real.fact import Answer, Claim, Fact, Recordings, Told
 from tasks.prove.real.on_shaft import SHAFT
 from tasks.prove.real.pictures import Picture, pictures_of
 from tasks.prove.real.present import RECORDINGS, doubtful, facts_of
@@ -24,6 +24,8 @@ from tasks.prove.trial.score import ANSWERS
 from tasks.prove.trial.seal import RECORDINGS as RECORDINGS_OUT
 
 Report = Callable[[int, int], None]
+Facts = tuple[tuple[Fact, tuple[Told, ...]], ...]
+Claims = tuple[tuple[Claim, bool], ...]
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ class Results:
 
     seed: int
     code_version: str
-    facts: tuple[tuple[Fact, tuple[Told, ...]], ...]
-    claims: tuple[tuple[Claim, bool], ...]
+    facts: Facts
+    claims: Claims
     scores: tuple[Score, ...]
     pictures: tuple[Picture, ...]
     seconds: float
@@ -52,20 +54,27 @@ def hold(folder: Path, out: Path, seed: int, code_version: str, report: Report) 
     asked["part"] = untouched(folder, SHAFT)
     asked |= {str(number): case.made(folder) for number, case in enumerate(cases)}
     answers = explained(asked, out, report)
-    facts, claims = facts_of(recordings), doubtful(recordings)
+    parts = judged(folder, recordings, cases, answers)
+    spent = sum(float(each["seconds"]) for each in answers.values())
+    return Results(seed, code_version, *parts, time.perf_counter() - started, spent)
+
+
+def judged(
+    folder: Path, recordings: Recordings, cases: Sequence[Hidden], answers: Mapping[str, Answer]
+) -> tuple[Facts, Claims, tuple[Score, ...], tuple[Picture, ...]]:
+    """Facts and claims beside the answers, scores of what was hidden, and the pictures."""
+    facts = facts_of(recordings)
     scores = tuple(
         scored(case, answers[str(number)], _base(case, answers), by_hand(case, folder))
         for number, case in enumerate(cases)
     )
-    return Results(
-        seed=seed,
-        code_version=code_version,
-        facts=tuple((f, tuple(f.told(answers[name]) for name in f.recordings)) for f in facts),
-        claims=tuple((each, each.made(answers[each.recording])) for each in claims),
-        scores=scores,
-        pictures=tuple(pictures_of(recordings, scores)),
-        seconds=time.perf_counter() - started,
-        explaining=sum(float(each["seconds"]) for each in answers.values()),
+    return (
+        tuple(
+            (each, tuple(each.told(answers[name]) for name in each.recordings)) for each in facts
+        ),
+        tuple((each, each.made(answers[each.recording])) for each in doubtful(recordings)),
+        scores,
+        tuple(pictures_of(recordings, scores)),
     )
 
 
@@ -98,7 +107,7 @@ def write(recording: Recording, folder: Path) -> None:
     )
 
 
-def _base(case: Hidden, answers: dict[str, Answer]) -> Answer:
+def _base(case: Hidden, answers: Mapping[str, Answer]) -> Answer:
     return answers["part" if case.recording == SHAFT else case.recording]
 
 

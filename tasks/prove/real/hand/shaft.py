@@ -54,7 +54,10 @@ def delay_by_phase(recording: Recording) -> Measured:
     """Slope of the phase of the transfer function over frequency, where it is coherent, s."""
     frequency, gain, coherence = transfer(recording)
     good = alike(gain, coherence) & (frequency > SLOW[0]) & (frequency < STEPPER[1])
-    delay = -np.angle(gain[good]) / (2.0 * np.pi * frequency[good])
+    # A whole turn of phase is no small delay: the angles tell which turn it is.
+    about = delay_by_angle(recording).value
+    omega = 2.0 * np.pi * frequency[good]
+    delay = about - np.angle(gain[good] * np.exp(1j * omega * about)) / omega
     weight = frequency[good] ** 2 * coherence[good] / (1.0 - coherence[good])
     mean = float((weight * delay).sum() / weight.sum())
     effective = weight.sum() ** 2 / (weight**2).sum()

@@ -1,6 +1,8 @@
 """The whole of it on one recording, in fresh processes, and its pages."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -75,3 +77,14 @@ def test_folder_without_the_recordings_is_refused(tmp_path: Path) -> None:
         prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path / "out", as_json=False)
     with pytest.raises(Unusable, match="is not empty"):
         prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path, as_json=False)
+
+
+def test_command_takes_the_folder_and_says_in_one_sentence_what_is_wrong(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "flows.cli", "prove", "--real", str(tmp_path)]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path / "out"), "--json"],
+        capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "there is no recording" in done.stderr
+    assert "Traceback" not in done.stderr

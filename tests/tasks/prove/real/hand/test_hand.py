@@ -1,5 +1,7 @@
 """The hand analyses find what made-up data hold, and nothing in noise."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -21,6 +23,20 @@ from tasks.prove.real.hand.shaft import (
 from tasks.prove.real.hide import Size, lost_samples, scaled_table
 
 LATE = 0.008  # s, see conftest
+KNOWS = """
+import sys
+import tasks.prove.real.hide
+from tasks.prove.real.hand import lines, rate_table, rests, rounding, shaft
+theirs = ("tasks.explain", "tasks.model", "tasks.motion", "tasks.segments", "tasks.items")
+print([name for name in sys.modules if name.startswith(theirs)])
+"""
+
+
+def test_hand_shares_no_code_with_what_it_judges() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KNOWS], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize("way", [delay_by_angle, delay_by_phase, delay_by_gravity])
