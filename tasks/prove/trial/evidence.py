@@ -14,15 +14,15 @@ from tasks.prove.trial.table import Rate, Row, by_effect, rows_of, totals_of
 COLUMNS = (
     "case", "z", "concealed", "cases", "detected", "first name right", "or its twin", "any wrong",
     "wrong beyond twins", "left unnamed", "effects named", "95 % intervals", "gap closed",
-    "of what can be", "certificate off, U", "with the findings, U",
+    "of what can be", "off, U", "then, U",
 )  # fmt: skip
 SUMMARY = (
-    "recordings", "", "detected", "first name right", "any name wrong", "left unnamed",
-    "gap closed", "of what can be", "certificate off, U", "with the findings, U",
+    "recordings", "", "detected", "first name right", "any wrong", "left unnamed",
+    "gap closed", "of what can be", "off, U", "then, U",
 )  # fmt: skip
 COSTS = (
     "effect", "cases", "concealed", "nothing noticed", "off, U (median)", "off, U (worst)",
-    "with the findings, U", "wrong verdicts", "with the findings",
+    "then, U (median)", "wrong verdicts", "then",
 )  # fmt: skip
 FAILURES = ("recording", "how", "truth", "z", "named", "procedure", "cause")
 
@@ -164,7 +164,11 @@ def cells(row: Row, intervals: bool) -> list[str]:
 
 
 def _ratio(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2g}" if value < 100 else f"{value:.0f}"
+    if value is None:
+        return "–"
+    if 0.0 < value < 0.01:
+        return "< 0.01"
+    return f"{value:.2g}" if value < 100 else f"{value:.0f}"
 
 
 def _number(share: float | None) -> str:

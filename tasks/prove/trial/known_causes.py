@@ -8,6 +8,6 @@ from tasks.model.term import Text
 KNOWN_CAUSES: Mapping[tuple[str, str], Text] = {}
 NOT_KNOWN: Text = ("not looked into", "尚未查明")
 FAINT: Text = (
-    "too faint: who looks for every effect at once has to ask for more than the limit does",
-    "信号过弱：同时搜索全部因素时，判据须严于已知形式的极限",
+    "too faint to be told among all the effects looked for",
+    "信号过弱，同时搜索全部因素时无法分辨",
 )

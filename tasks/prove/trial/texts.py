@@ -102,13 +102,15 @@ RULES: Text = (
     "− Σ|truth − found|²/σ² / Σ|truth − nominal|²/σ², σ the white noise of the grade, the median; "
     "of what can be: beside the errors that noise alone leaves in the standard's parameters, "
     "which nobody who has to fit them can take away. Concealed: the share of the effect's power "
-    "that the standard's parameters absorb. Certificate off: by how many of its own U the value "
-    "that suffers most differs, by the clauses, when the effects are there.",
+    "that the standard's parameters absorb. Off: by how many of its own U the value of the "
+    "certificate that suffers most differs, by the clauses, when the effects are there; then: "
+    "with what was named taken off first.",
     "检出：有任何发现。正确：首个名称即真值。或其孪生：首个名称或与其不可区分者之一为真值。任一"
     "错误：出现真值以外的名称，即使另有正确名称；对目录外因素，任何名称均为错误。缺口闭合：1 − Σ|"
     "真值 − 解释|²/σ² / Σ|真值 − 规范模型|²/σ²，σ为该等级的白噪声，取中位数；占可闭合量：扣除噪"
     "声本身给规范模型参数带来的、任何拟合都无法消除的误差。隐藏比例：规范模型参数吸收的信号功率"
-    "比例。证书偏差：按条款计算时，受影响最大的值因这些因素而改变多少倍其扩展不确定度U。",
+    "比例。off：按条款计算时，证书中受影响最大的值因这些因素而改变多少倍其扩展不确定度U；then："
+    "先扣除已命名的因素之后。",
 )
 ORIGIN_TITLE: Text = ("Origin", "来源")
 CASES_TITLE: Text = ("Every case", "逐例结果")
