@@ -6,6 +6,12 @@ from schemas.recording import Recording, Segment
 from tasks.motion.nudge import slope
 
 AT_REST = 1e-3  # rad/s
+STEADY = 0.02  # of the speed: a segment that scatters more is a ramp
+TOLD_BY = 1.3  # samples of three axes: what their second differences are worth for each row
+FEWEST_SPEEDS = 2  # that tell a power of the speed
+EXPONENTS = np.round(np.arange(0.5, 6.01, 0.1), 1)  # of the vibration's power by the speed
+AS_WELL = 4.0  # chi-squared
+LIKE_NOISE = 3.0  # chi-squared per segment
 SETTLE = 20.0  # s over which the unit's temperature is smoothed before it is differentiated
 
 
@@ -75,7 +81,8 @@ def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...])
 def vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np.ndarray:
     """(n,) mean square of the accelerometers' noise beyond that at rest, by the speed it has.
 
-    variance: (segments, 2); number: (n,) segment of each row; speed: (n,) rad/s.
+    variance: (segments, 2); number: (n,) segment of each row; speed: (n,) rad/s. A power of the
+    speed where one describes it, which has less noise than single segments; else between them.
     """
     seen = [k for k in range(len(variance) - 1) if np.isfinite(variance[k, 1])]
     if not seen:
@@ -83,7 +90,31 @@ def vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np
     speeds = np.array([float(np.median(speed[number == k])) for k in seen])
     resting = speeds < AT_REST
     quiet = float(np.median(variance[seen, 1][resting if resting.any() else slice(None)]))
-    order = np.argsort(speeds)
-    beyond = np.maximum(variance[seen, 1] - quiet, 0.0)
-    turning = order[speeds[order] >= AT_REST]
-    return np.interp(speed, np.append(0.0, speeds[turning]), np.append(0.0, beyond[turning]))
+    steady = np.array([float(np.std(speed[number == k])) for k in seen]) < STEADY * speeds
+    turning = ~resting & steady if (~resting & steady).any() else ~resting
+    beyond = (variance[seen, 1] - quiet)[turning]
+    rows = np.array([np.count_nonzero(number == k) for k in seen])[turning]
+    u = variance[seen, 1][turning] * np.sqrt(2.0 / (TOLD_BY * np.maximum(rows, 1)))
+    law = _power_law(speeds[turning], beyond, u)
+    if law is not None:
+        return law[0] * speed ** law[1]
+    order = np.argsort(speeds[turning])
+    at, level = speeds[turning][order], np.maximum(beyond[order], 0.0)
+    return np.interp(speed, np.append(0.0, at), np.append(0.0, level))
+
+
+def _power_law(
+    speeds: np.ndarray, beyond: np.ndarray, u: np.ndarray
+) -> tuple[float, float] | None:
+    """Factor and exponent of c·speed^n; a whole n where it does as well. None: it is no power."""
+    if len(np.unique(np.round(speeds, 2))) < FEWEST_SPEEDS:
+        return None
+    powers = speeds[:, None] ** EXPONENTS / u[:, None]
+    factors = (powers * (beyond / u)[:, None]).sum(axis=0) / (powers**2).sum(axis=0)
+    cost = ((beyond / u)[:, None] - factors * powers) ** 2
+    cost = np.where(factors > 0, cost.sum(axis=0), np.inf)
+    whole = np.isclose(EXPONENTS, np.round(EXPONENTS))
+    best = int(np.argmin(cost + AS_WELL * ~whole))
+    if not cost[best] < LIKE_NOISE * len(speeds):
+        return None
+    return float(factors[best]), float(EXPONENTS[best])

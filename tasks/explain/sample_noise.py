@@ -4,6 +4,7 @@ import numpy as np
 
 from tasks.motion.whole import Motion
 
+KEPT, OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
 SAMPLE = 50_000  # readings that the output's step is read off
 WHOLE, MOSTLY = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
 STIRRED = 0.5  # of the readings differ from the one before: noise is larger than the step
@@ -14,8 +15,8 @@ def noise_by_segment(
 ) -> np.ndarray:
     """(count + 1, 2) variance of a sample's noise in each segment, by triad; last: between them.
 
-    From second differences of what a straight-line fit leaves, by their median, so that neither
-    motion nor single bad samples count.
+    From second differences of what a straight-line fit leaves, the largest left out, so that
+    neither motion nor single bad samples count.
     """
     left = readings - plain_prediction(readings, motion)
     rough = np.full_like(left, np.nan)
@@ -30,7 +31,8 @@ def noise_by_segment(
             part = rough[rows, 3 * triad : 3 * triad + 3]
             part = part[np.isfinite(part)]
             if len(part):
-                variance[k, triad] = np.median(part) / 0.4549
+                part = part[part <= np.quantile(part, KEPT)]
+                variance[k, triad] = part.mean() / OF_KEPT
     return variance
 
 
