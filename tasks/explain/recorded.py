@@ -61,9 +61,13 @@ def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
 def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
     """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
 
-    The positions on a table of several axes are one; each upright axis of the rates is another. A
+    Where segments have mounts of their own a fixing ends where the mount changes. Else the
+    positions on a table of several axes are one; each upright axis of the rates is another; and a
     unit is fixed anew right after the last segment of a block, before the move to the next.
     """
+    mounted = _by_mount(recording, t, segments)
+    if mounted[-1] > 0:
+        return mounted
     several = len(recording.manifest.station.table_axes or ()) > 1
     number: np.ndarray = np.zeros(len(t))
     at, last, ended = 0, None, 0.0
@@ -75,6 +79,16 @@ def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...])
             at += 1
             number[np.searchsorted(t, ended) :] = at
         last, ended = block, segment.t_end
+    return number
+
+
+def _by_mount(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
+    """Number of the mount at each row, as the segments tell them."""
+    number: np.ndarray = np.zeros(len(t))
+    mounts = [segment.mount or recording.manifest.mount for segment in segments]
+    for segment, before, now in zip(segments[1:], mounts, mounts[1:], strict=False):
+        if now != before:
+            number[np.searchsorted(t, segment.t_start) :] += 1
     return number
 
 

@@ -53,8 +53,8 @@ class Motion:
 
     t: (n,) s. up, north: (n, 3) unit vectors. rate: (n, 3) rad/s against the ground.
     acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s².
-    axes: those of the table, where encoders were recorded. recorded: what else was recorded or
-    is known at each time, (n,) each, by name.
+    axes: those of the table, where encoders were recorded; each mount sees them its own way.
+    recorded: what else was recorded or is known at each time, (n,) each, by name.
     """
 
     t: np.ndarray
@@ -192,13 +192,17 @@ def _mounted(recording: Recording, payload: Motion) -> Motion:
     if not own:
         whole = Segment(name="whole", kind="transition", t_start=0.0, t_end=0.0)
         return _in_frame(payload, mount_of(manifest, whole))
-    body = _unknown(recording, payload.t)
+    body, axes = _unknown(recording, payload.t), payload.axes
+    if axes is not None:
+        nowhere = (np.full_like(axes.directions, np.nan), np.full_like(axes.base, np.nan))
+        body = replace(body, axes=replace(axes, directions=nowhere[0], base=nowhere[1]))
     for segment in own:
         rows = (payload.t >= segment.t_start) & (payload.t < segment.t_end)
         part = _in_frame(payload.taken(rows), mount_of(manifest, segment))
         for name in ("up", "north", "rate", "acceleration"):
             getattr(body, name)[rows] = getattr(part, name)
-    # Each mount has axes of its own: as one course they are not known.
+        if body.axes is not None and part.axes is not None:
+            body.axes.directions[rows], body.axes.base[rows] = part.axes.directions, part.axes.base
     return body
 
 
