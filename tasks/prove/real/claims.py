@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from tasks.prove.real.fact import Answer, Claim, Recordings, Truth, findings, lines_at, parameter
+from tasks.prove.real.fact import Claim, Recordings, Truth, findings, lines_at, parameter
 from tasks.prove.real.hand.lines import prominence
-from tasks.prove.real.hand.rests import CHANNELS, readings, rests, wander
+from tasks.prove.real.hand.rests import CHANNELS, means_of, readings, rests, wander
 from tasks.prove.real.hand.rounding import dead_zone_misfit
-from tasks.prove.real.hand.shaft import jump_at, line_shared
+from tasks.prove.real.hand.shaft import excursion, jump_at, line_shared
 from tasks.prove.real.on_rate_table import BENCH, SECOND
 from tasks.prove.real.on_shaft import SHAFT
 from tasks.prove.real.two_positions import MEMS, RING_LASER
@@ -27,6 +27,7 @@ def claims_of(recordings: Recordings) -> list[Claim]:
         _line(recordings, BENCH, 3.619, (0,)),
         _walk(recordings, BENCH, (3, 4, 5), "accelerometers", "加速度计"),
         _walk(recordings, BENCH, (0, 2), "gyros x and z", "陀螺x、z"),
+        _as_many_as_rests(recordings),
         _walk(recordings, BY_HAND, (3, 4, 5), "accelerometers", "加速度计"),
         _walk(recordings, BY_HAND, (0, 1, 2), "gyros", "陀螺"),
         _bursts(recordings),
@@ -150,17 +151,41 @@ def _stepper(recordings: Recordings) -> Claim:
 
 
 def _jump(recordings: Recordings) -> Claim:
-    when = 33.1
+    when, until = 33.14, 34.86
     jump = jump_at(recordings[SHAFT], "gyro_z", when)
-    value, u = np.degrees(jump.value), np.degrees(jump.u)
+    brief = excursion(recordings[SHAFT], "gyro_z", when, until)
+    value, u, off, scatter = np.degrees([jump.value, jump.u, brief.value, brief.u])
     return Claim(
-        SHAFT, (f"a step of gyro z at {when:g} s", f"陀螺z在{when:g} s处阶跃"),
+        SHAFT, (f"gyro z jumps at {when:.1f} s", f"陀螺z在{when:.1f} s处阶跃"),
         "true" if abs(value) > 4.0 * u else "false",
-        (f"mean of the strokes after less before: {value:.3f} ± {u:.3f} deg/s",
-         f"其后与其前各往复周期均值之差：{value:.3f} ± {u:.3f} °/s"),
-        _says_step,
+        (
+            f"mean of the strokes after less before: {value:.3f} ± {u:.3f} deg/s; between "
+            f"{when:.1f} and {until:.1f} s it is off by {off:.2f} ± {scatter:.2f} deg/s of the "
+            "same place in other strokes: brief, no bias",
+            f"其后与其前各往复周期均值之差：{value:.3f} ± {u:.3f} °/s；"
+            f"{when:.1f}～{until:.1f} s与其他周期同一位置相差{off:.2f} ± {scatter:.2f} °/s："
+            "短暂扰动，并非零偏",
+        ),
+        lambda answer: any(
+            "jumps" in str(each["follows"]) or each["effect"] == "bias_step"
+            for each in findings(answer, "bias_step", "unnamed", channel="gyro_z")
+        ),
     )  # fmt: skip
 
 
-def _says_step(answer: Answer) -> bool:
-    return bool(findings(answer, "bias_step", channel="gyro_z"))
+def _as_many_as_rests(recordings: Recordings) -> Claim:
+    """Six rests cannot try a model of six parameters a gyro."""
+    directions, means = means_of(recordings[BENCH])
+    pairs = [np.degrees(means[np.abs(directions[:, a]) > 0, 0].mean()) for a in range(3)]
+    shown = ", ".join(f"{value:.4f}" for value in pairs)
+    return Claim(
+        BENCH, ("biases of the gyros follow acceleration squared", "陀螺零偏随加速度平方变化"),
+        "cannot tell",
+        (
+            f"gyro x, mean of each pair of rests in the order of time: {shown} deg/s. Bias, "
+            "g- and g²-sensitivity are six parameters and fit any six rests; a slow drift fits too",
+            f"陀螺x各对位置均值（按时间）：{shown} °/s。零偏、g与g²灵敏度共六个参数，"
+            "任意六个位置均可吻合；缓慢漂移同样吻合",
+        ),
+        lambda answer: bool(findings(answer, "gyro_g2_sensitivity")),
+    )  # fmt: skip

@@ -193,3 +193,17 @@ def jump_at(recording: Recording, channel: str, when: float) -> Measured:
     ]
     u = float(np.linalg.norm([np.std(each, ddof=1) / 2.0 for each in sides]))
     return Measured(float(np.mean(sides[1]) - np.mean(sides[0])), u, "rad/s")
+
+
+def excursion(recording: Recording, channel: str, start: float, stop: float) -> Measured:
+    """Mean of a channel over a stretch less that at the same place of the other strokes.
+
+    u: the scatter of the others.
+    """
+    t, course = recording.imu.t, recording.imu.columns[channel]
+    strokes = range(-int(start // STROKE), int((t[-1] - stop) // STROKE) + 1)
+    others = [
+        course[(t >= start + n * STROKE) & (t < stop + n * STROKE)].mean() for n in strokes if n
+    ]
+    own = course[(t >= start) & (t < stop)].mean()
+    return Measured(float(own - np.mean(others)), float(np.std(others, ddof=1)), "rad/s")

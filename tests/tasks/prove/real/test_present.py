@@ -95,7 +95,7 @@ def test_doubtful_claims_are_judged(recordings: Recordings) -> None:
     assert truths["adi_mems_two_position", "a line at 36.702 Hz, there all the time"] == "false"
     assert truths[bench, "biases of the accelerometers wander"] == "false"
     assert truths["ferraris_session", "biases of the gyros wander"] == "cannot tell"
-    assert truths[SHAFT, "a step of gyro z at 33.1 s"] == "false"
+    assert truths[SHAFT, "gyro z jumps at 33.1 s"] == "false"
 
 
 def finding(effect: str, channel: str, *parameters: tuple[str, float, float]) -> Answer:
