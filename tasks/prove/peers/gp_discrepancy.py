@@ -25,7 +25,7 @@ from tasks.prove.peers.peer import UNNAMED, Answer, HeldOut, Located
 from tasks.prove.peers.points import Points, inputs_of, points_of
 from tasks.prove.peers.seen import CHANNELS, Seen
 
-THRESHOLD = 20.0  # twice the logarithm of the ratio of likelihoods, of the best channel
+THRESHOLD = 4.0  # twice the logarithm of the ratio of likelihoods, of the best channel
 ITERATIONS = 25
 LENGTHS = (0.05, 50.0)  # of an input's range
 SIZES = (1e-2, 1e6)  # variance of δ in that of a mean

@@ -23,12 +23,13 @@ METHOD: Text = (
 RULES: Text = (
     "Located: the channels named hold the largest share of what the standard's model leaves of "
     "the truth. Named: the first name is right, of the cases that have a name. Modelled: share of "
-    "the gap closed, of means over the same 25 Hz blocks for everybody, the median. Shown: "
+    "the gap closed, of means over the same 25 Hz blocks and against the same fit of the "
+    "standard's model for everybody, the median. Shown: "
     "segments that the fit did not see are predicted better. Abstained: nothing found on a clean "
     "recording, no name given outside the catalogue. Two of the peers name nothing by their "
     "nature, and one of them models nothing.",
     "定位：所指通道占规范模型残余真值功率的最大份额。命名：在有正确名称的情形中首个名称正确。建模：缺口闭合份额，"
-    "各方法均取相同25 Hz分块均值，取中位数。展示：对拟合未见的段预测更好。"
+    "各方法均取相同25 Hz分块均值与同一规范模型拟合，取中位数。展示：对拟合未见的段预测更好。"
     "不作判断：无失配记录无发现，目录外因素不予命名。其中两种方法本身不命名，其一不建模。",
 )
 COLUMNS = (
@@ -69,7 +70,7 @@ def markdown(scores: Sequence[PeerScore]) -> str:
 def cells(duties: Duties) -> list[str]:
     """A row as words, in the order of COLUMNS."""
     rates = (duties.detected, duties.locate, duties.name, duties.wrong)
-    gap = "–" if duties.model is None else f"{duties.model:.2f}".replace("-", "−")
+    gap = "–" if duties.model is None else f"{round(duties.model, 2) + 0.0:.2f}".replace("-", "−")
     return [
         duties.kind,
         METHOD_WORDS[duties.method],

@@ -18,7 +18,7 @@ from tasks.prove.peers.peer import UNNAMED, Answer, Located, in_order
 from tasks.prove.peers.regression import freed, predicted, surprise, unseen
 from tasks.prove.peers.seen import CHANNELS, Equations, Seen
 
-THRESHOLD = 10.0  # nats gained on held-out segments by the best channel
+THRESHOLD = 3.0  # nats gained on held-out segments by the best channel
 GRID = (4.0, 6.0, 10.0, 20.0, 50.0)  # standard deviations a coefficient must have
 RIDGE = 0.01  # of a column's power
 DEPENDENT = 1e-8  # of a column's power: rounding
