@@ -35,7 +35,7 @@ class Told:
     """What an answer says of a fact: in words, and whether it is right."""
 
     words: str
-    outcome: Literal["right", "right name, value off", "wrong", "silent"]
+    outcome: Literal["right", "right name, value off", "wrong", "silent", "explain failed"]
 
 
 @dataclass(frozen=True)
@@ -89,5 +89,7 @@ def in_words(some: Sequence[Mapping[str, Any]]) -> str:
 
 
 def silent(answer: Answer) -> Told:
-    """Nothing is said; a failure of explain is said as one."""
-    return Told(answer.get("failed", "—"), "silent")
+    """Nothing is said; a failure of explain is said as one, by its first line."""
+    if "failed" in answer:
+        return Told(answer["failed"].splitlines()[0], "explain failed")
+    return Told("—", "silent")

@@ -25,12 +25,15 @@ from tasks.prove.trial.seal import RECORDINGS as RECORDINGS_OUT
 
 Report = Callable[[int, int], None]
 Facts = tuple[tuple[Fact, tuple[Told, ...]], ...]
-Claims = tuple[tuple[Claim, bool], ...]
+Claims = tuple[tuple[Claim, bool | None], ...]
 
 
 @dataclass(frozen=True)
 class Results:
-    """facts with what each of their recordings' answers says; claims with whether still made."""
+    """facts with what each of their recordings' answers says; claims with whether still made.
+
+    None: explain failed there. explaining: s, all explanations together.
+    """
 
     seed: int
     code_version: str
@@ -72,7 +75,7 @@ def judged(
         tuple(
             (each, tuple(each.told(answers[name]) for name in each.recordings)) for each in facts
         ),
-        tuple((each, each.made(answers[each.recording])) for each in doubtful(recordings)),
+        tuple((each, _made(each, answers)) for each in doubtful(recordings)),
         scores,
         tuple(pictures_of(recordings, scores)),
     )
@@ -105,6 +108,11 @@ def write(recording: Recording, folder: Path) -> None:
     (folder / "manifest.json").write_text(
         manifest.model_dump_json(indent=1, exclude_none=True), encoding="utf-8"
     )
+
+
+def _made(claim: Claim, answers: Mapping[str, Answer]) -> bool | None:
+    answer = answers[claim.recording]
+    return None if "failed" in answer else claim.made(answer)
 
 
 def _base(case: Hidden, answers: Mapping[str, Answer]) -> Answer:

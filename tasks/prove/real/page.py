@@ -26,11 +26,28 @@ RULES: Text = (
     "以未改动记录的解释结果为基线。答案中出现该名称、且超出基线的量的95 %区间包含隐藏值，即为发现；"
     "出现其他新名称为错误；不可见时出现任何新名称均为错误。",
 )
-FACTS = ("what is there", "recording", "by hand", "a second way", "not known", "explain says", "")
-CLAIMS = ("recording", "explain says, or said", "it does now", "by hand", "evidence")
-HIDDEN = (
-    "recording", "hidden", "size", "by hand", "explain states", "new names", "outcome", "s",
+FACTS: tuple[Text, ...] = (
+    ("what is there", "真实因素"), ("recording", "记录"), ("by hand", "人工分析"),
+    ("a second way", "第二种方法"), ("not known", "未知"), ("explain says", "解释结果"), ("", ""),
 )  # fmt: skip
+CLAIMS: tuple[Text, ...] = (
+    ("recording", "记录"), ("explain says, or said", "解释程序的（曾有）判断"),
+    ("it does now", "目前是否作此判断"), ("by hand", "人工结论"), ("evidence", "依据"),
+)  # fmt: skip
+HIDDEN: tuple[Text, ...] = (
+    ("recording", "记录"), ("hidden", "隐藏的变换"), ("size", "大小"), ("by hand", "人工分析"),
+    ("explain states", "解释程序给出"), ("new names", "新名称"), ("outcome", "结果"), ("s", "s"),
+)  # fmt: skip
+REASONS: tuple[Text, ...] = (
+    ("recording", "记录"), ("transformation", "变换"), ("why", "原因"),
+)  # fmt: skip
+IN_CHINESE = {
+    "right": "正确", "right name, value off": "名称正确，数值有偏", "wrong": "错误",
+    "silent": "未提及", "explain failed": "解释程序出错", "true": "真", "false": "假", "cannot tell": "无法判断",
+    "yes": "是", "no": "否", "a wrong name": "错误名称", "rightly nothing new": "正确：无新发现",
+    "missed": "漏检", "found, value right": "发现，数值正确", "found, value off": "发现，数值有偏",
+}  # fmt: skip
+MADE = {True: "yes", False: "no", None: "explain failed"}
 
 
 def section(results: Results) -> list[str]:
@@ -41,34 +58,34 @@ def section(results: Results) -> list[str]:
             f"{both(fact.how[0])}: {escape(fact.size[0])}",
             f"{both(fact.how[1])}: {escape(fact.size[1])}", both(fact.unknown),
             "<br>".join(escape(each.words) for each in told),
-            "<br>".join(escape(each.outcome) for each in told),
+            "<br>".join(_said(each.outcome) for each in told),
         ]
         for fact, told in results.facts
     ]  # fmt: skip
     claims = [
-        [escape(claim.recording), both(claim.what), "yes" if made else "no", escape(claim.truth),
+        [escape(claim.recording), both(claim.what), _said(MADE[made]), _said(claim.truth),
          both(claim.evidence)]
         for claim, made in results.claims
     ]  # fmt: skip
-    hidden = [[escape(cell) for cell in cells(each)] for each in results.scores]
+    hidden = [[_said(cell) for cell in cells(each)] for each in results.scores]
     reasons = [[escape(a), escape(b), both(why)] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
     return [
         f"<h2>{both(TITLE)}</h2>",
         f"<p>{both(METHOD)}</p>",
         table(["", ""], [[escape(a), escape(b)] for a, b in summary(results)]),
         f"<h3>{both(('Really there', '真实存在的因素'))}</h3>",
-        table(list(FACTS), facts),
+        table(_heads(FACTS), facts),
         *(
             f"<figure>{each.svg}<figcaption>{both(each.caption)}</figcaption></figure>"
             for each in results.pictures
         ),
         f"<h3>{both(('Claims that look doubtful', '存疑的判断'))}</h3>",
-        table(list(CLAIMS), claims),
+        table(_heads(CLAIMS), claims),
         f"<h3>{both(('Hidden', '隐藏的变换'))}</h3>",
         f"<p>{both(RULES)}</p>",
-        table(list(HIDDEN), hidden, (len(HIDDEN) - 1,)),
+        table(_heads(HIDDEN), hidden, (len(HIDDEN) - 1,)),
         f"<h3>{both(('What cannot be hidden there', '无法隐藏之处'))}</h3>",
-        table(["recording", "transformation", "why"], reasons),
+        table(_heads(REASONS), reasons),
     ]
 
 
@@ -87,18 +104,19 @@ def markdown(results: Results) -> str:
         for fact, told in results.facts
     ]  # fmt: skip
     claims = [
-        [claim.recording, claim.what[0], "yes" if made else "no", claim.truth, claim.evidence[0]]
+        [claim.recording, claim.what[0], MADE[made], claim.truth, claim.evidence[0]]
         for claim, made in results.claims
     ]
     reasons = [[a, b, why[0]] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
     return "\n".join(
         [
             f"# {TITLE[0]}", "", METHOD[0], "", *_rows(("", ""), summary(results)),
-            "## Really there", "", *_rows(FACTS, facts),
-            "## Claims that look doubtful", "", *_rows(CLAIMS, claims),
-            "## Hidden", "", RULES[0], "", *_rows(HIDDEN, [cells(s) for s in results.scores]),
+            "## Really there", "", *_rows(_english(FACTS), facts),
+            "## Claims that look doubtful", "", *_rows(_english(CLAIMS), claims),
+            "## Hidden", "", RULES[0], "",
+            *_rows(_english(HIDDEN), [cells(each) for each in results.scores]),
             "## What cannot be hidden there", "",
-            *_rows(("recording", "transformation", "why"), reasons),
+            *_rows(_english(REASONS), reasons),
             f"Seed {results.seed}, {results.code_version}.", "",
         ]
     )  # fmt: skip
@@ -175,6 +193,19 @@ def _unseen(results: Results) -> list[tuple[str, str, Text]]:
 def _holds(score: Score) -> bool:
     hand = score.by_hand
     return hand is not None and abs(hand.value - score.case.size.value) <= 2.0 * hand.u
+
+
+def _said(words: str) -> str:
+    """Words of the tables in both languages, where they are not names or numbers."""
+    return both((words, IN_CHINESE.get(words, words)))
+
+
+def _heads(texts: Sequence[Text]) -> list[str]:
+    return [both(text) for text in texts]
+
+
+def _english(texts: Sequence[Text]) -> list[str]:
+    return [text[0] for text in texts]
 
 
 def _of(count: int, of: int) -> str:
