@@ -1,9 +1,9 @@
 """What was recorded beside the readings, at the unit's rows, and what the run itself tells."""
 
 import numpy as np
+from numpy.polynomial import chebyshev
 
 from schemas.recording import Recording, Segment
-from tasks.motion.nudge import slope
 
 AT_REST = 1e-3  # rad/s
 STEADY = 0.02  # of the speed: a segment that scatters more is a ramp
@@ -12,7 +12,9 @@ FEWEST_SPEEDS = 2  # that tell a power of the speed
 EXPONENTS = np.round(np.arange(0.5, 6.01, 0.1), 1)  # of the vibration's power by the speed
 AS_WELL = 4.0  # chi-squared
 LIKE_NOISE = 3.0  # chi-squared per segment
-SETTLE = 20.0  # s over which the unit's temperature is smoothed before it is differentiated
+MEANS = 5.0  # s: a unit's temperature does not change faster
+FEWEST_MEANS = 6
+MOST_DEGREES = 60  # of the polynomial: cycles of a minute in a run of half an hour
 
 
 def recorded_courses(
@@ -45,17 +47,31 @@ def _filled(course: np.ndarray) -> np.ndarray:
 
 
 def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
-    """Derivative by differences of means over SETTLE."""
-    grid = np.arange(t[0], t[-1] + SETTLE, SETTLE / 4)
-    cells = np.clip(np.searchsorted(grid, t, "right") - 1, 0, len(grid) - 1)
-    counts = np.maximum(np.bincount(cells, minlength=len(grid)), 1)
-    means = np.bincount(cells, course, len(grid)) / counts
-    held = counts > 1
-    means = np.interp(np.arange(len(grid)), np.flatnonzero(held), means[held])
-    kernel = np.ones(5) / 5
-    padded = np.concatenate([2 * means[0] - means[4:0:-1], means, 2 * means[-1] - means[-2:-6:-1]])
-    smooth = np.convolve(np.convolve(padded, kernel, "valid"), kernel, "valid")
-    return np.interp(t, grid + SETTLE / 8, slope(grid, smooth))
+    """Derivative of a polynomial through means of MEANS seconds.
+
+    Its degree is told by Schwarz's criterion: a body warms smoothly, and the noise of a
+    thermometer would otherwise hide a bias that follows the derivative.
+    """
+    cell = ((t - t[0]) / MEANS).astype(int)
+    counts = np.bincount(cell)
+    held = counts > 0
+    means = np.bincount(cell, course)[held] / counts[held]
+    if held.sum() < FEWEST_MEANS or not np.ptp(means):
+        return np.zeros(len(t))
+    middles = np.bincount(cell, t - t[0])[held] / counts[held]
+    half = 0.5 * max(float(t[-1] - t[0]), MEANS)
+    columns = chebyshev.chebvander(middles / half - 1.0, min(MOST_DEGREES, held.sum() // 3))
+    root = np.sqrt(counts[held])
+    turned, triangle = np.linalg.qr(columns * root[:, None])
+    told = turned.T @ (means * root)
+    left = float((means**2 * counts[held]).sum()) - np.cumsum(told**2)
+    degrees = np.arange(len(told))
+    rounding = 1e-12 * float((means**2 * counts[held]).sum())
+    criterion = held.sum() * np.log(np.maximum(left, rounding)) + degrees * np.log(held.sum())
+    best = int(criterion.argmin()) + 1
+    found = np.linalg.solve(triangle[:best, :best], told[:best])
+    slope = chebyshev.chebval((t - t[0]) / half - 1.0, chebyshev.chebder(found))
+    return np.asarray(slope / half)
 
 
 def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
@@ -117,9 +133,7 @@ def vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np
     return np.interp(speed, np.append(0.0, at), np.append(0.0, level))
 
 
-def _power_law(
-    speeds: np.ndarray, beyond: np.ndarray, u: np.ndarray
-) -> tuple[float, float] | None:
+def _power_law(speeds: np.ndarray, beyond: np.ndarray, u: np.ndarray) -> tuple[float, float] | None:
     """Factor and exponent of c·speed^n; a whole n where it does as well. None: it is no power."""
     if len(np.unique(np.round(speeds, 2))) < FEWEST_SPEEDS:
         return None
