@@ -19,6 +19,7 @@ from tasks.prove.real.hand.shaft import (
     corner,
     delay_by_angle,
     delay_by_gravity,
+    delay_by_pattern,
     delay_by_phase,
 )
 
@@ -77,11 +78,7 @@ def _gyro_delay(recordings: Recordings) -> Fact:
 def _gravity_delay(recordings: Recordings) -> Fact:
     recording = recordings[SHAFT]
     late = delay_by_gravity(recording)
-    less = Measured(
-        delay_by_angle(recording).value - late.value,
-        float(np.hypot(delay_by_angle(recording).u, late.u)),
-        "s",
-    )
+    pattern = delay_by_pattern(recording)
 
     def told(answer: Answer) -> Told:
         both = findings(answer, "accel_axis_skew", "size_effect")
@@ -92,13 +89,14 @@ def _gravity_delay(recordings: Recordings) -> Fact:
         ("the accelerometers are late, too, but less than the gyro", "加速度计也滞后，但小于陀螺"),
         (
             ("turn of gravity's pattern with the rate", "重力方向随角速率的偏转"),
-            ("gyro's lag less this one", "陀螺滞后减去该值"),
+            ("lag at which gravity's pattern over the angle fits best, no lever arm",
+             "重力随角度变化最吻合的滞后（不计杆臂）"),
         ),
-        (str(late), str(less)),
+        (str(late), str(pattern)),
         (
-            "no catalogue name has one delay for each triad: a single τ must be wrong for one of "
-            "them",
-            "目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
+            "the two ways differ by what a lever arm takes, more than their scatter; no catalogue "
+            "name has one delay for each triad: a single τ must be wrong for one of them",
+            "两法之差源于杆臂项，大于各自离散；目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
         ),
         told,
     )  # fmt: skip

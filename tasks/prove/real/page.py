@@ -7,6 +7,7 @@ from typing import Any
 from tasks.explain.report.look import both, document, table
 from tasks.model.term import Text
 from tasks.prove.real.cases import NOT_HIDDEN
+from tasks.prove.real.fact import Fact, Told
 from tasks.prove.real.hold import Results
 from tasks.prove.real.score import Score, as_data
 
@@ -43,7 +44,8 @@ REASONS: tuple[Text, ...] = (
 )  # fmt: skip
 IN_CHINESE = {
     "right": "正确", "right name, value off": "名称正确，数值有偏", "wrong": "错误",
-    "silent": "未提及", "explain failed": "解释程序出错", "true": "真", "false": "假", "cannot tell": "无法判断",
+    "silent": "未提及", "explain failed": "解释程序出错", "true": "真", "false": "假",
+    "cannot tell": "无法判断",
     "yes": "是", "no": "否", "a wrong name": "错误名称", "rightly nothing new": "正确：无新发现",
     "missed": "漏检", "found, value right": "发现，数值正确", "found, value off": "发现，数值有偏",
 }  # fmt: skip
@@ -52,16 +54,6 @@ MADE = {True: "yes", False: "no", None: "explain failed"}
 
 def section(results: Results) -> list[str]:
     """The HTML of it, in both languages, to stand in a page."""
-    facts = [
-        [
-            both(fact.what), escape(", ".join(fact.recordings)),
-            f"{both(fact.how[0])}: {escape(fact.size[0])}",
-            f"{both(fact.how[1])}: {escape(fact.size[1])}", both(fact.unknown),
-            "<br>".join(escape(each.words) for each in told),
-            "<br>".join(_said(each.outcome) for each in told),
-        ]
-        for fact, told in results.facts
-    ]  # fmt: skip
     claims = [
         [escape(claim.recording), both(claim.what), _said(MADE[made]), _said(claim.truth),
          both(claim.evidence)]
@@ -74,16 +66,13 @@ def section(results: Results) -> list[str]:
         f"<p>{both(METHOD)}</p>",
         table(["", ""], [[escape(a), escape(b)] for a, b in summary(results)]),
         f"<h3>{both(('Really there', '真实存在的因素'))}</h3>",
-        table(_heads(FACTS), facts),
-        *(
-            f"<figure>{each.svg}<figcaption>{both(each.caption)}</figcaption></figure>"
-            for each in results.pictures
-        ),
+        *(_card(fact, told, results) for fact, told in results.facts),
         f"<h3>{both(('Claims that look doubtful', '存疑的判断'))}</h3>",
         table(_heads(CLAIMS), claims),
         f"<h3>{both(('Hidden', '隐藏的变换'))}</h3>",
         f"<p>{both(RULES)}</p>",
         table(_heads(HIDDEN), hidden, (len(HIDDEN) - 1,)),
+        *_figures(results, ""),
         f"<h3>{both(('What cannot be hidden there', '无法隐藏之处'))}</h3>",
         table(_heads(REASONS), reasons),
     ]
@@ -193,6 +182,33 @@ def _unseen(results: Results) -> list[tuple[str, str, Text]]:
 def _holds(score: Score) -> bool:
     hand = score.by_hand
     return hand is not None and abs(hand.value - score.case.size.value) <= 2.0 * hand.u
+
+
+def _card(fact: Fact, told: Sequence[Told], results: Results) -> str:
+    """A fact with its pictures."""
+    said = "<br>".join(
+        f"{escape(each.words)} <b>({_said(each.outcome)})</b>" for each in told
+    )  # fmt: skip
+    parts = (
+        escape(", ".join(fact.recordings)),
+        *(f"{both(how)}: {escape(size)}" for how, size in zip(fact.how, fact.size, strict=True)),
+        both(fact.unknown),
+        said,
+    )
+    rows = "".join(
+        f"<dt>{both(head)}</dt><dd>{part}</dd>"
+        for head, part in zip(FACTS[1:-1], parts, strict=True)
+    )
+    pictures = "".join(_figures(results, fact.key))
+    return f'<div class="card"><h3>{both(fact.what)}</h3><dl>{rows}</dl>{pictures}</div>'
+
+
+def _figures(results: Results, key: str) -> list[str]:
+    return [
+        f"<figure>{each.svg}<figcaption>{both(each.caption)}</figcaption></figure>"
+        for each in results.pictures
+        if each.fact == key
+    ]
 
 
 def _said(words: str) -> str:

@@ -1,7 +1,7 @@
 """One picture for each real effect, by hand analysis, and one of what was hidden and found."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,18 +33,20 @@ SHIFT = 0.010  # s, hidden for the picture
 
 @dataclass(frozen=True)
 class Picture:
-    """An SVG and what it shows."""
+    """An SVG, what it shows, and the key of the fact that it is of; none: what was hidden."""
 
     svg: str
     caption: Text
+    fact: str = ""
 
 
 def pictures_of(recordings: Recordings, scores: Sequence[Score]) -> list[Picture]:
     """Every picture."""
-    made = [
-        _earth(recordings), _delay(recordings), _phase(recordings), _ripple(recordings),
-        _exchanged(recordings), _mains(recordings),
-    ]  # fmt: skip
+    drawn = {
+        "earth": _earth, "gyro_delay": _delay, "low_pass": _phase, "ripple": _ripple,
+        "exchanged": _exchanged, "mains": _mains,
+    }  # fmt: skip
+    made = [replace(draw(recordings), fact=key) for key, draw in drawn.items()]
     return made + _hidden(scores)
 
 

@@ -101,6 +101,23 @@ def delay_by_gravity(recording: Recording) -> Measured:
     return Measured(float(np.mean(found)), float(np.std(found) / np.sqrt(len(found))), "s")
 
 
+def delay_by_pattern(recording: Recording) -> Measured:
+    """The lag, s, at which a·sin θ + b·cos θ + c follows the accelerometers best; no lever arm."""
+    imu, (t, angle, _) = recording.imu, even_courses(recording)
+    seen = [np.interp(t, imu.t, imu.columns[name]) for name in ("accel_x", "accel_z")]
+
+    def left(lag: float, part: np.ndarray) -> float:
+        turned = np.interp(t - lag, t, angle)[part]
+        A = np.column_stack([np.sin(turned), np.cos(turned), np.ones_like(turned)])
+        return sum(float(np.linalg.lstsq(A, y[part], rcond=None)[1][0]) for y in seen)
+
+    each = [
+        float(minimize_scalar(left, bounds=(-MOST, MOST), args=(part,), method="bounded").x)
+        for part in _parts(t)
+    ]
+    return Measured(float(np.mean(each)), float(np.std(each, ddof=1) / np.sqrt(len(each))), "s")
+
+
 def corner(recording: Recording) -> Measured:
     """Corner of a first-order low-pass, Hz, by the gain at the stepper's 12.8 Hz beside slow."""
     frequency, gain, coherence = transfer(recording)

@@ -11,6 +11,7 @@ from flows import prove_real
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.exchange import read_folder
+from tasks.prove.real import hold as hold_module
 from tasks.prove.real.cases import Hidden
 from tasks.prove.real.fact import Claim, Fact, Told
 from tasks.prove.real.hand.measured import Measured
@@ -69,6 +70,27 @@ def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> Non
     for words in ("0.01 ± 0.0001 s", "found, value right", "rightly nothing new"):
         assert words in html
         assert words in plain
+
+
+def test_command_writes_what_was_held(
+    shared_real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """With answers that tell nothing, so that it takes seconds."""
+    nothing = {"seconds": 1.0, "findings": []}
+    monkeypatch.setattr(
+        hold_module, "explained", lambda asked, out, report: dict.fromkeys(asked, nothing)
+    )
+    prove_real.run_prove_real(shared_real, 1, tmp_path / "out", as_json=True)
+    said = json.loads(capsys.readouterr().out)
+    assert said == json.loads((tmp_path / "out/real.json").read_text())
+    assert said["format"] == "mimu-prove-real/1"
+    assert said["summary"]["  by hand, within 95 %"] == "9 of 9"
+    assert said["summary"]["hidden and visible: found, value right"] == "0 of 9"
+    outcomes = {each["outcome"] for each in said["hidden"]}
+    assert outcomes == {"missed", "rightly nothing new"}
+    assert (tmp_path / "out/real.html").read_text().count("<svg") == 9
+    assert "| dropped_samples |" in (tmp_path / "out/real.md").read_text()
 
 
 def test_folder_without_the_recordings_is_refused(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from tasks.prove.real.hand.rests import half_difference, means_of, misfit, wande
 from tasks.prove.real.hand.shaft import (
     delay_by_angle,
     delay_by_gravity,
+    delay_by_pattern,
     delay_by_phase,
     jump_at,
     line_shared,
@@ -39,8 +40,10 @@ def test_hand_shares_no_code_with_what_it_judges() -> None:
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("way", [delay_by_angle, delay_by_phase, delay_by_gravity])
-def test_three_ways_find_one_delay(way: Callable[[Recording], Measured], shaft: Recording) -> None:
+@pytest.mark.parametrize(
+    "way", [delay_by_angle, delay_by_phase, delay_by_gravity, delay_by_pattern]
+)
+def test_four_ways_find_one_delay(way: Callable[[Recording], Measured], shaft: Recording) -> None:
     found = way(shaft)
     assert found.value == pytest.approx(LATE, abs=max(2.5 * found.u, 2e-4))
     assert found.u < 1e-3
