@@ -10,7 +10,7 @@ import numpy as np
 from tasks.prove.peers.peer import UNNAMED, Answer, Located
 from tasks.prove.peers.seen import CHANNELS, Seen
 
-THRESHOLD = 3.6  # standard deviations
+THRESHOLD = 3.7  # standard deviations
 FEWEST = 5  # blocks of a segment
 
 
