@@ -33,6 +33,7 @@ from tasks.model.term import Term
 from tasks.model.terms.standard import STANDARD_TERMS
 
 REFIT_RATE = 50.0  # Hz
+ROUNDS = 4  # of a fit whose prediction tells what events did to the readings
 LOOKS = 3  # at most: searches, each after a fit of all that was found in its real form
 
 Progress = Callable[[str], None]
@@ -55,11 +56,11 @@ def explain(
     full = full_rate(recording)
     progress("events")
     events = find_events(full.motion.t, full.readings, full.motion)
-    freed = _without_events(full, events)
+    freed, masked = _without_events(full, events)
     if told is not None:
         freed = replace(freed, readings=freed.readings - told.beyond_ideal(full.motion))
-    coarse = in_blocks(freed, SEARCH_RATE, events.masked)
-    fine = in_blocks(freed, REFIT_RATE, events.masked)
+    coarse = in_blocks(freed, SEARCH_RATE, masked)
+    fine = in_blocks(freed, REFIT_RATE, masked)
     progress("candidates")
     terms = _terms(recording, coarse, only)
     listed, columns = candidates_of(terms, coarse.motion)
@@ -102,15 +103,16 @@ def _terms(recording: Recording, observed: Observed, only: Sequence[str] | None)
     return [*listed, *empirical(observed.motion)]
 
 
-def _without_events(full: FullRate, events: Events) -> FullRate:
-    """The readings as they were before the events changed them."""
+def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:
+    """The readings as they were before the events changed them, and which (n, 6) tell nothing."""
     if not events.events:
-        return full
-    readings = np.where(events.masked, np.nan, full.readings)
-    predicted = plain_prediction(readings, full.motion)
-    noise = np.sqrt(full.quiet).repeat(3)
-    freed = events.undone(full.motion.t, full.readings, predicted, noise)
-    return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings))
+        return full, events.masked
+    freed, noise = full.readings, np.sqrt(full.quiet).repeat(3)
+    for _ in range(ROUNDS):
+        predicted = plain_prediction(np.where(events.masked, np.nan, freed), full.motion)
+        freed = events.undone(full.motion.t, full.readings, predicted, noise)
+    masked = events.masked | (np.isnan(freed) & np.isfinite(predicted))
+    return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings)), masked
 
 
 def _looked_again(

@@ -40,6 +40,15 @@ class Event:
         """
         return predicted
 
+    def freed(
+        self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """The readings (n, 6) as they were before the event, and which (n, 6) tell nothing then.
+
+        before, after: what was predicted without it and with it.
+        """
+        return readings - (after - before), None
+
 
 @dataclass(frozen=True)
 class Events:
@@ -61,8 +70,17 @@ class Events:
     def undone(
         self, t: np.ndarray, readings: np.ndarray, predicted: np.ndarray, noise: np.ndarray
     ) -> np.ndarray:
-        """The readings (n, 6) without what the events add to the predicted ones (n, 6)."""
-        return readings - (self.applied(t, predicted, noise) - predicted)
+        """The readings (n, 6) as they were without the events, NaN where that cannot be told."""
+        course = [predicted]
+        for event in self.events:
+            course.append(event.applied(t, course[-1], noise))
+        for event, before, after in reversed(
+            list(zip(self.events, course[:-1], course[1:], strict=True))
+        ):
+            readings, untold = event.freed(readings, before, after)
+            if untold is not None:
+                readings = np.where(untold, np.nan, readings)
+        return readings
 
 
 def named(channels: tuple[int, ...]) -> Text:

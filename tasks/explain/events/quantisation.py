@@ -22,6 +22,8 @@ FINE = 0.6  # noise per step from which a step shifts no mean by more than 3e-4 
 NOISES = np.geomspace(0.04, 1.5, 40)  # σ in steps that are tried
 PHASES = np.linspace(-0.5, 0.5, 33)[:-1]  # where the mean may lie between two codes
 WIDE = 6  # codes beside the middle one that are counted
+CELLS = 256  # between two codes
+TOLD = 0.3  # of what a reading without steps tells of its mean: less is left out
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
 MOST = 400  # blocks that are looked at
 SURE = 1e-4 / 6
@@ -39,6 +41,22 @@ class Quantisation(Event):
         for channel, codes, before in zip(self.channels, self.codes, self.noises, strict=True):
             rounded[:, channel] += rounding(predicted[:, channel], codes, before)
         return rounded
+
+    def freed(
+        self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Working readings of a fit by maximum likelihood (Fisher's scoring).
+
+        Between two codes, far from the edge, a reading tells next to nothing of the mean.
+        """
+        freed, untold = readings.copy(), np.zeros(readings.shape, bool)
+        for channel, codes, noise in zip(self.channels, self.codes, self.noises, strict=True):
+            slope, variance = _response(before[:, channel], codes, noise)
+            told = slope**2 * noise**2 > TOLD * variance
+            step = (readings[:, channel] - after[:, channel]) / np.where(told, slope, 1.0)
+            freed[:, channel] = before[:, channel] + np.clip(step, -codes.step, codes.step)
+            untold[:, channel] = ~told
+        return freed, untold
 
 
 @dataclass(frozen=True)
@@ -61,6 +79,25 @@ def rounding(mean: np.ndarray, codes: Codes, noise: float) -> np.ndarray:
         weight = (-1) ** k / (np.pi * k) * np.exp(-2 * (np.pi * k * ratio) ** 2)
         shift += weight * np.sin(k * phase)
     return codes.step * shift
+
+
+def _response(mean: np.ndarray, codes: Codes, noise: float) -> tuple[np.ndarray, np.ndarray]:
+    """Derivative (n,) of the mean reading by the mean before rounding, and a reading's variance."""
+    ratio = noise / codes.step
+    phase = np.linspace(-0.5, 0.5, CELLS + 1)
+    code = np.arange(-WIDE, WIDE + 1)[:, None]
+    edges = np.arange(-WIDE, WIDE + 2)[:, None] - 0.5
+    chance = np.diff(ndtr((edges - phase) / ratio), axis=0)
+    middle = (code * chance).sum(axis=0)
+    variance = (code**2 * chance).sum(axis=0) - middle**2
+    density = np.exp(-0.5 * ((edges - phase) / ratio) ** 2) / (np.sqrt(2 * np.pi) * ratio)
+    slope = -(code * np.diff(density, axis=0)).sum(axis=0)
+    at = (mean - codes.offset) / codes.step
+    within = np.nan_to_num(at - np.round(at))
+    return (
+        np.interp(within, phase, slope),
+        np.interp(within, phase, np.maximum(variance, 1e-9)) * codes.step**2,
+    )
 
 
 def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisation | None:
