@@ -19,6 +19,7 @@ CELL = 1.0  # s, within which a delay is told
 SHARP = 0.1  # of a sample interval: a cell that tells the delay worse tells none
 FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
 MODEL = 0.08  # of a sample interval: what else may look like a delay in a cell
+STRAIGHT = 0.1  # of a cell's information: less is left beside a bias
 MOST = 30  # samples lost in all
 OUTLIER = 25.0  # chi-squared that one cell may cost at most
 STEP = 30.0  # chi-squared that a further loss must gain
@@ -101,19 +102,26 @@ def _delays(
     for c in channels:
         known = np.isfinite(residual[:, c] + slope[:, c] + noise[:, c])
         rows, number, weight = np.flatnonzero(known), cell[known], noise[known, c] ** -2
-        forms = (slope[rows, c], np.ones(len(rows)), predicted[rows, c], residual[rows, c])
+        forms = (slope[rows, c], residual[rows, c], predicted[rows, c], np.ones(len(rows)))
         gram = np.array(
             [[np.bincount(number, weight * x * y, count) for x in forms] for y in forms]
         )
-        for q in (1, 2):  # the bias taken off, then the scale factor
-            by = np.divide(gram[:, q], gram[q, q], out=np.zeros((4, count)), where=gram[q, q] > 0)
-            gram = gram - by[:, None] * gram[q][None]
-        told += gram[0, 3]
+        scaled = _without(gram, 2)
+        both = _without(scaled, 3)
+        # Where a ramp is straight a delay looks like a bias.
+        gram = np.where(both[0, 0] > STRAIGHT * scaled[0, 0], both, scaled)
+        told += gram[0, 1]
         information += np.maximum(gram[0, 0], 0.0)
     sharp = information > SHARP**-2
     u = np.sqrt(1 / information[sharp] + MODEL**2)
     middle = t[0] + (np.arange(count)[sharp] + 0.5) * CELL
     return Delays(middle, told[sharp] / information[sharp], u)
+
+
+def _without(gram: np.ndarray, q: int) -> np.ndarray:
+    """Products of some forms (k, k, cells) when one of them has been taken off the others."""
+    shares = np.divide(gram[:, q], gram[q, q], out=np.zeros_like(gram[q]), where=gram[q, q] > 0)
+    return np.asarray(gram - shares[:, None] * gram[q][None])
 
 
 def _path(cells: Delays) -> np.ndarray | None:
