@@ -179,7 +179,7 @@ def prove(
         typer.Option(
             "--real",
             metavar="DIR",
-            help="Instead of the plant's: real recordings in DIR, by hand and with known changes.",
+            help="Besides: real recordings in DIR, by hand and with known changes hidden in them.",
         ),
     ] = None,
     as_json: options.Json = False,
@@ -188,14 +188,9 @@ def prove(
 
     Recordings of an independent plant, explained blind, scored against the truth.
     """
-    if real is not None:
-        from flows.prove_real import run_prove_real
-
-        run_prove_real(real, seed, out, as_json)
-        return
     from flows.prove import run_prove
 
-    run_prove(seed=seed, short=short, out=out, as_json=as_json)
+    run_prove(seed=seed, short=short, out=out, real=real, as_json=as_json)
 
 
 @station.command()

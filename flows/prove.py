@@ -6,7 +6,14 @@ from pathlib import Path
 
 from flows.printing import print_rows, stdout
 from flows.progress import counting
+from flows.prove_real import prove_real
 from schemas.base import Unusable
+from tasks.explain.report.look import both
+from tasks.prove.peers import page as peers_page
+from tasks.prove.peers.installed import MISSING, peers_installed
+from tasks.prove.peers.score import score_peers
+from tasks.prove.peers.table import duties_of
+from tasks.prove.real import page as real_page
 from tasks.prove.trial.draw import draw
 from tasks.prove.trial.evidence import (
     SUMMARY,
@@ -20,33 +27,48 @@ from tasks.prove.trial.figures import costs, figures
 from tasks.prove.trial.hold import explain_blind, prepare
 from tasks.prove.trial.page import page
 from tasks.prove.trial.pictures.headline import headline_svg
-from tasks.prove.trial.score import score_all
+from tasks.prove.trial.score import ANSWERS, score_all
+from tasks.prove.trial.seal import SEALED
 from tasks.version import code_version
 
 DEFAULT_OUT = "proof"
 
 
-def run_prove(seed: int, short: bool, out: Path | None, as_json: bool) -> None:
+def run_prove(
+    seed: int, short: bool, out: Path | None, as_json: bool, real: Path | None = None
+) -> None:
     """Draws, seals, explains blind and scores; everything stays in the folder.
 
-    Raises Unusable for a folder that is in use or cannot be written.
+    real: a folder of real recordings, which are held first. The peers answer the same recordings
+    where their libraries are installed. Raises Unusable for a folder that is in use or cannot be
+    written, and where a real recording is missing or broken.
     """
     folder = out or Path(f"{DEFAULT_OUT}-{seed}")
     make_new(folder)
+    results = prove_real(real, folder / "real", seed) if real is not None else None
+    peers = peers_installed()
     started = time.perf_counter()
     cases = draw(seed, short)
     with counting("record and seal") as report:
         seals = prepare(cases, folder, report)
     with counting("explain blind") as report:
-        explain_blind(folder, report)
+        explain_blind(folder, report, peers)
     scores = score_all(folder)
+    beside = score_peers(folder / SEALED, folder / ANSWERS) if peers else []
     seconds = time.perf_counter() - started
     trial = Trial(seed, short, code_version(), seals, seconds, scores)
-    data = json.dumps(as_data(trial), indent=1, ensure_ascii=False) + "\n"
+    said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
+    said |= {"real": real_page.data(results)} if results is not None else {}
+    more = peers_page.section(beside) if peers else [f"<p>{both(MISSING)}</p>"]
+    told = peers_page.markdown(beside) if peers else f"{MISSING[0]}\n"
+    if results is not None:
+        more += real_page.section(results)
+        told += "\n" + real_page.markdown(results)
+    data = json.dumps(said, indent=1, ensure_ascii=False) + "\n"
     contents = {
         "evidence.json": data,
-        "evidence.md": as_markdown(trial),
-        "evidence.html": page(trial),
+        "evidence.md": as_markdown(trial) + "\n" + told,
+        "evidence.html": page(trial, more),
         "headline.svg": headline_svg(scores),
     }
     for name, text in contents.items():

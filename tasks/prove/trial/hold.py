@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 
+from storage.exchange import read_folder
 from tasks.prove.trial.blind import answer
 from tasks.prove.trial.draw import Drawn
 from tasks.prove.trial.score import ANSWERS
@@ -28,14 +29,27 @@ def prepare(cases: list[Drawn], folder: Path, report: Report) -> str:
     return set_seals(folder)
 
 
-def explain_blind(folder: Path, report: Report) -> None:
-    """Answers every recording of a folder, in processes that know nothing else of it."""
+def explain_blind(folder: Path, report: Report, peers: bool = False) -> None:
+    """Answers every recording of a folder, in processes that know nothing else of it.
+
+    peers: whether the peers answer it, too; they need libraries of their own.
+    """
     recordings = sorted((folder / RECORDINGS).iterdir())
     with _fresh_processes() as pool:
-        asked = [pool.submit(answer, each, folder / ANSWERS / each.name) for each in recordings]
+        asked = [
+            pool.submit(_answered, each, folder / ANSWERS / each.name, peers) for each in recordings
+        ]
         for done, each in enumerate(as_completed(asked), start=1):
             each.result()
             report(done, len(recordings))
+
+
+def _answered(recording: Path, folder: Path, peers: bool) -> None:
+    answer(recording, folder)
+    if peers:
+        from tasks.prove.peers.answer import answer_peers  # late: an extra that may be missing
+
+        answer_peers(read_folder(recording), folder)
 
 
 @contextmanager

@@ -73,17 +73,15 @@ def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> Non
 
 
 def test_command_writes_what_was_held(
-    shared_real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    shared_real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """With answers that tell nothing, so that it takes seconds."""
     nothing = {"seconds": 1.0, "findings": []}
     monkeypatch.setattr(
         hold_module, "explained", lambda asked, out, report: dict.fromkeys(asked, nothing)
     )
-    prove_real.run_prove_real(shared_real, 1, tmp_path / "out", as_json=True)
-    said = json.loads(capsys.readouterr().out)
-    assert said == json.loads((tmp_path / "out/real.json").read_text())
+    prove_real.prove_real(shared_real, tmp_path / "out", 1)
+    said = json.loads((tmp_path / "out/real.json").read_text())
     assert said["format"] == "mimu-prove-real/1"
     assert said["summary"]["  by hand, within 95 %"] == "9 of 9"
     assert said["summary"]["hidden and visible: found, value right"] == "0 of 9"
@@ -96,9 +94,7 @@ def test_command_writes_what_was_held(
 def test_folder_without_the_recordings_is_refused(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(Unusable, match="there is no recording ln100_two_position"):
-        prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path / "out", as_json=False)
-    with pytest.raises(Unusable, match="is not empty"):
-        prove_real.run_prove_real(tmp_path / "empty", 1, tmp_path, as_json=False)
+        prove_real.prove_real(tmp_path / "empty", tmp_path / "out", 1)
 
 
 def test_command_takes_the_folder_and_says_in_one_sentence_what_is_wrong(tmp_path: Path) -> None:
