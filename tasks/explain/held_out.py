@@ -32,7 +32,8 @@ class PartlySeen:
         """
         total = np.zeros(6)
         rows = list(kept)
-        scale = 1.0 / np.sqrt(np.maximum(np.diag(self.whole.normal()[0])[rows], 1e-300))
+        power = np.diag(self.whole.normal()[0])[rows] + prior[rows]
+        scale = 1.0 / np.sqrt(np.maximum(power, 1e-300))
         least = np.diag(np.full(len(rows), BARELY))
         for fold in self.folds:
             normal, right = self._seen(fold)

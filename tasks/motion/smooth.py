@@ -1,11 +1,15 @@
 """Rate and acceleration of an angle that an encoder reads in steps and with noise.
 
-Each derivative is that of a parabola fitted by least squares to the samples around it (Savitzky
-and Golay, Anal. Chem. 36, 1964); the rate of a quiet encoder that of a quartic, which a smooth
-ramp does not round off. Encoder noise σ becomes σ·√720/(T²·√n) in the second derivative,
-which drowns a lever arm at full bandwidth; a window that is too long rounds off the ramps and
-makes the lever arm too large. So the window is as long as the encoder's own noise asks for.
+Each derivative is that of a polynomial fitted by least squares to the samples around it (Savitzky
+and Golay, Anal. Chem. 36, 1964). A parabola's rate is the quietest, but it rounds off ramps and
+damps oscillations, by a third at 13 Hz; a quartic does not, where the encoder is quiet enough for
+it, or where what a parabola would lose is more than a quartic's noise. Encoder noise σ becomes
+σ·√720/(T²·√n) in the second derivative, which drowns a lever arm at full bandwidth; a window that
+is too long rounds off the ramps and makes the lever arm too large. So the window is as long as
+the encoder's own noise asks for.
 """
+
+from math import comb
 
 import numpy as np
 
@@ -15,7 +19,9 @@ QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a wind
 LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
-SAMPLE = 20_000  # differences that the encoder's noise is read off
+ORDER = 6  # of the differences that the encoder's noise is read off
+SAMPLE = 20_000  # of them
+ROUNDING = 1e-12  # rad: an angle that changes by less stands still
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
@@ -34,7 +40,7 @@ def smooth_derivatives(
     even, thinned = _on_even_grid(t, angle)
     interval = even[1] - even[0]
     noise = _noise(thinned)
-    slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), noise / interval)
+    slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), thinned, noise, interval)
     rate = _filtered(thinned, slope / interval)
     window = _quiet_window(noise, interval)
     bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
@@ -65,15 +71,16 @@ def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
 def _noise(angle: np.ndarray) -> float:
     """Standard deviation of an encoder's noise, by its angles (n, k).
 
-    The noise is read off the third differences of what moves, where a smooth motion leaves next
-    to nothing; jerks at the ends of ramps are fewer than a tenth of them.
+    The noise is read off high differences of what moves, where a motion leaves next to nothing
+    but what oscillates faster than a quarter of the sampling rate; jerks at the ends of ramps are
+    fewer than a tenth of them.
     """
-    rough = np.abs(np.diff(angle, 3, axis=0)).ravel()
+    rough = np.abs(np.diff(angle, ORDER, axis=0)).ravel()
     rough = rough[rough > 0]
     rough = rough[:: 1 + len(rough) // SAMPLE]
     if not len(rough):
         return 0.0
-    return float(np.quantile(rough, 0.9) / 1.645 / np.sqrt(20.0))
+    return float(np.quantile(rough, 0.9) / 1.645 / np.sqrt(comb(2 * ORDER, ORDER)))
 
 
 def _quiet_window(noise: float, interval: float) -> float:
@@ -83,20 +90,30 @@ def _quiet_window(noise: float, interval: float) -> float:
 
 
 def _half(window: float, interval: float, count: int) -> int:
-    return min(max(FEWEST_HALF, round(0.5 * window / interval)), max(1, (count - 1) // 2))
+    # Stamps are rounded: half a sample more or less must not depend on their last digit.
+    wanted = round(0.5 * window / interval - 1e-6)
+    return min(max(FEWEST_HALF, wanted), max(1, (count - 1) // 2))
 
 
-def _slope_kernel(half: int, noise: float) -> np.ndarray:
+def _slope_kernel(half: int, angle: np.ndarray, noise: float, interval: float) -> np.ndarray:
     """First derivative of the fitted quartic, or of the parabola where noise is too much for it.
 
-    Per sample, in symmetric order; noise: of the angle, rad per interval.
+    Per sample, in symmetric order; angle: (n, k) rad, noise: of it, rad.
     """
     j = np.arange(-half, half + 1.0)
-    if half >= FEWEST_HALF:
-        quartic = np.asarray(np.linalg.pinv(np.vander(j, 5, increasing=True))[1])
-        if noise * np.linalg.norm(quartic) <= QUIET_RATE:
-            return quartic
-    return j / (j**2).sum()
+    parabola = np.asarray(j / (j**2).sum())
+    if half < FEWEST_HALF:
+        return parabola
+    quartic = np.asarray(np.linalg.pinv(np.vander(j, 5, increasing=True))[1])
+    if noise * np.linalg.norm(quartic) <= QUIET_RATE * interval:
+        return quartic
+    # What the quartic tells beyond the parabola is the motion that a parabola loses, and noise;
+    # if it is twice the noise, the quartic is the nearer one (the choice of Mallows's C_p).
+    more = quartic - parabola
+    told = _filtered(angle, more)
+    told = told[np.abs(told) > ROUNDING]
+    expected = (noise * np.linalg.norm(more)) ** 2
+    return quartic if len(told) and (told**2).mean() > 2.0 * expected else parabola
 
 
 def _bend_kernel(half: int) -> np.ndarray:

@@ -124,7 +124,7 @@ def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.nd
 
 TABLE_SCALE = TableScale(
     "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
-    one("scale", "κ", ("1", 1.0, 2e-3)),
+    one("scale", "κ", ("1", 1.0, 0.03)),
     title=("table or encoder scale wrong", "转台角度（速率）标度误差"),
     confused_with=("clock_skew", "temperature_scale"),
     separated_by=(

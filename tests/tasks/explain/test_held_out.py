@@ -134,3 +134,14 @@ def test_what_is_known_beforehand_is_not_learnt_anew() -> None:
     firm, free = parts.surprise(kept, zero, held)[0], parts.surprise(kept, zero, zero)[0]
     assert firm == pytest.approx(parts.surprise(kept[:-1], zero, zero)[0], rel=1e-6)
     assert free < 0.5 * firm
+
+
+def test_a_parameter_held_at_nothing_beforehand_changes_no_prediction() -> None:
+    """A column that nothing on this run moves, and a prior that leaves it no width."""
+    made = read(RUN, (LEVER_ARM, ARM)) + noise(len(RUN.t), 21, QUIET)
+    nothing: Column = {0: np.zeros(len(RUN.t))}
+    every = [*columns(), nothing]
+    zero, prior = np.zeros(len(every)), np.r_[np.zeros(len(every) - 1), 1e30]
+    parts, kept = seen(made, every, QUIET), list(range(len(every)))
+    expected = parts.surprise(kept[:-1], zero, np.zeros(len(every)))
+    np.testing.assert_allclose(parts.surprise(kept, zero, prior), expected, rtol=1e-9)

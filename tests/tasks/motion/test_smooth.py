@@ -73,3 +73,20 @@ def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
     noise = 1e-4 * np.random.default_rng(6).standard_normal(angle.shape)
     _, noisy, _ = smooth_derivatives(T, angle + noise, inner)
     assert (noisy[:, 0] - rate[100:-100]).std() < 0.5 * 0.95 * 1e-4 / 0.01  # not the quartic's
+
+
+def test_a_coarse_encoder_does_not_damp_a_shaft_that_shakes() -> None:
+    """A stepper's resonance of 13 Hz, ten times the encoder's step: a parabola takes a third."""
+    angle = 0.006 * np.sin(2 * np.pi * 13.0 * T)
+    rate = 0.006 * 2 * np.pi * 13.0 * np.cos(2 * np.pi * 13.0 * T)[100:-100]
+    coarse = (0.0015 * np.round(angle / 0.0015))[:, None]
+    _, found, _ = smooth_derivatives(T, coarse, T[100:-100])
+    assert found[:, 0] @ rate / (rate @ rate) == pytest.approx(1.0, abs=0.03)
+
+
+@pytest.mark.parametrize("interval", [0.01 - 1e-14, 0.01, 0.01 + 1e-14])
+def test_the_last_digit_of_a_stamp_chooses_no_window(interval: float) -> None:
+    t = interval * np.arange(1000)
+    _, rate, _ = smooth_derivatives(t, swing(t)[0][:, None], t[100:-100])
+    _, at_once, _ = smooth_derivatives(T, swing(T)[0][:, None], T[100:-100])
+    assert rate == pytest.approx(at_once, abs=1e-9)
