@@ -13,27 +13,32 @@ from tasks.motion.whole import Motion
 STEP = 1e-3  # of the plausible range: small enough to be linear
 RANDOM_WALK = "bias_random_walk"
 WAVES = 30  # of a slow course, half a period and more over the run
-WALK, SMOOTH = 2.0, 4.0  # powers: a random walk, and what drifts more smoothly
+# Powers and knees: a random walk, what drifts more smoothly, and what returns after a while (Gauss
+# and Markov's process, a signal that jumps to and fro).
+WALK, SMOOTH, RETURNING = (2.0, 0.0), (4.0, 0.0), ((2.0, 6.0), (2.0, 15.0))
 STRENGTHS = (0.3, 3.0, 30.0, 300.0, 3000.0)
 JUMPS = 3  # times at which something may happen that are tried
 
 
 @dataclass(frozen=True)
 class Prior:
-    """Slow waves k = 1, 2, … of random size: variance q/k^power, the same in each channel's noise.
+    """Slow waves k = 1, 2, … of random size: variance q/(knee² + k²)^(power/2) in each channel.
 
-    strength: variance of the fourth wave, in units of that with which it is measured.
+    strength: variance of the fourth wave, in units of that with which it is measured. knee: the
+    wave from which on they grow smaller; zero for what never returns.
     """
 
     power: float
     strength: float
+    knee: float = 0.0
 
     def precision(self, power_of_columns: np.ndarray) -> np.ndarray:
         """1/variance (m,) of parameters at unit column size; power_of_columns: (m,) = uᵀS⁻¹u."""
         waves = power_of_columns.reshape(-1, WAVES)
         k = np.arange(1.0, WAVES + 1.0)
         size = np.where(waves[:, 3] > 0, waves[:, 3], 1.0)[:, None]
-        variance = self.strength / size * (4.0 / k) ** self.power
+        shape = (self.knee**2 + 16.0) / (self.knee**2 + k**2)
+        variance = self.strength / size * shape ** (0.5 * self.power)
         return np.asarray(1.0 / (variance * np.maximum(waves, 1e-300))).ravel()
 
 
@@ -147,15 +152,15 @@ def _variants(term: Term, motion: Motion) -> Iterator[Term]:
 def _slow_ones(terms: Sequence[Term], first: int) -> Iterator[Candidate]:
     """Candidates that share the columns of slow waves in all channels, WAVES for each."""
     walk = next((term for term in terms if term.name == RANDOM_WALK), None)
-    for power in (WALK, SMOOTH):
-        if power == WALK and walk is None:
+    for form in (WALK, SMOOTH, *RETURNING):
+        if form == WALK and walk is None:
             continue
-        term = slow_course(None if power == SMOOTH else walk, WAVES)
+        term = slow_course(walk if form == WALK else None, WAVES)
         for part in (tuple(range(6)), *TRIADS, *((c,) for c in range(6))):
             own = tuple(WAVES * c + k for c in part for k in range(WAVES))
             members = tuple(first + p for p in own)
             for strength in STRENGTHS:
-                yield Candidate(term, members, own, 1, Prior(power, strength))
+                yield Candidate(term, members, own, 1, Prior(form[0], strength, form[1]))
 
 
 def _parts(columns: Sequence[Column]) -> Iterator[tuple[int, ...]]:

@@ -211,6 +211,7 @@ def _courses(
     for one in candidates:
         gain = sum(float(gains[keys[_prior(one), channel]]) for channel in _by_channel(one))
         price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.tried)
+        price += NEAR if one.name != UNNAMED else 0.0  # no walk that may as well be another course
         found.append(Scored(one, gain, gain - price, float(np.exp(-0.5 * max(gain, 0.0)))))
     return found
 
