@@ -17,6 +17,7 @@ from tasks.explain.spectrum import Noise, padded_length, transformed
 from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.whole import Motion
 
 ROUNDS = 10
@@ -101,6 +102,15 @@ def started(model: Model, before: Model) -> Model:
         if id(term) in earlier:
             values[place] = before.values[earlier[id(term)]]
     return replace(model, values=np.where(model.free, values, model.values))
+
+
+def delayed(model: Model, late: float) -> Model:
+    """The model with a clock that is `late` seconds later still."""
+    values = model.values.copy()
+    for term, place in zip(model.terms, places(model.terms), strict=True):
+        if term.name == TIME_OFFSET.name:
+            values[place] += late
+    return replace(model, values=values)
 
 
 @dataclass(frozen=True)

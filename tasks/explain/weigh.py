@@ -32,11 +32,11 @@ class Group:
 
 
 def groups_of(found: Found) -> list[Group]:
-    """Findings of one name are one, but those without a name; several steps are jumps."""
-    named: dict[str, list[Chosen]] = {}
-    for n, one in enumerate(found.chosen):
-        key = one.candidate.name if one.candidate.name != UNNAMED else f"{UNNAMED} {n}"
-        named.setdefault(key, []).append(one)
+    """Findings of one name are one, those without a name of one term; several steps are jumps."""
+    named: dict[str | int, list[Chosen]] = {}
+    for one in found.chosen:
+        name = one.candidate.name
+        named.setdefault(id(one.candidate.term) if name == UNNAMED else name, []).append(one)
     return [
         Group(
             _name_of(some),

@@ -90,7 +90,7 @@ def test_random_courses_share_their_columns() -> None:
     listed, columns = candidates_of([BIAS_RANDOM_WALK, TEMPERATURE_BIAS], RUN)
     courses = [one for one in listed if one.prior is not None]
     assert {one.name for one in courses} == {"bias_random_walk", "unnamed"}
-    assert len(courses) == 2 * len(STRENGTHS) * 9  # all, two triads, six channels
+    assert len(courses) == 4 * len(STRENGTHS) * 9  # four forms: all, two triads, six channels
     assert len(columns) == 6 + 6 * WAVES
     assert {one.tried for one in courses} == {len(STRENGTHS) * 9}
 

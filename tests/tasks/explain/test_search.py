@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tasks.explain.candidates import (
+    STRENGTHS,
     WAVES,
     Candidate,
     candidates_of,
@@ -135,7 +136,7 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     ranked = rank(state, listed, ())
     some = [one for one in ranked if one.candidate.own[0] == WAVES * channel]
     some = [one for one in some if len(one.candidate.members) == WAVES]
-    assert len(some) == 10
+    assert len(some) == 4 * len(STRENGTHS)
     for scored in some:
         one = scored.candidate
         design = whitened(base[channel], pool, channel, QUIET[channel])
