@@ -8,6 +8,7 @@ import numpy as np
 from schemas.calibration import AdoptedParameter, AdoptedTerm, Calibration, Elements, Item, Remark
 from schemas.recording import Recording
 from schemas.uncertainty import Budget, BudgetInput
+from tasks.explain.candidates import RANDOM_WALK
 from tasks.explain.consequences import without
 from tasks.explain.explanation import Finding
 from tasks.explain.spread import Spread, spreads_of
@@ -32,8 +33,11 @@ def adopt(
 
     terms: of the catalogue, among which are those of the findings; motion: at the unit's rows.
     U holds the parameters' uncertainties beside all the rest: u² = u₀² + Σ(∂y/∂p·u_p)², each by
-    a difference, the parameters independent of each other and of the readings' noise.
+    a difference, the parameters independent of each other and of the readings' noise. A random
+    course has no parameter whose uncertainty U could hold: it stays in the readings, as noise.
     """
+    wandering = [finding for finding in findings if finding.effect == RANDOM_WALK]
+    findings = [finding for finding in findings if finding.effect != RANDOM_WALK]
     contributions = [finding.contribution for finding in findings]
     result = calibrate(without(recording, contributions))
     spreads = [s for finding in findings for s in spreads_of(finding, terms, motion)]
@@ -57,7 +61,11 @@ def adopt(
             "items": items,
             "terms": tuple(map(adopted_term, findings)),
             "information": calibrate(recording).information,  # of the readings as they are
-            "remarks": (*adoption_remarks(result, recording, findings), *remarks),
+            "remarks": (
+                *adoption_remarks(result, recording, findings),
+                *map(_stays, wandering),
+                *remarks,
+            ),
             "unavailable": unavailable,
             "unavailable_zh": unavailable_zh,
         }
@@ -165,6 +173,8 @@ def adoption_remarks(
     """What was taken off, what of it is not shown by the recording, and where it is not known."""
     en = "; ".join(_said(finding, finding.title[0]) for finding in findings)
     zh = "；".join(_said(finding, finding.title[1]) for finding in findings)
+    if not findings:
+        return
     yield Remark(
         code="terms_adopted",
         en=f"Before the clauses were followed, the readings had taken off what the specification's "
@@ -190,6 +200,15 @@ def adoption_remarks(
             zh=f"部分数据行的运动未知，未作扣除：{'、'.join(bare)}。",
             segments=bare,
         )
+
+
+def _stays(finding: Finding) -> Remark:
+    return Remark(
+        code="term_not_taken_off",
+        en=f"{finding.effect} was not taken off: its course is random and has no parameter, so "
+        "that U could not say how well it is known; it stays in the readings, as noise.",
+        zh=f"未扣除“{finding.title[1]}”：其过程随机、无参数，不确定度无从给出；仍作为噪声留在读数中。",
+    )
 
 
 def _said(finding: Finding, title: str) -> str:

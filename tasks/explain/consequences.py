@@ -79,7 +79,9 @@ def without(recording: Recording, contributions: Sequence[np.ndarray]) -> Record
 
     Rows where a contribution is not known stay as they were read.
     """
-    added = np.sum([np.nan_to_num(each, nan=0.0) for each in contributions], axis=0)
+    added = np.zeros((len(recording.imu), len(CHANNELS)))
+    for each in contributions:
+        added += np.nan_to_num(each, nan=0.0)
     columns = dict(recording.imu.columns)
     for channel, name in enumerate(CHANNELS):
         if name in columns and added[:, channel].any():

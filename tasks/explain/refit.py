@@ -15,7 +15,7 @@ from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
 from tasks.explain.spectrum import Noise, padded_length, transformed
 from tasks.model.simulate import linearise, predict
-from tasks.model.term import Column, Term, nominal_values, places
+from tasks.model.term import Column, Term, nominal_values, parameters_of, places
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.whole import Motion
@@ -151,10 +151,32 @@ def fitted(model: Model, observed: Observed, noises: Sequence[Noise]) -> Model:
         covariance = inverse(normal + np.diag(beforehand))
         step = covariance @ (right - pulled)
         u = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        model = _stepped(model, step, covariance, shapes)
+        stepped = _stepped(model, step, covariance, shapes)
+        wrong = _of_wrong_sign(stepped)
+        if wrong.any():  # the others' step made up for it: they are asked again
+            model = _held_at_nothing(model, wrong)
+            continue
+        model = stepped
         if (np.abs(step) <= SETTLED * u + 1e-300).all():
             break
     return model
+
+
+def _of_wrong_sign(model: Model) -> np.ndarray:
+    """Parameters (p,) bool that no unit has below nothing, such as a time constant, and are."""
+    lowest = np.array([p.plausible[0] for p in parameters_of(model.terms)])
+    return np.asarray((lowest == 0.0) & (model.values < 0.0))
+
+
+def _held_at_nothing(model: Model, some: np.ndarray) -> Model:
+    """Some parameters (p,) bool are not there, and are no longer fitted."""
+    left = ~some
+    return replace(
+        model,
+        values=np.where(some, 0.0, model.values),
+        free=model.free & left,
+        covariance=model.covariance * left[:, None] * left,
+    )
 
 
 def _columns(model: Model, observed: Observed, shapes: Sequence[int]) -> list[Column]:

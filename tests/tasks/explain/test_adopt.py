@@ -168,3 +168,16 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     adopted = adopt(recording, [partly], calibrate, (LEVER_ARM,), whole_motion(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
     assert said.segments == (segment.name,)
+
+
+def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run) -> None:
+    wander = finding(
+        1e-4 * np.sin(np.linspace(0.0, 9.0, len(run.imu)))[:, None] * np.ones(6),
+        "bias_random_walk", parameters=(),
+    )  # fmt: skip
+    plain = calibrate(run)
+    result = adopt(run, [wander], calibrate, (), whole_motion(run))
+    assert result.items == plain.items
+    assert result.terms == ()
+    assert result.remarks[0].code == "term_not_taken_off"
+    assert "bias_random_walk" in result.remarks[0].en

@@ -6,9 +6,10 @@ from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, wit
 
 from tasks.explain.candidates import Candidate, Prior
 from tasks.explain.follows import GYROS, wave
-from tasks.explain.refit import Model, fitted, linearised, model_of
+from tasks.explain.refit import Model, delayed, fitted, linearised, model_of
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values, places
+from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
@@ -168,3 +169,24 @@ def test_linearised_columns_and_readings_leave_what_the_real_form_leaves() -> No
                 readings[:, channel] -= value * course
     left = made - predict(model.terms, RUN, model.values)
     np.testing.assert_allclose(readings, left, atol=1e-9 * GRAVITY)
+
+
+def test_no_time_constant_is_negative() -> None:
+    """Stamps that are early and no low-pass: one that looks ahead would do as well."""
+    made = read(RUN, (TIME_OFFSET, (-0.006,))) + noise(len(RUN.t), 31, QUIET)
+    blocks = observed(made, RUN)
+    alone = fitted(model_of(chosen(BANDWIDTH), blocks), blocks, QUIET)
+    assert values_of(alone, "bandwidth")[0] == 0.0
+    assert not alone.free[-1]
+    both = fitted(model_of(chosen(BANDWIDTH, TIME_OFFSET), blocks), blocks, QUIET)
+    assert values_of(both, "bandwidth")[0] >= 0.0
+    delay, u = values_of(both, "time_offset")
+    late = delay[0] + np.sqrt(2.0) * values_of(both, "bandwidth")[0][0]
+    assert late == pytest.approx(-0.006, abs=1e-4 + 4.0 * u[0])
+
+
+def test_a_delayed_model_reads_later() -> None:
+    blocks = observed(read(RUN), RUN)
+    later = delayed(model_of(chosen(LEVER_ARM, TIME_OFFSET), blocks), 0.02)
+    assert values_of(later, "time_offset")[0] == pytest.approx([0.02])
+    assert values_of(later, "lever_arm")[0] == pytest.approx([0.0, 0.0, 0.0])
