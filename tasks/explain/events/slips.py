@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event
+from tasks.explain.events.matched import Matched, keeps_swinging, matched
 from tasks.explain.events.plain import noise_of, predictions
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
@@ -42,15 +43,19 @@ class Slips(Event):
 
 @dataclass(frozen=True)
 class Delays:
-    """Delays of cells in sample intervals: at (m,) s, delay, u (m,)."""
+    """Delays of cells in sample intervals: at (m,) s, delay, u (m,); width: of a cell, s."""
 
     at: np.ndarray
     delay: np.ndarray
     u: np.ndarray
+    width: float = CELL
 
     def cost(self, delay: np.ndarray) -> np.ndarray:
         """Chi-squared (..., m) of supposed delays, of no cell more than an outlier's."""
         return np.minimum(((self.delay - delay) / self.u) ** 2, OUTLIER)
+
+
+Cells = Delays | Matched
 
 
 def delay(t: np.ndarray, times: np.ndarray, lost: np.ndarray) -> np.ndarray:
@@ -70,13 +75,20 @@ def find_slips(
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
     found: Slips | None = None
+    swinging = keeps_swinging(motion)
+    cells: Cells
     for _ in range(2):  # the second time with a fit that the losses do not disturb
-        residual = np.where(masked, np.nan, readings - predicted)
-        cells = _delays(t, residual, predicted, slope, noise)
+        read = np.where(masked, np.nan, readings)
+        if swinging:
+            cells = matched(t, read[:, :3], predicted[:, :3])
+        else:
+            cells = _delays(t, read - predicted, predicted, slope, noise)
         path = _path(cells)
+        if path is not None and swinging:
+            noise = noise_of(read - _late(t, predicted, cells, path), motion)
         if path is None:
             return None
-        times, lost, u = _located(t, residual, slope, noise, cells, path)
+        times, lost, u = _located(t, read, predicted, slope, noise, cells, path)
         found = _event(cells, path, times, lost, u, interval)
         shift = found.applied(t, predicted, noise) - predicted
         predicted = predictions(readings - np.nan_to_num(shift), motion, masked)
@@ -124,7 +136,7 @@ def _without(gram: np.ndarray, q: int) -> np.ndarray:
     return np.asarray(gram - shares[:, None] * gram[q][None])
 
 
-def _path(cells: Delays) -> np.ndarray | None:
+def _path(cells: Cells) -> np.ndarray | None:
     """Whole samples lost (m,) before each cell; None where that is not what the delays do."""
     if len(cells.at) < 6:
         return None
@@ -140,7 +152,7 @@ def _path(cells: Delays) -> np.ndarray | None:
     return path
 
 
-def _stairs(cells: Delays) -> tuple[np.ndarray, float]:
+def _stairs(cells: Cells) -> tuple[np.ndarray, float]:
     """The cheapest stairs (m,) and the delay of their foot, from several feet to begin with."""
     found = []
     for start in np.unique(np.round(cells.delay[: max(3, len(cells.at) // 4)], 1)):
@@ -154,7 +166,7 @@ def _stairs(cells: Delays) -> tuple[np.ndarray, float]:
     return path, start
 
 
-def _cheapest(cells: Delays, start: float) -> np.ndarray:
+def _cheapest(cells: Cells, start: float) -> np.ndarray:
     """The rising stairs of least cost, by dynamic programming over the samples lost."""
     states = np.arange(MOST + 1)
     cost = cells.cost(start + states[:, None])  # (states, cells)
@@ -173,7 +185,7 @@ def _cheapest(cells: Delays, start: float) -> np.ndarray:
     return np.array(path[::-1], float)
 
 
-def _running_cost(cells: Delays) -> float:
+def _running_cost(cells: Cells) -> float:
     """Chi-squared of a delay that grows evenly, as of a clock that runs fast."""
     weight = 1 / cells.u
     line = np.polyfit(cells.at, cells.delay, 1, w=weight)
@@ -183,31 +195,47 @@ def _running_cost(cells: Delays) -> float:
     return float(cells.cost(np.polyval(line, cells.at)).sum())
 
 
-def _whole(cells: Delays, path: np.ndarray) -> bool:
+def _whole(cells: Cells, path: np.ndarray) -> bool:
     """Whether every stair stands a whole number of samples above the first."""
     level = [float(np.median(cells.delay[path == step])) - step for step in np.unique(path)]
     return bool(np.ptp(level) < WHOLE)
 
 
+def _late(t: np.ndarray, predicted: np.ndarray, cells: Cells, path: np.ndarray) -> np.ndarray:
+    """What is predicted (n, 6) for when the readings were taken, by the stairs and their foot."""
+    step = np.clip(np.searchsorted(cells.at, t), 0, len(path) - 1)
+    taken_at = t + (np.median(cells.delay - path) + path[step]) * float(np.median(np.diff(t)))
+    return np.column_stack([np.interp(taken_at, t, each) for each in predicted.T])
+
+
 def _located(
     t: np.ndarray,
-    residual: np.ndarray,
+    readings: np.ndarray,
+    predicted: np.ndarray,
     slope: np.ndarray,
     noise: np.ndarray,
-    cells: Delays,
+    cells: Cells,
     path: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, samples lost and u of the times of each jump, from all rows about it."""
-    start = float(np.median(cells.delay - path))
+    start, interval = float(np.median(cells.delay - path)), float(np.median(np.diff(t)))
     times, lost, u = [], [], []
     for k in np.flatnonzero(np.diff(path)):
-        first = int(np.searchsorted(t, cells.at[k] - CELL / 2))
-        last = int(np.searchsorted(t, cells.at[k + 1] + CELL / 2))
+        first = int(np.searchsorted(t, cells.at[k] - cells.width / 2))
+        last = int(np.searchsorted(t, cells.at[k + 1] + cells.width / 2))
         rows = slice(first, last)
         variance = noise[rows] ** 2 + (2 * MODEL * slope[rows]) ** 2
         before, after = (
-            np.nan_to_num((residual[rows] - (start + level) * slope[rows]) ** 2 / variance)
-            for level in (path[k], path[k + 1])
+            np.nan_to_num((readings[rows] - then) ** 2 / variance)
+            for then in (
+                np.column_stack(
+                    [
+                        np.interp(t[rows] + (start + level) * interval, t, each)
+                        for each in predicted.T
+                    ]
+                )
+                for level in (path[k], path[k + 1])
+            )
         )
         # Chi-squared if the jump comes before row j: what is before it, and after it.
         cost = np.concatenate([[0.0], np.cumsum((before - after).sum(axis=1))])
@@ -220,7 +248,7 @@ def _located(
 
 
 def _event(
-    cells: Delays,
+    cells: Cells,
     path: np.ndarray,
     times: np.ndarray,
     lost: np.ndarray,

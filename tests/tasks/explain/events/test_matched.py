@@ -1,0 +1,64 @@
+"""Losses in a motion that swings all the time, beyond the period of its resonance."""
+
+import numpy as np
+import pytest
+
+from tasks.explain.events.matched import keeps_swinging, matched
+from tasks.explain.events.slips import find_slips
+from tasks.motion.whole import Motion
+
+T = np.arange(0.0, 64.0, 0.01)
+NOISE = 0.02  # rad/s
+LATE = 1.2  # samples, all along
+
+
+def rate(t: np.ndarray) -> np.ndarray:
+    """Strokes of 8 s, of uneven strength, and a resonance of 13 Hz."""
+    strokes = np.sin(2.0 * np.pi * t / 8.0) + 0.4 * np.sin(2.0 * np.pi * t / 1.7)
+    return np.asarray(strokes + 0.5 * np.sin(2.0 * np.pi * 13.0 * t))
+
+
+def shaft(moved: float = 1.0) -> Motion:
+    nothing = np.zeros(len(T))
+    speed = np.column_stack([nothing, moved * rate(T), nothing])
+    level = np.tile([0.0, 0.0, 1.0], (len(T), 1))
+    return Motion(T, level, np.full((len(T), 3), np.nan), speed, np.zeros_like(speed), 9.8)
+
+
+def read(lost: float, at: float) -> np.ndarray:
+    """Readings (n, 6) of which so many were lost from a time on."""
+    taken_at = T + 0.01 * (np.where(at <= T, lost, 0.0) - LATE)
+    noise = np.random.default_rng(12).standard_normal((len(T), 6)) * NOISE
+    noise[:, 1] += 0.97 * rate(taken_at) + 0.05
+    noise[:, 5] += 9.8
+    return noise
+
+
+@pytest.mark.parametrize("lost", [3, 8, 9, 20])
+def test_lost_samples_are_counted_across_periods_of_a_resonance(lost: int) -> None:
+    found = find_slips(T, read(lost, 31.0), shaft(), np.zeros((len(T), 6), bool))
+    assert found is not None
+    assert found.lost.tolist() == [lost]
+    assert found.times == pytest.approx([31.0], abs=0.05)
+
+
+def test_a_constant_delay_is_no_loss() -> None:
+    assert find_slips(T, read(0, 31.0), shaft(), np.zeros((len(T), 6), bool)) is None
+
+
+def test_every_cell_tells_the_delay_it_had() -> None:
+    gyros = read(9, 32.0)[:, :3]
+    cells = matched(T, gyros, shaft().rate)
+    before = cells.at < 32.0
+    assert cells.delay[before] == pytest.approx(np.full(before.sum(), -LATE), abs=0.15)
+    assert cells.delay[~before] == pytest.approx(np.full((~before).sum(), 9 - LATE), abs=0.15)
+    assert cells.cost(cells.delay).max() == 0.0
+    assert (cells.cost(cells.delay + 3.0) > 10.0).all()
+
+
+def test_dwells_and_rests_do_not_swing() -> None:
+    assert keeps_swinging(shaft())
+    assert not keeps_swinging(shaft(moved=0.0))
+    steady = shaft()
+    steady.rate[:] = 1.0
+    assert not keeps_swinging(steady)
