@@ -17,17 +17,19 @@ MOST = 0.3  # s
 LONG = 0.01  # s: what is shorter a fit finds by itself
 TRIED = 41  # delays within each span
 CLEAR = 2.0  # times less misfit than without a delay
-FEWEST = 50  # means that are compared
+FEWEST = 30  # means that are compared
 RANK = 1e-9
 
 
-def long_delay(full: FullRate) -> float:
+def long_delay(full: FullRate, until: float = np.inf) -> float:
     """Seconds by which all stamps are late, to a few milliseconds; 0 where no long one is clear.
 
     Integrals of the gyros beside those of the motion's rates; each gyro follows a straight line
     in the three rates, so that scale factors, cross coupling and biases do not matter.
+    until: s, what is later is not looked at, such as stamps after samples were lost.
     """
     known = full.motion.known & np.isfinite(full.readings[:, :3]).all(axis=1)
+    known &= full.motion.t < until
     if known.sum() < 2:
         return 0.0
     t = full.motion.t

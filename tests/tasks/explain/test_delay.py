@@ -58,6 +58,12 @@ def test_what_is_not_known_is_not_compared() -> None:
     assert long_delay(whole) == pytest.approx(0.05, abs=0.002)
 
 
+def test_only_what_is_before_a_loss_is_looked_at() -> None:
+    whole = shaft(0.05)
+    whole.readings[3000:, :3] = shaft(-0.1).readings[3000:, :3]
+    assert long_delay(whole, until=30.0) == pytest.approx(0.05, abs=0.002)
+
+
 def test_stamps_are_taken_back() -> None:
     manifest = Manifest.model_validate({
         "format": "mimu-recording/1", "recording_id": "late",
