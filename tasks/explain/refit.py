@@ -22,6 +22,7 @@ from tasks.motion.whole import Motion
 
 ROUNDS = 10
 SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
+NO_GAIN = 0.01  # chi-squared that a step promises: what still moves is not determined
 SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
 
 
@@ -157,7 +158,7 @@ def fitted(model: Model, observed: Observed, noises: Sequence[Noise]) -> Model:
             model = _held_at_nothing(model, wrong)
             continue
         model = stepped
-        if (np.abs(step) <= SETTLED * u + 1e-300).all():
+        if (np.abs(step) <= SETTLED * u + 1e-300).all() or step @ (right - pulled) < NO_GAIN:
             break
     return model
 

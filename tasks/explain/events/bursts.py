@@ -16,7 +16,7 @@ from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
 RATE = 25.0  # Hz, of the blocks that bursts are looked for in
-FALSE_ALARM = 1e-4
+FALSE_ALARM = 1e-6  # its trials are not quite counted: waves, fadings and starts are correlated
 SURE = 5.0  # of the noise: a further burst of a known wave
 ALIKE = (0.5, 2.0)  # sizes of a further burst, over that of the known one
 FEWEST = 100  # rows
