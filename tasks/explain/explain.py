@@ -9,31 +9,36 @@ from schemas.recording import Recording
 from tasks.explain.absorbed import soaked_up
 from tasks.explain.assemble import assembled
 from tasks.explain.candidates import Candidate, candidates_of, columns_of, plausible_sizes
-from tasks.explain.events.before import find_events
-from tasks.explain.events.event import Events
 from tasks.explain.explanation import Explanation
+from tasks.explain.freed import without_happenings
 from tasks.explain.generic import empirical
 from tasks.explain.observed import (
     SEARCH_RATE,
-    FullRate,
     Observed,
     full_rate,
     in_blocks,
 )
 from tasks.explain.pool import Pool, pooled, renewed, residuals
 from tasks.explain.propose import proposed
-from tasks.explain.refit import Model, fitted, linearised, model_of, started
-from tasks.explain.sample_noise import plain_prediction
-from tasks.explain.search import Found, beside, first_noises, members_of, precision_of, search
+from tasks.explain.refit import Model, delayed, fitted, linearised, model_of, started
+from tasks.explain.search import (
+    Chosen,
+    Found,
+    beside,
+    first_noises,
+    members_of,
+    precision_of,
+    search,
+)
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told
 from tasks.explain.weigh import Weighed, groups_of
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.model.terms.timing import TIME_OFFSET
 
 REFIT_RATE = 50.0  # Hz
-ROUNDS = 4  # of a fit whose prediction tells what events did to the readings
 LOOKS = 3  # at most: searches, each after a fit of all that was found in its real form
 
 Progress = Callable[[str], None]
@@ -55,8 +60,8 @@ def explain(
     progress("motion")
     full = full_rate(recording)
     progress("events")
-    events = find_events(full.motion.t, full.readings, full.motion)
-    freed, masked = _without_events(full, events)
+    offset_asked = only is None or TIME_OFFSET.name in only
+    late, events, freed, masked = without_happenings(recording, full, offset_asked)
     if told is not None:
         freed = replace(freed, readings=freed.readings - told.beyond_ideal(full.motion))
     coarse = in_blocks(freed, SEARCH_RATE, masked)
@@ -80,6 +85,11 @@ def explain(
         found = search(pool, chosen, chosen)
         model = fitted(_model(found, fine), fine, _at_rate(found.noises, fine, coarse))
         found = _with_shapes(found, model)
+    if late:
+        noises = _at_rate(found.noises, fine, coarse)
+        found, model = _late_again(found, model, candidates, late, fine, noises)
+        fine = in_blocks(replace(freed, motion=full.motion), REFIT_RATE, masked)
+        found, model = _needed(found, model, fine, coarse, len(candidates))
     progress("evidence")
     noises = _at_rate(found.noises, fine, coarse)
     return assembled(recording, full, fine, events, found, model, noises, told)
@@ -101,18 +111,6 @@ def _terms(recording: Recording, observed: Observed, only: Sequence[str] | None)
     if only is not None:
         return [term for term in listed if term.name in only]
     return [*listed, *empirical(observed.motion)]
-
-
-def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:
-    """The readings as they were before the events changed them, and which (n, 6) tell nothing."""
-    if not events.events:
-        return full, events.masked
-    freed, noise = full.readings, np.sqrt(full.quiet).repeat(3)
-    for _ in range(ROUNDS):
-        predicted = plain_prediction(np.where(events.masked, np.nan, freed), full.motion)
-        freed = events.undone(full.motion.t, full.readings, predicted, noise)
-    masked = events.masked | (np.isnan(freed) & np.isfinite(predicted))
-    return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings)), masked
 
 
 def _looked_again(
@@ -140,6 +138,29 @@ def _looked_again(
         if same:
             break
     return _with_shapes(found, model), model
+
+
+def _late_again(
+    found: Found,
+    model: Model,
+    candidates: Sequence[Candidate],
+    late: float,
+    fine: Observed,
+    noises: Sequence[Noise],
+) -> tuple[Found, Model]:
+    """What was found with the stamps taken back, for the stamps as they are."""
+    names = [one.candidate.name for one in found.chosen]
+    if TIME_OFFSET.name not in names:
+        offset = next(one for one in candidates if one.name == TIME_OFFSET.name)
+        found = replace(found, chosen=(Chosen(offset, 0.0, 0.0, ()), *found.chosen))
+        model = fitted(started(_model(found, fine), model), fine, noises)
+        found = _with_shapes(found, model)
+    # What fits the little that was left as well does not fit the whole.
+    chosen = (
+        replace(one, rivals=()) if one.candidate.name == TIME_OFFSET.name else one
+        for one in found.chosen
+    )
+    return replace(found, chosen=tuple(chosen)), delayed(model, late)
 
 
 def _needed(
