@@ -163,13 +163,24 @@ def _scored(
 def _one(
     normal: np.ndarray, right: np.ndarray, state: System, one: Candidate, gain: float, rank_: int
 ) -> Scored:
+    one_sided = _one_sided(one)
+    if one_sided and right[one.members[0]] < 0.0:
+        gain = 0.0  # fitted below nothing, where no unit has it
     p_value = min(1.0, float(chdtrc(rank_, gain)) * one.looked)
     if one.known:  # no factor is fitted: it gains what it gains
         p, rank_ = one.members[0], 0
         size = 1.0 / state.scale[p]
         gain = float(2.0 * right[p] * size - normal[p, p] * size**2)
     price = PER_PARAMETER * rank_ + 2.0 * np.log(one.tried * one.looked) + one.term.rarity
+    price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
     return Scored(one, gain, gain - price, p_value)
+
+
+def _one_sided(one: Candidate) -> bool:
+    """Whether its one parameter cannot be negative, such as a time constant."""
+    if len(one.members) != 1 or one.known:
+        return False
+    return one.term.parameters[one.own[0]].plausible[0] == 0.0
 
 
 def precision_of(state: System, chosen: Sequence[Candidate], free: Sequence[int]) -> np.ndarray:
