@@ -23,6 +23,7 @@ from tasks.explain.observed import Observed
 from tasks.explain.pool import Pool, pooled, system
 from tasks.explain.search import FALSE_ALARMS, PER_PARAMETER, rank, search
 from tasks.model.term import Column, Term
+from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
@@ -191,3 +192,19 @@ def test_the_order_of_the_candidates_does_not_matter(both: Asked, random: Random
     assert [one.candidate for one in first.chosen] == [one.candidate for one in second.chosen]
     for one, two in zip(first.chosen, second.chosen, strict=True):
         assert one.gain == pytest.approx(two.gain, rel=1e-6)
+
+
+def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
+    """Stamps that are early look like a low-pass of negative time constant; none is."""
+    motion = RUN
+    made = read(motion, (TIME_OFFSET, (-0.004,)))
+    one = asked(made + noise(len(motion.t), 7, NOISY), (BANDWIDTH, TIME_OFFSET))
+    early = search(one.pool, one.candidates, (), NOISY)
+    assert [each.candidate.name for each in early.chosen] == ["time_offset"]
+    late = asked(
+        read(motion, (TIME_OFFSET, (0.004,))) + noise(len(motion.t), 7, NOISY),
+        (BANDWIDTH, TIME_OFFSET),
+    )
+    found = search(late.pool, late.candidates, (), NOISY)
+    names = {found.chosen[0].candidate.name, *(r.candidate.name for r in found.chosen[0].rivals)}
+    assert {"bandwidth", "time_offset"} <= names
