@@ -19,6 +19,7 @@ from tasks.model.simulate import linearise
 from tasks.model.term import COUNTS, Column, Term, places
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
+REMNANT = 0.15  # of the chi-squared that something without a name gains
 STEPS_ARE_JUMPS = 2  # as many steps or more are no single step
 
 
@@ -32,19 +33,31 @@ class Group:
 
 
 def groups_of(found: Found) -> list[Group]:
-    """Findings of one name are one, those without a name of one term; several steps are jumps."""
+    """Findings of one name are one, those without a name of one term; several steps are jumps.
+
+    What is far weaker than something that has no name is likely to be a remnant of it, and has
+    none either; but known physics, which has nothing to fit to a remnant.
+    """
     named: dict[str | int, list[Chosen]] = {}
     for one in found.chosen:
         name = one.candidate.name
         named.setdefault(id(one.candidate.term) if name == UNNAMED else name, []).append(one)
+    names = [_name_of(some) for some in named.values()]
+    gains = [sum(one.gain for one in some) for some in named.values()]
+    nameless = max((g for g, name in zip(gains, names, strict=True) if name == UNNAMED), default=0)
     return [
         Group(
-            _name_of(some),
+            UNNAMED if _remnant(some, gain, nameless) else name,
             tuple({id(one.candidate.term): one.candidate.term for one in some}.values()),
             tuple(some),
         )
-        for some in named.values()
+        for some, name, gain in zip(named.values(), names, gains, strict=True)
     ]
+
+
+def _remnant(some: Sequence[Chosen], gain: float, nameless: float) -> bool:
+    known = any(one.candidate.known or one.instead_of is not None for one in some)
+    return not known and gain < REMNANT * nameless
 
 
 def _name_of(some: Sequence[Chosen]) -> str:

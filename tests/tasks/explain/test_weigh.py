@@ -1,6 +1,7 @@
 """What a finding earns, and which findings are no more than chance."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,6 +68,13 @@ def test_the_same_name_is_one_finding() -> None:
 def test_what_has_no_name_stays_apart() -> None:
     some = [picked(wave(GYROS).shaped((period,))) for period in (20.0, 31.0)]
     assert [group.name for group in groups_of(found(*some))] == [UNNAMED, UNNAMED]
+
+
+def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
+    strong = replace(picked(wave(GYROS).shaped((20.0,))), gain=2000.0)
+    some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
+    names = [group.name for group in groups_of(found(*some))]
+    assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
