@@ -13,9 +13,9 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tasks.explain.candidates import Candidate
+from tasks.explain.equations import equations_of
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.refit import equations_of
 from tasks.explain.search import Chosen
 from tasks.explain.spectrum import Noise
 from tasks.model.term import Column

@@ -11,8 +11,9 @@ from tasks.explain.events.event import Event, Events
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.follows import UNNAMED
 from tasks.explain.observed import FullRate, Observed
+from tasks.explain.rank import NEAR
 from tasks.explain.refit import Model, fitted, model_of
-from tasks.explain.search import NEAR, Found
+from tasks.explain.search import Found
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told, other_parameters
 from tasks.explain.weigh import Group, Weighed, groups_of

@@ -20,16 +20,9 @@ from tasks.explain.observed import (
 )
 from tasks.explain.pool import Pool, pooled, renewed, residuals
 from tasks.explain.propose import proposed
+from tasks.explain.rank import members_of, precision_of
 from tasks.explain.refit import Model, delayed, fitted, linearised, model_of, started
-from tasks.explain.search import (
-    Chosen,
-    Found,
-    beside,
-    first_noises,
-    members_of,
-    precision_of,
-    search,
-)
+from tasks.explain.search import Chosen, Found, beside, first_noises, search
 from tasks.explain.spectrum import Noise
 from tasks.explain.told import Told
 from tasks.explain.weigh import Weighed, groups_of

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from tasks.explain.equations import Equations
 from tasks.explain.observed import Observed
-from tasks.explain.refit import Equations
 from tasks.explain.spectrum import Noise
 from tasks.model.term import Column
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.candidates import Candidate
+from tasks.explain.equations import equations_of
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.spectrum import Noise, padded_length, transformed
+from tasks.explain.spectrum import Noise
 from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, nominal_values, parameters_of, places
 from tasks.model.terms.standard import STANDARD_TERMS
@@ -114,28 +115,6 @@ def delayed(model: Model, late: float) -> Model:
     return replace(model, values=values)
 
 
-@dataclass(frozen=True)
-class Equations:
-    """A model linearised at its values: gram (6, q + 1, q + 1) of whitened columns and misfit.
-
-    The last row and column are those of the misfit, reading minus prediction. which: for each
-    channel which of the q columns it has.
-    """
-
-    grams: tuple[np.ndarray, ...]
-    which: tuple[np.ndarray, ...]
-    count: int
-
-    def normal(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """Normal matrix (q, q), right side (q,) and chi-squared over all channels."""
-        normal, right, misfit = np.zeros((self.count, self.count)), np.zeros(self.count), 0.0
-        for gram, which in zip(self.grams, self.which, strict=True):
-            normal[np.ix_(which, which)] += gram[:-1, :-1]
-            right[which] += gram[:-1, -1]
-            misfit += float(gram[-1, -1])
-        return normal, right, misfit
-
-
 def fitted(model: Model, observed: Observed, noises: Sequence[Noise]) -> Model:
     """The model with its free parameters and continuous shapes fitted.
 
@@ -226,34 +205,6 @@ def _stepped(
     return replace(
         model, terms=tuple(terms), values=values, covariance=whole, shape_u=tuple(shape_u)
     )
-
-
-def equations_of(
-    columns: Sequence[Column],
-    misfit: np.ndarray,
-    observed: Observed,
-    noises: Sequence[Noise],
-    rows: np.ndarray | None = None,
-) -> Equations:
-    """Whitened Gram matrices of columns and misfit (n, 6), on some rows (n,) bool or on all."""
-    grams, which = [], []
-    for channel, noise in enumerate(noises):
-        weight = observed.weight[:, channel]
-        weight = weight if rows is None else weight * rows
-        own = [q for q, column in enumerate(columns) if channel in column]
-        stack = np.zeros((len(own) + 1, padded_length(len(weight))))
-        for row, q in enumerate(own):
-            stack[row, : len(weight)] = columns[q][channel]
-        stack[-1, : len(weight)] = misfit[:, channel]
-        stack[:, : len(weight)] *= weight
-        np.nan_to_num(stack, copy=False)
-        stack = transformed(stack)
-        count = stack.shape[1]
-        frequency = np.maximum(np.arange(count), 0.5) * observed.rate / (2 * count)
-        stack /= np.sqrt(noise.variance(frequency))
-        grams.append(stack @ stack.T)
-        which.append(np.array(own, int))
-    return Equations(tuple(grams), tuple(which), len(columns))
 
 
 def linearised(

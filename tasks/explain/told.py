@@ -12,10 +12,11 @@ import numpy as np
 from scipy.special import chdtrc
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.equations import equations_of
 from tasks.explain.explanation import Finding
 from tasks.explain.follows import UNNAMED
 from tasks.explain.observed import FullRate, Observed
-from tasks.explain.refit import Model, equations_of
+from tasks.explain.refit import Model
 from tasks.explain.search import FALSE_ALARMS
 from tasks.explain.spectrum import Noise
 from tasks.model.simulate import predict

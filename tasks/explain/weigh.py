@@ -7,12 +7,13 @@ import numpy as np
 from scipy.stats import chi2
 
 from schemas.discrepancy import HeldOut
+from tasks.explain.equations import Equations, equations_of
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.follows import UNNAMED
 from tasks.explain.held_out import PartlySeen, partly_seen
 from tasks.explain.observed import Observed
 from tasks.explain.pool import inverse
-from tasks.explain.refit import Equations, Model, equations_of, whole_effect
+from tasks.explain.refit import Model, whole_effect
 from tasks.explain.search import FALSE_ALARMS, Chosen, Found
 from tasks.explain.spectrum import Noise
 from tasks.model.simulate import linearise

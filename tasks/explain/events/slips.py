@@ -11,21 +11,16 @@ from scipy.stats import chi2
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event
-from tasks.explain.events.matched import Matched, keeps_swinging, matched
+from tasks.explain.events.matched import keeps_swinging, matched
 from tasks.explain.events.plain import noise_of, predictions
+from tasks.explain.events.stairs import CELL, Cells, Delays, stairs_of
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
-CELL = 1.0  # s, within which a delay is told
 SHARP = 0.1  # of a sample interval: a cell that tells the delay worse tells none
 FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
 MODEL = 0.08  # of a sample interval: what else may look like a delay in a cell
 STRAIGHT = 0.1  # of a cell's information: less is left beside a bias
-MOST = 30  # samples lost in all
-OUTLIER = 25.0  # chi-squared that one cell may cost at most
-STEP = 30.0  # chi-squared that a further loss must gain
-GAIN = 100.0  # chi-squared that losses must gain against a constant and a running delay
-WHOLE = 0.25  # sample intervals that a jump may be off a whole number
 
 
 @dataclass(frozen=True)
@@ -39,23 +34,6 @@ class Slips(Event):
     def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
         taken_at = t + delay(t, self.times, self.lost) * self.interval
         return np.column_stack([np.interp(taken_at, t, each) for each in predicted.T])
-
-
-@dataclass(frozen=True)
-class Delays:
-    """Delays of cells in sample intervals: at (m,) s, delay, u (m,); width: of a cell, s."""
-
-    at: np.ndarray
-    delay: np.ndarray
-    u: np.ndarray
-    width: float = CELL
-
-    def cost(self, delay: np.ndarray) -> np.ndarray:
-        """Chi-squared (..., m) of supposed delays, of no cell more than an outlier's."""
-        return np.minimum(((self.delay - delay) / self.u) ** 2, OUTLIER)
-
-
-Cells = Delays | Matched
 
 
 def delay(t: np.ndarray, times: np.ndarray, lost: np.ndarray) -> np.ndarray:
@@ -83,7 +61,7 @@ def find_slips(
             cells = matched(t, read[:, :3], predicted[:, :3])
         else:
             cells = _delays(t, read - predicted, predicted, slope, noise)
-        path = _path(cells)
+        path = stairs_of(cells)
         if path is not None and swinging:
             noise = noise_of(read - _late(t, predicted, cells, path), motion)
         if path is None:
@@ -134,71 +112,6 @@ def _without(gram: np.ndarray, q: int) -> np.ndarray:
     """Products of some forms (k, k, cells) when one of them has been taken off the others."""
     shares = np.divide(gram[:, q], gram[q, q], out=np.zeros_like(gram[q]), where=gram[q, q] > 0)
     return np.asarray(gram - shares[:, None] * gram[q][None])
-
-
-def _path(cells: Cells) -> np.ndarray | None:
-    """Whole samples lost (m,) before each cell; None where that is not what the delays do."""
-    if len(cells.at) < 6:
-        return None
-    path, start = _stairs(cells)
-    if path[0] != 0 or path[-1] == 0 or path[-1] >= MOST:
-        return None
-    stairs = cells.cost(start + path).sum() + STEP * np.count_nonzero(np.diff(path))
-    constant = cells.cost(np.median(cells.delay)).sum()
-    if min(constant, _running_cost(cells)) - stairs < GAIN:
-        return None
-    if 2 * cells.cost(start + path).sum() > constant or not _whole(cells, path):
-        return None
-    return path
-
-
-def _stairs(cells: Cells) -> tuple[np.ndarray, float]:
-    """The cheapest stairs (m,) and the delay of their foot, from several feet to begin with."""
-    found = []
-    for start in np.unique(np.round(cells.delay[: max(3, len(cells.at) // 4)], 1)):
-        path = _cheapest(cells, float(start))
-        for _ in range(3):
-            start = float(np.median(cells.delay - path))
-            path = _cheapest(cells, start)
-        cost = cells.cost(start + path).sum() + STEP * np.count_nonzero(np.diff(path))
-        found.append((float(cost), start, path))
-    _, start, path = min(found, key=lambda each: each[0])
-    return path, start
-
-
-def _cheapest(cells: Cells, start: float) -> np.ndarray:
-    """The rising stairs of least cost, by dynamic programming over the samples lost."""
-    states = np.arange(MOST + 1)
-    cost = cells.cost(start + states[:, None])  # (states, cells)
-    total = np.where(states == 0, cost[:, 0], np.inf)
-    came_from = np.zeros(cost.shape, int)
-    for k in range(1, cost.shape[1]):
-        best = np.minimum.accumulate(total)
-        first = np.maximum.accumulate(np.where(total == best, states, 0))
-        jump = np.concatenate([[np.inf], best[:-1]]) + STEP
-        stay = total <= jump
-        came_from[:, k] = np.where(stay, states, np.concatenate([[0], first[:-1]]))
-        total = np.where(stay, total, jump) + cost[:, k]
-    path = [int(total.argmin())]
-    for k in range(cost.shape[1] - 1, 0, -1):
-        path.append(int(came_from[path[-1], k]))
-    return np.array(path[::-1], float)
-
-
-def _running_cost(cells: Cells) -> float:
-    """Chi-squared of a delay that grows evenly, as of a clock that runs fast."""
-    weight = 1 / cells.u
-    line = np.polyfit(cells.at, cells.delay, 1, w=weight)
-    for _ in range(5):
-        off = np.abs(cells.delay - np.polyval(line, cells.at)) * weight
-        line = np.polyfit(cells.at, cells.delay, 1, w=weight / np.sqrt(np.maximum(off / 2, 1)))
-    return float(cells.cost(np.polyval(line, cells.at)).sum())
-
-
-def _whole(cells: Cells, path: np.ndarray) -> bool:
-    """Whether every stair stands a whole number of samples above the first."""
-    level = [float(np.median(cells.delay[path == step])) - step for step in np.unique(path)]
-    return bool(np.ptp(level) < WHOLE)
 
 
 def _late(t: np.ndarray, predicted: np.ndarray, cells: Cells, path: np.ndarray) -> np.ndarray:

@@ -14,8 +14,9 @@ from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.explain.follows import ACCELS, UNNAMED, wave
 from tasks.explain.observed import full_rate
 from tasks.explain.pool import System
+from tasks.explain.rank import NEAR, Scored
 from tasks.explain.refit import fitted, model_of
-from tasks.explain.search import NEAR, Chosen, Found, Scored
+from tasks.explain.search import Chosen, Found
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE

@@ -21,7 +21,8 @@ from tasks.explain.candidates import (
 from tasks.explain.explain import standard_columns
 from tasks.explain.observed import Observed
 from tasks.explain.pool import Pool, pooled, system
-from tasks.explain.search import FALSE_ALARMS, PER_PARAMETER, rank, search
+from tasks.explain.rank import PER_PARAMETER, rank
+from tasks.explain.search import FALSE_ALARMS, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
