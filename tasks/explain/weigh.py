@@ -57,8 +57,10 @@ def groups_of(found: Found) -> list[Group]:
 
 
 def _remnant(some: Sequence[Chosen], gain: float, nameless: float) -> bool:
-    known = any(one.candidate.known or one.instead_of is not None for one in some)
-    return not known and gain < REMNANT * nameless
+    if any(one.candidate.known or one.instead_of is not None for one in some):
+        return False
+    wanders = some[0].candidate.prior is not None  # as a remnant of anything slow does
+    return gain < (1.0 if wanders else REMNANT) * nameless
 
 
 def _name_of(some: Sequence[Chosen]) -> str:

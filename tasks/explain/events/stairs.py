@@ -11,6 +11,7 @@ MOST = 30  # samples lost in all
 OUTLIER = 25.0  # chi-squared that one cell may cost at most
 STEP = 30.0  # chi-squared that a further loss must gain
 GAIN = 100.0  # chi-squared that losses must gain against a constant and a running delay
+CLOSE = 0.2  # sample intervals: half of the cells lie nearer to the stairs
 WHOLE = 0.25  # sample intervals that a jump may be off a whole number
 
 
@@ -42,7 +43,10 @@ def stairs_of(cells: Cells) -> np.ndarray | None:
     constant = cells.cost(np.median(cells.delay)).sum()
     if min(constant, _running_cost(cells)) - stairs < GAIN:
         return None
-    if 2 * cells.cost(start + path).sum() > constant or not _whole(cells, path):
+    close = float(np.median(np.abs(cells.delay - start - path))) < CLOSE
+    if not close and 2 * cells.cost(start + path).sum() > constant:
+        return None
+    if not _whole(cells, path):
         return None
     return path
 
