@@ -14,6 +14,7 @@ AS_WELL = 4.0  # chi-squared
 LIKE_NOISE = 3.0  # chi-squared per segment
 MEANS = 5.0  # s: a unit's temperature does not change faster
 FEWEST_MEANS = 6
+LIKE_SCATTER = 1.3  # times what scatters from mean to mean
 MOST_DEGREES = 60  # of the polynomial: cycles of a minute in a run of half an hour
 
 
@@ -29,8 +30,8 @@ def recorded_courses(
             key = "air_temperature" if name == "temperature" else name
             recorded[key] = np.interp(t, room.t, course)
     if "temperature" in recorded:
-        recorded["temperature"] = _filled(recorded["temperature"])
-        recorded["temperature_rate"] = _smooth_slope(t, recorded["temperature"])
+        course = _filled(recorded["temperature"])
+        recorded["temperature"], recorded["temperature_rate"] = _smoothed(t, course)
     recorded["fixing"] = _fixings(recording, t, segments)
     recorded["steady_turn"] = np.zeros(len(t))
     for segment in segments:
@@ -46,32 +47,39 @@ def _filled(course: np.ndarray) -> np.ndarray:
     return np.interp(rows, rows[known], course[known]) if known.any() else np.zeros(len(course))
 
 
-def _smooth_slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
-    """Derivative of a polynomial through means of MEANS seconds.
+def _smoothed(t: np.ndarray, course: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A polynomial (n,) through means of MEANS seconds, and its derivative.
 
     Its degree is told by Schwarz's criterion: a body warms smoothly, and the noise of a
-    thermometer would otherwise hide a bias that follows the derivative.
+    thermometer would otherwise hide a bias that follows either. The course stays as it was read
+    where the polynomial leaves more than that noise.
     """
     cell = ((t - t[0]) / MEANS).astype(int)
     counts = np.bincount(cell)
     held = counts > 0
     means = np.bincount(cell, course)[held] / counts[held]
     if held.sum() < FEWEST_MEANS or not np.ptp(means):
-        return np.zeros(len(t))
+        return course, np.zeros(len(t))
     middles = np.bincount(cell, t - t[0])[held] / counts[held]
     half = 0.5 * max(float(t[-1] - t[0]), MEANS)
     columns = chebyshev.chebvander(middles / half - 1.0, min(MOST_DEGREES, held.sum() // 3))
     root = np.sqrt(counts[held])
     turned, triangle = np.linalg.qr(columns * root[:, None])
     told = turned.T @ (means * root)
-    left = float((means**2 * counts[held]).sum()) - np.cumsum(told**2)
+    missed = float((means**2 * counts[held]).sum()) - np.cumsum(told**2)
     degrees = np.arange(len(told))
     rounding = 1e-12 * float((means**2 * counts[held]).sum())
-    criterion = held.sum() * np.log(np.maximum(left, rounding)) + degrees * np.log(held.sum())
+    criterion = held.sum() * np.log(np.maximum(missed, rounding)) + degrees * np.log(held.sum())
     best = int(criterion.argmin()) + 1
     found = np.linalg.solve(triangle[:best, :best], told[:best])
-    slope = chebyshev.chebval((t - t[0]) / half - 1.0, chebyshev.chebder(found))
-    return np.asarray(slope / half)
+    inside = np.clip(t - t[0], middles[0], middles[-1])  # beyond, a polynomial runs away
+    at = inside / half - 1.0
+    slope = np.asarray(chebyshev.chebval(at, chebyshev.chebder(found)) / half)
+    left = np.std(means - columns[:, :best] @ found)
+    scatter = np.median(np.abs(np.diff(means, 2))) / 0.6745 / np.sqrt(6.0)
+    if left > LIKE_SCATTER * scatter:
+        return course, slope
+    return np.asarray(chebyshev.chebval(at, found) + slope * (t - t[0] - inside)), slope
 
 
 def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
