@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from flows.printing import print_rows, stdout
@@ -11,9 +12,10 @@ from schemas.base import Unusable
 from tasks.explain.report.look import both
 from tasks.prove.peers import page as peers_page
 from tasks.prove.peers.installed import MISSING, peers_installed
-from tasks.prove.peers.score import score_peers
+from tasks.prove.peers.score import PeerScore, score_peers
 from tasks.prove.peers.table import duties_of
 from tasks.prove.real import page as real_page
+from tasks.prove.real.hold import Results
 from tasks.prove.trial.draw import draw
 from tasks.prove.trial.evidence import (
     SUMMARY,
@@ -44,7 +46,7 @@ def run_prove(
     written, and where a real recording is missing or broken.
     """
     folder = out or Path(f"{DEFAULT_OUT}-{seed}")
-    make_new(folder)
+    _make(folder)
     results = prove_real(real, folder / "real", seed) if real is not None else None
     peers = peers_installed()
     started = time.perf_counter()
@@ -57,24 +59,11 @@ def run_prove(
     beside = score_peers(folder / SEALED, folder / ANSWERS) if peers else []
     seconds = time.perf_counter() - started
     trial = Trial(seed, short, code_version(), seals, seconds, scores)
-    said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
-    said |= {"real": real_page.data(results)} if results is not None else {}
-    more = peers_page.section(beside) if peers else [f"<p>{both(MISSING)}</p>"]
-    told = peers_page.markdown(beside) if peers else f"{MISSING[0]}\n"
-    if results is not None:
-        more += real_page.section(results)
-        told += "\n" + real_page.markdown(results)
-    data = json.dumps(said, indent=1, ensure_ascii=False) + "\n"
-    contents = {
-        "evidence.json": data,
-        "evidence.md": as_markdown(trial) + "\n" + told,
-        "evidence.html": page(trial, more),
-        "headline.svg": headline_svg(scores),
-    }
+    contents = _evidence(trial, beside, peers, results)
     for name, text in contents.items():
         (folder / name).write_text(text, encoding="utf-8")
     if as_json:
-        print(data, end="")
+        print(contents["evidence.json"], end="")
         return
     print_rows(f"The sealed trial, {len(scores)} recordings", SUMMARY, summary(trial))
     console = stdout(markup=False)
@@ -88,8 +77,26 @@ def run_prove(
         console.print(str(folder / name))
 
 
-def make_new(folder: Path) -> None:
-    """An empty folder. Raises Unusable where it is in use or cannot be written."""
+def _evidence(
+    trial: Trial, beside: Sequence[PeerScore], peers: bool, results: Results | None
+) -> dict[str, str]:
+    """The files by name: the trial, what the peers answered, and the real recordings if any."""
+    said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
+    more = peers_page.section(beside) if peers else [f"<p>{both(MISSING)}</p>"]
+    told = peers_page.markdown(beside) if peers else f"{MISSING[0]}\n"
+    if results is not None:
+        said |= {"real": real_page.data(results)}
+        more += real_page.section(results)
+        told += "\n" + real_page.markdown(results)
+    return {
+        "evidence.json": json.dumps(said, indent=1, ensure_ascii=False) + "\n",
+        "evidence.md": as_markdown(trial) + "\n" + told,
+        "evidence.html": page(trial, more),
+        "headline.svg": headline_svg(trial.scores),
+    }
+
+
+def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         used = any(folder.iterdir())

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tasks.explain.channels import TRIADS
 from tasks.explain.follows import slow_course
-from tasks.explain.observed import TRIADS
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
+from tasks.explain.events.plain import read_at
 from tasks.explain.observed import FullRate
 
 WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: means of rates, from slow to fast
@@ -43,7 +44,7 @@ def long_delay(full: FullRate, until: float = np.inf) -> float:
         edges = np.arange(t[0] + 2.0 * MOST, t[-1] - 2.0 * MOST, width)
         if len(edges) <= FEWEST:
             return 0.0
-        rates = np.diff(_at(edges, t, turned), axis=0) / width
+        rates = np.diff(read_at(edges, t, turned), axis=0) / width
         reach = np.interp(edges + MOST, t, gaps)[1:] - np.interp(edges - MOST, t, gaps)[:-1]
         whole = reach == 0.0
         if whole.sum() < FEWEST:
@@ -68,10 +69,6 @@ def _integral(t: np.ndarray, rates: np.ndarray) -> np.ndarray:
     return np.vstack([np.zeros((1, rates.shape[1])), np.cumsum(steps, axis=0)])
 
 
-def _at(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    return np.column_stack([np.interp(at, t, column) for column in values.T])
-
-
 def _basis(columns: np.ndarray) -> np.ndarray:
     turned, size, _ = np.linalg.svd(columns, full_matrices=False)
     return np.asarray(turned[:, size > RANK * size[0]])
@@ -87,5 +84,5 @@ def _misfit(
     basis: np.ndarray,
 ) -> float:
     """Sum of squares that straight lines in the rates leave of the gyros' means, read late."""
-    means = np.diff(_at(edges + lag, t, read), axis=0)[whole] / width
+    means = np.diff(read_at(edges + lag, t, read), axis=0)[whole] / width
     return float((means**2).sum() - ((basis.T @ means) ** 2).sum())

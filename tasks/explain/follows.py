@@ -5,13 +5,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tasks.explain.channels import EVERY
 from tasks.model.term import Column, Inputs, Parameter, Term, Text
 from tasks.motion.nudge import nudged
 from tasks.motion.whole import Motion
 
 UNNAMED = "unnamed"
-GYROS, ACCELS = (0, 1, 2), (3, 4, 5)
-EVERY = GYROS + ACCELS
 LETTERS = "xyzxyz"
 
 Courses = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]

@@ -8,16 +8,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from tasks.explain.follows import (
-    ACCELS,
-    EVERY,
-    GYROS,
-    UNNAMED,
-    Askew,
-    Courses,
-    follows,
-    wave,
-)
+from tasks.explain.channels import ACCELS, EVERY, GYROS
+from tasks.explain.follows import UNNAMED, Askew, Courses, follows, wave
 from tasks.explain.moves import lagged, repositioned, since_last, turned_over, turning
 from tasks.model.term import Inputs, Parameter, Term, Text
 from tasks.motion.whole import Motion

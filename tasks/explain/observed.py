@@ -18,7 +18,6 @@ from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
 
 CHANNELS = GYRO + ACCEL
-TRIADS = ((0, 1, 2), (3, 4, 5))  # numbers of the channels
 SEARCH_RATE = 25.0  # Hz
 FEWEST_BLOCKS = 200
 SHAKEN = 1.3  # times the noise variance at rest: vibration

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.observed import TRIADS, Observed
+from tasks.explain.channels import TRIADS
+from tasks.explain.observed import Observed
 from tasks.explain.spectrum import (
     Bands,
     Left,

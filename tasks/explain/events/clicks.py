@@ -6,8 +6,9 @@ import numpy as np
 from scipy.optimize import minimize
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import ACCELS, GYROS
 from tasks.explain.events.comb import Comb, find_comb
-from tasks.explain.events.event import ACCELS, GYROS, UNITS, named
+from tasks.explain.events.event import UNITS, named
 from tasks.explain.events.orders import Orders, orders_of
 from tasks.explain.events.ringing import OVER, Ringing, bounds_of, fitted_waves, shape_of
 from tasks.model.term import Text

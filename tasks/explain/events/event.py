@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import TRIADS
 from tasks.model.term import Text
 
-GYROS, ACCELS = (0, 1, 2), (3, 4, 5)
-TRIADS = (GYROS, ACCELS)
 UNITS = ("rad/s", "m/s2")
 TRIAD_NAMES: tuple[Text, Text] = (("gyros", "陀螺"), ("accelerometers", "加速度计"))
 CHANNEL_NAMES: tuple[Text, ...] = tuple(

@@ -54,6 +54,11 @@ def predictions(
     return np.asarray(np.where(known[:, None], columns @ values, np.nan))
 
 
+def read_at(at: np.ndarray, t: np.ndarray, courses: np.ndarray) -> np.ndarray:
+    """Courses (n, k) at times t (n,) s, between their rows at the times `at` (m,): (m, k)."""
+    return np.column_stack([np.interp(at, t, course) for course in courses.T])
+
+
 def noise_of(residual: np.ndarray, motion: Motion) -> np.ndarray:
     """Standard deviation (n, 6) of a sample: vibration makes it grow with the rate.
 

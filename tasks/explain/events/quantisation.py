@@ -13,7 +13,8 @@ from scipy.special import ndtr
 from scipy.stats import chi2
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import GYROS, TRIAD_NAMES, TRIADS, UNITS, Event
+from tasks.explain.channels import GYROS, TRIADS
+from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.plain import BLOCK
 from tasks.explain.events.steps import Codes, codes_of
 from tasks.model.term import Text

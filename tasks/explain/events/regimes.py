@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tasks.explain.events.plain import read_at
 from tasks.motion.whole import Motion
 
 RESTS, TURNS, CHANGES = range(3)
@@ -13,8 +14,7 @@ MOST = 200  # values that a median is taken of
 
 def regimes_at(motion: Motion, at: np.ndarray) -> np.ndarray:
     """The regime (m,) at times at (m,) s, rising. What is not known counts as a change."""
-    rates = np.nan_to_num(motion.rate).T
-    speed = np.column_stack([np.interp(at, motion.t, rate) for rate in rates])
+    speed = read_at(at, motion.t, np.nan_to_num(motion.rate))
     step = float(np.median(np.diff(at))) if len(at) > 1 else 1.0
     half = max(1, round(0.5 / step))
     padded = np.pad(speed, ((half, half), (0, 0)), mode="edge")

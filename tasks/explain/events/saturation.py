@@ -11,7 +11,8 @@ from scipy.special import ndtr
 from scipy.stats import binom
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import TRIAD_NAMES, TRIADS, UNITS, Event
+from tasks.explain.channels import TRIADS
+from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.plain import noise_of, predictions
 from tasks.explain.events.steps import codes_of
 from tasks.model.term import Text

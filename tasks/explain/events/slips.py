@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event
 from tasks.explain.events.matched import keeps_swinging, matched
-from tasks.explain.events.plain import noise_of, predictions
+from tasks.explain.events.plain import noise_of, predictions, read_at
 from tasks.explain.events.stairs import CELL, Cells, Delays, stairs_of
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
@@ -33,7 +33,7 @@ class Slips(Event):
 
     def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
         taken_at = t + delay(t, self.times, self.lost) * self.interval
-        return np.column_stack([np.interp(taken_at, t, each) for each in predicted.T])
+        return read_at(taken_at, t, predicted)
 
 
 def delay(t: np.ndarray, times: np.ndarray, lost: np.ndarray) -> np.ndarray:
@@ -62,10 +62,10 @@ def find_slips(
         else:
             cells = _delays(t, read - predicted, predicted, slope, noise)
         path = stairs_of(cells)
-        if path is not None and swinging:
-            noise = noise_of(read - _late(t, predicted, cells, path), motion)
         if path is None:
             return None
+        if swinging:
+            noise = noise_of(read - _late(t, predicted, cells, path), motion)
         times, lost, u = _located(t, read, predicted, slope, noise, cells, path)
         found = _event(cells, path, times, lost, u, interval)
         shift = found.applied(t, predicted, noise) - predicted
@@ -118,7 +118,7 @@ def _late(t: np.ndarray, predicted: np.ndarray, cells: Cells, path: np.ndarray) 
     """What is predicted (n, 6) for when the readings were taken, by the stairs and their foot."""
     step = np.clip(np.searchsorted(cells.at, t), 0, len(path) - 1)
     taken_at = t + (np.median(cells.delay - path) + path[step]) * float(np.median(np.diff(t)))
-    return np.column_stack([np.interp(taken_at, t, each) for each in predicted.T])
+    return read_at(taken_at, t, predicted)
 
 
 def _located(
@@ -141,12 +141,7 @@ def _located(
         before, after = (
             np.nan_to_num((readings[rows] - then) ** 2 / variance)
             for then in (
-                np.column_stack(
-                    [
-                        np.interp(t[rows] + (start + level) * interval, t, each)
-                        for each in predicted.T
-                    ]
-                )
+                read_at(t[rows] + (start + level) * interval, t, predicted)
                 for level in (path[k], path[k + 1])
             )
         )

@@ -13,7 +13,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from schemas.recording import Recording
-from storage.exchange import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.prove.trial.certificate import CERTIFICATE, certificate_less, certificate_of
@@ -21,17 +20,17 @@ from tasks.prove.trial.certificate import CERTIFICATE, certificate_less, certifi
 ANSWER, PREDICTION = "answer.json", "prediction.parquet"
 
 
-def answer(recording: Path, folder: Path) -> None:
-    """Explains recording/ and writes answer.json, prediction.parquet (float32) and
+def answer(recording: Recording, folder: Path) -> None:
+    """Explains a recording and writes answer.json, prediction.parquet (float32) and
     certificate.json to folder/.
 
     A failure is an answer, too: it says what was raised.
     """
     folder.mkdir(parents=True)
-    read, explanation = read_folder(recording), None
+    explanation = None
     started = time.perf_counter()
     try:
-        explanation = explain(read)
+        explanation = explain(recording)
     except Exception as failure:
         said: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
     else:
@@ -39,7 +38,7 @@ def answer(recording: Path, folder: Path) -> None:
         _write_prediction(explanation, folder / PREDICTION)
     said["seconds"] = time.perf_counter() - started
     _write_json(said, folder / ANSWER)
-    _write_json(_certificates(read, explanation), folder / CERTIFICATE)
+    _write_json(_certificates(recording, explanation), folder / CERTIFICATE)
 
 
 def _certificates(recording: Recording, explanation: Explanation | None) -> dict[str, Any]:

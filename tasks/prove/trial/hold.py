@@ -45,11 +45,12 @@ def explain_blind(folder: Path, report: Report, peers: bool = False) -> None:
 
 
 def _answered(recording: Path, folder: Path, peers: bool) -> None:
-    answer(recording, folder)
+    read = read_folder(recording)
+    answer(read, folder)
     if peers:
         from tasks.prove.peers.answer import answer_peers  # late: an extra that may be missing
 
-        answer_peers(read_folder(recording), folder)
+        answer_peers(read, folder)
 
 
 @contextmanager

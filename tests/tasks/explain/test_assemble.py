@@ -9,9 +9,10 @@ from engine_run import GRAVITY, NOISY, WHITE, motion, noise, observed, read
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.assemble import JUMPS, assembled, si_unit
 from tasks.explain.candidates import Candidate
+from tasks.explain.channels import ACCELS
 from tasks.explain.events.event import Events
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.follows import ACCELS, UNNAMED, wave
+from tasks.explain.follows import UNNAMED, wave
 from tasks.explain.observed import full_rate
 from tasks.explain.pool import System
 from tasks.explain.rank import NEAR, Scored

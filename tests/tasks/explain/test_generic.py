@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
 
-from tasks.explain.follows import GYROS, UNNAMED, slow_course, wave
+from tasks.explain.channels import GYROS
+from tasks.explain.follows import UNNAMED, slow_course, wave
 from tasks.explain.generic import empirical
 from tasks.explain.moves import lagged, repositioned, since_last, turned_over, turning
 from tasks.model.term import Inputs

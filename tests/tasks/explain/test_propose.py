@@ -5,8 +5,9 @@ import pytest
 from engine_run import NOISY, RATE, motion, noise, observed, read
 
 from tasks.explain.candidates import Candidate, candidates_of, columns_of, plausible_sizes
+from tasks.explain.channels import ACCELS, EVERY, GYROS
 from tasks.explain.explain import standard_columns
-from tasks.explain.follows import ACCELS, EVERY, GYROS, wave
+from tasks.explain.follows import wave
 from tasks.explain.pool import Pool, pooled, residuals
 from tasks.explain.propose import APART, FINER, proposed
 from tasks.explain.search import first_noises

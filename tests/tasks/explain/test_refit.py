@@ -5,7 +5,8 @@ import pytest
 from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, with_weight
 
 from tasks.explain.candidates import Candidate, Prior
-from tasks.explain.follows import GYROS, wave
+from tasks.explain.channels import GYROS
+from tasks.explain.follows import wave
 from tasks.explain.refit import Model, delayed, fitted, linearised, model_of
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values, places

@@ -9,8 +9,9 @@ from engine_run import NOISY, motion, noise, observed, read
 
 from schemas.discrepancy import HeldOut
 from tasks.explain.candidates import Candidate, Prior
+from tasks.explain.channels import GYROS
 from tasks.explain.explanation import CHANNELS
-from tasks.explain.follows import GYROS, UNNAMED, wave
+from tasks.explain.follows import UNNAMED, wave
 from tasks.explain.pool import System
 from tasks.explain.refit import fitted, model_of
 from tasks.explain.search import Chosen, Found
