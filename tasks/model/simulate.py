@@ -53,10 +53,7 @@ def linearise(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> De
     columns: list[Column] = []
     for term, place in zip(terms, places(terms), strict=True):
         if term.stage == "sensor":
-            columns.extend(
-                _passed_column(terms, motion, column, values)
-                for column in term.columns(moved, inputs)
-            )
+            columns.extend(_passed_columns(terms, motion, term.columns(moved, inputs), values))
         else:
             columns.extend(
                 _difference(terms, motion, values, p) for p in range(place.start, place.stop)
@@ -83,17 +80,37 @@ def _passed(
     return readings
 
 
-def _passed_column(
-    terms: tuple[Term, ...], motion: Motion, column: Column, values: np.ndarray
-) -> Column:
-    """What delays and filters make of a column; they are linear in the readings."""
+def _passed_columns(
+    terms: tuple[Term, ...], motion: Motion, columns: tuple[Column, ...], values: np.ndarray
+) -> list[Column]:
+    """What delays and filters make of columns; they are linear in the readings.
+
+    They take each channel by itself: columns of different channels go through them together.
+    """
     if all(term.stage != "signal" for term in terms):
-        return column
-    readings = np.zeros((len(motion.t), CHANNEL_COUNT))
-    for channel, readout in column.items():
-        readings[:, channel] = readout
-    readings = _passed(terms, motion, readings, values)
-    return {channel: readings[:, channel] for channel in column}
+        return list(columns)
+    behind: list[dict[int, np.ndarray]] = [{} for _ in columns]
+    for together in _side_by_side(columns):
+        readings = np.zeros((len(motion.t), CHANNEL_COUNT))
+        for channel, p in together.items():
+            readings[:, channel] = columns[p][channel]
+        readings = _passed(terms, motion, readings, values)
+        for channel, p in together.items():
+            behind[p][channel] = readings[:, channel]
+    return list(behind)
+
+
+def _side_by_side(columns: tuple[Column, ...]) -> list[dict[int, int]]:
+    """Which column stands in each channel, in as few sets of readings as hold them all."""
+    readers: list[list[int]] = [[] for _ in range(CHANNEL_COUNT)]
+    for p, column in enumerate(columns):
+        for channel in column:
+            readers[channel].append(p)
+    count = max(map(len, readers))
+    return [
+        {channel: own[k] for channel, own in enumerate(readers) if k < len(own)}
+        for k in range(count)
+    ]
 
 
 def _difference(terms: tuple[Term, ...], motion: Motion, values: np.ndarray, p: int) -> Column:

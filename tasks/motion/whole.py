@@ -7,6 +7,7 @@ Frames as in `mimu-recording/1`: n is East-North-Up.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from tasks.motion.table import mount_of
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not told and only ratios are taken
 POSE = ("qw", "qx", "qy", "qz")
+SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,24 @@ class Motion:
     axes: TableAxes | None = None
     recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
 
-    @property
+    @cached_property
     def known(self) -> np.ndarray:
         """(n,) bool: the vertical and the rate are known."""
         return np.isfinite(self.up).all(axis=1) & np.isfinite(self.rate).all(axis=1)
+
+    @cached_property
+    def interval(self) -> float:
+        """Time between rows, s."""
+        return float(np.median(np.diff(self.t)))
+
+    @cached_property
+    def seams(self) -> np.ndarray:
+        """Rows before which the attitude jumps by more than any turn between two rows does."""
+        moved = np.linalg.norm(np.diff(np.nan_to_num(self.up), axis=0), axis=1)
+        turned = np.linalg.norm(np.nan_to_num(self.rate), axis=1) * self.interval
+        most = SEAM + 3.0 * np.maximum(turned[1:], turned[:-1])
+        known = self.known[1:] & self.known[:-1]
+        return np.flatnonzero((moved > most) & known) + 1
 
     @property
     def force(self) -> np.ndarray:

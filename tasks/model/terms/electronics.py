@@ -8,7 +8,6 @@ from scipy.ndimage import minimum_filter1d
 
 from schemas.recording import Recording
 from tasks.model.term import Parameter, Term
-from tasks.model.terms.timing import interval
 from tasks.motion.whole import Motion
 
 SETTLED = 20.0  # time constants after which the filter has forgotten
@@ -25,7 +24,7 @@ class Bandwidth(Term):
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not values[0]:
             return readings
-        step = interval(motion)
+        step = motion.interval
         known = np.isfinite(readings)
         filled = _filled(readings, known)
         # Both ends go on as they are; by then a ring of this length has forgotten the other end.

@@ -19,44 +19,28 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
 
     Before the first and after the last row they stay as there. NaN near rows that are NaN.
     """
-    count = len(readings)
     whole = np.floor(-np.asarray(late, dtype=float))
     part = -np.asarray(late) - whole
-    row = np.arange(count) + whole.astype(int)
+    row = np.arange(len(readings)) + whole.astype(int)
     shifted = np.zeros_like(readings)
     for node in NODES:
         weight = np.ones_like(part)
         for other in NODES:
             if other != node:
                 weight = weight * (part - other) / (node - other)
-        shifted += weight[..., None] * readings[np.clip(row + node, 0, count - 1)]
+        shifted += weight[..., None] * readings.take(row + node, axis=0, mode="clip")
     return shifted
 
 
 def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     """`read_earlier` in each take by itself: nothing is read across a re-fixing."""
-    jumps = _seams(motion)
-    if not len(jumps):
+    if not len(motion.seams):
         return read_earlier(readings, late)
     shifted = np.empty_like(readings)
-    for start, stop in pairwise([0, *jumps, len(readings)]):
+    for start, stop in pairwise([0, *motion.seams, len(readings)]):
         part = late[start:stop] if isinstance(late, np.ndarray) else late
         shifted[start:stop] = read_earlier(readings[start:stop], part)
     return shifted
-
-
-def _seams(motion: Motion) -> list[int]:
-    """Rows before which the attitude jumps by more than any turn between two rows does."""
-    moved = np.linalg.norm(np.diff(np.nan_to_num(motion.up), axis=0), axis=1)
-    turned = np.linalg.norm(np.nan_to_num(motion.rate), axis=1) * interval(motion)
-    most = 0.05 + 3.0 * np.maximum(turned[1:], turned[:-1])
-    known = motion.known[1:] & motion.known[:-1]
-    return [int(row) + 1 for row in np.flatnonzero((moved > most) & known)]
-
-
-def interval(motion: Motion) -> float:
-    """Time between rows, s."""
-    return float(np.median(np.diff(motion.t)))
 
 
 @dataclass(frozen=True)
@@ -64,11 +48,9 @@ class TimeOffset(Term):
     """The unit's stamps are late: at t it says what happened at t − seconds."""
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return (
-            shifted_within(motion, readings, values[0] / interval(motion))
-            if values[0]
-            else readings
-        )
+        if not values[0]:
+            return readings
+        return shifted_within(motion, readings, values[0] / motion.interval)
 
 
 TIME_OFFSET = TimeOffset(
@@ -92,7 +74,7 @@ class ClockSkew(Term):
         if not values[0]:
             return readings
         late = motion.t * values[0] / (1.0 + values[0])
-        return shifted_within(motion, readings, late / interval(motion))
+        return shifted_within(motion, readings, late / motion.interval)
 
 
 CLOCK_SKEW = ClockSkew(
@@ -118,7 +100,7 @@ class AccelAxisSkew(Term):
         skewed = readings.copy()
         for axis in (1, 2):
             channel = slice(ACCEL_FIRST + axis, ACCEL_FIRST + axis + 1)
-            late = -axis * values[0] / interval(motion)
+            late = -axis * values[0] / motion.interval
             skewed[:, channel] = shifted_within(motion, readings[:, channel], late)
         return skewed
 
