@@ -148,9 +148,9 @@ def _late_again(
         found = replace(found, chosen=(Chosen(offset, 0.0, 0.0, ()), *found.chosen))
         model = fitted(started(_model(found, fine), model), fine, noises)
         found = _with_shapes(found, model)
-    # What fits the little that was left as well does not fit the whole.
+    # What fits the little that was left as well does not fit the whole, which is nobody's remnant.
     chosen = (
-        replace(one, rivals=()) if one.candidate.name == TIME_OFFSET.name else one
+        replace(one, gain=np.inf, rivals=()) if one.candidate.name == TIME_OFFSET.name else one
         for one in found.chosen
     )
     return replace(found, chosen=tuple(chosen)), delayed(model, late)

@@ -21,6 +21,8 @@ from tasks.model.term import COUNTS, Column, Term, places
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
 REMNANT = 0.15  # of the chi-squared that something without a name gains
+BIAS_STEP = "bias_step"
+DRIFTS = (BIAS_STEP, "temperature_bias", "thermal_gradient", "thermal_transient")
 STEPS_ARE_JUMPS = 2  # as many steps or more are no single step
 
 
@@ -45,7 +47,11 @@ def groups_of(found: Found) -> list[Group]:
         named.setdefault(id(one.candidate.term) if name == UNNAMED else name, []).append(one)
     names = [_name_of(some) for some in named.values()]
     gains = [sum(one.gain for one in some) for some in named.values()]
-    nameless = max((g for g, name in zip(gains, names, strict=True) if name == UNNAMED), default=0)
+    nameless = [
+        (some, gain)
+        for some, name, gain in zip(named.values(), names, gains, strict=True)
+        if name == UNNAMED
+    ]
     return [
         Group(
             UNNAMED if _remnant(some, gain, nameless) else name,
@@ -56,16 +62,27 @@ def groups_of(found: Found) -> list[Group]:
     ]
 
 
-def _remnant(some: Sequence[Chosen], gain: float, nameless: float) -> bool:
+def _remnant(
+    some: Sequence[Chosen], gain: float, nameless: Sequence[tuple[list[Chosen], float]]
+) -> bool:
     if any(one.candidate.known or one.instead_of is not None for one in some):
         return False
-    wanders = some[0].candidate.prior is not None  # as a remnant of anything slow does
-    return gain < (1.0 if wanders else REMNANT) * nameless
+    most = max((other for _, other in nameless), default=0.0)
+    astray = max((other for one, other in nameless if _strays(one)), default=0.0)
+    if some[0].candidate.prior is not None:  # as a remnant of anything slow wanders
+        return gain < most
+    return gain < max(REMNANT * most, astray if some[0].candidate.name in DRIFTS else 0.0)
+
+
+def _strays(some: Sequence[Chosen]) -> bool:
+    """Whether it is a bias that jumps or wanders, which any slow course makes up for in part."""
+    first = some[0].candidate
+    return first.prior is not None or first.term.name == BIAS_STEP
 
 
 def _name_of(some: Sequence[Chosen]) -> str:
     times = {one.candidate.term.at for one in some}
-    if some[0].candidate.name == "bias_step" and len(times) >= STEPS_ARE_JUMPS:
+    if some[0].candidate.name == BIAS_STEP and len(times) >= STEPS_ARE_JUMPS:
         return UNNAMED
     if any(_at_bound(one.candidate.term) for one in some):
         return UNNAMED

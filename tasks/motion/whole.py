@@ -8,6 +8,7 @@ Frames as in `mimu-recording/1`: n is East-North-Up.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -79,13 +80,16 @@ class Motion:
         return float(np.median(np.diff(self.t)))
 
     @cached_property
-    def seams(self) -> np.ndarray:
-        """Rows before which the attitude jumps by more than any turn between two rows does."""
+    def takes(self) -> tuple[slice, ...]:
+        """Rows between two fixings: apart where the attitude jumps by more than any turn between
+        two rows does.
+        """
         moved = np.linalg.norm(np.diff(np.nan_to_num(self.up), axis=0), axis=1)
         turned = np.linalg.norm(np.nan_to_num(self.rate), axis=1) * self.interval
         most = SEAM + 3.0 * np.maximum(turned[1:], turned[:-1])
         known = self.known[1:] & self.known[:-1]
-        return np.flatnonzero((moved > most) & known) + 1
+        seams = (np.flatnonzero((moved > most) & known) + 1).tolist()
+        return tuple(slice(a, b) for a, b in pairwise([0, *seams, len(self.t)]))
 
     @property
     def force(self) -> np.ndarray:

@@ -16,7 +16,7 @@ REACH, FADED = 3, 5.0  # rows and time constants from what is not known: nothing
 
 @dataclass(frozen=True)
 class Bandwidth(Term):
-    """A Butterworth low-pass of second order on all channels, at rest before the first row.
+    """A Butterworth low-pass of second order on all channels, at rest before each take.
 
     In its time constant 1/(2π·corner) it is smooth through zero: a negative one looks ahead.
     """
@@ -24,18 +24,23 @@ class Bandwidth(Term):
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not values[0]:
             return readings
-        step = motion.interval
-        known = np.isfinite(readings)
-        filled = _filled(readings, known)
-        # Both ends go on as they are; by then a ring of this length has forgotten the other end.
-        more = int(np.ceil(SETTLED * abs(values[0]) / step)) + 1
-        count = next_fast_len(len(filled) + 2 * more, real=True)
-        padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
-        s = 1j * _slope(2.0 * np.pi * rfftfreq(count))[:, None] * values[0] / step
-        passed = irfft(rfft(padded, axis=0) / (1.0 + np.sqrt(2.0) * s + s**2), count, axis=0)
-        reach = REACH + int(np.ceil(FADED * abs(values[0]) / step))
-        clear = known.all() or minimum_filter1d(known, 2 * reach + 1, axis=0, mode="nearest")
-        return np.where(clear, passed[more : more + len(filled)], np.nan)
+        constant = values[0] / motion.interval
+        return np.concatenate([_low_passed(readings[take], constant) for take in motion.takes])
+
+
+def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
+    """Readings (n, k) of one take behind the filter; constant: time constant in rows."""
+    known = np.isfinite(readings)
+    filled = _filled(readings, known)
+    # Both ends go on as they are; by then a ring of this length has forgotten the other end.
+    more = int(np.ceil(SETTLED * abs(constant))) + 1
+    count = next_fast_len(len(filled) + 2 * more, real=True)
+    padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
+    s = 1j * _slope(2.0 * np.pi * rfftfreq(count))[:, None] * constant
+    passed = irfft(rfft(padded, axis=0) / (1.0 + np.sqrt(2.0) * s + s**2), count, axis=0)
+    reach = REACH + int(np.ceil(FADED * abs(constant)))
+    clear = known.all() or minimum_filter1d(known, 2 * reach + 1, axis=0, mode="nearest")
+    return np.where(clear, passed[more : more + len(filled)], np.nan)
 
 
 def _slope(x: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from tasks.model.terms.standard import ACCEL_FIRST, GYRO_FIRST
 from tasks.motion.whole import Motion
 
 ANGLES = (0.03, 0.1, 0.3)  # rad
+WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, makes of a jump
 TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
 
 
@@ -76,6 +77,7 @@ def bias_step(first: int, time: float) -> BiasStep:
     return BiasStep(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
         both[first : first + 3], (TIME,), (time,), channels=tuple(range(first, first + 3)),
+        rarity=WANDER,
         title=("bias that jumps once", "零偏突变"),
         confused_with=("bias_random_walk", "thermal_transient", "remount_misalignment"),
         separated_by=(

@@ -1,7 +1,6 @@
 """What the clocks do: a shift, a rate, axes read one after another."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -34,12 +33,10 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
 
 def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     """`read_earlier` in each take by itself: nothing is read across a re-fixing."""
-    if not len(motion.seams):
-        return read_earlier(readings, late)
     shifted = np.empty_like(readings)
-    for start, stop in pairwise([0, *motion.seams, len(readings)]):
-        part = late[start:stop] if isinstance(late, np.ndarray) else late
-        shifted[start:stop] = read_earlier(readings[start:stop], part)
+    for take in motion.takes:
+        part = late[take] if isinstance(late, np.ndarray) else late
+        shifted[take] = read_earlier(readings[take], part)
     return shifted
 
 
