@@ -78,6 +78,16 @@ def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_phy
     assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
 
 
+def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_else_is() -> None:
+    jumps = [replace(picked(bias_step(0, at)), gain=100.0) for at in (100.0, 250.0)]
+    drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
+    assert [one.name for one in groups_of(found(*jumps, drift, arm))][1:] == [UNNAMED, "lever_arm"]
+    stronger = replace(drift, gain=220.0)
+    assert groups_of(found(*jumps, stronger))[1].name == "temperature_bias"
+    follows = replace(picked(wave(GYROS).shaped((20.0,))), gain=200.0)
+    assert groups_of(found(follows, drift))[1].name == "temperature_bias"
+
+
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
     first, later = bias_step(0, 100.0), bias_step(0, 250.0)
     (jumps,) = groups_of(found(picked(first, (0,)), picked(later, (0,))))

@@ -9,6 +9,7 @@ from tasks.model.term import nominal_values, parameters_of
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.model.terms.timing import ACCEL_AXIS_SKEW, TIME_OFFSET
 
 MOTION = tumbling()
 EARTH = 7.292115e-5
@@ -68,6 +69,22 @@ def test_every_column_is_the_difference_it_makes(terms: tuple) -> None:
         for channel, read in column.items():
             stated[:, channel] = read
         assert change == pytest.approx(stated, rel=1e-6, abs=1e-4)
+
+
+def test_every_column_of_a_sensor_goes_through_the_delays_behind_it() -> None:
+    terms = (*STANDARD_TERMS, ACCEL_AXIS_SKEW, TIME_OFFSET)
+    values = drawn(terms)
+    design = linearise(terms, MOTION, values)
+    ahead = linearise(STANDARD_TERMS, MOTION, values[:-2])
+    for before, behind in zip(ahead.columns, design.columns, strict=False):
+        assert sorted(before) == sorted(behind)
+        read = np.zeros((len(MOTION.t), 6))
+        for channel, course in before.items():
+            read[:, channel] = course
+        for term, value in zip(terms[-2:], values[-2:], strict=True):
+            read = term.passed(MOTION, read, np.array([value]))
+        for channel, course in behind.items():
+            assert course == pytest.approx(read[:, channel], abs=1e-12)
 
 
 def test_where_north_is_unknown_only_the_vertical_part_of_earth_rotation_is_added() -> None:

@@ -94,6 +94,17 @@ def test_a_low_pass_does_not_ring_at_the_corner_of_a_ramp() -> None:
     assert change[2000:2500] == pytest.approx(-np.sqrt(2.0) * 1e-4, rel=1e-3)
 
 
+@pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH])
+def test_nothing_passes_from_one_fixing_of_the_unit_to_the_next(term: type) -> None:
+    up = np.where(T[:, None] < 12.0, [0.0, 0.0, 1.0], [0.0, 1.0, 0.0])
+    rate = 0.1 * np.ones((len(T), 3))
+    run = replace(RUN, up=up, rate=rate)
+    assert run.takes == (slice(0, 1200), slice(1200, len(T)))
+    fixed = np.where(T[:, None] < 12.0, 9.8, -9.8) * np.ones(6)
+    for value in (1e-3, 0.03):
+        assert term.passed(run, fixed, np.array([value])) == pytest.approx(fixed)  # type: ignore[attr-defined]
+
+
 def test_every_signal_term_is_linear_in_the_readings() -> None:
     one, other = waves(T), waves(0.5 * T + 1.0)
     run: Motion = RUN
