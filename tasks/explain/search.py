@@ -50,6 +50,7 @@ def search(
     if noises is None:
         noises = first_noises(pool)
     p_value = 1.0
+    before = {frozenset(map(id, chosen))}
     while len(chosen) < MOST:
         state = system(pool, noises)
         ranked = rank(state, candidates, chosen)
@@ -64,6 +65,9 @@ def search(
         noises = beside(pool, chosen, noises)
         chosen = _put_right(system(pool, noises), candidates, chosen)
         noises = beside(pool, chosen, noises)
+        if frozenset(map(id, chosen)) in before:  # what was added does not stand
+            break
+        before.add(frozenset(map(id, chosen)))
     state = system(pool, noises)
     return Found(_with_rivals(state, candidates, chosen), noises, p_value, state)
 

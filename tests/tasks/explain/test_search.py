@@ -1,6 +1,7 @@
 """What the search charges, gains and takes: held to least squares and to Gauss's formula."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from random import Random
 from typing import NamedTuple
 
@@ -166,6 +167,17 @@ def test_where_nothing_is_missing_nothing_is_found(nothing: Asked) -> None:
     found = search(nothing.pool, nothing.candidates)
     assert found.chosen == ()
     assert found.p_value > FALSE_ALARMS
+
+
+def test_what_is_no_chance_and_yet_too_dear_ends_the_search(both: Asked) -> None:
+    dear = tuple(
+        replace(one, term=replace(one.term, rarity=1e6))
+        for one in both.candidates
+        if one.name == "lever_arm"
+    )
+    found = search(both.pool, dear)
+    assert found.p_value < FALSE_ALARMS
+    assert found.chosen == ()
 
 
 def test_what_fits_as_well_is_told_as_a_rival(both: Asked) -> None:
