@@ -23,8 +23,8 @@ def since_last(motion: Motion, events: np.ndarray) -> np.ndarray:
 def turned_over(motion: Motion) -> np.ndarray:
     """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
     up = np.nan_to_num(motion.up)
-    step = float(np.median(np.diff(motion.t)))
-    return np.asarray(np.linalg.norm(np.gradient(up, step, axis=0), axis=1) > MOVED)
+    speed = np.linalg.norm(np.gradient(up, motion.interval, axis=0), axis=1)
+    return np.asarray(speed > MOVED)
 
 
 def turning(motion: Motion) -> np.ndarray:

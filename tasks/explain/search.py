@@ -65,9 +65,10 @@ def search(
         noises = beside(pool, chosen, noises)
         chosen = _put_right(system(pool, noises), candidates, chosen)
         noises = beside(pool, chosen, noises)
-        if frozenset(map(id, chosen)) in before:  # what was added does not stand
+        standing = frozenset(map(id, chosen))
+        if standing in before:  # what was added does not stand
             break
-        before.add(frozenset(map(id, chosen)))
+        before.add(standing)
     state = system(pool, noises)
     return Found(_with_rivals(state, candidates, chosen), noises, p_value, state)
 

@@ -39,7 +39,8 @@ def groups_of(found: Found) -> list[Group]:
     """Findings of one name are one, those without a name of one term; several steps are jumps.
 
     What is far weaker than something that has no name is likely to be a remnant of it, and has
-    none either; but known physics, which has nothing to fit to a remnant.
+    none either; but known physics, which has nothing to fit to a remnant. A wander is so likely
+    beside anything stronger without a name, a drift beside a stronger bias that jumps or wanders.
     """
     named: dict[str | int, list[Chosen]] = {}
     for one in found.chosen:

@@ -42,7 +42,7 @@ class Matched:
 
 def keeps_swinging(motion: Motion) -> bool:
     """Whether the rate changes most of the time, without dwells."""
-    count = int(SECOND / max(float(np.median(np.diff(motion.t))), 1e-9))
+    count = int(SECOND / max(motion.interval, 1e-9))
     whole = len(motion.t) // max(count, 1) * count
     if not whole:
         return False

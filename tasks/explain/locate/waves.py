@@ -52,8 +52,7 @@ def by_frequency(run: Run, seen: Seen) -> Pattern | None:
     band = slice(lines[most] - reach[most], lines[most] + reach[most] + 1)
     line = band.start + int(power[band].argmax())
     around = np.arange(line - 1, min(line + 2, len(power)))
-    interval = float(np.median(np.diff(run.motion.t)))
-    hertz = float(around @ power[around] / power[around].sum()) / (count * interval)
+    hertz = float(around @ power[around] / power[around].sum()) / (count * run.motion.interval)
     score = followed(share) - paid(2, len(lines), run.pieces)
     text = f"{share:.0%} of it at {hertz:.4g} Hz", f"{share:.0%} 集中在 {hertz:.4g} Hz"
     return Pattern("frequency", score, text, np.ones(len(run.t), bool))
