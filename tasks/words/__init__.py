@@ -1,0 +1,11 @@
+"""What is said to people: messages with named arguments, and their catalogues, one per language.
+
+The numerics say *what* (`message("segments-stuck", channel="gyro_x")`); the sentences stand in
+`en/*.ftl` and `zh/*.ftl` (Project Fluent), a file for each room, so that a metrologist can read
+the Chinese in one place. A further language is a further folder.
+"""
+
+from tasks.words.catalogue import LANGUAGES, known, say, texts
+from tasks.words.message import Argument, Message, message
+
+__all__ = ["LANGUAGES", "Argument", "Message", "known", "message", "say", "texts"]

@@ -1,0 +1,99 @@
+"""The catalogues: every sentence in every language, and messages said in one of them."""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from typing import Any
+
+from tasks.words.message import Argument, Message
+
+SUFFIX = ".ftl"
+SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
+
+
+def _folders() -> Iterable[Traversable]:
+    return (each for each in files("tasks.words").iterdir() if _sources(each))
+
+
+def _sources(folder: Traversable) -> list[Traversable]:
+    """The catalogue files of one language, by name; none where it is no language's folder."""
+    if not folder.is_dir():
+        return []
+    found = (each for each in folder.iterdir() if each.name.endswith(SUFFIX))
+    return sorted(found, key=lambda each: each.name)
+
+
+LANGUAGES: tuple[str, ...] = tuple(sorted(folder.name for folder in _folders()))
+
+
+@cache
+def _bundle(language: str) -> Any:
+    """All catalogue files of one language. Raises ValueError where an identifier stands twice."""
+    # Late: a command that says nothing needs no parser.
+    from fluent.runtime import FluentBundle, FluentResource
+
+    bundle = FluentBundle([language], use_isolating=False)
+    seen: dict[str, str] = {}
+    for source in _sources(files("tasks.words") / language):
+        resource = FluentResource(source.read_text(encoding="utf-8"))
+        for entry in resource.body:
+            where = f"{language}/{source.name}"
+            if type(entry).__name__ == "Junk":
+                raise ValueError(f"{where}: not understood: {entry.content.strip()[:80]!r}")
+            name = entry.id.name if getattr(entry, "id", None) else None
+            if name in seen:
+                raise ValueError(f"{where}: {name} stands in {seen[name]}, too")
+            if name:
+                seen[name] = where
+        bundle.add_resource(resource)
+    return bundle
+
+
+def known(id_: str) -> bool:
+    """Whether the catalogues have a message, or an attribute of one, of this identifier."""
+    return all(_pattern(language, id_) is not None for language in LANGUAGES)
+
+
+def say(said: Message | str, language: str) -> str:
+    """A message in one language; text that is no message is the same in all.
+
+    Raises KeyError for a message that the catalogue lacks, or that asks for an argument it has
+    not got.
+    """
+    if isinstance(said, str):
+        return said
+    pattern = _pattern(language, said.id)
+    if pattern is None:
+        raise KeyError(f"the {language} catalogue has no message {said.id}")
+    arguments = {name: _argument(value, language) for name, value in said.arguments}
+    text, errors = _bundle(language).format_pattern(pattern, arguments)
+    if errors:
+        raise KeyError(f"{said.id} ({language}): {errors[0]}")
+    return str(text)
+
+
+def texts(said: Message | str) -> Mapping[str, str]:
+    """A message in every language, by language: the fields of a `Statement` or a `Remark`."""
+    return {language: say(said, language) for language in LANGUAGES}
+
+
+def _argument(value: Argument, language: str) -> object:
+    from fluent.runtime.types import fluent_number
+
+    if isinstance(value, tuple):
+        separator = say(Message(SEPARATOR), language)
+        return separator.join(str(_argument(each, language)) for each in value)
+    if isinstance(value, Message):
+        return say(value, language)
+    return fluent_number(value, useGrouping=False) if isinstance(value, int) else value
+
+
+def _pattern(language: str, id_: str) -> Any:
+    """The pattern of «message» or «message.attribute»; None where there is none."""
+    name, _, attribute = id_.partition(".")
+    bundle = _bundle(language)
+    if not bundle.has_message(name):
+        return None
+    found = bundle.get_message(name)
+    return found.attributes.get(attribute) if attribute else found.value

@@ -1,0 +1,3 @@
+## What every room uses.
+
+list-separator = {", "}

@@ -1,0 +1,24 @@
+"""A sentence that is not said in a language yet."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Message:
+    """Which sentence of the catalogues, and its named arguments.
+
+    Numbers that are measured come as text, rounded where they are made; whole numbers come as
+    they are, so that a catalogue can tell one from many. A message within a message is said in
+    the same language, a tuple of them as a list.
+    """
+
+    id: str
+    arguments: tuple[tuple[str, "Argument"], ...] = ()
+
+
+Argument = str | int | Message | tuple["str | int | Message", ...]
+
+
+def message(id_: str, /, **arguments: Argument) -> Message:
+    """A message by its identifier, «room-what» or «room-what.attribute», and its arguments."""
+    return Message(id_, tuple(arguments.items()))

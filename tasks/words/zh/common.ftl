@@ -1,0 +1,3 @@
+## 各处共用。
+
+list-separator = 、

@@ -1,0 +1,75 @@
+"""The catalogues say the same things in every language."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fluent.syntax import ast, parse
+from fluent.syntax.visitor import Visitor
+
+from tasks.words import LANGUAGES, Message, known, message, say, texts
+
+WORDS = Path("tasks/words")
+
+
+def entries(language: str) -> Iterator[tuple[str, ast.Message]]:
+    for path in sorted((WORDS / language).glob("*.ftl")):
+        for entry in parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(entry, ast.Message):
+                yield path.name, entry
+
+
+class Arguments(Visitor):
+    """The names of the arguments that a message uses."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: set[str] = set()
+
+    def visit_VariableReference(self, node: ast.VariableReference) -> None:  # noqa: N802
+        self.names.add(node.id.name)
+
+
+def shape(entry: ast.Message) -> dict[str, set[str]]:
+    parts = {"": entry.value} | {each.id.name: each.value for each in entry.attributes}
+    found = {}
+    for name, part in parts.items():
+        visitor = Arguments()
+        if part is not None:
+            visitor.visit(part)
+            found[name] = visitor.names
+    return found
+
+
+def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_arguments() -> None:
+    by_language = {
+        language: {(file, entry.id.name): shape(entry) for file, entry in entries(language)}
+        for language in LANGUAGES
+    }
+    first = by_language[LANGUAGES[0]]
+    for language in LANGUAGES[1:]:
+        assert by_language[language] == first
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_catalogue_is_understood_and_no_message_stands_twice(language: str) -> None:
+    assert say(message("list-separator"), language)
+
+
+def test_languages_are_the_folders() -> None:
+    assert LANGUAGES == ("en", "zh")
+
+
+def test_a_list_is_said_with_the_separator_of_its_language() -> None:
+    listed = Message("list-separator")
+    assert texts(listed) == {"en": ", ", "zh": "、"}
+
+
+def test_text_is_the_same_in_every_language() -> None:
+    assert texts("gyro_x") == {"en": "gyro_x", "zh": "gyro_x"}
+
+
+def test_a_message_that_no_catalogue_has_is_an_error() -> None:
+    assert not known("no-such-message")
+    with pytest.raises(KeyError, match="no-such-message"):
+        say(message("no-such-message"), "en")
