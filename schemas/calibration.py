@@ -44,7 +44,8 @@ class Item(Frozen):
         default_factory=dict, description="what u of each element is made of"
     )
     readings: tuple[str, ...] = Field(
-        default=(), description="readings of the specification taken (tasks.items.readings)"
+        default=(),
+        description="readings of the specification taken (tasks.specifications.readings)",
     )
     value_without_earth_rotation: Elements | None = None
     u_without_earth_rotation: Elements | None = None

@@ -10,7 +10,7 @@ from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, listed
 from tasks.certificate.names import Pair, item_name
 from tasks.certificate.typography import clause, pair
-from tasks.items.parts import K_FACTOR
+from tasks.specifications.parts import K_FACTOR
 
 FOLLOWED = ("本次校准依据 {}", "Calibrated according to {}")
 DEVIATED = (
@@ -203,7 +203,7 @@ def identifiers(calibration: Calibration) -> dict[str, str]:
 
 def readings(calibration: Calibration) -> tuple[tuple[str, Pair, Pair], ...]:
     """How the specification was read where it is wrong or silent: R1, the clause, the reading."""
-    from tasks.items.readings import READINGS
+    from tasks.specifications.readings import READINGS
 
     rows = []
     for identifier, short in identifiers(calibration).items():

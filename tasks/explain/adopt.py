@@ -12,9 +12,9 @@ from tasks.explain.candidates import RANDOM_WALK
 from tasks.explain.consequences import without
 from tasks.explain.explanation import Finding
 from tasks.explain.spread import Spread, spreads_of
-from tasks.items.evaluation import common_factor, expanded
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
+from tasks.specifications.evaluation import common_factor, expanded
 from tasks.uncertainty.coverage import half_width
 from tasks.uncertainty.propagation import coverage_factor
 

@@ -13,8 +13,8 @@ from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
 from tasks.certificate.names import item_name, unit_text
 from tasks.explain.explanation import CHANNELS, Explanation
-from tasks.items import jjf1536, jjf2003
 from tasks.model.term import Text
+from tasks.specifications import jjf1536, jjf2003
 from tasks.uncertainty.rounding import column
 
 NOTICEABLE = 0.05  # of U: what moves an element by less is not listed

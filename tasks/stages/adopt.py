@@ -9,7 +9,7 @@ from schemas.recording import Recording
 from storage import settings, store
 from storage.home import Home
 from storage.store import Run
-from tasks.items.evaluation import evaluation_for
+from tasks.specifications.evaluation import evaluation_for
 from tasks.stages.estimate import BY_STANDARD, METHODS, check_method
 from tasks.version import code_version
 

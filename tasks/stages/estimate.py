@@ -7,8 +7,8 @@ from schemas.recording import Standard
 from storage import settings, store
 from storage.home import Home
 from storage.store import Run
-from tasks.items import jjf1536, jjf2003, joint
-from tasks.items.evaluation import evaluation_for
+from tasks.specifications import jjf1536, jjf2003, joint
+from tasks.specifications.evaluation import evaluation_for
 from tasks.version import code_version
 
 METHODS = {

@@ -7,7 +7,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 # What is said beside the results, and stands in no result of an item.
-BESIDE = ("tasks.items.information", "tasks.items.readings", "tasks.version")
+BESIDE = (
+    "tasks.specifications.information",
+    "tasks.specifications.readings",
+    "tasks.version",
+    "tasks.words",
+)
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -37,7 +42,7 @@ def code(text: str) -> str:
 def sources(method: str) -> list[Path]:
     """The files, sorted."""
     found: set[Path] = set()
-    waiting = [f"tasks.items.{method}"]
+    waiting = [f"tasks.specifications.{method}"]
     while waiting:
         path = _file(waiting.pop())
         if path is not None and path not in found:

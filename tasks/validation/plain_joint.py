@@ -9,10 +9,10 @@ from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.items.evaluation import evaluation_for
-from tasks.items.evidence import gather
-from tasks.items.joint.solution import solve_jointly
-from tasks.items.joint.stretches import stretches
+from tasks.specifications.evaluation import evaluation_for
+from tasks.specifications.evidence import gather
+from tasks.specifications.joint.solution import solve_jointly
+from tasks.specifications.joint.stretches import stretches
 from tasks.validation.run2003 import matrix, vector
 
 EARTH = 7.292115e-5  # rad/s

@@ -32,20 +32,22 @@ def _bundle(language: str) -> Any:
     """All catalogue files of one language. Raises ValueError where an identifier stands twice."""
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle, FluentResource
+    from fluent.syntax import ast
 
     bundle = FluentBundle([language], use_isolating=False)
     seen: dict[str, str] = {}
     for source in _sources(files("tasks.words") / language):
         resource = FluentResource(source.read_text(encoding="utf-8"))
+        where = f"{language}/{source.name}"
         for entry in resource.body:
-            where = f"{language}/{source.name}"
-            if type(entry).__name__ == "Junk":
-                raise ValueError(f"{where}: not understood: {entry.content.strip()[:80]!r}")
-            name = entry.id.name if getattr(entry, "id", None) else None
-            if name in seen:
-                raise ValueError(f"{where}: {name} stands in {seen[name]}, too")
-            if name:
-                seen[name] = where
+            if isinstance(entry, ast.Junk):
+                raise ValueError(f"{where}: not understood: {str(entry.content).strip()[:80]!r}")
+            if isinstance(entry, ast.Message | ast.Term):
+                if entry.id.name in seen:
+                    raise ValueError(
+                        f"{where}: {entry.id.name} stands in {seen[entry.id.name]} too"
+                    )
+                seen[entry.id.name] = where
         bundle.add_resource(resource)
     return bundle
 

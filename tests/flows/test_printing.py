@@ -4,7 +4,7 @@ import pytest
 
 from flows.printing import print_calibration
 from schemas.calibration import Information
-from tasks.items.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import calibrate
 
 
 def test_information_is_a_second_table_with_its_sentences(

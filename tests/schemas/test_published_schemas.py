@@ -9,7 +9,7 @@ from schemas.calibration import Calibration
 from schemas.publish import FOLDER, PUBLISHED, schema_text
 from schemas.recording import Manifest, Mount, Segment, Station
 from schemas.tolerance import Limit, bounds
-from tasks.items.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import calibrate
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))

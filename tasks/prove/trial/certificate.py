@@ -11,8 +11,8 @@ from schemas.recording import Recording
 from tasks.explain.adopt import adopt
 from tasks.explain.explanation import Explanation
 from tasks.explain.observed import full_rate
-from tasks.items import jjf1536, jjf2003
 from tasks.model.catalogue import catalogue
+from tasks.specifications import jjf1536, jjf2003
 
 CERTIFICATE = "certificate.json"
 UNNAMED = "unnamed"

@@ -14,7 +14,7 @@ from schemas.recording import Recording
 from tasks.certificate.content import Content, content
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
-from tasks.items import jjf1536
+from tasks.specifications import jjf1536
 
 # Clause 5.6 to 5.8: X turns, Y reads is «X axis to Y axis», L_yx; the order of Appendix C.
 ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),

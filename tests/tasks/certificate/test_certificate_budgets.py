@@ -12,9 +12,9 @@ from schemas.certificate import Certificate
 from tasks.certificate.budgets import Figure, budgets, figure
 from tasks.certificate.content import content
 from tasks.certificate.pdf import render
-from tasks.items import jjf2003
-from tasks.items.evaluation import evaluation_for
-from tasks.items.jjf2003 import calibrate
+from tasks.specifications import jjf2003
+from tasks.specifications.evaluation import evaluation_for
+from tasks.specifications.jjf2003 import calibrate
 
 EXAMPLE = "as the specification's example"
 

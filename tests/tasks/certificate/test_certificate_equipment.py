@@ -6,8 +6,8 @@ from sample_certificate import calibration, certificate
 from schemas.certificate import EquipmentLimit
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import limits_of, whose_limits
-from tasks.items import jjf2003, joint
-from tasks.items.evaluation import evaluation_for
+from tasks.specifications import jjf2003, joint
+from tasks.specifications.evaluation import evaluation_for
 
 OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-117")
 

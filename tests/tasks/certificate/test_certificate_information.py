@@ -11,8 +11,8 @@ from schemas.recording import Recording
 from tasks.certificate.content import content
 from tasks.certificate.information import contained, information_rows
 from tasks.certificate.pdf import render
-from tasks.items.information.earth import NAME, separated
-from tasks.items.jjf2003 import calibrate
+from tasks.specifications.information.earth import NAME, separated
+from tasks.specifications.jjf2003 import calibrate
 
 
 def noise(**changes: Any) -> Information:

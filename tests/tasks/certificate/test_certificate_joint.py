@@ -7,7 +7,7 @@ from sample_certificate import calibration, items, tolerance
 from tasks.certificate.notes import basis
 from tasks.certificate.results import Group, sections
 from tasks.conformity import decide
-from tasks.items.joint.on_table import ACCEL_CLAUSE, GYRO_CLAUSE
+from tasks.specifications.joint.on_table import ACCEL_CLAUSE, GYRO_CLAUSE
 
 SPECIFICATION = "JJF 2003-2022"
 

@@ -14,13 +14,13 @@ from tasks.explain.adopt import adopt
 from tasks.explain.consequences import without
 from tasks.explain.explanation import Finding
 from tasks.explain.spread import spreads_of
-from tasks.items import jjf2003
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
+from tasks.specifications import jjf2003
 
 ARM, U_ARM = (0.05, -0.03, 0.02), (1e-4, 2e-4, 3e-4)
 

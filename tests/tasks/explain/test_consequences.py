@@ -9,7 +9,7 @@ from explained import explanation, finding, nothing_added
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.explain.consequences import consequences, without
-from tasks.items import jjf2003
+from tasks.specifications import jjf2003
 
 STEP = 0.01  # deg/s
 Build = Callable[..., Recording]

@@ -9,9 +9,9 @@ import pytest
 
 from schemas.calibration import Remark
 from schemas.recording import Recording, Stream
-from tasks.items.jjf2003 import calibrate
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
+from tasks.specifications.jjf2003 import calibrate
 
 
 def remarks(recording: Recording, code: str) -> list[Remark]:

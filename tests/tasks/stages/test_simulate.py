@@ -13,7 +13,7 @@ from schemas.recording import ACCEL, GYRO, Recording
 from storage import store
 from storage.exchange import read_folder
 from storage.home import Home
-from tasks.items import jjf2003
+from tasks.specifications import jjf2003
 from tasks.stages.explain import simulated_readings
 from tasks.stages.simulate import model_values, simulate_run, simulated_recording
 
@@ -60,7 +60,7 @@ def test_elements_that_were_not_determined_are_ideal_and_named(real) -> None:
 
 
 def test_calibration_of_an_ahrs_cannot_simulate(plant) -> None:
-    from tasks.items import jjf1536
+    from tasks.specifications import jjf1536
 
     ahrs = jjf1536.calibrate(plant("ahrs_clean"), run="", code_version="")
     with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):

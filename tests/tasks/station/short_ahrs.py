@@ -10,7 +10,7 @@ from schemas.procedure import Procedure
 from schemas.recording import Mount, Recording
 from schemas.station import AngleLink, StationFile
 from storage.raw import RawWriter, read_mcap
-from tasks.items import jjf1536
+from tasks.specifications import jjf1536
 from tasks.station import procedures
 from tasks.station.sequence import Acquired, acquire
 from tasks.station.virtual.config import (

@@ -6,7 +6,7 @@ from short_ahrs import Run, errors, run_of, shortened
 
 from schemas.procedure import RateRun, Sweep, Turns
 from schemas.recording import ANGLE
-from tasks.items import jjf1536
+from tasks.specifications import jjf1536
 from tasks.station import procedures
 
 AXES = "xyz"

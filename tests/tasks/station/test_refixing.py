@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
 from schemas.recording import Mount
 from schemas.station import StationFile
-from tasks.items import jjf1536
+from tasks.specifications import jjf1536
 from tasks.station import procedures
 from tasks.station.fixture import Commanded
 from tasks.station.modbus import Link

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from schemas.base import Unusable
 from schemas.uncertainty import Budget
-from tasks.items.linear import solve
+from tasks.specifications.linear import solve
 from tasks.uncertainty.budget import (
     Contribution,
     InputQuantity,

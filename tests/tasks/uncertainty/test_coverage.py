@@ -10,8 +10,8 @@ from scipy import stats
 
 from schemas.calibration import Calibration
 from schemas.uncertainty import Budget
-from tasks.items.jjf1536 import calibrate as calibrate_ahrs
-from tasks.items.jjf2003 import calibrate
+from tasks.specifications.jjf1536 import calibrate as calibrate_ahrs
+from tasks.specifications.jjf2003 import calibrate
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.coverage import PROBABILITY, half_width
 from tasks.uncertainty.monte_carlo import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.items.evidence import Evidence, gather
+from tasks.specifications.evidence import Evidence, gather
 from tasks.uncertainty.drift import DRIFTS
 from tasks.uncertainty.freedom import type_a_dof
 

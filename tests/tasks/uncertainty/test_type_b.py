@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from schemas.certificate import EquipmentLimit
-from tasks.items.jjf2003.positions import input_matrix
-from tasks.items.linear import solve
 from tasks.motion.table import EARTH_RATE
+from tasks.specifications.jjf2003.positions import input_matrix
+from tasks.specifications.linear import solve
 from tasks.uncertainty import type_b
 from tasks.uncertainty.budget import Contribution, combine
 from tasks.uncertainty.equipment import (

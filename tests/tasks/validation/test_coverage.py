@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from tasks.items import jjf1536, jjf2003, joint
+from tasks.specifications import jjf1536, jjf2003, joint
 from tasks.validation.coverage import coverage_check, simulate, study, summarise, wilson
 
 METHODS = {"jjf2003": jjf2003.calibrate, "joint": joint.calibrate, "jjf1536": jjf1536.calibrate}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tasks.items import jjf1536, jjf2003, joint
+from tasks.specifications import jjf1536, jjf2003, joint
 from tasks.validation.coverage import simulate
 from tasks.validation.examples import EXAMPLES, example_check
 from tasks.validation.independent import independent_checks

@@ -11,7 +11,7 @@ from schemas.validation import (
     MethodValidation,
     ValidationRecord,
 )
-from tasks.items import jjf2003
+from tasks.specifications import jjf2003
 from tasks.validation.fingerprint import code, fingerprint, sources
 from tasks.validation.page import page
 from tasks.validation.record import doubts_of, named, shipped

@@ -28,7 +28,7 @@ KNOWS = """
 import sys
 import tasks.prove.real.hide
 from tasks.prove.real.hand import lines, rate_table, rests, rounding, shaft
-theirs = ("tasks.explain", "tasks.model", "tasks.motion", "tasks.segments", "tasks.items")
+theirs = ("tasks.explain", "tasks.model", "tasks.motion", "tasks.segments", "tasks.specifications")
 print([name for name in sys.modules if name.startswith(theirs)])
 """
 

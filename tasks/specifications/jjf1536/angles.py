@@ -1,0 +1,186 @@
+"""What an AHRS puts out as a rate: the angle it gained, over the time.
+
+F of eq. (10) is the mean of the increments per second over a segment, which is the angle gained
+from its beginning to its end divided by the time between. The same holds for N of (16), (17).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.segments.summarise import (
+    GYRO_COLUMNS,
+    SegmentMean,
+    allan_variances,
+    far_rows,
+    longest_run,
+    steps,
+    summarise,
+)
+from tasks.specifications.jjf1536.noise import AngleNoise, fit_angle_noise, slow_allan
+
+Origin = Literal["label", "found"]
+
+STEP_ROWS = 8000  # rows that the resolution of an angle is looked for in
+WILD = 5.0  # times nearly the largest increment of a turn: no increment of that turn
+
+
+@dataclass(frozen=True)
+class Gained:
+    """Increments of the accumulated angles over one segment.
+
+    increment: (3, n) rad, those that jumped replaced by what lies beside them.
+    wild: (3, n), which ones those are.
+    t_start, t_end: s, the first and the last reading.
+    """
+
+    increment: np.ndarray
+    wild: np.ndarray
+    t_start: float
+    t_end: float
+
+
+def has_angles(recording: Recording) -> bool:
+    """Whether the recording holds the AHRS's accumulated angles."""
+    return all(name in recording.imu.columns for name in ANGLE)
+
+
+def as_rates(recording: Recording) -> Recording:
+    """The recording with gyro_* (rad/s) made of the angles: the increment that begins at each row.
+
+    Whatever checks a gyro, its steadiness, its lost samples, can then check an AHRS.
+    """
+    imu = recording.imu
+    rates = np.diff(imu.stack(ANGLE), axis=0).T / np.diff(imu.t)
+    columns = {name: values[:-1] for name, values in imu.columns.items() if name not in ANGLE}
+    columns |= dict(zip(GYRO, rates, strict=True))
+    return replace(recording, imu=Stream(imu.t[:-1], columns))
+
+
+def resolution(imu: Stream) -> np.ndarray:
+    """Smallest difference (3,) rad between two readings of each accumulated angle."""
+    sample = np.sort(imu.stack(ANGLE)[:: max(1, len(imu) // STEP_ROWS)], axis=0)
+    apart = np.diff(sample, axis=0)
+    rounding = 8 * np.finfo(float).eps * np.abs(sample).max(axis=0)
+    smallest = np.where(apart > rounding, apart, np.inf).min(axis=0, initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, 0.0)
+
+
+def gained(imu: Stream, segment: Segment, step: np.ndarray) -> Gained | None:
+    """The increments of a segment, None with fewer than two readings.
+
+    The reading at the segment's end closes its last increment; where angles began anew there,
+    that increment jumps. step: (3,) resolution, rad.
+    """
+    rows = imu.rows(segment.t_start, segment.t_end)
+    if rows.stop - rows.start < 2:
+        return None
+    interval = float(np.median(np.diff(imu.t[rows])))
+    stop = rows.stop
+    if stop < len(imu) and imu.t[stop] < segment.t_end + 0.5 * interval:
+        stop += 1
+    within = slice(rows.start, stop)
+    t = imu.t[within]
+    increment = np.diff(imu.channels(ANGLE, within), axis=1)
+    share = interval / np.diff(t)
+    jumped = np.zeros(increment.shape, bool)
+    row = np.arange(len(share))
+    for channel, values in enumerate(increment * share):
+        wild = _wild(values, step[channel], segment)
+        if wild is not None and not wild.all():
+            calm = np.interp(row[wild], row[~wild], values[~wild])
+            increment[channel, wild] = calm / share[wild]
+            jumped[channel] = wild
+    return Gained(increment, jumped, float(t[0]), float(t[-1]))
+
+
+def _wild(values: np.ndarray, step: float, segment: Segment) -> np.ndarray | None:
+    """Which increments (n,) are a spike's or a restart's; in a turn they may differ a lot."""
+    if segment.kind != "rotation":
+        return far_rows(values, step)
+    return np.abs(values) > WILD * np.quantile(np.abs(values), 0.9) + 4.5 * step
+
+
+def is_coarse(rests: list[np.ndarray], step: np.ndarray) -> bool:
+    """Whether an angle often stands still at rest, because its resolution hides its noise."""
+    for channel in range(3):
+        size = np.abs(np.concatenate([rest[channel] for rest in rests] or [np.ones(1)]))
+        moved = size > 0.5 * step[channel]
+        if (
+            step[channel] > 0
+            and moved.mean() < 0.9
+            and (not moved.any() or np.median(size[moved]) < 3 * step[channel])
+        ):
+            return True
+    return False
+
+
+def summarise_angles(
+    recording: Recording, rates: Recording, segments: tuple[Segment, ...], origin: Origin
+) -> tuple[tuple[SegmentMean, ...], AngleNoise, bool]:
+    """Summaries of the segments, the noise of the angles, and whether their resolution is coarse.
+
+    recording: with the angles; rates: the same from `as_rates`. The gyro's part of a summary is
+    the angle gained over the time.
+    """
+    step = resolution(recording.imu)
+    every_step = steps(rates.imu)
+    interval = float(np.median(np.diff(recording.imu.t))) if len(recording.imu) > 1 else 1.0
+    every_step[GYRO_COLUMNS] = step / interval
+    kept = []
+    for segment in segments:
+        base = summarise(rates.imu, segment, origin, every_step)
+        gain = gained(recording.imu, segment, step)
+        if base is not None and gain is not None:
+            kept.append((base, gain))
+    rests = [gain.increment for base, gain in kept if base.segment.kind == "static"]
+    noise = fit_angle_noise(rests, interval, step)
+    means = tuple(_with_angles(base, gain) for base, gain in kept)
+    return _with_slow_noise(means, noise), noise, is_coarse(rests, step)
+
+
+def _with_angles(base: SegmentMean, gain: Gained) -> SegmentMean:
+    """The summary with the angle gained over the time as its rates, and their Allan variances."""
+    seconds = gain.t_end - gain.t_start
+    mean, step = base.mean.copy(), base.step.copy()
+    mean[GYRO_COLUMNS] = gain.increment.sum(axis=1) / seconds
+    step[GYRO_COLUMNS] = 0.0  # the rounding of the angle is counted once, as its noise
+    rate = gain.increment * gain.increment.shape[1] / seconds
+    seen, tau = allan_variances(rate, seconds)
+    allan = np.zeros((len(tau), len(mean)))
+    allan[:, GYRO_COLUMNS] = seen
+    far = base.far_rows.copy()
+    far[GYRO_COLUMNS] = gain.wild.sum(axis=1)
+    any_wild = np.asarray(gain.wild.any(axis=0))
+    base = replace(
+        base,
+        t_start=gain.t_start,
+        t_end=gain.t_end,
+        left_out=int(any_wild.sum()),
+        far_rows=far,
+        longest_burst=longest_run(any_wild),
+    )
+    return replace(base, mean=mean, step=step, allan=allan, tau=tau)
+
+
+def _with_slow_noise(means: tuple[SegmentMean, ...], noise: AngleNoise) -> tuple[SegmentMean, ...]:
+    """The summaries with the Allan variances that the rests show together.
+
+    The longest rests keep what they show, the mean over all of them; the others, and whatever
+    turns, have the white noise of the rate.
+    """
+    rests = [m for m in means if m.segment.kind == "static"]
+    levels = max((len(m.tau) for m in rests), default=0)
+    longest = max((m.seconds for m in rests), default=0.0)
+    long = [m for m in rests if m.seconds > 0.9 * longest and len(m.tau) == levels]
+    changed = []
+    for m in means:
+        allan = np.zeros_like(m.allan)
+        allan[:, GYRO_COLUMNS] = noise.walk / m.tau[:, None]
+        if any(m is each for each in long):
+            seen = [each.allan[:, GYRO_COLUMNS] for each in long]
+            allan[:, GYRO_COLUMNS] = slow_allan(seen, m.tau, noise)
+        changed.append(replace(m, allan=allan))
+    return tuple(changed)

@@ -1,0 +1,213 @@
+"""What the equipment may be wrong by, put through the joint solution (type B).
+
+Each limit changes what the unit went through, and the change of the readings goes through the
+operator of the fit: δθ = O·δy. A table angle is wrong by its own amount in every position; a run
+of rates and the rests beside it have one setting. Axes that are not square tilt each face of its
+own; a fixture is wrong by one amount while the unit stays mounted. The
+outermost axis leans from the vertical by as much as angles and axes allow: that shows in rests,
+and averages out in turns.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tasks.model.simulate import predict
+from tasks.model.term import Term
+from tasks.motion.whole import Motion
+from tasks.specifications.evidence import Evidence
+from tasks.uncertainty.budget import Contribution
+from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import SLOWLY
+
+STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
+
+LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of its own
+
+
+@dataclass(frozen=True)
+class Disturbed:
+    """How the mean readings follow the equipment's errors, per unit of each.
+
+    tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
+    two headings. rate, gravity: (n, 6) per relative error.
+    latitude: (n, 6) per rad.
+    each, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the unit's
+    mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
+    speed: (n,) rad/s.
+    """
+
+    tilt: np.ndarray
+    lean: np.ndarray
+    rate: np.ndarray
+    gravity: np.ndarray
+    latitude: np.ndarray
+    each: np.ndarray
+    faces: np.ndarray
+    mountings: np.ndarray
+    turned: np.ndarray
+    by_angle: np.ndarray
+    speed: np.ndarray
+    equipment: Equipment
+    local_gravity: float
+
+    def lines(self, channel: int, weights: np.ndarray) -> tuple[Contribution, ...]:
+        """The lines of o·U for one channel; weights: o (n,).
+
+        By what is told of rate, gravity and latitude: what they truly are acts the other way.
+        """
+        gravity = weights @ self.gravity[:, channel] / self.local_gravity
+        latitude = weights @ self.latitude[:, channel]
+        every = (
+            *self._rates(weights * self.rate[:, channel]),
+            *self._angles(channel, weights),
+            Contribution(self.equipment.gravity.quantity(), -float(gravity)),
+            Contribution(self.equipment.latitude.quantity(), -float(latitude)),
+        )
+        sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
+        least = LEAST_SHARE * max(sizes)
+        return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
+
+    def covariance(self, channel: int) -> np.ndarray:
+        """Covariance (n, n) of one channel's means by what the model cannot follow: the angles.
+
+        Rate, gravity and latitude change the parameters, not what is left over.
+        """
+        tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
+        leaning, across = lean.T @ lean, tilt.T @ tilt
+        own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
+        setting = across * (self.each[:, None] == self.each) + leaning + own
+        total = np.zeros_like(across)
+        for limit in self.equipment.angles:
+            total += limit.u**2 * setting
+        if self.equipment.axes is not None:
+            face = across * (self.faces[:, None] == self.faces)
+            total += self.equipment.axes.u**2 * (face + leaning)
+        if self.equipment.fixture is not None:
+            mounted = across * (self.mountings[:, None] == self.mountings)
+            total += self.equipment.fixture.u**2 * mounted
+        if self.equipment.ripple is not None:
+            ripple = self.rate[:, channel] * self._ripple_share()
+            total += self.equipment.ripple.u**2 * np.diag(ripple**2)
+        return total
+
+    def _turned_share(self) -> np.ndarray:
+        """(n,) relative error of a turn's rate per rad of its angle; zero where none is turned."""
+        return np.where(self.by_angle, 1.0 / np.where(self.by_angle, self.turned, 1.0), 0.0)
+
+    def _ripple_share(self) -> np.ndarray:
+        """(n,) rms of what a ripple leaves in the mean rate of a run; zero where none is held."""
+        held = ~self.by_angle & (self.speed > 0)
+        return held * 1.0 / np.maximum(self.turned, SLOWLY)
+
+    def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
+        held = np.flatnonzero(~self.by_angle & (self.speed > 0))
+        limits = {i: self.equipment.rate_at(self.speed[i]) for i in held}
+        for limit in dict.fromkeys(limit for found in limits.values() for limit in found):
+            common = sum(felt[i] for i in held if limit in limits[i])
+            yield Contribution(limit.quantity(), -float(common))
+        if self.equipment.ripple is not None:
+            left = float(np.linalg.norm(felt * self._ripple_share()))
+            yield Contribution(self.equipment.ripple.quantity(), left)
+
+    def _angles(self, channel: int, weights: np.ndarray) -> Iterable[Contribution]:
+        turns = weights * self.rate[:, channel] * self._turned_share()
+        felt = weights * self.tilt[:, :, channel]
+        lean = float(np.linalg.norm((weights * self.lean[:, :, channel]).sum(axis=1)))
+        each = float(np.hypot(_summed(felt, self.each), np.linalg.norm(turns)))
+        for limit in self.equipment.angles:
+            yield Contribution(limit.quantity(), float(np.hypot(each, lean)))
+        if self.equipment.axes is not None:
+            face = float(np.hypot(_summed(felt, self.faces), lean))
+            yield Contribution(self.equipment.axes.quantity(), face)
+        if self.equipment.fixture is not None:
+            mounting = _summed(felt, self.mountings)
+            yield Contribution(self.equipment.fixture.quantity(), mounting)
+
+
+def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
+    """√Σ over groups and body axes (3, n) of what one error common to a group does."""
+    return float(np.linalg.norm([np.bincount(numbers, row) for row in felt]))
+
+
+def disturbed(
+    evidence: Evidence,
+    motion: Motion,
+    terms_at: Callable[[float], tuple[Term, ...]],
+    values: np.ndarray,
+    equipment: Equipment,
+) -> Disturbed:
+    """How the readings of a model follow the equipment's errors.
+
+    motion: of the segments; terms_at: the list of terms with the latitude off by so many rad;
+    values: (p,) of its parameters.
+    """
+    terms = terms_at(0.0)
+    reads = predict(terms, motion, values)
+
+    def changed(other: Motion, model: tuple[Term, ...] = terms) -> np.ndarray:
+        return np.nan_to_num((predict(model, other, values) - reads) / STEP)
+
+    segments = [segment.segment for segment in evidence.segments]
+    speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
+    seconds = np.array([segment.seconds for segment in evidence.segments])
+    place = [_setting(evidence, i) for i in range(len(segments))]
+    face = [evidence.up[i] or place[i] for i in range(len(segments))]
+    mount = face if not evidence.mounted_once else [""] * len(face)
+    level = _level_directions(evidence, motion)
+    return Disturbed(
+        tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
+        lean=np.array(
+            [changed(replace(motion, up=motion.up + STEP * direction)) for direction in level]
+        ),
+        rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
+        gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
+        latitude=changed(motion, terms_at(STEP)),
+        each=_numbered(place),
+        faces=_numbered(face),
+        mountings=_numbered(mount),
+        turned=speed * seconds,
+        by_angle=np.array([s.kind == "rotation" for s in segments], bool),
+        speed=speed,
+        equipment=equipment,
+        local_gravity=motion.gravity,
+    )
+
+
+def _setting(evidence: Evidence, i: int) -> str:
+    """What the table's angles were set for: a rest of its own, or a run of rates with its rests."""
+    label, up = evidence.segments[i].segment, evidence.up[i]
+    if label.kind != "static":
+        return f"run {up or label.axis}"
+    return f"run {up}" if label.item == "rate_sensitivity" and up else f"rest {i}"
+
+
+def _level_directions(evidence: Evidence, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    """Two level directions (n, 3) across each other, in the body; zero in turns, as on average.
+
+    North and east where they are known, else by the turns that the labels tell.
+    """
+    first = motion.north.copy()
+    for i, segment in enumerate(evidence.segments):
+        up = motion.up[i]
+        if segment.segment.kind != "static":
+            first[i] = 0.0
+        elif not np.isfinite(first[i]).all() and np.isfinite(up).all():
+            across = np.cross(up, np.roll(np.eye(3)[np.abs(up).argmax()], 1))
+            turn = np.radians(segment.segment.turn_deg or 0.0)
+            first[i] = np.cos(turn) * across + np.sin(turn) * np.cross(up, across)
+    return first, np.cross(first, motion.up)
+
+
+def _tilted(motion: Motion, axis: np.ndarray) -> Motion:
+    """The body turned a little about one of its axes: what it feels turns the other way."""
+    turned = {
+        name: getattr(motion, name) + STEP * np.cross(getattr(motion, name), axis)
+        for name in ("up", "north", "rate")
+    }
+    return replace(motion, **turned)
+
+
+def _numbered(names: list[str]) -> np.ndarray:
+    return np.unique(names, return_inverse=True)[1] if names else np.zeros(0, int)

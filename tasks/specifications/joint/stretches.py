@@ -1,0 +1,160 @@
+"""What the unit went through in each segment of a recording, for the joint method.
+
+A segment held at one attitude or rate has one mean reading and one mean motion: fitting the means
+by their covariance is fitting all samples at once.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.recording import AXES, Recording
+from tasks.motion.table import mean_rate
+from tasks.motion.whole import (
+    Motion,
+    attitude_recorded,
+    gravity_of,
+    unit_vector,
+    whole_motion,
+)
+from tasks.specifications.evidence import Evidence
+from tasks.specifications.jjf2003.positions import is_paired
+
+SAMPLES = 400  # times within a segment at which its attitude is looked up
+SAME_VERTICAL = np.cos(np.radians(10.0))  # encoders and gravity agree on the axis up within this
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """The mean motion of the segments, and what each may be used for.
+
+    motion: (n segments); a turn about the vertical has no mean north, which averages out.
+    gyro, accel: (n,) bool, what may be fitted to each triad.
+    alive: (6,) bool, channels that do not read one and the same number throughout.
+    turned: (3,) bool, axes about which the gyro was recorded at two or more rates, or in a turn.
+    zero: (n,) bool, the rests that correct gyro bias and g-sensitivity.
+    level_unknown: (n,) bool, rests in which the horizontal part of Earth's rotation is not known.
+    """
+
+    motion: Motion
+    gyro: np.ndarray
+    accel: np.ndarray
+    alive: np.ndarray
+    turned: np.ndarray
+    zero: np.ndarray
+    level_unknown: np.ndarray
+
+
+def stretches(recording: Recording, evidence: Evidence) -> Stretches:
+    """The segments of a recording as the joint method takes them.
+
+    Rests and rates that labels and witnesses contradict are taken as `gather` took them: the axis
+    up by gravity, the rate by the encoders, or left out.
+    """
+    segments = evidence.segments
+    motion, vertical = _motion(recording, evidence)
+    still = np.array([segment.segment.kind == "static" for segment in segments], bool)
+    turning = np.array([segment.segment.kind == "rate" for segment in segments], bool)
+    moved = np.isfinite(motion.rate).all(axis=1)
+    gyro = np.array([segment.has_gyro for segment in segments], bool)
+    accel = np.array([segment.has_accel for segment in segments], bool)
+    turned, alone = _turned_by_gyro(evidence, motion, gyro & moved)
+    unknown = still & vertical & ~np.isfinite(motion.north).all(axis=1)
+    return Stretches(
+        motion=motion,
+        gyro=gyro & moved & (vertical | ~still) & ~alone,
+        accel=accel & moved & vertical & (still | turning),
+        alive=_alive(evidence),
+        turned=turned,
+        zero=gyro & still & vertical & ~_beside_pairs(evidence, unknown),
+        level_unknown=unknown & ~_paired(evidence),
+    )
+
+
+def _alive(evidence: Evidence) -> np.ndarray:
+    steps = np.array([segment.step for segment in evidence.segments]).reshape(-1, 6)
+    return np.asarray((steps > 0.0).any(axis=0))
+
+
+def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarray]:
+    """Mean motion of each segment, and (n,) bool where the vertical in it is known."""
+    segments = evidence.segments
+    looked = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in segments]
+    whole = whole_motion(recording, np.concatenate([np.zeros(0), *looked]))
+    shape = (len(segments), SAMPLES, 3)
+    up, north = whole.up.reshape(shape).mean(axis=1), whole.north.reshape(shape).mean(axis=1)
+    rate = np.array([_rate(recording, evidence, i) for i in range(len(segments))]).reshape(-1, 3)
+    rate = np.where(_turned(evidence), rate, 0.0 * rate)
+    vertical, recorded = np.zeros(len(segments), bool), attitude_recorded(recording)
+    for i, segment in enumerate(segments):
+        shown = unit_vector(evidence.up[i])
+        agrees = not np.isfinite(shown).all() or up[i] @ shown >= SAME_VERTICAL
+        if not recorded or not np.isfinite(up[i]).all() or not agrees:
+            up[i], north[i] = shown, np.nan
+        vertical[i] = np.isfinite(up[i]).all()
+        if segment.segment.kind != "static":
+            north[i] = np.nan_to_num(north[i])
+            if not vertical[i] and segment.has_accel:
+                up[i] = segment.mean[3:] / gravity_of(recording)
+    t = np.array([0.5 * (segment.t_start + segment.t_end) for segment in segments])
+    return Motion(t, up, north, rate, np.zeros_like(rate), gravity_of(recording)), vertical
+
+
+def _turned_by_gyro(
+    evidence: Evidence, motion: Motion, read: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """(3,) bool, axes that the gyro read turning, and (n,) bool, the runs about the others.
+
+    A turn by a known angle will do, or runs at two rates: one rate is no line, and what it reads
+    must not be laid upon the other axes. read: (n,) bool.
+    """
+    turned, alone = np.zeros(3, bool), np.zeros(len(read), bool)
+    for j, axis in enumerate(AXES):
+        runs = [i for i in (*evidence.points[axis], *evidence.turns[axis]) if read[i]]
+        rates = set(np.round(np.degrees(motion.rate[runs, j]), 1))
+        turned[j] = len(rates) > 1 or any(i in runs for i in evidence.turns[axis])
+        alone[runs] = not turned[j]
+    return turned, alone
+
+
+def _turned(evidence: Evidence) -> np.ndarray:
+    """(3,) bool: axes with a run of rates or a turn; about the others what is left is misalignment.
+
+    Ten microradians of it would be taken for an input, and the axis for one that was turned.
+    """
+    return np.array([bool(evidence.points[axis] or evidence.turns[axis]) for axis in AXES])
+
+
+def _rate(recording: Recording, evidence: Evidence, i: int) -> np.ndarray:
+    """Mean body rate (3,) rad/s of a segment; NaN where nobody knows it."""
+    label = evidence.segments[i].segment
+    if label.kind == "static":
+        return np.zeros(3)
+    seen = mean_rate(recording, label)
+    if label.kind == "rate":
+        known = np.isfinite(evidence.rate[i])
+        by_label = evidence.rate[i] * np.eye(3)[AXES.index(label.axis or "x")]
+        return np.full(3, np.nan) if not known else by_label if seen is None else seen
+    if seen is not None:
+        return seen
+    angle = np.radians(np.nan if label.angle_deg is None else label.angle_deg)
+    return np.eye(3)[AXES.index(label.axis or "x")] * angle / evidence.segments[i].seconds
+
+
+def _paired(evidence: Evidence) -> np.ndarray:
+    """(n,) bool: rests of a position that was held at two headings 180° apart."""
+    paired = np.zeros(len(evidence.segments), bool)
+    for indices in evidence.positions.values():
+        if is_paired(evidence, indices):
+            paired[list(indices)] = True
+    return paired
+
+
+def _beside_pairs(evidence: Evidence, unknown: np.ndarray) -> np.ndarray:
+    """(n,) bool: rests of unknown heading with an axis up that was also held as a pair.
+
+    The pair cancels the horizontal part of Earth's rotation; such a rest would bring it back.
+    """
+    faces = [up for up, indices in evidence.positions.items() if is_paired(evidence, indices)]
+    of_such = np.array([up in faces for up in evidence.up], bool)
+    return unknown & of_such & ~_paired(evidence)

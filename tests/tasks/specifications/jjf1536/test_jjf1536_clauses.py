@@ -1,0 +1,163 @@
+"""Each error planted alone moves its own value and no other; each erratum would be seen."""
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.recording import ANGLE, Recording, Stream
+from tasks.specifications.jjf1536 import calibrate
+from tasks.specifications.jjf1536.model import sensed_angles
+from tasks.specifications.readings import READINGS
+
+AXES = "xyz"
+OFF = [(i, j) for i in range(3) for j in range(3) if i != j]
+DEG = float(np.degrees(1.0))
+
+
+def result(recording: Recording) -> Calibration:
+    return calibrate(recording, run="r", code_version="v")
+
+
+def everything(calibration: Calibration) -> dict[str, float | None]:
+    return {
+        f"{name}.{element}": value
+        for name, item in calibration.items.items()
+        for element, value in item.value.items()
+    }
+
+
+def expected(**moved: float) -> dict[str, float]:
+    base = {f"ahrs_scale_factor.{a}": 1.0 for a in AXES}
+    base |= {f"ahrs_zero_offset.{a}": 0.0 for a in AXES}
+    base |= {f"ahrs_misalignment.{AXES[i]}{AXES[j]}": 0.0 for i, j in OFF}
+    return base | {name.replace("__", "."): value for name, value in moved.items()}
+
+
+def check(recording: Recording, **moved: float) -> None:
+    assert everything(result(recording)) == pytest.approx(expected(**moved), abs=1e-8)
+
+
+def planted(i: int, j: int, ratio: float) -> np.ndarray:
+    matrix = np.zeros((3, 3))
+    matrix[i, j] = ratio
+    return matrix
+
+
+def test_an_ideal_unit_on_the_turning_earth_has_scale_factor_one_and_nothing_else(ahrs_run) -> None:
+    check(ahrs_run())
+
+
+@pytest.mark.parametrize("i", range(3))
+def test_scale_factor_moves_alone(ahrs_run, i: int) -> None:
+    check(ahrs_run(K=1 + 0.01 * np.eye(3)[i]), **{f"ahrs_scale_factor__{AXES[i]}": 1.01})
+
+
+@pytest.mark.parametrize("i", range(3))
+def test_zero_offset_moves_alone(ahrs_run, i: int) -> None:
+    check(ahrs_run(B=0.02 * np.eye(3)[i]), **{f"ahrs_zero_offset__{AXES[i]}": 0.02})
+
+
+@pytest.mark.parametrize(("i", "j"), OFF)
+def test_misalignment_moves_alone_and_is_named_by_the_axis_that_reads(
+    ahrs_run, i: int, j: int
+) -> None:
+    element = f"ahrs_misalignment__{AXES[i]}{AXES[j]}"
+    check(ahrs_run(L=planted(i, j, 0.001)), **{element: 0.001 * DEG})
+
+
+def test_rates_as_input_give_the_same_values(ahrs_run, as_gyro) -> None:
+    errors = {"K": (1.01, 0.99, 1.002), "L": planted(2, 0, 0.002), "B": (0.01, -0.02, 0.03)}
+    recording = ahrs_run(**errors)
+    by_rate = result(as_gyro(recording))
+    assert everything(by_rate) == pytest.approx(everything(result(recording)), abs=1e-8)
+    assert "jjf1536.output_rate" not in by_rate.items["ahrs_scale_factor"].readings
+    assert "jjf1536.output_rate" in result(recording).items["ahrs_scale_factor"].readings
+
+
+def test_units_clauses_and_uncertainties_are_told(ahrs_run) -> None:
+    calibration = result(ahrs_run())
+    assert calibration.method == "jjf1536"
+    assert [item.unit for item in calibration.items.values()] == ["1", "deg/s", "deg"]
+    for item in calibration.items.values():
+        assert item.clause.startswith("JJF 1536-2015, 7.")
+        assert all(u is not None and u > 0 for u in item.u.values())
+        doubled = {name: 2 * u for name, u in item.u.items()}
+        assert dict(item.U) == pytest.approx(doubled)
+    assert calibration.unavailable == {}
+
+
+def test_every_reading_that_an_item_names_is_in_the_register(ahrs_run) -> None:
+    named = {name for item in result(ahrs_run()).items.values() for name in item.readings}
+    assert named
+    assert named | {"jjf1536.product", "jjf1536.attitude"} <= set(READINGS)
+
+
+# The errata: what the formula as printed would have given.
+
+
+def test_eq_17_divides_by_the_whole_of_2_times_360_times_n(ahrs_run) -> None:
+    ratio, n = 0.001, 10
+    forward, back = 360 * n * ratio, -360 * n * ratio  # what y gains, degrees
+    value = result(ahrs_run(L=planted(1, 0, ratio))).items["ahrs_misalignment"].value["yx"]
+    assert value == pytest.approx(DEG * (forward - back) / (2 * 360 * n), abs=1e-8)
+    as_printed = {
+        "(7): a half, times 360, times n": (forward - back) / 2 * 360 * n,
+        "(17): no brackets": forward - back / (2 * 360 * n),
+        "(17): pi for n": (forward - back) / (2 * 360 * np.pi),
+        "a ratio for degrees": (forward - back) / (2 * 360 * n),
+    }
+    assert not [name for name, wrong in as_printed.items() if abs(wrong - value) < 0.02]
+
+
+def test_eq_9_second_line_is_l_yz(ahrs_run) -> None:
+    value = result(ahrs_run(L=planted(1, 2, 0.001))).items["ahrs_misalignment"].value
+    assert value["yz"] == pytest.approx(0.001 * DEG, abs=1e-8)
+    assert value["yx"] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_eq_16_divides_by_the_whole_of_4_times_t(ahrs_run) -> None:
+    seconds, zero = 60.0, 0.02
+    outputs = 4 * [zero * seconds]  # degrees; Earth's rotation is not in an axis pointing east
+    value = result(ahrs_run(hold=seconds, B=(zero, 0, 0))).items["ahrs_zero_offset"].value["x"]
+    assert value == pytest.approx(sum(outputs) / (4 * seconds), abs=1e-8)
+    assert abs(sum(outputs) / 4 * seconds - value) > 1.0
+
+
+def test_the_sensitivity_of_eq_a4_is_one_over_4_t(bench) -> None:
+    noise, seconds = 1e-4, 100.0  # rad of each reading, two readings a position
+    made = bench()
+    for points in ("ENU", "ESD", "WSU", "WND"):
+        made.position("x", points, seconds)
+    u = result(made.recording(angle_noise=noise)).items["ahrs_zero_offset"].u["x"]
+    output = DEG * noise * np.sqrt(2)
+    assert u == pytest.approx(np.sqrt(4) * output / (4 * seconds), rel=0.2)
+
+
+def test_eq_2_is_a_product() -> None:
+    L = np.array([[1, 0.01, -0.02], [0.03, 1, 0.04], [-0.05, 0.06, 1]])
+    B, A, T = np.array([0.1, -0.2, 0.3]), np.array([[10.0, 20.0, -30.0], [1.0, 2.0, 3.0]]), 7.0
+    N = A @ L.T + B * T  # eq. (1)
+    assert sensed_angles(N, L - np.eye(3), B, T) == pytest.approx(A)
+    as_printed = np.linalg.inv(L) + (N[0] - B * T)
+    assert not np.allclose(as_printed, A[0])
+
+
+def test_a_recording_without_angles_and_rates_is_refused_in_one_sentence(ahrs_run) -> None:
+    recording = ahrs_run()
+    columns = {name: recording.imu.columns[name] for name in ANGLE[:2]}
+    lacking = Recording(recording.manifest, Stream(recording.imu.t, columns))
+    with pytest.raises(Unusable, match="no angle_x, angle_y, angle_z columns"):
+        result(lacking)
+
+
+def test_angles_in_degrees_are_refused(ahrs_run) -> None:
+    recording = ahrs_run()
+    columns = {name: np.degrees(recording.imu.columns[name]) for name in ANGLE}
+    with pytest.raises(Unusable, match=r"angle columns read .* and the angle columns in rad"):
+        result(Recording(recording.manifest, Stream(recording.imu.t, columns)))
+
+
+def test_the_same_recording_gives_the_same_result_to_the_last_digit(ahrs_run) -> None:
+    recording = ahrs_run(B=(0.01, 0.0, 0.0))
+    assert result(recording).model_dump_json() == result(recording).model_dump_json()

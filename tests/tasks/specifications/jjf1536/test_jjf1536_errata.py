@@ -1,0 +1,89 @@
+"""The errata of JJF 1536-2015 that test_jjf1536_clauses.py does not already show, entry by entry.
+
+Eq. (2), (16), (17), (A.4) and the second line of (9) are there, eq. (B.4) in
+tests/tasks/motion/test_attitude.py, the worked examples in tests/tasks/uncertainty.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from schemas.calibration import Calibration
+from schemas.recording import Recording
+from tasks.certificate.notes import readings
+from tasks.specifications import jjf1536, jjf2003
+from tasks.specifications.readings import READINGS
+from tasks.stages.certify import DEFAULT_MONTHS, MONTHS
+
+AXES = "xyz"
+DEG = float(np.degrees(1.0))
+OFF = [(i, j) for i in range(3) for j in range(3) if i != j]
+TURNS = 10
+
+Build = Callable[..., Recording]
+
+
+def result(recording: Recording) -> Calibration:
+    return jjf1536.calibrate(recording, run="r", code_version="v")
+
+
+@pytest.mark.parametrize(("i", "j"), OFF)
+def test_eq_7_8_and_9_divide_by_the_whole_and_give_degrees(ahrs_run: Build, i: int, j: int) -> None:
+    ratio, matrix = 0.001, np.zeros((3, 3))
+    matrix[i, j] = ratio
+    value = result(ahrs_run(L=matrix)).items["ahrs_misalignment"].value[AXES[i] + AXES[j]]
+    forward, back = 360.0 * TURNS * ratio, -360.0 * TURNS * ratio  # degrees
+    assert value == pytest.approx(DEG * (forward - back) / (2 * 360 * TURNS), abs=1e-8)
+    as_printed = (forward - back) / 2 * 360 * TURNS
+    assert abs(as_printed - value) > 1e3
+
+
+@pytest.mark.parametrize(("i", "j"), OFF)
+def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
+    ahrs_run: Build, i: int, j: int
+) -> None:
+    matrix = np.zeros((3, 3))
+    matrix[i, j] = 0.001
+    value = result(ahrs_run(L=matrix)).items["ahrs_misalignment"].value
+    reads, turns = AXES[i], AXES[j]
+    assert value[reads + turns] == pytest.approx(0.001 * DEG, abs=1e-8)
+    assert value[turns + reads] == pytest.approx(0.0, abs=1e-8)  # had the order been the other
+
+
+@pytest.mark.parametrize(
+    ("reading", "said"),
+    [
+        ("jjf1536.turns_divisor", "the whole of 2 × 360 × n; the π of (17) is n"),
+        ("jjf1536.l_yz", "L_yx is printed"),
+        ("jjf1536.index_order", "The first index is the axis that reads"),
+        ("jjf1536.zero_time", "divided by the whole of 4·T"),
+    ],
+)
+def test_the_register_has_the_reading_and_the_certificate_prints_it(
+    ahrs_run: Build, reading: str, said: str
+) -> None:
+    assert said in READINGS[reading].en
+    assert READINGS[reading].zh
+    assert said in " ".join(en for _, _, (_, en) in readings(result(ahrs_run())))
+
+
+@pytest.mark.parametrize(
+    ("reading", "said"),
+    [("jjf1536.product", "a product"), ("jjf1536.attitude", "atan2(−T12, T22)")],
+)
+def test_the_register_has_what_no_value_rests_on(reading: str, said: str) -> None:
+    assert said in READINGS[reading].en
+    assert READINGS[reading].zh
+
+
+def test_the_recalibration_is_due_after_24_months_here_and_12_there() -> None:
+    assert MONTHS.get("jjf1536", DEFAULT_MONTHS) == 24
+    assert MONTHS.get("jjf2003", DEFAULT_MONTHS) == 12
+
+
+def test_room_and_dwell_are_those_of_the_specification_that_is_followed() -> None:
+    here, there = jjf1536.CONDITIONS, jjf2003.CONDITIONS
+    assert (here.temperature_degc, there.temperature_degc) == ((17.0, 23.0), (15.0, 25.0))
+    assert (here.humidity_percent, there.humidity_percent) == ((30.0, 85.0), (20.0, 85.0))
+    assert (here.dwell_s, there.dwell_s) == (20.0, 30.0)
