@@ -5,7 +5,17 @@ The numerics say *what* (`message("segments-stuck", channel="gyro_x")`); the sen
 the Chinese in one place. A further language is a further folder.
 """
 
-from tasks.words.catalogue import LANGUAGES, known, say, texts
-from tasks.words.message import Argument, Message, message
+from tasks.words.catalogue import LANGUAGES, known, say, statement, texts
+from tasks.words.message import Argument, Message, Sayable, message
 
-__all__ = ["LANGUAGES", "Argument", "Message", "known", "message", "say", "texts"]
+__all__ = [
+    "LANGUAGES",
+    "Argument",
+    "Message",
+    "Sayable",
+    "known",
+    "message",
+    "say",
+    "statement",
+    "texts",
+]

@@ -6,7 +6,8 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
-from tasks.words.message import Argument, Message
+from schemas.discrepancy import Statement
+from tasks.words.message import Argument, Message, Sayable
 
 SUFFIX = ".ftl"
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
@@ -57,14 +58,16 @@ def known(id_: str) -> bool:
     return all(_pattern(language, id_) is not None for language in LANGUAGES)
 
 
-def say(said: Message | str, language: str) -> str:
-    """A message in one language; text that is no message is the same in all.
+def say(said: Sayable, language: str) -> str:
+    """A message or statement in one language; mere text is the same in all.
 
     Raises KeyError for a message that the catalogue lacks, or that asks for an argument it has
     not got.
     """
     if isinstance(said, str):
         return said
+    if isinstance(said, Statement):
+        return str(getattr(said, language))
     pattern = _pattern(language, said.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {said.id}")
@@ -75,9 +78,14 @@ def say(said: Message | str, language: str) -> str:
     return str(text)
 
 
-def texts(said: Message | str) -> Mapping[str, str]:
-    """A message in every language, by language: the fields of a `Statement` or a `Remark`."""
+def texts(said: Sayable) -> Mapping[str, str]:
+    """A message in every language, by language: the fields of a `Remark`, for one."""
     return {language: say(said, language) for language in LANGUAGES}
+
+
+def statement(said: Sayable) -> Statement:
+    """A message as it is published, in every language."""
+    return said if isinstance(said, Statement) else Statement(**texts(said))
 
 
 def _argument(value: Argument, language: str) -> object:
@@ -86,7 +94,7 @@ def _argument(value: Argument, language: str) -> object:
     if isinstance(value, tuple):
         separator = say(Message(SEPARATOR), language)
         return separator.join(str(_argument(each, language)) for each in value)
-    if isinstance(value, Message):
+    if isinstance(value, Message | Statement):
         return say(value, language)
     return fluent_number(value, useGrouping=False) if isinstance(value, int) else value
 

@@ -2,21 +2,24 @@
 
 from dataclasses import dataclass
 
+from schemas.discrepancy import Statement
+
 
 @dataclass(frozen=True)
 class Message:
     """Which sentence of the catalogues, and its named arguments.
 
     Numbers that are measured come as text, rounded where they are made; whole numbers come as
-    they are, so that a catalogue can tell one from many. A message within a message is said in
-    the same language, a tuple of them as a list.
+    they are, so that a catalogue can tell one from many. A message or a published statement
+    within a message is said in the same language, a tuple of them as a list.
     """
 
     id: str
     arguments: tuple[tuple[str, "Argument"], ...] = ()
 
 
-Argument = str | int | Message | tuple["str | int | Message", ...]
+Sayable = Message | Statement | str
+Argument = Sayable | int | tuple[Sayable | int, ...]
 
 
 def message(id_: str, /, **arguments: Argument) -> Message:

@@ -7,7 +7,8 @@ import pytest
 from fluent.syntax import ast, parse
 from fluent.syntax.visitor import Visitor
 
-from tasks.words import LANGUAGES, Message, known, message, say, texts
+from schemas.discrepancy import Statement
+from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
 
 WORDS = Path("tasks/words")
 
@@ -67,6 +68,12 @@ def test_a_list_is_said_with_the_separator_of_its_language() -> None:
 
 def test_text_is_the_same_in_every_language() -> None:
     assert texts("gyro_x") == {"en": "gyro_x", "zh": "gyro_x"}
+
+
+def test_a_statement_that_is_published_already_is_said_as_it_stands() -> None:
+    title = Statement(en="a tilted base", zh="基座倾斜")
+    assert texts(title) == {"en": "a tilted base", "zh": "基座倾斜"}
+    assert statement(title) == title
 
 
 def test_a_message_that_no_catalogue_has_is_an_error() -> None:
