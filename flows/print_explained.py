@@ -8,7 +8,7 @@ from flows.printing import stdout
 from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.discrepancy import Verdict as Answer
 from tasks.certificate.names import item_name, unit_text
-from tasks.explain.consequences import moved_by
+from tasks.explain.correction.consequences import moved_by
 from tasks.stages.explain import Explained
 from tasks.uncertainty.rounding import column
 

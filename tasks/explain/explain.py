@@ -6,26 +6,26 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.explain.absorbed import soaked_up
-from tasks.explain.assemble import assembled
-from tasks.explain.candidates import Candidate, candidates_of, columns_of, plausible_sizes
+from tasks.explain.evidence.absorption import soaked_up
+from tasks.explain.evidence.assemble import assembled
+from tasks.explain.evidence.weigh import Weighed, groups_of
 from tasks.explain.explanation import Explanation
-from tasks.explain.freed import without_happenings
-from tasks.explain.generic import empirical
-from tasks.explain.observed import (
+from tasks.explain.inputs.event_removal import without_happenings
+from tasks.explain.inputs.observed import (
     SEARCH_RATE,
     Observed,
     full_rate,
     in_blocks,
 )
-from tasks.explain.pool import Pool, pooled, renewed, residuals
-from tasks.explain.propose import proposed
-from tasks.explain.rank import members_of, precision_of
-from tasks.explain.refit import Model, delayed, fitted, linearised, model_of, started
-from tasks.explain.search import Chosen, Found, beside, first_noises, search
-from tasks.explain.spectrum import Noise
-from tasks.explain.told import Told
-from tasks.explain.weigh import Weighed, groups_of
+from tasks.explain.inputs.reference import Told
+from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.candidates import Candidate, candidates_of, columns_of, plausible_sizes
+from tasks.explain.search.empirical import empirical
+from tasks.explain.search.pool import Pool, pooled, renewed, residuals
+from tasks.explain.search.proposals import proposed
+from tasks.explain.search.rank import members_of, precision_of
+from tasks.explain.search.refit import Model, delayed, fitted, linearised, model_of, started
+from tasks.explain.search.stepwise import Chosen, Found, beside, first_noises, search
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.standard import STANDARD_TERMS

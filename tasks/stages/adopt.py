@@ -30,9 +30,9 @@ def adopt_terms(
     estimate, and for a method or an evaluation of uncertainty that has its own way with them.
     """
     # Late: a calibration without terms needs none of it.
-    from tasks.explain.adopt import adopt
+    from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
-    from tasks.explain.observed import full_rate
+    from tasks.explain.inputs.observed import full_rate
     from tasks.model.catalogue import catalogue
 
     _check(method, uncertainty)

@@ -19,7 +19,7 @@ from storage.store import Run
 from tasks.stages import refuse
 
 if TYPE_CHECKING:
-    from tasks.explain.told import Told
+    from tasks.explain.inputs.reference import Told
 
 WIDEST_STEP = 1.5  # steps of the unit between which another simulator's rows are interpolated
 FEWEST_ROWS = 0.5  # of the unit's rows that a simulation must have
@@ -50,7 +50,7 @@ def explain_run(
     Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
-    from tasks.explain.consequences import consequences
+    from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
     from tasks.explain.locate import locate
     from tasks.explain.report import said, write_report
@@ -73,7 +73,7 @@ def _told(
     recording: Recording, home: Home, calibration: str | None, simulated: Path | None
 ) -> "Told | None":
     """What a calibration or another simulator says the unit should have read; None: neither."""
-    from tasks.explain.told import Told
+    from tasks.explain.inputs.reference import Told
 
     if simulated is not None:
         said = ("the simulation that was given", "给定的仿真信号")

@@ -4,7 +4,7 @@ from html import escape
 
 from schemas.discrepancy import Consequence, Discrepancy, FindingSaid, HeldOut, VerdictChange
 from tasks.certificate.names import VERDICTS
-from tasks.explain.consequences import moved_by
+from tasks.explain.correction.consequences import moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.look import both, table
 from tasks.explain.report.statements import alternatives, on_certificate, why

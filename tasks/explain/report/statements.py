@@ -14,7 +14,7 @@ from schemas.discrepancy import (
     Where,
 )
 from tasks.certificate.names import VERDICTS
-from tasks.explain.consequences import moved_by
+from tasks.explain.correction.consequences import moved_by
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.explain.report.verdicts import verdict_statement
 from tasks.explain.report.words import (
@@ -32,7 +32,7 @@ from tasks.explain.report.words import (
     text_of,
     times_more_probable,
 )
-from tasks.explain.search import FALSE_ALARMS
+from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.term import Text
 from tasks.version import code_version
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FindingSaid, HeldOut
 from schemas.recording import TRIADS, Kind
-from tasks.explain.consequences import OVERALL, moved_by
+from tasks.explain.correction.consequences import OVERALL, moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.words import (
     channel_name,
@@ -20,7 +20,7 @@ from tasks.explain.report.words import (
     sentence,
     text_of,
 )
-from tasks.explain.search import FALSE_ALARMS
+from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.term import Text
 
 CLEARLY = 0.95  # what a residual falls to where it is worth telling

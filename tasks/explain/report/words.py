@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from schemas.discrepancy import FoundParameter, Statement
 from tasks.certificate.names import ITEMS, item_name, unit_text
-from tasks.explain.consequences import OVERALL
+from tasks.explain.correction.consequences import OVERALL
 from tasks.model.term import Text
 from tasks.uncertainty.rounding import MINUS, USUAL_K, column
 

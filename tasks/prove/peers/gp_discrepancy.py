@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, Kernel
 
-from tasks.explain.held_out import FOLDS
+from tasks.explain.evidence.held_out import FOLDS
 from tasks.prove.peers.peer import UNNAMED, Answer, HeldOut, Located
 from tasks.prove.peers.points import Points, inputs_of, points_of
 from tasks.prove.peers.seen import CHANNELS, Seen

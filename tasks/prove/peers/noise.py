@@ -11,7 +11,7 @@ import numpy as np
 from scipy.fft import dct, idct, next_fast_len
 from scipy.optimize import nnls
 
-from tasks.explain.observed import Observed
+from tasks.explain.inputs.observed import Observed
 
 FLICKER = 2.0 * np.log(2.0)
 FEWEST = 2  # differences of neighbouring means in a segment

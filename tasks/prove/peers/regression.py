@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.explain.held_out import BARELY, FOLDS
+from tasks.explain.evidence.held_out import BARELY, FOLDS
 from tasks.prove.peers.peer import HeldOut
 from tasks.prove.peers.seen import SAME, Equations, Seen
 

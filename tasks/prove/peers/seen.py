@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.explain.held_out import FOLDS, cells_of
-from tasks.explain.observed import Observed, full_rate, in_blocks
+from tasks.explain.evidence.held_out import FOLDS, cells_of
+from tasks.explain.inputs.observed import Observed, full_rate, in_blocks
 from tasks.model.term import Inputs
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.prove.peers.blocks import BLOCK_RATE

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from pysindy import STLSQ
 
-from tasks.explain.held_out import FOLDS
+from tasks.explain.evidence.held_out import FOLDS
 from tasks.prove.peers.naming import dimension_of, reading_of
 from tasks.prove.peers.peer import UNNAMED, Answer, Located, in_order
 from tasks.prove.peers.regression import freed, predicted, surprise, unseen

@@ -8,9 +8,9 @@ from typing import Any
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.explain.adopt import adopt
+from tasks.explain.correction.adopt import adopt
 from tasks.explain.explanation import Explanation
-from tasks.explain.observed import full_rate
+from tasks.explain.inputs.observed import full_rate
 from tasks.model.catalogue import catalogue
 from tasks.specifications import jjf1536, jjf2003
 

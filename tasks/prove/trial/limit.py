@@ -2,7 +2,7 @@
 
 from scipy.stats import chi2, ncx2
 
-from tasks.explain.search import FALSE_ALARMS
+from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.prove.plant.effects import EFFECTS
 from tasks.prove.trial.parameters import Truth, known_parameters
 

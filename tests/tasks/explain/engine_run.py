@@ -7,9 +7,9 @@ import numpy as np
 from scipy.fft import dct
 
 from schemas.recording import Segment
-from tasks.explain.observed import Observed
-from tasks.explain.pool import Pool
-from tasks.explain.spectrum import Noise
+from tasks.explain.inputs.observed import Observed
+from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.pool import Pool
 from tasks.model.simulate import predict
 from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS

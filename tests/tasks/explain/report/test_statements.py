@@ -5,7 +5,7 @@ import pytest
 from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unnamed, where
 
 from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
-from tasks.explain.consequences import OVERALL
+from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.report import said
 from tasks.explain.report.words import (
     bic_words,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording
-from tasks.explain.observed import full_rate, in_blocks
+from tasks.explain.inputs.observed import full_rate, in_blocks
 from tasks.prove.peers.blocks import BLOCK_RATE, block_means, block_numbers
 
 

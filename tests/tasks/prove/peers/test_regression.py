@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.explain.held_out import FOLDS
+from tasks.explain.evidence.held_out import FOLDS
 from tasks.prove.peers.regression import fit, freed, surprise
 from tasks.prove.peers.seen import Equations
 

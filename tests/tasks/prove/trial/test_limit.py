@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from scipy.stats import norm
 
-from tasks.explain.search import FALSE_ALARMS
+from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.prove.trial.limit import freedom_of, power
 from tasks.prove.trial.parameters import Truth
 

@@ -1,0 +1,1 @@
+"""From a recording to block means of readings and motion: noise, events, delay."""

@@ -1,0 +1,1 @@
+"""Noise by frequency and whitened normal equations."""

@@ -1,0 +1,183 @@
+"""A calibration with physics taken off: values, uncertainty, what it says of it."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from explained import finding, nothing_added
+
+from schemas.calibration import Calibration
+from schemas.discrepancy import FoundParameter
+from schemas.recording import Recording
+from tasks.explain.correction.adopt import adopt
+from tasks.explain.correction.consequences import without
+from tasks.explain.correction.spread import spreads_of
+from tasks.explain.explanation import Finding
+from tasks.model.simulate import predict
+from tasks.model.term import nominal_values
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.site import earth_rotation
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.whole import whole_motion
+from tasks.specifications import jjf2003
+
+ARM, U_ARM = (0.05, -0.03, 0.02), (1e-4, 2e-4, 3e-4)
+
+
+def calibrate(recording: Recording) -> Calibration:
+    return jjf2003.calibrate(recording, run="r", code_version="v")
+
+
+def added_by(term, recording: Recording, values: tuple[float, ...]) -> np.ndarray:
+    motion, ideal = whole_motion(recording), nominal_values(STANDARD_TERMS)
+    whole = np.concatenate([ideal, values])
+    return predict((*STANDARD_TERMS, term), motion, whole) - predict(STANDARD_TERMS, motion, ideal)
+
+
+def lever_arm(recording: Recording) -> Finding:
+    names = [parameter.name for parameter in LEVER_ARM.parameters]
+    parameters = tuple(
+        FoundParameter(name=name, value=value, unit="m", u=u)
+        for name, value, u in zip(names, ARM, U_ARM, strict=True)
+    )
+    return finding(
+        added_by(LEVER_ARM, recording, ARM), "lever_arm", parameters=parameters,
+        title=LEVER_ARM.title, family="geometry",
+    )  # fmt: skip
+
+
+@pytest.fixture
+def run(ideal_run: Callable[..., Recording]) -> Recording:
+    return ideal_run(dwell=10.0, noise=1e-6)
+
+
+@pytest.fixture
+def displaced(run: Recording) -> tuple[Recording, Finding]:
+    """A run of a unit off the axes, and the finding that says where it is."""
+    found = lever_arm(run)
+    return without(run, (-found.contribution,)), found
+
+
+def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
+    recording, found = displaced
+    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
+    clean = calibrate(run)
+    for name, item in clean.items.items():
+        for element, value in item.value.items():
+            assert adopted.items[name].value[element] == pytest.approx(value, abs=1e-9)
+
+
+def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displaced) -> None:
+    """At a steady rate an arm r reads r_i·ω_j² along the axis i: u(p_ij) has u(r_i) in it."""
+    recording, found = displaced
+    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
+    before, after = (c.items["accel_rate_sensitivity"] for c in (calibrate(run), adopted))
+    for element, u in after.u.items():
+        along = "xyz".index(element[0])
+        own, symbol = U_ARM[along], f"lever_arm.{found.parameters[along].name}"
+        assert u == pytest.approx(math.hypot(before.u[element], own), rel=1e-3)
+        budget = after.budgets[element]
+        (line,) = [each for each in budget.inputs if each.symbol == symbol]
+        assert abs(line.sensitivity) == pytest.approx(1.0, rel=1e-3)
+        assert (line.u, line.unit) == (own, "m")
+        assert sum(each.share for each in budget.inputs) == pytest.approx(1.0)
+        assert budget.u_c == u
+        assert after.U[element] == pytest.approx(after.k * u)
+    same = adopted.items["gyro_scale_factor"]
+    assert same.u == pytest.approx(calibrate(run).items["gyro_scale_factor"].u)
+
+
+def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
+    recording, found = displaced
+    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
+    (term,) = adopted.terms
+    assert (term.name, term.title_zh) == ("lever_arm", LEVER_ARM.title[1])
+    assert [(p.value, p.u) for p in term.parameters] == list(zip(ARM, U_ARM, strict=True))
+    first = adopted.remarks[0]
+    assert (first.code, first.blocks_pass) == ("terms_adopted", True)
+    assert "lever_arm" in first.en
+    assert "lever_arm" in first.zh
+    assert not any(remark.code == "term_not_shown" for remark in adopted.remarks)
+    assert Calibration.model_validate_json(adopted.model_dump_json()) == adopted
+
+
+def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced) -> None:
+    recording, found = displaced
+    weak = finding(found.contribution, "lever_arm", parameters=found.parameters, delta_bic=-3.0)
+    adopted = adopt(recording, [weak], calibrate, (LEVER_ARM,), whole_motion(recording))
+    (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
+    assert "-3.0" in said.en
+
+
+def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
+    """At the pole only the diagonal is concerned; by eq. (7) it holds the Earth's rate."""
+    recording = ideal_run(dwell=10.0)
+    station = recording.manifest.station.model_copy(update={"latitude_deg": 90.0})
+    manifest = recording.manifest.model_copy(update={"station": station})
+    recording = Recording(
+        manifest, recording.imu, environment=recording.environment, digest=recording.digest
+    )
+    term = earth_rotation(math.pi / 2)
+    found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
+    on_earth = without(recording, (-found.contribution,))
+    by_clause = calibrate(on_earth).items["gyro_g_sensitivity"]
+    assert by_clause.value["xx"] == pytest.approx(math.degrees(7.292115e-5), rel=1e-4)
+    adopted = adopt(on_earth, [found], calibrate, (term,), whole_motion(on_earth))
+    item = adopted.items["gyro_g_sensitivity"]
+    assert item.value["xx"] == pytest.approx(0.0, abs=1e-9)
+    assert item.value_without_earth_rotation == item.value
+    assert not any(remark.code.startswith("earth_rotation") for remark in adopted.remarks)
+
+
+def test_each_parameter_is_spread_by_its_own_term(run) -> None:
+    found = lever_arm(run)
+    spreads = list(spreads_of(found, (LEVER_ARM,), whole_motion(run)))
+    for k, (spread, u) in enumerate(zip(spreads, U_ARM, strict=True)):
+        alone = np.zeros(3)
+        alone[k] = u
+        np.testing.assert_allclose(
+            spread.change, added_by(LEVER_ARM, run, tuple(alone)), atol=1e-12
+        )
+
+
+def test_physics_without_a_free_parameter_has_no_spread(run) -> None:
+    """Earth's rate that was found is a check of the one that was taken off."""
+    term = earth_rotation(0.5)
+    seen = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
+    added = added_by(term, run, ())
+    added[:, 3:] += 1e-8  # in channels that it is not seen in
+    found = finding(added, "earth_rotation", parameters=(seen,), channels=(0, 1, 2))
+    assert list(spreads_of(found, (term,), whole_motion(run))) == []
+
+
+def test_contribution_that_no_term_makes_is_uncertain_as_a_whole(run) -> None:
+    added = nothing_added(run)
+    added[:, 0] = 1e-4
+    found = finding(added)  # 0.01 deg/s, u 0.001 deg/s
+    (spread,) = spreads_of(found, (LEVER_ARM,), whole_motion(run))
+    np.testing.assert_allclose(spread.change, 0.1 * added)
+
+
+def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
+    recording, found = displaced
+    holed = found.contribution.copy()
+    segment = (recording.manifest.segments or ())[3]
+    holed[recording.imu.rows(segment.t_start, segment.t_start + 1.0)] = np.nan
+    partly = finding(holed, "lever_arm", parameters=found.parameters)
+    adopted = adopt(recording, [partly], calibrate, (LEVER_ARM,), whole_motion(recording))
+    (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
+    assert said.segments == (segment.name,)
+
+
+def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run) -> None:
+    wander = finding(
+        1e-4 * np.sin(np.linspace(0.0, 9.0, len(run.imu)))[:, None] * np.ones(6),
+        "bias_random_walk", parameters=(),
+    )  # fmt: skip
+    plain = calibrate(run)
+    result = adopt(run, [wander], calibrate, (), whole_motion(run))
+    assert result.items == plain.items
+    assert result.terms == ()
+    assert result.remarks[0].code == "term_not_taken_off"
+    assert "bias_random_walk" in result.remarks[0].en

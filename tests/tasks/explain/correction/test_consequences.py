@@ -1,0 +1,116 @@
+"""What a finding does to the certificate: its own elements move, the others do not."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from explained import explanation, finding, nothing_added
+
+from schemas.recording import Recording
+from schemas.tolerance import Limit, Tolerance
+from tasks.explain.correction.consequences import consequences, without
+from tasks.specifications import jjf2003
+
+STEP = 0.01  # deg/s
+Build = Callable[..., Recording]
+
+
+def biased(recording: Recording, channel: int, size: float) -> np.ndarray:
+    """A constant in one channel, rad/s or m/s²."""
+    added = nothing_added(recording)
+    added[:, channel] = size
+    return added
+
+
+def added_to(recording: Recording, contribution: np.ndarray) -> Recording:
+    return without(recording, (-contribution,))
+
+
+def limits(item: str, unit: str, magnitude: float) -> Tolerance:
+    limit = Limit(item=item, unit=unit, magnitude=magnitude)
+    return Tolerance(manufacturer="test", model="ideal", document="d", limits=(limit,))
+
+
+@pytest.fixture
+def run(ideal_run: Build) -> Recording:
+    return ideal_run(dwell=10.0, noise=1e-6)
+
+
+def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording) -> None:
+    added = biased(run, 0, float(np.radians(STEP)))
+    spoilt = added_to(run, added)
+    found = consequences(spoilt, explanation(spoilt, finding(added)))
+    (moved,) = found.of_findings
+    by_name = {(seen.item, seen.element): seen for seen in moved}
+    assert set(by_name) == {("gyro_bias", "x"), ("gyro_fit_offset", "x")}
+    bias = by_name["gyro_bias", "x"]
+    certified = jjf2003.calibrate(spoilt, run="", code_version="").items["gyro_bias"]
+    assert bias.before == certified.value["x"] == pytest.approx(STEP, rel=1e-3)
+    assert bias.after == pytest.approx(0.0, abs=1e-6)
+    assert (bias.U, bias.unit) == (certified.U["x"], "deg/s")
+
+
+def test_what_moves_less_than_a_twentieth_of_u_is_not_listed(run: Recording) -> None:
+    U = jjf2003.calibrate(run, run="", code_version="").items["accel_bias"].U["x"]
+    assert U is not None
+    for share, listed in ((0.04, 0), (0.06, 1)):
+        added = biased(run, 3, share * U)
+        found = consequences(run, explanation(run, finding(added)))
+        assert len([c for c in found.of_findings[0] if c.item == "accel_bias"]) == listed
+
+
+def test_each_finding_moves_its_own_and_all_together_move_both(run: Recording) -> None:
+    first, second = biased(run, 1, 1e-4), biased(run, 4, 0.5)
+    spoilt = added_to(added_to(run, first), second)
+    found = consequences(spoilt, explanation(spoilt, finding(first), finding(second)))
+    items = [{(c.item, c.element) for c in each} for each in found.of_findings]
+    assert ("gyro_bias", "y") in items[0] - items[1]
+    assert ("accel_bias", "y") in items[1] - items[0]
+    assert {(c.item, c.element) for c in found.together} == items[0] | items[1]
+    (said,) = found.remarks
+    assert "Gyro bias y" in said[0]
+    assert "陀螺" in said[1]
+
+
+def test_a_verdict_that_changes_is_told(run: Recording) -> None:
+    added = biased(run, 2, float(np.radians(STEP)))
+    spoilt = added_to(run, added)
+    tolerance = limits("gyro_bias", "deg/s", STEP / 2)
+    found = consequences(spoilt, explanation(spoilt, finding(added)), tolerance)
+    changes = {change.item: (change.before, change.after) for change in found.changes[0]}
+    assert changes["gyro_bias"] == ("fail", "pass")
+    assert changes["certificate"][0] == "fail"
+    assert found.changes_together == found.changes[0]
+
+
+def test_a_verdict_that_stays_is_not_told(run: Recording) -> None:
+    added = biased(run, 2, float(np.radians(STEP)))
+    spoilt = added_to(run, added)
+    tolerance = limits("gyro_bias", "deg/s", 10 * STEP)
+    assert consequences(spoilt, explanation(spoilt, finding(added)), tolerance).changes == ((),)
+
+
+def test_no_finding_has_no_consequence(run: Recording) -> None:
+    assert consequences(run, explanation(run)).of_findings == ()
+
+
+def test_rows_where_a_contribution_is_not_known_stay_as_they_were_read(run: Recording) -> None:
+    added = biased(run, 0, 1.0)
+    added[5] = np.nan
+    less = without(run, (added,)).imu.columns["gyro_x"]
+    read = run.imu.columns["gyro_x"]
+    assert less[5] == read[5]
+    assert less[6] == pytest.approx(read[6] - 1.0)
+
+
+def test_accumulated_angles_have_no_consequence_and_say_why(plant) -> None:
+    ahrs = plant("ahrs_clean")
+    found = consequences(ahrs, explanation(ahrs, finding(nothing_added(ahrs))))
+    assert found.of_findings == ((),)
+    assert "accumulated angles" in found.remarks[0][0]
+
+
+def test_limits_of_other_items_change_no_verdict(run: Recording) -> None:
+    added = biased(run, 2, float(np.radians(STEP)))
+    tolerance = limits("ahrs_scale_factor", "1", 0.1)
+    assert consequences(run, explanation(run, finding(added)), tolerance).changes == ((),)

@@ -1,0 +1,187 @@
+"""From a fitted model to findings: names, channels, parameters in SI, contributions, a verdict."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import GRAVITY, NOISY, WHITE, motion, noise, observed, read
+
+from schemas.recording import Manifest, Recording, Stream
+from tasks.explain.channels import ACCELS
+from tasks.explain.events.event import Events
+from tasks.explain.evidence.assemble import JUMPS, assembled, si_unit
+from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.inputs.observed import full_rate
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.empirical_terms import UNNAMED, wave
+from tasks.explain.search.pool import System
+from tasks.explain.search.rank import NEAR, Scored
+from tasks.explain.search.refit import fitted, model_of
+from tasks.explain.search.stepwise import Chosen, Found
+from tasks.model.term import Term
+from tasks.model.terms.environment import TEMPERATURE_BIAS
+from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE
+from tasks.model.terms.memory import bias_step
+from tasks.model.terms.site import earth_rotation
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.table import EARTH_RATE
+
+RUN = motion()
+ARM = (0.004, -0.006, 0.003)
+EARTH = earth_rotation(np.radians(40.0))
+VERTICAL = EARTH_RATE * np.sin(np.radians(40.0))
+
+
+def picked(term: Term, own: tuple[int, ...] | None = None, *rivals: tuple[Term, float]) -> Chosen:
+    """A term chosen with a score of 90, beside rivals with theirs."""
+    own = tuple(range(len(term.parameters))) if own is None else own
+    others = tuple(
+        Scored(Candidate(other, (0,), (0,), 1), score + 10.0, score, 0.0) for other, score in rivals
+    )
+    return Chosen(Candidate(term, own or (0,), own, 1), 100.0, 90.0, others)
+
+
+def explained(made: np.ndarray, *chosen: Chosen) -> Explanation:
+    """What is said of readings that chosen terms, one each, are fitted to; rows are the blocks."""
+    columns = {name: made[:, c].copy() for c, name in enumerate(CHANNELS)}
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": "made",
+        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
+        "station": {"id": "test", "gravity_m_s2": GRAVITY},
+        "segments": [{
+            "name": "all", "kind": "static", "up": "+z", "t_start": 0.0, "t_end": RUN.t[-1] + 1.0,
+        }],
+    })  # fmt: skip
+    recording = Recording(manifest, Stream(RUN.t, columns))
+    # The labels know nothing of the motion, which is put in here.
+    full = replace(full_rate(recording), motion=RUN, shaking=np.tile(WHITE[[0, 3]] ** 2, (2, 1)))
+    blocks = observed(made, RUN)
+    pairs = [(one.candidate, np.zeros(len(one.candidate.own))) for one in chosen]
+    model = fitted(model_of(pairs, blocks), blocks, NOISY)
+    nothing = System(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    fits = model.terms[len(STANDARD_TERMS) :]  # with the shapes that they came to
+    chosen = tuple(
+        replace(one, candidate=replace(one.candidate, term=term))
+        for one, term in zip(chosen, fits, strict=True)
+    )
+    found = Found(chosen, NOISY, 1e-9 if chosen else 0.5, nothing)
+    events = Events((), np.zeros(made.shape, bool))
+    return assembled(recording, full, blocks, events, found, model, NOISY)
+
+
+@pytest.fixture(scope="module")
+def arm_and_earth() -> tuple[np.ndarray, Explanation]:
+    made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 51, NOISY)
+    arm = picked(LEVER_ARM, None, (SIZE_EFFECT, 90.0 - 0.5 * NEAR), (STRUCTURAL_COMPLIANCE, 20.0))
+    return made, explained(made, picked(EARTH), arm)
+
+
+def named(answer: Explanation, effect: str) -> Finding:
+    return next(each for each in answer.findings if each.effect == effect)
+
+
+def test_findings_stand_by_their_gain_and_name_their_channels(
+    arm_and_earth: tuple[np.ndarray, Explanation],
+) -> None:
+    answer = arm_and_earth[1]
+    assert [each.effect for each in answer.findings] == ["lever_arm", "earth_rotation"]
+    assert answer.findings[0].gain > answer.findings[1].gain > 0
+    assert named(answer, "earth_rotation").channels == (0, 1, 2)
+    assert set(named(answer, "lever_arm").channels) <= {3, 4, 5}
+    assert answer.verdict == "explained"
+
+
+def test_a_contribution_is_what_the_finding_adds_to_the_readings(
+    arm_and_earth: tuple[np.ndarray, Explanation],
+) -> None:
+    answer = arm_and_earth[1]
+    by_arm = read(RUN, (LEVER_ARM, ARM)) - read(RUN)
+    said = named(answer, "lever_arm").contribution
+    np.testing.assert_allclose(said, by_arm, atol=0.02 * np.abs(by_arm).max())
+    by_earth = read(RUN, (EARTH, ())) - read(RUN)
+    said = named(answer, "earth_rotation").contribution
+    np.testing.assert_allclose(said, by_earth, atol=0.02 * EARTH_RATE)
+
+
+def test_what_was_found_leaves_noise_and_the_nominal_model_more(
+    arm_and_earth: tuple[np.ndarray, Explanation],
+) -> None:
+    made, answer = arm_and_earth
+    after = np.std(made - answer.found, axis=0)
+    before = np.std(made - answer.nominal, axis=0)
+    true = np.std(made - read(RUN, (EARTH, ()), (LEVER_ARM, ARM)), axis=0)
+    np.testing.assert_allclose(after, true, rtol=0.05)
+    assert (before > 1.005 * after).all()
+
+
+def test_parameters_are_si_with_their_uncertainty_and_earths_rate_is_as_seen(
+    arm_and_earth: tuple[np.ndarray, Explanation],
+) -> None:
+    answer = arm_and_earth[1]
+    for parameter, true in zip(named(answer, "lever_arm").parameters, ARM, strict=True):
+        assert parameter.unit == "m"
+        assert abs(parameter.value - true) < 3.0 * parameter.u
+    (vertical,) = named(answer, "earth_rotation").parameters
+    factor = np.degrees(3600.0)
+    assert (vertical.name, vertical.unit) == ("vertical_rate", "deg/h")
+    assert abs(vertical.value - VERTICAL * factor) < 3.0 * vertical.u
+    assert vertical.u < 0.1 * vertical.value
+
+
+def test_only_what_fits_nearly_as_well_is_indistinguishable(
+    arm_and_earth: tuple[np.ndarray, Explanation],
+) -> None:
+    arm = named(arm_and_earth[1], "lever_arm")
+    assert arm.indistinguishable == ("size_effect",)
+    assert arm.separated_by == LEVER_ARM.separated_by
+    assert arm.follows is None
+
+
+def test_two_steps_are_unnamed_jumps() -> None:
+    made = read(RUN) + noise(len(RUN.t), 52, NOISY)
+    for at, size in ((100.0, 8.0), (250.0, -6.0)):
+        made[RUN.t >= at, 1] += size * WHITE[1]
+    answer = explained(made, picked(bias_step(0, 100.0), (1,)), picked(bias_step(0, 250.0), (1,)))
+    (jumps,) = answer.findings
+    assert (jumps.effect, jumps.family, jumps.channels) == (UNNAMED, UNNAMED, (1,))
+    assert jumps.follows == jumps.title == JUMPS
+    assert jumps.indistinguishable == ()
+    assert answer.verdict == "unexplained"
+    times = [each.value for each in jumps.parameters if each.name == "time"]
+    assert times == [100.0, 250.0]
+    sizes = [each.value / WHITE[1] for each in jumps.parameters if each.name == "gyro_y"]
+    assert sizes == pytest.approx([8.0, -6.0], abs=1.0)
+
+
+def test_a_name_beside_what_has_none_explains_in_part() -> None:
+    swing = wave(ACCELS).shaped((40.0,))
+    sizes = 3.0 * np.repeat(WHITE[3:], 2)
+    warming = (5e-6, 0.0, -5e-6, 0.0, 2e-4, 0.0)
+    made = read(RUN, (swing, sizes), (TEMPERATURE_BIAS, warming)) + noise(len(RUN.t), 53, NOISY)
+    answer = explained(made, picked(swing.shaped((40.3,))), picked(TEMPERATURE_BIAS))
+    assert answer.verdict == "partly_explained"
+    found = named(answer, UNNAMED)
+    assert found.follows is not None
+    assert "period" in found.follows[0]
+    period = next(each for each in found.parameters if each.name == "period")
+    assert abs(period.value - 40.0) < 3.0 * period.u
+    units = {each.name: each.unit for each in named(answer, "temperature_bias").parameters}
+    assert units["gyro_x"] == "(rad/s)/K"
+    assert units["accel_x"] == "(m/s2)/K"
+
+
+def test_where_nothing_was_chosen_nothing_is_said() -> None:
+    answer = explained(read(RUN) + noise(len(RUN.t), 54, NOISY))
+    assert (answer.findings, answer.verdict) == ((), "no_mismatch")
+    np.testing.assert_allclose(answer.found, answer.nominal, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("printed", "si"),
+    [
+        ("deg/s", "rad/s"), ("arcsec", "rad"), ("(deg/s)/K", "(rad/s)/K"), ("deg/h", "rad/h"),
+        ("(deg/s)/mT", "(rad/s)/T"), ("(deg/s)/g", "(rad/s)/(m/s2)"), ("m", "m"), ("m/s2", "m/s2"),
+    ],
+)  # fmt: skip
+def test_a_printed_unit_is_said_in_si(printed: str, si: str) -> None:
+    assert si_unit(printed) == si

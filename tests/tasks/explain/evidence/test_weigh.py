@@ -1,0 +1,152 @@
+"""What a finding earns, and which findings are no more than chance."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import NOISY, motion, noise, observed, read
+
+from schemas.discrepancy import HeldOut
+from tasks.explain.channels import GYROS
+from tasks.explain.evidence.weigh import Group, Weighed, groups_of
+from tasks.explain.explanation import CHANNELS
+from tasks.explain.search.candidates import Candidate, Prior
+from tasks.explain.search.empirical_terms import UNNAMED, wave
+from tasks.explain.search.pool import System
+from tasks.explain.search.refit import fitted, model_of
+from tasks.explain.search.stepwise import Chosen, Found
+from tasks.model.term import Term
+from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.memory import bias_step
+from tasks.model.terms.site import earth_rotation
+
+RUN = motion()
+EARTH = earth_rotation(np.radians(40.0))
+ARM = (0.004, -0.006, 0.003)
+TRIED = 300  # candidates
+
+
+def picked(
+    term: Term,
+    own: tuple[int, ...] | None = None,
+    prior: Prior | None = None,
+    instead_of: str | None = None,
+) -> Chosen:
+    own = tuple(range(len(term.parameters))) if own is None else own
+    return Chosen(Candidate(term, own or (0,), own, 1, prior), 100.0, 90.0, (), instead_of)
+
+
+def found(*chosen: Chosen) -> Found:
+    nothing = System(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    return Found(chosen, NOISY, 0.0, nothing)
+
+
+def weighed(made: np.ndarray, chosen: Sequence[Chosen]) -> tuple[Weighed, list[Group]]:
+    blocks = observed(made, RUN)
+    pairs = [(one.candidate, np.zeros(len(one.candidate.own))) for one in chosen]
+    model = fitted(model_of(pairs, blocks), blocks, NOISY)
+    groups = groups_of(found(*chosen))
+    return Weighed.of(model, blocks, NOISY, groups), groups
+
+
+@pytest.fixture(scope="module")
+def three() -> tuple[Weighed, list[Group]]:
+    """An arm that is there, Earth that is there, a gradient that is not."""
+    made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 41, NOISY)
+    return weighed(made, [picked(LEVER_ARM), picked(THERMAL_GRADIENT), picked(EARTH)])
+
+
+def test_the_same_name_is_one_finding() -> None:
+    parts = [picked(TEMPERATURE_BIAS, (0,)), picked(LEVER_ARM), picked(TEMPERATURE_BIAS, (4,))]
+    groups = groups_of(found(*parts))
+    assert [group.name for group in groups] == ["temperature_bias", "lever_arm"]
+    assert groups[0].terms == (TEMPERATURE_BIAS,)
+    assert groups[0].chosen == (parts[0], parts[2])
+
+
+def test_what_has_no_name_stays_apart() -> None:
+    some = [picked(wave(GYROS).shaped((period,))) for period in (20.0, 31.0)]
+    assert [group.name for group in groups_of(found(*some))] == [UNNAMED, UNNAMED]
+
+
+def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
+    strong = replace(picked(wave(GYROS).shaped((20.0,))), gain=2000.0)
+    some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
+    names = [group.name for group in groups_of(found(*some))]
+    assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
+
+
+def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_else_is() -> None:
+    jumps = [replace(picked(bias_step(0, at)), gain=100.0) for at in (100.0, 250.0)]
+    drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
+    assert [one.name for one in groups_of(found(*jumps, drift, arm))][1:] == [UNNAMED, "lever_arm"]
+    stronger = replace(drift, gain=220.0)
+    assert groups_of(found(*jumps, stronger))[1].name == "temperature_bias"
+    follows = replace(picked(wave(GYROS).shaped((20.0,))), gain=200.0)
+    assert groups_of(found(follows, drift))[1].name == "temperature_bias"
+
+
+def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
+    first, later = bias_step(0, 100.0), bias_step(0, 250.0)
+    (jumps,) = groups_of(found(picked(first, (0,)), picked(later, (0,))))
+    assert (jumps.name, len(jumps.terms)) == (UNNAMED, 2)
+    (once,) = groups_of(found(picked(first, (0,)), picked(first, (1,))))
+    assert once.name == "bias_step"
+    (both,) = groups_of(found(picked(first), picked(bias_step(3, 100.0))))
+    assert both.name == "bias_step"  # gyros and accelerometers at the same moment
+
+
+def test_the_gain_is_the_chi_squared_of_what_was_found(three: tuple[Weighed, list[Group]]) -> None:
+    """Of physics without a parameter: of a fit without it, less one with it at its own size."""
+    one, groups = three
+    made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 41, NOISY)
+    other, _ = weighed(made, [picked(LEVER_ARM), picked(THERMAL_GRADIENT)])
+    rows = slice(0, other.whole.count)
+    chi2 = []
+    for each in (other, one):  # what is known comes behind what is fitted
+        normal, right, misfit = each.whole.normal()
+        block = normal[rows, rows] + np.diag(each.prior[rows])
+        chi2.append(misfit - right[rows] @ np.linalg.pinv(block, rcond=1e-12) @ right[rows])
+    assert one.gain([group.name for group in groups].index("earth_rotation")) == pytest.approx(
+        chi2[0] - chi2[1], rel=0.02
+    )
+
+
+def test_what_is_there_is_needed_and_what_is_not_is_needless(
+    three: tuple[Weighed, list[Group]],
+) -> None:
+    one, groups = three
+    needless = {group.name: one.needless(n, group, TRIED) for n, group in enumerate(groups)}
+    assert needless == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
+
+
+def test_what_is_there_earns_on_segments_that_were_not_seen(
+    three: tuple[Weighed, list[Group]],
+) -> None:
+    one, groups = three
+    earned = {group.name: one.held_out_gain(n) for n, group in enumerate(groups)}
+    assert earned["lever_arm"] > 50.0
+    assert earned["earth_rotation"] > 10.0
+    assert earned["thermal_gradient"] < 5.0
+
+
+def test_unseen_segments_are_noise_after_and_worse_before(
+    three: tuple[Weighed, list[Group]],
+) -> None:
+    said: HeldOut = three[0].held_out()
+    assert said.chi2_per_dof_after == pytest.approx(1.0, abs=0.05)
+    assert said.chi2_per_dof_before > said.chi2_per_dof_after
+    assert set(said.rms_ratio) == set(CHANNELS)
+    assert max(said.rms_ratio.values()) < 1.01
+    assert min(said.rms_ratio.values()) < 0.98
+
+
+def test_random_courses_and_what_is_soaked_up_are_not_judged_by_a_gain() -> None:
+    """The first are charged by their evidence; of the others no residual is left."""
+    made = read(RUN) + noise(len(RUN.t), 42, NOISY)
+    course = picked(THERMAL_GRADIENT, prior=Prior(2.0, 1.0))
+    soaked = picked(LEVER_ARM, instead_of="gyro_g_sensitivity")
+    one, groups = weighed(made, [course, soaked])
+    assert [one.needless(n, group, TRIED) for n, group in enumerate(groups)] == [False, False]

@@ -1,0 +1,169 @@
+"""Readings and motion as means over blocks: nothing is lost, nothing counts twice."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Manifest, Recording, Segment, Stream
+from tasks.explain.inputs.observed import CHANNELS, FullRate, Observed, full_rate, in_blocks
+from tasks.motion.whole import Motion
+
+GRAVITY, RATE, REST, RESTS = 9.8, 100.0, 10.0, 6  # m/s², Hz, s
+SIGMA = np.repeat([1e-4, 2e-3], 3)
+
+
+def rested(
+    change: Callable[[np.ndarray], np.ndarray] = lambda readings: readings,
+    drop: np.ndarray | None = None,
+    seconds: float = RESTS * REST,
+) -> Recording:
+    """Six labelled rests of 10 s with z up.
+
+    change: of the readings (n, 6). drop: rows that were not recorded.
+    """
+    t = np.arange(round(seconds * RATE)) / RATE
+    segments = [
+        {
+            "name": f"rest{k}", "kind": "static", "up": "+z",
+            "t_start": k * REST, "t_end": (k + 1) * REST,
+        }
+        for k in range(RESTS)
+    ]  # fmt: skip
+    noise = np.random.default_rng(7).standard_normal((len(t), 6)) * SIGMA
+    readings = change(noise + np.array([0.0, 0.0, 0.0, 0.0, 0.0, GRAVITY]))
+    kept = np.ones(len(t), bool)
+    if drop is not None:
+        kept[drop] = False
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": "rests",
+        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
+        "station": {"id": "test", "gravity_m_s2": GRAVITY}, "segments": segments,
+    })  # fmt: skip
+    columns = {name: readings[kept, c].copy() for c, name in enumerate(CHANNELS)}
+    return Recording(manifest, Stream(t[kept], columns))
+
+
+def samples(blocks: Observed, step: int) -> np.ndarray:
+    """(n, 6) how many samples of full weight stand in each block."""
+    return blocks.weight**2 * step
+
+
+@pytest.mark.parametrize("rate", [25.0, 20.0, 50.0, 100.0, 400.0])
+def test_every_sample_is_kept_once(rate: float) -> None:
+    full = full_rate(rested())
+    blocks = in_blocks(full, rate)
+    step = max(1, round(RATE / rate))
+    assert blocks.rate == pytest.approx(RATE / step)
+    assert samples(blocks, step).sum() == pytest.approx(full.readings.size)
+    total = (samples(blocks, step) * blocks.readings).sum(axis=0)
+    np.testing.assert_allclose(total, full.readings.sum(axis=0), rtol=1e-9, atol=1e-9)
+    assert np.diff(blocks.t) == pytest.approx(step / RATE)
+
+
+def test_samples_that_are_masked_or_not_a_number_do_not_count() -> None:
+    def spoilt(readings: np.ndarray) -> np.ndarray:
+        readings[333:351, 1] = np.nan
+        return readings
+
+    full = full_rate(rested(spoilt))
+    masked = np.zeros(full.readings.shape, bool)
+    masked[2000:2010, 4] = True
+    used = np.isfinite(full.readings) & ~masked
+    blocks = in_blocks(full, 25.0, masked)
+    np.testing.assert_allclose(samples(blocks, 4).sum(axis=0), used.sum(axis=0), rtol=1e-9)
+    total = (samples(blocks, 4) * blocks.readings).sum(axis=0)
+    direct = np.where(used, full.readings, 0.0).sum(axis=0)
+    np.testing.assert_allclose(total, direct, rtol=1e-9, atol=1e-9)
+    assert (blocks.readings[blocks.weight == 0] == 0).all()
+
+
+def test_rows_that_were_not_recorded_leave_empty_blocks() -> None:
+    full = full_rate(rested(drop=np.r_[1000:1023]))
+    blocks = in_blocks(full, 25.0)
+    assert (blocks.weight[:, 0] == 0).sum() == 5  # whole blocks of 23 missing samples
+    np.testing.assert_allclose(samples(blocks, 4)[:, :3].sum(axis=0), 5977.0, rtol=1e-9)
+    assert not blocks.motion.known[250:255].any()
+    assert blocks.motion.known.sum() == len(blocks.t) - 5
+
+
+def test_a_block_at_the_corner_of_a_motion_weighs_little() -> None:
+    """The table begins to turn between two samples; nobody knows when exactly."""
+    full = full_rate(rested())
+    t, began = full.motion.t, 31.234
+    rate = np.zeros_like(full.motion.rate)
+    rate[:, 2] = np.where(t > began, 1.0 * (t - began), 0.0).clip(max=2.0)
+    turning = replace(full, motion=replace(full.motion, rate=rate))
+    blocks = in_blocks(turning, 25.0)
+    for corner in (began, began + 2.0):
+        near = np.abs(blocks.t - corner) < 0.03
+        assert blocks.weight[near, :3].max() < 0.5
+        assert blocks.weight[np.abs(blocks.t - corner) < 0.02, :3].min() < 0.1
+    ramp = (blocks.t > began + 0.2) & (blocks.t < began + 1.8)
+    assert blocks.weight[ramp, :3].min() > 0.9
+    away = (np.abs(blocks.t - began) > 0.3) & (np.abs(blocks.t - began - 2.0) > 0.3)
+    assert blocks.weight[away, :3].min() > 0.9
+
+
+def test_a_shaken_segment_weighs_less_and_says_so() -> None:
+    """Three times the noise while it turns is vibration: nine times the variance."""
+
+    def shaken(readings: np.ndarray) -> np.ndarray:
+        rows = slice(2000, 3000)
+        readings[rows] += np.random.default_rng(8).standard_normal((1000, 6)) * SIGMA * np.sqrt(8.0)
+        return readings
+
+    blocks = in_blocks(full_rate(rested(shaken)), 25.0)
+    rows = (blocks.t > 20.2) & (blocks.t < 29.8)
+    assert np.median(blocks.weight[rows]) == pytest.approx(1.0 / 3.0, rel=0.1)
+    quiet = (blocks.t > 31.0) & (blocks.t < 59.0)
+    np.testing.assert_allclose(blocks.weight[quiet], 1.0, rtol=1e-6)
+
+
+def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> None:
+    coarse, fine = 0.01, 1e-3  # m/s²: the noise is 2e-3
+
+    def rounded(step: float) -> np.ndarray:
+        full = full_rate(rested(lambda readings: np.round(readings / step) * step))
+        return in_blocks(full, 25.0).rounding[3:]
+
+    np.testing.assert_allclose(rounded(fine), fine**2 / 12.0 / 4.0, rtol=1e-6)
+    np.testing.assert_allclose(rounded(coarse), coarse**2 / 12.0, rtol=1e-6)
+    plain = in_blocks(full_rate(rested()), 25.0).rounding[3:]
+    assert (plain < (0.1 * SIGMA[3:]) ** 2).all()
+
+
+def test_motion_and_what_was_recorded_are_means_too() -> None:
+    full = full_rate(rested())
+    recorded = dict(full.motion.recorded, temperature=20.0 + full.motion.t)
+    warm: FullRate = replace(full, motion=replace(full.motion, recorded=recorded))
+    blocks = in_blocks(warm, 25.0)
+    motion: Motion = blocks.motion
+    np.testing.assert_allclose(motion.recorded["temperature"], 20.0 + blocks.t, atol=1e-9)
+    expected = full.motion.up[: 4 * len(blocks.t)].reshape(-1, 4, 3).mean(axis=1)
+    np.testing.assert_allclose(motion.up, expected, atol=1e-12)
+    assert blocks.segment.tolist() == (blocks.t // REST).astype(int).tolist()
+
+
+def test_a_recording_without_rates_and_forces_is_refused() -> None:
+    recording = rested()
+    angles = Stream(recording.imu.t, {"angle_x": recording.imu.columns["gyro_x"]})
+    with pytest.raises(Unusable, match="no gyro_\\* or accel_\\* columns"):
+        full_rate(replace(recording, imu=angles))
+
+
+def test_a_recording_that_tells_no_motion_is_refused() -> None:
+    recording = rested()
+    silent = recording.manifest.model_copy(update={"segments": None})
+    with pytest.raises(Unusable, match="tells no motion"):
+        full_rate(replace(recording, manifest=silent))
+
+
+def test_a_recording_of_a_few_seconds_is_refused() -> None:
+    recording = rested(seconds=6.0)
+    one: tuple[Segment, ...] = (recording.manifest.segments or ())[:1]
+    short = recording.manifest.model_copy(update={"segments": one})
+    with pytest.raises(Unusable, match="explain needs 8 s"):
+        in_blocks(full_rate(replace(recording, manifest=short)), 25.0)

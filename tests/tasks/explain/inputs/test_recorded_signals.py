@@ -1,0 +1,43 @@
+"""A unit's temperature without its thermometer's noise, and how fast it changes."""
+
+import numpy as np
+import pytest
+
+from tasks.explain.inputs.recorded_signals import _smoothed
+
+T = np.arange(0.0, 900.0, 0.02)  # s
+TAU = 300.0  # s
+NOISE = 0.03  # K
+
+
+def read(course: np.ndarray) -> np.ndarray:
+    return course + NOISE * np.random.default_rng(4).standard_normal(len(course))
+
+
+def test_a_warm_up_and_its_rate_are_told_far_better_than_the_thermometer_reads() -> None:
+    true = 30.0 - 8.0 * np.exp(-T / TAU)
+    course, rate = _smoothed(T, read(true))
+    assert np.std(course - true) < 0.05 * NOISE
+    slope = 8.0 / TAU * np.exp(-T / TAU)
+    assert np.abs(rate - slope).max() < 0.02 * slope.max()
+
+
+def test_a_chamber_that_cycles_is_followed() -> None:
+    true = 25.0 + 2.0 * np.sin(2.0 * np.pi * T / 200.0)
+    course, rate = _smoothed(T, read(true))
+    assert np.std(course - true) < 0.1 * NOISE
+    slope = 2.0 * np.pi / 100.0 * np.cos(2.0 * np.pi * T / 200.0)
+    assert np.std(rate - slope) < 0.01 * np.std(slope)
+
+
+def test_what_no_polynomial_follows_stays_as_it_was_read() -> None:
+    jumping = read(25.0 + np.where((T // 37.0) % 2 == 0, 0.0, 3.0))
+    course, _ = _smoothed(T, jumping)
+    assert course is jumping
+
+
+@pytest.mark.parametrize("rows", [10, len(T)])
+def test_a_constant_temperature_has_no_rate(rows: int) -> None:
+    course, rate = _smoothed(T[:rows], np.full(rows, 22.5))
+    assert not rate.any()
+    assert (course == 22.5).all()

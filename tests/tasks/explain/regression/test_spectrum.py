@@ -1,0 +1,128 @@
+"""What the engine takes for noise: white and flicker, and not the physics it does not know yet."""
+
+import numpy as np
+import pytest
+from engine_run import RATE, flicker
+
+from tasks.explain.regression.spectrum import (
+    Bands,
+    Left,
+    Noise,
+    bands_of,
+    noises_of_triad,
+    padded_length,
+    transformed,
+)
+
+COUNT = padded_length(40_000)  # 27 min at 25 Hz
+BANDS = bands_of(COUNT, RATE)
+
+
+def heard(course: np.ndarray, floor: float = 0.0) -> Noise:
+    return noises_of_triad([left(course)], BANDS, [floor])[0]
+
+
+def left(course: np.ndarray) -> Left:
+    return Left(transformed(course[None])[0], np.ones(len(BANDS.sizes)))
+
+
+def drifting(w: float, b: float, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return np.sqrt(w) * rng.standard_normal(COUNT) + flicker(COUNT, RATE, b, rng)
+
+
+@pytest.mark.parametrize("count", [200, 401, 40_000])
+def test_bands_hold_every_coefficient_once(count: int) -> None:
+    bands: Bands = bands_of(count, RATE)
+    assert bands.edges[0] == 0
+    assert bands.edges[-1] >= count
+    assert (bands.sizes > 0).all()
+    assert (np.diff(bands.frequency) > 0).all()
+    assert bands.frequency[-1] <= RATE / 2
+
+
+def test_the_transform_keeps_the_power() -> None:
+    course = drifting(1.0, 0.1, 3)
+    assert (transformed(course[None]) ** 2).sum() == pytest.approx((course**2).sum())
+
+
+@pytest.mark.parametrize(
+    ("w", "b", "scatter"), [(1.0, 0.05, 0.3), (4e-8, 8e-9, 0.13), (1e-10, 2e-10, 0.08)]
+)
+def test_white_and_flicker_noise_are_recovered(w: float, b: float, scatter: float) -> None:
+    """Scatter: what the bands between 6 mHz and the corner b/w leave of one run's b."""
+    found = [heard(drifting(w, b, seed)) for seed in range(8)]
+    flickers = np.array([one.flicker for one in found])
+    assert np.mean([one.white for one in found]) == pytest.approx(w, rel=0.02)
+    assert abs(flickers.mean() - b) < scatter * b
+    assert flickers.std() < 1.5 * scatter * b
+
+
+def test_white_noise_alone_has_next_to_no_flicker() -> None:
+    for seed in range(10):
+        one = heard(drifting(1.0, 0.0, seed))
+        assert one.white == pytest.approx(1.0, rel=0.05)
+        assert one.flicker < 0.02  # Hz: where it would be as large as the white noise
+
+
+@pytest.mark.parametrize("what", ["line", "step", "ramp"])
+def test_sparse_physics_does_not_pass_for_flicker(what: str) -> None:
+    """Each would gain chi-squared by the thousand; corners are tried 22 % apart."""
+    t = np.arange(COUNT) / RATE
+    course = {
+        "line": 0.3 * np.sin(2.0 * np.pi * 0.137 * t),
+        "step": 1.0 * (t > 700.0),
+        "ramp": 3.0 * t / t[-1],
+    }[what]
+    assert (course - course.mean()) @ (course - course.mean()) > 1500.0
+    for seed in range(3):
+        plain = drifting(1.0, 0.05, seed)
+        without, beside = heard(plain), heard(plain + course)
+        assert beside.flicker < 1.3 * without.flicker
+        assert beside.white == pytest.approx(without.white, rel=0.02)
+
+
+def test_the_noise_is_never_below_that_of_rounding() -> None:
+    quiet = 1e-6 * drifting(1.0, 0.0, 0)
+    floor = 1e-4
+    found = heard(quiet, floor)
+    assert (found.variance(BANDS.frequency[BANDS.frequency > 1.0]) >= 0.99 * floor).all()
+    assert heard(np.zeros(COUNT)).white > 0  # something to divide by
+
+
+def test_noise_scales_with_the_square_of_the_readings() -> None:
+    course = drifting(1.0, 0.05, 4)
+    plain, larger = heard(course), heard(1e3 * course)
+    assert larger.white == pytest.approx(1e6 * plain.white)
+    assert larger.flicker == pytest.approx(1e6 * plain.flicker)
+
+
+def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better() -> None:
+    alone, together = [], []
+    for seed in range(8):
+        lefts = [left(drifting(1.0, 0.01, 3 * seed + k)) for k in range(3)]
+        alone += [noises_of_triad([one], BANDS, [0.0])[0].flicker for one in lefts]
+        together += [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+    assert np.std(together) < 0.8 * np.std(alone)
+    assert np.mean(together) == pytest.approx(0.01, rel=0.4)
+
+
+def test_a_sensor_unlike_the_others_of_its_triad_keeps_its_own_flicker() -> None:
+    lefts = [left(drifting(1.0, b, 5)) for b in (0.02, 0.02, 2.0)]
+    found = [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+    assert found[2] == pytest.approx(2.0, rel=0.25)
+    assert max(found[:2]) < 0.06
+
+
+def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
+    """A fit that takes half of the power below 0.05 Hz, and says so, changes nothing."""
+    whole = left(drifting(1.0, 0.05, 7))
+    count = int(np.searchsorted(BANDS.frequency, 0.05))
+    free = np.where(np.arange(len(BANDS.sizes)) < count, 0.5, 1.0)
+    fitted = whole.course * np.sqrt(np.repeat(free, BANDS.sizes))
+    plain, said, blind = (
+        noises_of_triad([one], BANDS, [0.0])[0].flicker
+        for one in (whole, Left(fitted, free), Left(fitted, whole.free))
+    )
+    assert said == pytest.approx(plain, rel=0.1)
+    assert blind < 0.9 * plain

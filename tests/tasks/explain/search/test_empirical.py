@@ -1,0 +1,128 @@
+"""What a mismatch may follow that no catalogued physics explains."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
+
+from tasks.explain.channels import GYROS
+from tasks.explain.search.empirical import empirical
+from tasks.explain.search.empirical_terms import UNNAMED, slow_course, wave
+from tasks.explain.search.motion_signals import (
+    lagged,
+    repositioned,
+    since_last,
+    turned_over,
+    turning,
+)
+from tasks.model.term import Inputs
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
+from tasks.motion.whole import TableAxes
+
+RUN = motion()
+INPUTS = Inputs(RUN.rate, RUN.force)
+
+
+def test_everything_empirical_is_unnamed_and_says_in_two_languages_what_it_follows() -> None:
+    terms = empirical(RUN)
+    assert {term.name for term in terms} == {UNNAMED}
+    assert all(all(term.title) for term in terms if not term.shapes)
+    titles = [term.title[0] for term in terms if not term.shapes]
+    assert len(set(titles)) == len(titles)
+
+
+def test_every_empirical_term_has_a_finite_column_for_each_parameter() -> None:
+    for term in (one for one in empirical(RUN) if one.stage == "sensor"):
+        columns = term.columns(RUN, INPUTS)
+        assert len(columns) == len(term.parameters)
+        for column, parameter in zip(columns, term.parameters, strict=True):
+            (channel,) = column
+            sensor, axis = parameter.name.split("_")[:2]
+            assert channel == 3 * (sensor == "accel") + "xyz".index(axis)
+            assert np.isfinite(column[channel]).all()
+
+
+def test_a_relaxation_begins_anew_when_a_move_is_over() -> None:
+    since = since_last(RUN, turning(RUN))
+    first_stop = REST + MOVE
+    assert np.isinf(since[RUN.t < first_stop - 0.5]).all()
+    middle = (RUN.t > first_stop) & (RUN.t % (REST + MOVE) < REST)
+    expected = RUN.t[middle] % (REST + MOVE)
+    assert np.abs(since[middle] - expected).max() < 0.3
+
+
+def test_a_turn_about_the_vertical_does_not_change_gravitys_direction() -> None:
+    level = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1))
+    spun = replace(RUN, up=level)
+    assert not turned_over(spun).any()
+    assert turned_over(RUN).any()
+    assert (turned_over(RUN) <= turning(RUN) | (np.gradient(RUN.up, axis=0) != 0).any(axis=1)).all()
+
+
+def test_a_run_at_constant_rate_is_not_a_move_to_another_position() -> None:
+    moves = repositioned(RUN)
+    assert (moves == turning(RUN)).all()
+    steady = np.zeros(len(RUN.t))
+    steady[(RUN.t > 33.0) & (RUN.t < 39.0)] = 1.0  # the second move is one
+    recorded = dict(RUN.recorded, steady_turn=steady)
+    some = repositioned(replace(RUN, recorded=recorded))
+    assert not some[(RUN.t > 32.0) & (RUN.t < 40.0)].any()
+    starts = np.flatnonzero(np.diff(some.astype(int)) == 1)
+    assert len(starts) == STRETCHES - 1
+
+
+@pytest.mark.parametrize("tau", [3.0, 45.0])
+def test_a_lag_goes_to_its_course_with_its_time_constant(tau: float) -> None:
+    t = np.arange(0.0, 200.0, 0.04)
+    answer = lagged(np.ones_like(t), t, tau)
+    np.testing.assert_allclose(answer, 1.0 - np.exp(-(t + 0.04) / tau), atol=1e-9)
+
+
+def test_a_wave_has_any_phase_in_each_of_its_channels() -> None:
+    term = wave(GYROS).shaped((37.0,))
+    columns = term.columns(RUN, INPUTS)
+    assert [next(iter(column)) for column in columns] == [0, 0, 1, 1, 2, 2]
+    made = np.sin(2.0 * np.pi * RUN.t / 37.0 + 0.7)
+    pair = np.column_stack([columns[2][1], columns[3][1]])
+    values, *_ = np.linalg.lstsq(pair, made, rcond=None)
+    np.testing.assert_allclose(pair @ values, made, atol=1e-9)
+    assert "37 s" in term.title[0]
+    assert "37 s" in term.title[1]
+
+
+def test_slow_waves_take_the_name_of_what_they_are_said_to_be() -> None:
+    assert slow_course(None, 30).name == UNNAMED
+    walk = slow_course(BIAS_RANDOM_WALK, 30)
+    assert (walk.name, walk.title) == (BIAS_RANDOM_WALK.name, BIAS_RANDOM_WALK.title)
+    assert len(walk.parameters) == 6 * 30
+
+
+def with_table(turned: float) -> tuple:
+    angle = np.linspace(0.0, turned, len(RUN.t))[:, None]
+    spins = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1, 1))
+    axes = TableAxes(angle, np.zeros_like(angle), spins, RUN.north)
+    return empirical(replace(RUN, axes=axes))
+
+
+def test_harmonics_of_an_axis_are_asked_only_where_it_went_round() -> None:
+    plain = len(empirical(RUN))
+    assert len(with_table(0.9 * 2.0 * np.pi)) == plain
+    more = with_table(3.0 * 2.0 * np.pi)[plain:]
+    assert len(more) == 6 + 12
+    assert all("table axis 1" in term.title[0] for term in more)
+
+
+def test_a_lean_turns_gravity_near_its_angle_and_keeps_its_size() -> None:
+    lean = with_table(6.0 * np.pi)[-7]
+    angle = np.linspace(0.0, 6.0 * np.pi, len(RUN.t))[:, None]
+    spins = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1, 1))
+    run = replace(RUN, axes=TableAxes(angle, 0 * angle, spins, RUN.north))
+    moved = lean.moved(run, np.array([1e-3, 0.0, 0.0]))
+    size = np.linalg.norm(moved.force, axis=1)
+    np.testing.assert_allclose(size, GRAVITY, rtol=2e-6)
+    turned = np.linalg.norm(moved.up - run.up, axis=1)
+    centre = np.radians(float(lean.equation.split("= ")[1].rstrip("°")))
+    far = np.cos(angle[:, 0] - centre) < 0.0
+    assert turned[far].max() < 0.02 * turned.max()
+    assert turned.max() == pytest.approx(1e-3, rel=0.05)

@@ -1,0 +1,192 @@
+"""Gram matrices by bands say what one least-squares fit of all whitened samples would say."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from engine_run import (
+    NOISY,
+    QUIET,
+    chi2,
+    motion,
+    noise,
+    observed,
+    read,
+    whitened,
+    with_weight,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tasks.explain.explain import standard_columns
+from tasks.explain.inputs.observed import Observed
+from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.candidates import columns_of
+from tasks.explain.search.pool import (
+    Pool,
+    inverse,
+    noises_of,
+    pooled,
+    renewed,
+    residuals,
+    system,
+)
+from tasks.model.term import Column
+from tasks.model.terms.environment import TEMPERATURE_BIAS
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.timing import TIME_OFFSET
+
+RUN = motion()
+LEVER = (0.012, -0.018, 0.007)
+COLUMNS: tuple[Column, ...] = tuple(
+    column for term in (LEVER_ARM, TEMPERATURE_BIAS, TIME_OFFSET)
+    for column in columns_of(term, RUN)
+)  # fmt: skip
+FREE = np.full(len(COLUMNS), np.inf)  # nothing is known of them beforehand
+
+
+class Small(NamedTuple):
+    observed: Observed
+    readings: np.ndarray
+    base: list[list[np.ndarray]]
+    pool: Pool
+
+
+@pytest.fixture(scope="module")
+def small() -> Small:
+    """A unit on a lever arm, with weights that differ from block to block and a gap."""
+    readings = read(RUN, (LEVER_ARM, LEVER)) + noise(len(RUN.t), 1, NOISY)
+    weight = 0.5 + 0.5 * np.random.default_rng(2).random(len(RUN.t))
+    weight[3000:3100] = 0.0
+    blocks = with_weight(observed(readings, RUN), {0: weight, 4: weight})
+    base = standard_columns(blocks)
+    return Small(blocks, readings, base, pooled(blocks, base, readings, COLUMNS, FREE))
+
+
+def test_the_misfit_of_the_standard_model_is_that_of_least_squares(small: Small) -> None:
+    direct, _ = chi2(small.pool, small.base, small.readings, (), NOISY)
+    assert system(small.pool, NOISY).misfit == pytest.approx(direct, rel=1e-4)
+
+
+@pytest.mark.parametrize("which", [[0], [0, 1, 2], [3, 7], [9], list(range(10))])
+def test_gain_and_values_are_those_of_least_squares(small: Small, which: list[int]) -> None:
+    state = system(small.pool, NOISY)
+    block, right = state.normal[np.ix_(which, which)], state.right[which]
+    values = inverse(block) @ right
+    before, _ = chi2(small.pool, small.base, small.readings, (), NOISY)
+    after, direct = chi2(small.pool, small.base, small.readings, [COLUMNS[p] for p in which], NOISY)
+    u = np.sqrt(np.diag(inverse(block)))
+    assert right @ values == pytest.approx(before - after, rel=1e-4, abs=0.05)
+    assert np.abs(values - direct / state.scale[which]).max() < 0.01 * u.max()
+
+
+def test_an_effect_of_several_channels_has_one_parameter(small: Small) -> None:
+    """A delay is seen by all six channels; each alone would tell less of it than all together."""
+    delay = len(COLUMNS) - 1
+    assert len(COLUMNS[delay]) > 3
+    size = 1.0 / system(small.pool, NOISY).scale[delay] ** 2
+    alone = []
+    for channel in COLUMNS[delay]:
+        one = {channel: COLUMNS[delay][channel]}
+        pool = pooled(small.observed, small.base, small.readings, (one,), np.array([np.inf]))
+        alone.append(1.0 / system(pool, NOISY).scale[0] ** 2)
+    assert size == pytest.approx(sum(alone), rel=1e-4)
+
+
+def test_what_the_standard_model_says_too_is_not_seen(small: Small) -> None:
+    shifted = {0: 2.0 * RUN.rate[:, 1] - 0.3, 3: 0.1 * RUN.up[:, 2]}
+    pool = pooled(small.observed, small.base, small.readings, (shifted,), np.array([np.inf]))
+    assert system(pool, NOISY).scale[0] == 0.0
+
+
+def test_a_channel_that_was_not_recorded_is_left_out(small: Small) -> None:
+    nothing = {channel: np.zeros(len(RUN.t)) for channel in (3, 4, 5)}
+    pool = pooled(with_weight(small.observed, nothing), small.base, small.readings, COLUMNS, FREE)
+    assert [channel is None for channel in pool.channels] == [False] * 3 + [True] * 3
+    scale = system(pool, NOISY).scale
+    assert (scale[:3] == 0).all()  # a lever arm is seen by accelerometers alone
+    assert scale[3] > 0
+
+
+def test_a_plausible_range_holds_what_the_readings_do_not_tell(small: Small) -> None:
+    half = np.full(len(COLUMNS), 1e-9)
+    state = system(replace(small.pool, half=half), NOISY)
+    values = inverse(state.normal) @ state.right * state.scale
+    assert np.abs(values).max() < 1e-9
+
+
+def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) -> None:
+    other = {0: {c: 1.3 * course + 0.01 for c, course in COLUMNS[0].items()},
+             9: {c: np.roll(course, 3) for c, course in COLUMNS[9].items()}}  # fmt: skip
+    readings = small.readings + 1e-3 * RUN.up[:, [1, 2, 0, 2, 0, 1]] ** 2
+    changed = renewed(small.pool, other, readings)
+    columns = [other.get(p, column) for p, column in enumerate(COLUMNS)]
+    anew = pooled(small.observed, small.base, readings, columns, FREE)
+    first, second = system(changed, NOISY), system(anew, NOISY)
+    assert first.misfit == pytest.approx(second.misfit, rel=1e-5)
+    np.testing.assert_allclose(first.scale, second.scale, rtol=1e-5)
+    np.testing.assert_allclose(first.normal, second.normal, atol=1e-5)
+    np.testing.assert_allclose(first.right, second.right, atol=1e-4 * abs(second.right).max())
+    for one, two in zip(changed.columns, anew.columns, strict=True):
+        assert set(one) == set(two)
+
+
+def test_renewing_nothing_changes_nothing(small: Small) -> None:
+    again = renewed(small.pool, {}, None)
+    assert system(again, NOISY).misfit == system(small.pool, NOISY).misfit
+
+
+def test_residuals_are_what_least_squares_leaves(small: Small) -> None:
+    lever = [0, 1, 2]
+    left = residuals(small.pool, lever, NOISY)
+    for c in range(6):
+        courses = [*small.base[c], *(COLUMNS[p][c] for p in lever if c in COLUMNS[p])]
+        design = whitened(courses, small.pool, c, NOISY[c])
+        target = whitened([small.readings[:, c]], small.pool, c, NOISY[c])[:, 0]
+        size = np.linalg.norm(design, axis=0)
+        values, *_ = np.linalg.lstsq(design / size, target, rcond=1e-12)
+        level = np.repeat(NOISY[c].variance(small.pool.bands.frequency), small.pool.bands.sizes)
+        direct = (target - design / size @ values) * np.sqrt(level)
+        assert np.abs(left[c] - direct).max() < 1e-4 * np.sqrt(NOISY[c].white)
+
+
+def test_the_noise_of_a_true_fit_is_that_which_was_made(small: Small) -> None:
+    found = noises_of(small.pool, [0, 1, 2], NOISY)
+    full = [c for c in range(6) if c not in (0, 4)]  # the others weigh less
+    white = np.array([found[c].white / NOISY[c].white for c in full])
+    flicker = np.array([found[c].flicker / NOISY[c].flicker for c in full])
+    assert np.abs(white - 1.0).max() < 0.05
+    assert flicker.mean() == pytest.approx(1.0, abs=0.5)  # of 400 s
+
+
+@settings(max_examples=8, deadline=None)
+@given(st.integers(0, 5), st.sampled_from([1e-6, 1e-2, 57.3, 1e5]))
+def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, factor: float) -> None:
+    readings = read(RUN, (LEVER_ARM, LEVER)) + noise(len(RUN.t), 1, QUIET)
+    blocks = observed(readings, RUN)
+    base = standard_columns(blocks)
+    plain = system(pooled(blocks, base, readings, COLUMNS, FREE), QUIET)
+    scaled = readings.copy()
+    scaled[:, channel] *= factor
+    columns = [
+        {c: course * (factor if c == channel else 1.0) for c, course in column.items()}
+        for column in COLUMNS
+    ]
+    noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]
+    other = system(pooled(blocks, base, scaled, columns, FREE), noises)
+    assert other.misfit == pytest.approx(plain.misfit, rel=1e-4)
+    np.testing.assert_allclose(other.normal, plain.normal, atol=1e-4)
+    np.testing.assert_allclose(other.right, plain.right, atol=1e-4 * abs(plain.right).max())
+
+
+def test_the_generalised_inverse_leaves_what_nothing_determines_alone() -> None:
+    column = np.random.default_rng(0).standard_normal((50, 2))
+    design = np.column_stack([column, column.sum(axis=1), np.zeros(50)]) * [1e6, 1.0, 1.0, 1.0]
+    normal = design.T @ design
+    found = inverse(normal)
+    assert np.isfinite(found).all()
+    assert (found[3] == 0).all()
+    size = np.sqrt(np.outer(np.diag(normal), np.diag(normal)))
+    again = normal @ found @ normal
+    assert np.abs(again - normal)[:3, :3].max() < 1e-6 * size.max()

@@ -1,0 +1,223 @@
+"""What the search charges, gains and takes: held to least squares and to Gauss's formula."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from engine_run import NOISY, QUIET, chi2, motion, noise, observed, read, whitened
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tasks.explain.explain import standard_columns
+from tasks.explain.inputs.observed import Observed
+from tasks.explain.search.candidates import (
+    STRENGTHS,
+    WAVES,
+    Candidate,
+    candidates_of,
+    columns_of,
+    plausible_sizes,
+)
+from tasks.explain.search.pool import Pool, pooled, system
+from tasks.explain.search.rank import PER_PARAMETER, rank
+from tasks.explain.search.stepwise import FALSE_ALARMS, search
+from tasks.model.term import Column, Term
+from tasks.model.terms.electronics import BANDWIDTH
+from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
+from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
+from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
+from tasks.model.terms.timing import TIME_OFFSET
+
+RUN = motion()
+EARTH = earth_rotation(np.radians(40.0))
+TERMS: tuple[Term, ...] = (
+    EARTH, GRAVITY_VALUE, LEVER_ARM, SIZE_EFFECT, TIME_OFFSET, TEMPERATURE_BIAS, THERMAL_GRADIENT,
+    thermal_transient(60.0), BIAS_RANDOM_WALK,
+)  # fmt: skip
+ARM = (0.004, -0.006, 0.003)
+WARMING = (4e-6, 0.0, -3e-6, 0.0, 1e-4, 0.0)
+
+
+class Asked(NamedTuple):
+    observed: Observed
+    base: list[list[np.ndarray]]
+    pool: Pool
+    candidates: tuple[Candidate, ...]
+    columns: tuple[Column, ...]
+
+    def named(self, name: str) -> Candidate:
+        return next(one for one in self.candidates if one.name == name)
+
+
+def asked(readings: np.ndarray, terms: Sequence[Term] = TERMS) -> Asked:
+    blocks = observed(readings, RUN)
+    listed, columns = candidates_of(terms, RUN)
+    base = standard_columns(blocks)
+    half = plausible_sizes(listed, len(columns))
+    return Asked(blocks, base, pooled(blocks, base, readings, columns, half), listed, columns)
+
+
+@pytest.fixture(scope="module")
+def both() -> Asked:
+    """A lever arm and a bias that warms, in noise that drifts."""
+    made = read(RUN, (LEVER_ARM, ARM), (TEMPERATURE_BIAS, WARMING))
+    return asked(made + noise(len(RUN.t), 5, NOISY))
+
+
+@pytest.fixture(scope="module")
+def nothing() -> Asked:
+    return asked(read(RUN) + noise(len(RUN.t), 6, NOISY))
+
+
+def misfit(one: Asked, columns: Sequence[int] = (), without: np.ndarray | None = None) -> float:
+    readings = one.observed.readings if without is None else one.observed.readings - without
+    return chi2(one.pool, one.base, readings, [one.columns[p] for p in columns], NOISY)[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "beside"),
+    [
+        ("lever_arm", None), ("temperature_bias", None), ("time_offset", None),
+        ("temperature_bias", "lever_arm"), ("temperature_bias", "thermal_gradient"),
+        ("size_effect", "time_offset"),
+    ],
+)  # fmt: skip
+def test_a_gain_is_the_difference_of_two_fits(both: Asked, name: str, beside: str | None) -> None:
+    taken = [] if beside is None else [both.named(beside)]
+    held = [p for one in taken for p in one.members]
+    one = both.named(name)
+    state = system(both.pool, NOISY)
+    own = next(s for s in rank(state, both.candidates, taken) if s.candidate is one)
+    direct = misfit(both, held) - misfit(both, [*held, *one.members])
+    assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
+    count = int((state.scale[list(one.members)] > 0).sum())
+    # Of nine places three look like the standard's p_ij: they are not charged.
+    assert count == {"size_effect": 6}.get(name, len(one.members))
+    price = PER_PARAMETER * count + 2.0 * np.log(one.tried) + one.term.rarity
+    assert own.gain - own.score == pytest.approx(price)
+
+
+def test_known_physics_is_charged_nothing_and_compared_by_its_own_size() -> None:
+    for strength in (0.0, 1.0, 3.0):
+        (effect,) = columns_of(EARTH, RUN)
+        made = read(RUN) + noise(len(RUN.t), 7, NOISY)
+        for channel, course in effect.items():
+            made[:, channel] += strength * course
+        one = asked(made)
+        known = one.named("earth_rotation")
+        ranked = rank(system(one.pool, NOISY), one.candidates, ())
+        own = next(scored for scored in ranked if scored.candidate is known)
+        taken_off = np.zeros_like(made)
+        for channel, course in effect.items():
+            taken_off[:, channel] = course
+        direct = misfit(one) - misfit(one, (), taken_off)
+        assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
+        assert own.score == pytest.approx(own.gain - EARTH.rarity)
+        # Where Earth's rate is absent, or is three times as large, taking it off once is no fit.
+        assert (own.gain > 0) == (strength > 0.5)
+
+
+@pytest.mark.parametrize("channel", [0, 4])
+def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int) -> None:
+    run = RUN.taken(np.arange(0, len(RUN.t), 25))
+    rng = np.random.default_rng(8)
+    walk = (
+        np.cumsum(rng.standard_normal((len(run.t), 6)), axis=0)
+        * 0.3
+        * np.sqrt([each.white for each in QUIET])
+    )
+    made = read(run) + noise(len(run.t), 8, QUIET, 1.0) + walk
+    blocks = observed(made, run, 1.0)
+    listed, columns = candidates_of([BIAS_RANDOM_WALK], run)
+    base = standard_columns(blocks)
+    pool = pooled(blocks, base, made, columns, plausible_sizes(listed, len(columns)))
+    state = system(pool, QUIET)
+    ranked = rank(state, listed, ())
+    some = [one for one in ranked if one.candidate.own[0] == WAVES * channel]
+    some = [one for one in some if len(one.candidate.members) == WAVES]
+    assert len(some) == 4 * len(STRENGTHS)
+    for scored in some:
+        one = scored.candidate
+        design = whitened(base[channel], pool, channel, QUIET[channel])
+        course = whitened([columns[p][channel] for p in one.members], pool, channel, QUIET[channel])
+        target = whitened([made[:, channel]], pool, channel, QUIET[channel])
+        outside = np.eye(len(design)) - design @ np.linalg.pinv(design, rcond=1e-10)
+        course, left = outside @ course, (outside @ target)[:, 0]
+        power = (course**2).sum(axis=0)
+        assert one.prior is not None
+        variance = 1.0 / (one.prior.precision(power) * power)  # of each wave's factor
+        spread = np.eye(len(left)) + (course * variance) @ course.T
+        likelier = left @ left - left @ np.linalg.solve(spread, left) - np.linalg.slogdet(spread)[1]
+        assert scored.gain == pytest.approx(likelier, rel=1e-3, abs=0.05)
+
+
+def test_what_was_planted_is_found_and_nothing_else(both: Asked) -> None:
+    found = search(both.pool, both.candidates)
+    assert found.p_value < 1e-9
+    assert {one.candidate.name for one in found.chosen} == {"lever_arm", "temperature_bias"}
+    gains = [one.gain for one in found.chosen]
+    assert gains == sorted(gains, reverse=True)
+
+
+def test_where_nothing_is_missing_nothing_is_found(nothing: Asked) -> None:
+    found = search(nothing.pool, nothing.candidates)
+    assert found.chosen == ()
+    assert found.p_value > FALSE_ALARMS
+
+
+def test_what_is_no_chance_and_yet_too_dear_ends_the_search(both: Asked) -> None:
+    dear = tuple(
+        replace(one, term=replace(one.term, rarity=1e6))
+        for one in both.candidates
+        if one.name == "lever_arm"
+    )
+    found = search(both.pool, dear)
+    assert found.p_value < FALSE_ALARMS
+    assert found.chosen == ()
+
+
+def test_what_fits_as_well_is_told_as_a_rival(both: Asked) -> None:
+    """A size effect of equal places is a lever arm; it is dearer."""
+    found = search(both.pool, both.candidates)
+    arm = next(one for one in found.chosen if one.candidate.name == "lever_arm")
+    assert arm.rivals[0].candidate.name == "size_effect"
+    assert arm.rivals[0].score < arm.score
+    assert arm.rivals[0].gain > 0.99 * arm.gain
+    assert "lever_arm" not in [other.candidate.name for other in arm.rivals]
+
+
+def test_a_wrong_start_is_exchanged_for_what_does_better(both: Asked) -> None:
+    wrong = both.named("thermal_gradient")
+    found = search(both.pool, both.candidates, [wrong])
+    assert {one.candidate.name for one in found.chosen} == {"lever_arm", "temperature_bias"}
+
+
+@settings(max_examples=6, deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_the_order_of_the_candidates_does_not_matter(both: Asked, random: Random) -> None:
+    mixed = list(both.candidates)
+    random.shuffle(mixed)
+    first, second = search(both.pool, both.candidates), search(both.pool, mixed)
+    assert [one.candidate for one in first.chosen] == [one.candidate for one in second.chosen]
+    for one, two in zip(first.chosen, second.chosen, strict=True):
+        assert one.gain == pytest.approx(two.gain, rel=1e-6)
+
+
+def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
+    """Stamps that are early look like a low-pass of negative time constant; none is."""
+    motion = RUN
+    made = read(motion, (TIME_OFFSET, (-0.004,)))
+    one = asked(made + noise(len(motion.t), 7, NOISY), (BANDWIDTH, TIME_OFFSET))
+    early = search(one.pool, one.candidates, (), NOISY)
+    assert [each.candidate.name for each in early.chosen] == ["time_offset"]
+    late = asked(
+        read(motion, (TIME_OFFSET, (0.004,))) + noise(len(motion.t), 7, NOISY),
+        (BANDWIDTH, TIME_OFFSET),
+    )
+    found = search(late.pool, late.candidates, (), NOISY)
+    names = {found.chosen[0].candidate.name, *(r.candidate.name for r in found.chosen[0].rivals)}
+    assert {"bandwidth", "time_offset"} <= names
