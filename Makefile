@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 SETUP := .venv/.done
 
-.PHONY: setup demo test bench validate lock clean
+.PHONY: setup demo test bench validate prove lock clean
 
 setup: $(SETUP)
 
@@ -24,9 +24,13 @@ bench: setup
 validate: setup
 	@$(BIN)/mimucal validate
 
+# Hold the sealed trial: make prove ARGS="--seed 2026 --real ../shared/data/real".
+prove: setup
+	@$(BIN)/python -m tests.proof $(ARGS)
+
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:
-	uv pip compile pyproject.toml --extra dev --extra peers --universal --python-version 3.11 \
+	uv pip compile pyproject.toml --group dev --group proof --universal --python-version 3.11 \
 	  --generate-hashes --no-header --no-annotate --quiet --output-file requirements.txt
 
 clean:

@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 from typer.exceptions import TyperException
@@ -162,35 +162,6 @@ def acquire(
     print(run.id)
     for remark in acquired.warnings:
         print(remark.en, file=sys.stderr)
-
-
-@app.command()
-def prove(
-    seed: options.Seed = 1,
-    short: Annotated[
-        bool, typer.Option("--short", help="Some thirty recordings in place of four hundred.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="New folder for the trial; default: proof-SEED here."),
-    ] = None,
-    real: Annotated[
-        Path | None,
-        typer.Option(
-            "--real",
-            metavar="DIR",
-            help="Besides: real recordings in DIR, by hand and with known changes hidden in them.",
-        ),
-    ] = None,
-    as_json: options.Json = False,
-) -> None:
-    """Show in a sealed trial what `explain` finds, and what it does not.
-
-    Recordings of an independent plant, explained blind, scored against the truth.
-    """
-    from flows.prove import run_prove
-
-    run_prove(seed=seed, short=short, out=out, real=real, as_json=as_json)
 
 
 @station.command()

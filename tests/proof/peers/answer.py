@@ -1,0 +1,123 @@
+"""Has four peers answer a recording in a process that knows nothing of the truth.
+
+Needs the extra `peers` (`tests.proof.peers.installed` says whether it is there).
+"""
+
+import json
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from schemas.recording import Recording
+from tests.proof.peers.blocks import BLOCK_RATE
+from tests.proof.peers.gp_discrepancy import gp_discrepancy
+from tests.proof.peers.peer import Answer
+from tests.proof.peers.residual_threshold import residual_threshold
+from tests.proof.peers.seen import CHANNELS, Seen, see
+from tests.proof.peers.sindy import sindy
+from tests.proof.peers.stepwise_bic import stepwise_bic
+
+ANSWER, PREDICTION = "peers.json", "peers.parquet"
+PEERS: Mapping[str, Callable[[Seen], Answer]] = {
+    "residual_threshold": residual_threshold,
+    "stepwise_bic": stepwise_bic,
+    "sindy": sindy,
+    "gp_discrepancy": gp_discrepancy,
+}
+
+Predictions = dict[str, np.ndarray]
+
+
+def answer_peers(recording: Recording, folder: Path) -> None:
+    """Writes peers.json and peers.parquet to folder/. A failure is an answer, too.
+
+    peers.parquet: at each block `<channel>_nominal`, the standard's model as the peers fit it, and
+    `<channel>_<peer>` where a peer predicts something else; float32.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    started = time.perf_counter()
+    said: dict[str, Any] = {"format": "mimu-peers/1", "block_rate": BLOCK_RATE}
+    try:
+        seen = see(recording)
+    except Exception as failure:
+        said["failed"] = _why(failure)
+        said["peers"] = {name: _failed(failure, 0.0) for name in PEERS}
+    else:
+        said["noise"] = {CHANNELS[c]: _block_noise(seen, c) for c in seen.used}
+        said["prepared_in"] = time.perf_counter() - started
+        said["peers"], predictions = _answers(seen)
+        pq.write_table(pa.table(predictions), folder / PREDICTION, compression="zstd")
+    said["seconds"] = time.perf_counter() - started
+    (folder / ANSWER).write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+
+
+def _answers(seen: Seen) -> tuple[dict[str, Any], Predictions]:
+    known = np.asarray((seen.observed.weight > 0).any(axis=1))
+    predictions = {
+        f"{channel}_nominal": np.where(known, seen.nominal[:, c], np.nan).astype(np.float32)
+        for c, channel in enumerate(CHANNELS)
+    }
+    said = {}
+    for name, peer in PEERS.items():
+        started = time.perf_counter()
+        try:
+            found = peer(seen)
+        except Exception as failure:
+            said[name] = _failed(failure, time.perf_counter() - started)
+            continue
+        said[name] = _said(found, time.perf_counter() - started)
+        predictions |= _changed(name, found, seen, known)
+    return said, predictions
+
+
+def _changed(name: str, answer: Answer, seen: Seen, known: np.ndarray) -> Predictions:
+    """The channels of which a peer predicts something else than the standard's model."""
+    if answer.found is None:
+        return {}
+    return {
+        f"{CHANNELS[c]}_{name}": np.where(known, answer.found[:, c], np.nan).astype(np.float32)
+        for c in seen.used
+        if not np.array_equal(answer.found[:, c], seen.nominal[:, c])
+    }
+
+
+def _said(answer: Answer, seconds: float) -> dict[str, Any]:
+    return {
+        "detected": answer.detected,
+        "statistic": answer.statistic,
+        "threshold": answer.threshold,
+        "located": [
+            {
+                "channel": each.channel,
+                "dimension": each.dimension,
+                "description": each.description,
+                "segments": list(each.segments),
+                "strength": each.strength,
+            }
+            for each in answer.located
+        ],
+        "names": list(answer.names),
+        "held_out_rms_ratio": answer.held_out.rms_ratio,
+        "held_out_gain": answer.held_out.gain,
+        "seconds": seconds,
+        "failed": None,
+    }
+
+
+def _failed(failure: Exception, seconds: float) -> dict[str, Any]:
+    nothing = _said(Answer(0.0, 0.0), seconds)
+    return nothing | {"failed": _why(failure)}
+
+
+def _why(failure: Exception) -> str:
+    return f"{type(failure).__name__}: {failure}"
+
+
+def _block_noise(seen: Seen, channel: int) -> float:
+    """Standard deviation of one block's white noise, rad/s or m/s²."""
+    return float(np.sqrt(seen.noises[channel].white * BLOCK_RATE / 2.0))

@@ -1,0 +1,47 @@
+"""Peer 1: means of the residuals, segment by segment, against what noise makes of them.
+
+The standard's model is fitted by least squares. A segment whose mean residual is beyond so many
+standard deviations of its noise (Allan variance: angle random walk and bias instability) is told.
+It names nothing and models nothing.
+"""
+
+import numpy as np
+
+from tests.proof.peers.peer import UNNAMED, Answer, Located
+from tests.proof.peers.seen import CHANNELS, Seen
+
+THRESHOLD = 3.7  # standard deviations
+FEWEST = 5  # blocks of a segment
+
+
+def residual_threshold(seen: Seen) -> Answer:
+    """Which segments of which channels are off."""
+    beyond = deviations(seen)
+    statistic = float(np.nanmax(beyond, initial=0.0))
+    located = []
+    for c in seen.used:
+        over = np.flatnonzero(beyond[:, c] > THRESHOLD)
+        if len(over):
+            names = tuple(seen.observed.segments[k].name for k in over)
+            strength = float(beyond[over, c].max())
+            words = f"{len(over)} segment means beyond {THRESHOLD:g} standard deviations"
+            located.append(Located(CHANNELS[c], "level", words, strength, names))
+    located.sort(key=lambda one: -one.strength)
+    return Answer(statistic, THRESHOLD, tuple(located), (UNNAMED,) if located else ())
+
+
+def deviations(seen: Seen) -> np.ndarray:
+    """(segments, 6) |mean residual| in standard deviations; NaN where there is none."""
+    observed = seen.observed
+    whole = len(observed.t) / observed.rate
+    found = np.full((len(observed.segments), 6), np.nan)
+    for number in range(len(observed.segments)):
+        rows = observed.segment == number
+        for c in seen.used:
+            weight = observed.weight[rows, c] ** 2
+            if (weight > 0).sum() < FEWEST:
+                continue
+            mean = float(weight @ seen.left[rows, c] / weight.sum())
+            seconds = np.array([weight.sum() / observed.rate])
+            found[number, c] = abs(mean) / np.sqrt(seen.noises[c].of_mean(seconds, whole)[0])
+    return found

@@ -1,0 +1,127 @@
+"""`make prove`: a sealed trial of `explain`, held from beginning to end."""
+
+import json
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from flows.printing import print_rows, stdout
+from flows.progress import counting
+from schemas.base import Unusable
+from tasks.explain.report.look import both
+from tasks.version import code_version
+from tests.proof.peers import page as peers_page
+from tests.proof.peers.installed import MISSING, peers_installed
+from tests.proof.peers.score import PeerScore, score_peers
+from tests.proof.peers.table import duties_of
+from tests.proof.real import page as real_page
+from tests.proof.real.hold import Results, hold
+from tests.proof.trial.draw import draw
+from tests.proof.trial.evidence import (
+    SUMMARY,
+    Trial,
+    as_data,
+    as_markdown,
+    besides,
+    summary,
+)
+from tests.proof.trial.figures import costs, figures
+from tests.proof.trial.hold import explain_blind, prepare
+from tests.proof.trial.page import page
+from tests.proof.trial.pictures.headline import headline_svg
+from tests.proof.trial.score import ANSWERS, score_all
+from tests.proof.trial.seal import SEALED
+
+DEFAULT_OUT = "proof"
+
+
+def run_prove(
+    seed: int, short: bool, out: Path | None, as_json: bool, real: Path | None = None
+) -> None:
+    """Draws, seals, explains blind and scores; everything stays in the folder.
+
+    real: a folder of real recordings, which are held first. The peers answer the same recordings
+    where their libraries are installed. Raises Unusable for a folder that is in use or cannot be
+    written, and where a real recording is missing or broken.
+    """
+    folder = out or Path(f"{DEFAULT_OUT}-{seed}")
+    _make(folder)
+    results = prove_real(real, folder / "real", seed) if real is not None else None
+    peers = peers_installed()
+    started = time.perf_counter()
+    cases = draw(seed, short)
+    with counting("record and seal") as report:
+        seals = prepare(cases, folder, report)
+    with counting("explain blind") as report:
+        explain_blind(folder, report, peers)
+    scores = score_all(folder)
+    beside = score_peers(folder / SEALED, folder / ANSWERS) if peers else []
+    seconds = time.perf_counter() - started
+    trial = Trial(seed, short, code_version(), seals, seconds, scores)
+    contents = _evidence(trial, beside, peers, results)
+    for name, text in contents.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    if as_json:
+        print(contents["evidence.json"], end="")
+        return
+    print_rows(f"The sealed trial, {len(scores)} recordings", SUMMARY, summary(trial))
+    console = stdout(markup=False)
+    for each in figures(scores):
+        console.print(f"{each.what[0]}: {each.reached} (asked: {each.asked}), {each.of}")
+    for line in costs(scores):
+        console.print(f"{line.what[0]}: {line.before}; with explain {line.after}")
+    for what, figure in besides(trial):
+        console.print(f"{what}: {figure}")
+    for name in (*contents, "seals.txt"):
+        console.print(str(folder / name))
+
+
+def prove_real(real: Path, folder: Path, seed: int) -> Results:
+    """Hand analysis, known transformations hidden, explained blind and scored.
+
+    Writes recordings, answers, real.json, real.md and real.html to the folder. Raises Unusable
+    where one of the recordings is missing or broken.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with counting("real recordings") as report:
+        results = hold(real, folder, seed, code_version(), report)
+    said = json.dumps(real_page.data(results), indent=1, ensure_ascii=False) + "\n"
+    contents = {
+        "real.json": said,
+        "real.md": real_page.markdown(results),
+        "real.html": real_page.page(results),
+    }
+    for name, text in contents.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return results
+
+
+def _evidence(
+    trial: Trial, beside: Sequence[PeerScore], peers: bool, results: Results | None
+) -> dict[str, str]:
+    """The files by name: the trial, what the peers answered, and the real recordings if any."""
+    said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
+    more = peers_page.section(beside) if peers else [f"<p>{both(MISSING)}</p>"]
+    told = peers_page.markdown(beside) if peers else f"{MISSING[0]}\n"
+    if results is not None:
+        said |= {"real": real_page.data(results)}
+        more += real_page.section(results)
+        told += "\n" + real_page.markdown(results)
+    return {
+        "evidence.json": json.dumps(said, indent=1, ensure_ascii=False) + "\n",
+        "evidence.md": as_markdown(trial) + "\n" + told,
+        "evidence.html": page(trial, more),
+        "headline.svg": headline_svg(trial.scores),
+    }
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        used = any(folder.iterdir())
+    except OSError as error:
+        raise Unusable(
+            f"--out {folder} cannot be used ({error.strerror}); name a folder that can be written"
+        ) from error
+    if used:
+        raise Unusable(f"--out {folder} is not empty; a trial needs a folder of its own")

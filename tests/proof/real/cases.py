@@ -1,0 +1,116 @@
+"""What is hidden in which real recording, and what cannot be hidden there, and why."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from schemas.recording import Recording
+from storage.exchange import read_folder
+from tests.proof.real.hand.measured import Measured
+from tests.proof.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
+from tests.proof.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part
+from tests.proof.real.on_shaft import SHAFT
+from tests.proof.text import Text
+
+PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
+SEEN_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A known transformation in a real recording. why: it cannot be seen, if it cannot."""
+
+    recording: str
+    name: str
+    size: Size
+    why: Text | None = None
+
+    def made(self, folder: Path) -> Recording:
+        """The recording with it, read from the folder of the real ones."""
+        return TRANSFORMATIONS[self.name](untouched(folder, self.recording), self.size)
+
+
+TILT_ABSORBED: Text = (
+    "one axis: a lean along it is a bias, one across it a turn of the unit, and the standard's "
+    "parameters take both whole",
+    "单轴：沿轴倾斜等同零偏，垂直于轴倾斜等同产品转角，均被标准参数完全吸收",
+)
+LABELS_ONLY: Text = (
+    "labels tell means of rests and turns only: stamps that are late or slip change none of them",
+    "标签仅给出静止与转动的均值：时标偏移或滑移不改变这些均值",
+)
+SCALE_ABSORBED: Text = (
+    "no gravity beside a turn of known angle: the gyro's scale factor takes it whole",
+    "已知转角之外无重力参照：被陀螺标度因数完全吸收",
+)
+# What is not even tried: recording, transformations, why.
+NOT_HIDDEN: tuple[tuple[str, str, Text], ...] = (
+    (
+        "vn200_imu0_rate_table, vn200_imu1_rate_table", "time_offset, dropped_samples",
+        ("steady turns were cut out by their author, ramps and times are gone",
+         "作者只保留匀速段，加减速段与时间信息已缺失"),
+    ),
+    (
+        "vn200_imu0_rate_table, vn200_imu1_rate_table", "table_scale",
+        ("rates are nominal and no accelerometer was kept while turning: " + SCALE_ABSORBED[0],
+         "仅有名义速率且转动时未保留加速度计：" + SCALE_ABSORBED[1]),
+    ),
+    (
+        "every recording without table angles", "axis_tilt",
+        ("a label says which axis points up, not where the base leans beside it",
+         "标签只说明哪一轴朝上，不说明基座倾向何方"),
+    ),
+    (
+        "xsens_multiposition", "all",
+        ("it tells no motion: explain refuses it", "未给出运动信息：解释程序拒绝处理"),
+    ),
+)  # fmt: skip
+
+
+def untouched(folder: Path, name: str) -> Recording:
+    """A real recording as it is hidden in: of the shaft the first part."""
+    recording = read_folder(folder / name)
+    return first_part(recording, PART) if name == SHAFT else recording
+
+
+def hidden_cases(seed: int) -> list[Hidden]:
+    """Everything that is hidden, sizes drawn from the seed."""
+    cases = [
+        Hidden(SHAFT, name, size)
+        for name in SEEN_ON_SHAFT
+        for size in drawn_sizes(seed, name, PART)
+    ]
+    cases += [
+        Hidden(SHAFT, "axis_tilt", size, TILT_ABSORBED)
+        for size in drawn_sizes(seed, "axis_tilt", PART)
+    ]
+    for recording, duration in (("ln100_two_position", 300.0), ("ferraris_session", 101.0)):
+        most = drawn_sizes(seed, "time_offset", duration)[-1]
+        cases.append(Hidden(recording, "time_offset", most, LABELS_ONLY))
+    lost = drawn_sizes(seed, "dropped_samples", 300.0)[-1]
+    cases.append(Hidden("ln100_two_position", "dropped_samples", lost, LABELS_ONLY))
+    scale = drawn_sizes(seed, "table_scale", 101.0)[-1]
+    cases.append(Hidden("ferraris_session", "table_scale", scale, SCALE_ABSORBED))
+    return cases
+
+
+BY_HAND: dict[str, Callable[[Recording, Size], Measured]] = {
+    "time_offset": lambda recording, size: delay_by_phase(recording),
+    "table_scale": lambda recording, size: scale_by_gravity(recording),
+    "dropped_samples": lambda recording, size: slip_at(recording, size.at),
+}
+
+
+def by_hand(case: Hidden, folder: Path) -> Measured | None:
+    """What a hand analysis finds of it, beyond the untouched recording; None: nothing to see.
+
+    Of lost samples the slip, as a number of samples at 100 Hz.
+    """
+    if case.why is not None:
+        return None
+    measure = BY_HAND[case.name]
+    before = measure(untouched(folder, case.recording), case.size)
+    after = measure(case.made(folder), case.size)
+    unit = 100.0 if case.name == "dropped_samples" else 1.0
+    u = (before.u**2 + after.u**2) ** 0.5
+    return Measured(unit * (after.value - before.value), unit * u, case.size.unit)

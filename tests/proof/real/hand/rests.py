@@ -1,0 +1,116 @@
+"""Rests by hand: means of each rest, what no bias and matrix fits, and whether it wanders."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from schemas.recording import ACCEL, AXES, GYRO, Recording, Segment
+from tests.proof.real.hand.measured import Measured, batch_mean
+
+CHANNELS = GYRO + ACCEL
+EARTH = 15.04107  # deg/h, Earth's rate against the stars
+BATCHES = 10
+DEG_PER_HOUR = float(np.degrees(3600.0))
+
+
+def rests(recording: Recording) -> list[Segment]:
+    """The labelled rests with a direction that points up."""
+    return [
+        each
+        for each in recording.manifest.segments or ()
+        if each.kind == "static" and each.up is not None
+    ]
+
+
+def readings(recording: Recording, segment: Segment) -> tuple[np.ndarray, np.ndarray]:
+    """t (n,) and the six channels (n, 6) of a segment."""
+    rows = recording.imu.rows(segment.t_start, segment.t_end)
+    return recording.imu.t[rows], recording.imu.stack_rows(CHANNELS, rows)
+
+
+def up_of(segment: Segment) -> np.ndarray:
+    """The label's direction (3,)."""
+    assert segment.up is not None
+    return np.eye(3)[AXES.index(segment.up[1])] * (1.0 if segment.up[0] == "+" else -1.0)
+
+
+def means_of(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (m, 3) that the labels say and medians (m, 6) of the m rests."""
+    stretches = rests(recording)
+    medians = [np.median(readings(recording, each)[1], axis=0) for each in stretches]
+    return np.array([up_of(each) for each in stretches]), np.array(medians)
+
+
+def half_difference(recording: Recording, channel: int) -> Measured:
+    """Half of what a channel reads up less down, deg/h; u by batches of each rest."""
+    up, down = (
+        batch_mean(readings(recording, each)[1][:, channel], BATCHES)
+        for each in sorted(rests(recording), key=lambda one: one.up or "")[:2]
+    )
+    half = 0.5 * (up[0] - down[0]), 0.5 * float(np.hypot(up[1], down[1]))
+    return Measured(half[0] * DEG_PER_HOUR, half[1] * DEG_PER_HOUR, "deg/h")
+
+
+def vertical_earth_rate(recording: Recording) -> Measured:
+    """Earth's rate about the local vertical, by the latitude that the manifest tells, deg/h."""
+    latitude = recording.manifest.station.latitude_deg
+    assert latitude is not None
+    return Measured(EARTH * float(np.sin(np.radians(latitude))), 0.001, "deg/h")
+
+
+def misfit(directions: np.ndarray, means: np.ndarray) -> np.ndarray:
+    """What bias and matrix leave of the means (m, k) of rests: (m, k), least squares."""
+    A = np.column_stack([np.ones(len(directions)), directions])
+    return np.asarray(means - A @ np.linalg.lstsq(A, means, rcond=None)[0])
+
+
+@dataclass(frozen=True)
+class Wander:
+    """Whether the biases of some channels wander within rests as they seem to between them.
+
+    p_noise: probability of so much change within the rests by noise alone. p_walk: of so little
+    by a random walk that would also make the misfit between the rests.
+    """
+
+    p_noise: float
+    p_walk: float
+
+    @property
+    def verdict(self) -> str:
+        """True, false or cannot tell, that a random walk is what the rests show."""
+        if self.p_walk < 0.01:
+            return "false"
+        return "true" if self.p_noise < 0.01 else "cannot tell"
+
+
+def wander(recording: Recording, channels: Sequence[int]) -> Wander:
+    """Second halves less first halves of the rests beside the misfit between the rests.
+
+    A walk of variance q a second makes q·T/3 between the means of the halves of T seconds, and
+    about q·D between rests D apart. Noise by the scatter of one-second means.
+    """
+    stretches, chosen = rests(recording), list(channels)
+    directions, means = means_of(recording)
+    freedom = len(directions) - 4
+    between = (misfit(directions, means[:, chosen]) ** 2).sum(axis=0) / freedom
+    apart = float(np.diff([each.t_start for each in stretches]).mean())
+    noise, walk = 0.0, 0.0
+    for each in stretches:
+        t, values = readings(recording, each)
+        values = values[:, chosen]
+        seconds = np.array([part.mean(axis=0) for part in _seconds(t, values)])
+        half = len(values) // 2
+        change = (values[half:].mean(axis=0) - values[:half].mean(axis=0)) ** 2
+        white = (np.diff(seconds, axis=0) ** 2).mean(axis=0) / 2.0 * 4.0 / len(seconds)
+        walked = between / apart * (t[-1] - t[0]) / 3.0
+        noise += float((change / white).sum())
+        walk += float((change / (white + walked)).sum())
+    count = len(stretches) * len(chosen)
+    return Wander(float(chi2.sf(noise, count)), float(chi2.cdf(walk, count)))
+
+
+def _seconds(t: np.ndarray, values: np.ndarray) -> list[np.ndarray]:
+    edges = np.searchsorted(t, np.arange(t[0], t[-1], 1.0))
+    return np.split(values, edges[1:])[:-1]

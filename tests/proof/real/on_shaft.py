@@ -1,0 +1,155 @@
+"""The MPU-6050 on a stepper's shaft with an optical encoder."""
+
+import numpy as np
+
+from schemas.recording import ACCEL
+from tests.proof.real.fact import (
+    Answer,
+    Fact,
+    Recordings,
+    Told,
+    findings,
+    in_words,
+    parameter,
+    silent,
+)
+from tests.proof.real.hand.measured import Measured
+from tests.proof.real.hand.rounding import dead_zone_misfit, step_of
+from tests.proof.real.hand.shaft import (
+    corner,
+    delay_by_angle,
+    delay_by_gravity,
+    delay_by_pattern,
+    delay_by_phase,
+)
+
+SHAFT = "encoder_mpu6050_pitch_slow"
+DATASHEET = Measured(42.0, 4.0, "Hz")  # MPU-6050 register map, DLPF_CFG 3, of a higher order
+
+
+def on_shaft(recordings: Recordings) -> list[Fact]:
+    """What the encoder rig holds."""
+    return [_gyro_delay(recordings), _gravity_delay(recordings), _low_pass(recordings),
+            _rounding(recordings)]  # fmt: skip
+
+
+def total_delay(answer: Answer) -> tuple[float, float] | None:
+    """The delay, s, and its u, that an answer states: clock shift and low-pass together."""
+    stated = [
+        value
+        for each in findings(answer, "time_offset", "bandwidth")
+        for name in ("seconds", "time_constant")
+        if (value := parameter(each, name))
+    ]
+    if not stated:
+        return None
+    return sum(value for value, _ in stated), float(np.linalg.norm([u for _, u in stated]))
+
+
+def _told_delay(answer: Answer, known: Measured) -> Told:
+    stated = total_delay(answer)
+    if stated is None:
+        return silent(answer)
+    right = Measured(*stated, "s").agrees(known)
+    words = in_words(findings(answer, "time_offset", "bandwidth"))
+    return Told(words, "right" if right else "right name, value off")
+
+
+def _gyro_delay(recordings: Recordings) -> Fact:
+    recording = recordings[SHAFT]
+    by_angle = delay_by_angle(recording)
+    return Fact(
+        "gyro_delay", (SHAFT,), ("the gyro is late against the encoder", "陀螺相对编码器滞后"),
+        (
+            ("phase of the cross spectrum, 1 to 13 Hz", "互谱相位（1～13 Hz）"),
+            ("lag at which the summed gyro follows the encoder's angle best",
+             "积分陀螺与编码器角度最吻合的滞后"),
+        ),
+        (str(delay_by_phase(recording)), str(by_angle)),
+        (
+            "4.8 ms of it is the maker's low-pass; whether the rest lies in the encoder's reading "
+            "or in the bus is not told",
+            "其中4.8 ms为厂家低通滤波；其余来自编码器读数还是总线无法判断",
+        ),
+        lambda answer: _told_delay(answer, by_angle),
+    )  # fmt: skip
+
+
+def _gravity_delay(recordings: Recordings) -> Fact:
+    recording = recordings[SHAFT]
+    late = delay_by_gravity(recording)
+    pattern = delay_by_pattern(recording)
+
+    def told(answer: Answer) -> Told:
+        both = findings(answer, "accel_axis_skew", "size_effect")
+        return Told(in_words(both), "wrong") if both else silent(answer)
+
+    return Fact(
+        "gravity_delay", (SHAFT,),
+        ("the accelerometers are late, too, but less than the gyro", "加速度计也滞后，但小于陀螺"),
+        (
+            ("turn of gravity's pattern with the rate", "重力方向随角速率的偏转"),
+            ("lag at which gravity's pattern over the angle fits best, no lever arm",
+             "重力随角度变化最吻合的滞后（不计杆臂）"),
+        ),
+        (str(late), str(pattern)),
+        (
+            "the two ways differ by what a lever arm takes, more than their scatter; no catalogue "
+            "name has one delay for each triad: a single τ must be wrong for one of them",
+            "两法之差源于杆臂项，大于各自离散；目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
+        ),
+        told,
+    )  # fmt: skip
+
+
+def _low_pass(recordings: Recordings) -> Fact:
+    seen = corner(recordings[SHAFT])
+    known = 1e3 / (2.0 * np.pi * seen.value)
+
+    def told(answer: Answer) -> Told:
+        said = findings(answer, "bandwidth")
+        value = parameter(said[0], "time_constant") if said else None
+        if value is None:
+            return silent(answer)
+        at = Measured(1.0 / (2.0 * np.pi * value[0]), 2.0, "Hz")
+        close = value[0] > 0 and at.agrees(seen)
+        return Told(in_words(said), "right" if close else "right name, value off")
+
+    return Fact(
+        "low_pass", (SHAFT,),
+        (f"the gyro's low-pass, time constant {known:.1f} ms", f"陀螺低通，时间常数{known:.1f} ms"),
+        (
+            ("gain at the stepper's 12.8 Hz beside the gain at 1 to 5 Hz",
+             "步进电机12.8 Hz处与1～5 Hz处增益之比"),
+            ("the maker's setting", "厂家设定值"),
+        ),
+        (str(seen), str(DATASHEET)),
+        ("its order: one frequency shows one number", "滤波阶数：单一频率只能给出一个数"),
+        told,
+    )  # fmt: skip
+
+
+def _rounding(recordings: Recordings) -> Fact:
+    recording = recordings[SHAFT]
+    steps = {name: step_of(recording.imu.columns[name]) for name in ACCEL}
+    (nearest, zero) = (dead_zone_misfit(recording, towards_zero=way) for way in (False, True))
+
+    def told(answer: Answer) -> Told:
+        said = findings(answer, "coarse_quantisation")
+        return Told(in_words(said), "right") if said else silent(answer)
+
+    return Fact(
+        "rounding", (SHAFT,),
+        ("accelerometers in steps of 0.01 g, cut off towards zero", "加速度计步长0.01 g，向零截断"),
+        (
+            ("every reading is a whole number of steps", "全部读数为步长的整数倍"),
+            ("accelerometer y over the angle: misfit if rounded, and if cut off",
+             "加速度计y随角度的变化：四舍五入与截断两种模型的残差"),
+        ),
+        (
+            f"{steps['accel_y']:.5f} m/s²",
+            f"{1e3 * nearest:.1f} and {1e3 * zero:.1f} mm/s²",
+        ),
+        ("where it was cut: in the logger's text or before", "截断发生在记录程序还是之前"),
+        told,
+    )  # fmt: skip

@@ -1,0 +1,233 @@
+"""What was held on real recordings: a section of a page in both languages, Markdown, and data."""
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+from tasks.explain.report.look import both, document, table
+from tests.proof.real.cases import NOT_HIDDEN
+from tests.proof.real.fact import Fact, Told
+from tests.proof.real.hold import Results
+from tests.proof.real.score import Score, as_data
+from tests.proof.text import Text
+
+TITLE: Text = ("Real recordings with a known secret", "真实记录：已知的秘密")
+METHOD: Text = (
+    "Recordings of other people's hardware. First by hand: spectra, means, lags and comparisons "
+    "of two units, sharing no code with explain, each effect in two independent ways. Then known "
+    "transformations are hidden in them, sizes drawn from a seed, and every recording is "
+    "explained in a process that has its folder and nothing else.",
+    "他人硬件的真实记录。先作人工分析：谱、均值、滞后与两台产品比对，不与解释程序共用代码，每一因素以两种独立方法验证。"
+    "再将已知变换隐藏其中，大小由种子抽取，由只得到该记录文件夹的进程解释。",
+)
+RULES: Text = (
+    "The untouched recording's answer is the baseline. A hidden transformation is found if its "
+    "name is in the answer and what is stated beyond the baseline holds the hidden amount in its "
+    "95 % interval. Any other new name is wrong; where nothing can be seen, any new name is.",
+    "以未改动记录的解释结果为基线。答案中出现该名称、且超出基线的量的95 %区间包含隐藏值，即为发现；"
+    "出现其他新名称为错误；不可见时出现任何新名称均为错误。",
+)
+FACTS: tuple[Text, ...] = (
+    ("what is there", "真实因素"), ("recording", "记录"), ("by hand", "人工分析"),
+    ("a second way", "第二种方法"), ("not known", "未知"), ("explain says", "解释结果"), ("", ""),
+)  # fmt: skip
+CLAIMS: tuple[Text, ...] = (
+    ("recording", "记录"), ("explain says, or said", "解释程序的（曾有）判断"),
+    ("it does now", "目前是否作此判断"), ("by hand", "人工结论"), ("evidence", "依据"),
+)  # fmt: skip
+HIDDEN: tuple[Text, ...] = (
+    ("recording", "记录"), ("hidden", "隐藏的变换"), ("size", "大小"), ("by hand", "人工分析"),
+    ("explain states", "解释程序给出"), ("new names", "新名称"), ("outcome", "结果"), ("s", "s"),
+)  # fmt: skip
+REASONS: tuple[Text, ...] = (
+    ("recording", "记录"), ("transformation", "变换"), ("why", "原因"),
+)  # fmt: skip
+IN_CHINESE = {
+    "right": "正确", "right name, value off": "名称正确，数值有偏", "wrong": "错误",
+    "silent": "未提及", "explain failed": "解释程序出错", "true": "真", "false": "假",
+    "cannot tell": "无法判断",
+    "yes": "是", "no": "否", "a wrong name": "错误名称", "rightly nothing new": "正确：无新发现",
+    "missed": "漏检", "found, value right": "发现，数值正确", "found, value off": "发现，数值有偏",
+}  # fmt: skip
+MADE = {True: "yes", False: "no", None: "explain failed"}
+
+
+def section(results: Results) -> list[str]:
+    """The HTML of it, in both languages, to stand in a page."""
+    claims = [
+        [escape(claim.recording), both(claim.what), _said(MADE[made]), _said(claim.truth),
+         both(claim.evidence)]
+        for claim, made in results.claims
+    ]  # fmt: skip
+    hidden = [[_said(cell) for cell in cells(each)] for each in results.scores]
+    reasons = [[escape(a), escape(b), both(why)] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
+    return [
+        f"<h2>{both(TITLE)}</h2>",
+        f"<p>{both(METHOD)}</p>",
+        table(["", ""], [[escape(a), escape(b)] for a, b in summary(results)]),
+        f"<h3>{both(('Really there', '真实存在的因素'))}</h3>",
+        *(_card(fact, told, results) for fact, told in results.facts),
+        f"<h3>{both(('Claims that look doubtful', '存疑的判断'))}</h3>",
+        table(_heads(CLAIMS), claims),
+        f"<h3>{both(('Hidden', '隐藏的变换'))}</h3>",
+        f"<p>{both(RULES)}</p>",
+        table(_heads(HIDDEN), hidden, (len(HIDDEN) - 1,)),
+        *_figures(results, ""),
+        f"<h3>{both(('What cannot be hidden there', '无法隐藏之处'))}</h3>",
+        table(_heads(REASONS), reasons),
+    ]
+
+
+def page(results: Results) -> str:
+    """The section as a page of its own."""
+    origin = f"<p>seed {results.seed}, {escape(results.code_version)}</p>"
+    return document(TITLE[0], [*section(results), origin])
+
+
+def markdown(results: Results) -> str:
+    """The same as Markdown, in English, without the pictures."""
+    facts = [
+        [fact.what[0], ", ".join(fact.recordings), f"{fact.how[0][0]}: {fact.size[0]}",
+         f"{fact.how[1][0]}: {fact.size[1]}", fact.unknown[0],
+         "; ".join(each.words for each in told), "; ".join(each.outcome for each in told)]
+        for fact, told in results.facts
+    ]  # fmt: skip
+    claims = [
+        [claim.recording, claim.what[0], MADE[made], claim.truth, claim.evidence[0]]
+        for claim, made in results.claims
+    ]
+    reasons = [[a, b, why[0]] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
+    return "\n".join(
+        [
+            f"# {TITLE[0]}", "", METHOD[0], "", *_rows(("", ""), summary(results)),
+            "## Really there", "", *_rows(_english(FACTS), facts),
+            "## Claims that look doubtful", "", *_rows(_english(CLAIMS), claims),
+            "## Hidden", "", RULES[0], "",
+            *_rows(_english(HIDDEN), [cells(each) for each in results.scores]),
+            "## What cannot be hidden there", "",
+            *_rows(_english(REASONS), reasons),
+            f"Seed {results.seed}, {results.code_version}.", "",
+        ]
+    )  # fmt: skip
+
+
+def data(results: Results) -> dict[str, Any]:
+    """`mimu-prove-real/1`."""
+    return {
+        "format": "mimu-prove-real/1",
+        "seed": results.seed,
+        "code_version": results.code_version,
+        "seconds": results.seconds,
+        "explaining_seconds": results.explaining,
+        "summary": dict(summary(results)),
+        "facts": [
+            {"key": fact.key, "what": fact.what[0], "size": list(fact.size),
+             "told": {name: vars(each) for name, each in zip(fact.recordings, told, strict=True)}}
+            for fact, told in results.facts
+        ],
+        "claims": [
+            {"recording": claim.recording, "what": claim.what[0], "made": made,
+             "truth": claim.truth, "evidence": claim.evidence[0]}
+            for claim, made in results.claims
+        ],
+        "hidden": [as_data(each) for each in results.scores],
+    }  # fmt: skip
+
+
+def summary(results: Results) -> list[tuple[str, str]]:
+    """The headline."""
+    told = [each.outcome for _, every in results.facts for each in every]
+    made = [claim.truth for claim, is_made in results.claims if is_made]
+    seen = [each for each in results.scores if each.visible]
+    quiet = [each for each in results.scores if not each.visible]
+    by_hand = sum(bool(e.by_hand and _holds(e)) for e in seen)
+    return [
+        ("real effects that explain tells rightly", _of(told.count("right"), len(told))),
+        ("  right name, value off", _of(told.count("right name, value off"), len(told))),
+        ("  wrong", _of(told.count("wrong"), len(told))),
+        ("doubtful claims that it makes now and are false", _of(made.count("false"), len(made))),
+        ("hidden and visible: found, value right",
+         _of(sum(e.outcome == "found, value right" for e in seen), len(seen))),
+        ("  named", _of(sum(e.named for e in seen), len(seen))),
+        ("  a wrong name beside", _of(sum(bool(e.wrong) for e in seen), len(seen))),
+        ("  by hand, within 95 %", _of(by_hand, len(seen))),
+        ("nothing to see: rightly nothing new",
+         _of(sum(e.outcome == "rightly nothing new" for e in quiet), len(quiet))),
+        ("in all", f"{results.seconds:.0f} s, of it explaining {results.explaining:.0f} s"),
+    ]  # fmt: skip
+
+
+def cells(score: Score) -> list[str]:
+    """A row of the table of what was hidden."""
+    size, case = score.case.size, score.case
+    at = f" at {size.at:g} s" if size.at else ""
+    return [
+        case.recording,
+        case.name if case.why is None else f"{case.name} (cannot be seen)",
+        f"{size.value:.4g}{'' if size.unit == '1' else ' ' + size.unit}{at}",
+        str(score.by_hand or "—"),
+        str(score.stated or "—"),
+        ", ".join(score.new) or "—",
+        score.outcome,
+        f"{score.seconds:.0f}",
+    ]
+
+
+def _unseen(results: Results) -> list[tuple[str, str, Text]]:
+    """Of what was hidden though it cannot be seen: recording, transformation, why; once each."""
+    told = {(e.case.recording, e.case.name): e.case.why for e in results.scores if e.case.why}
+    return [(recording, name, why) for (recording, name), why in told.items()]
+
+
+def _holds(score: Score) -> bool:
+    hand = score.by_hand
+    return hand is not None and abs(hand.value - score.case.size.value) <= 2.0 * hand.u
+
+
+def _card(fact: Fact, told: Sequence[Told], results: Results) -> str:
+    """A fact with its pictures."""
+    said = "<br>".join(
+        f"{escape(each.words)} <b>({_said(each.outcome)})</b>" for each in told
+    )  # fmt: skip
+    parts = (
+        escape(", ".join(fact.recordings)),
+        *(f"{both(how)}: {escape(size)}" for how, size in zip(fact.how, fact.size, strict=True)),
+        both(fact.unknown),
+        said,
+    )
+    rows = "".join(
+        f"<dt>{both(head)}</dt><dd>{part}</dd>"
+        for head, part in zip(FACTS[1:-1], parts, strict=True)
+    )
+    pictures = "".join(_figures(results, fact.key))
+    return f'<div class="card"><h3>{both(fact.what)}</h3><dl>{rows}</dl>{pictures}</div>'
+
+
+def _figures(results: Results, key: str) -> list[str]:
+    return [
+        f"<figure>{each.svg}<figcaption>{both(each.caption)}</figcaption></figure>"
+        for each in results.pictures
+        if each.fact == key
+    ]
+
+
+def _said(words: str) -> str:
+    """Words of the tables in both languages, where they are not names or numbers."""
+    return both((words, IN_CHINESE.get(words, words)))
+
+
+def _heads(texts: Sequence[Text]) -> list[str]:
+    return [both(text) for text in texts]
+
+
+def _english(texts: Sequence[Text]) -> list[str]:
+    return [text[0] for text in texts]
+
+
+def _of(count: int, of: int) -> str:
+    return f"{count} of {of}"
+
+
+def _rows(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    lines = [f"| {' | '.join(head)} |", f"|{'---|' * len(head)}"]
+    return [*lines, *(f"| {' | '.join(cell.replace('|', '/') for cell in r)} |" for r in rows), ""]

@@ -1,0 +1,79 @@
+"""Each peer on a clean recording, and on one whose gyros' scale factors grow with the rate."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from tests.proof.peers.answer import PEERS
+from tests.proof.peers.gp_discrepancy import gp_discrepancy
+from tests.proof.peers.peer import UNNAMED, Answer
+from tests.proof.peers.residual_threshold import residual_threshold
+from tests.proof.peers.seen import Seen
+from tests.proof.peers.sindy import sindy
+from tests.proof.peers.stepwise_bic import stepwise_bic
+from tests.proof.plant.simulate import Simulated
+
+GYROS = {"gyro_x", "gyro_y", "gyro_z"}
+Peer = Callable[[Seen], Answer]
+
+
+@pytest.mark.parametrize("peer", PEERS.values(), ids=list(PEERS))
+def test_clean_recording_is_left_alone(peer: Peer, seen_clean: Seen) -> None:
+    answer = peer(seen_clean)
+    assert not answer.detected
+    assert answer.located == answer.names == ()
+    assert answer.found is None
+
+
+@pytest.mark.parametrize("peer", PEERS.values(), ids=list(PEERS))
+def test_bent_scale_factor_is_located_in_the_gyros(peer: Peer, seen_bent: Seen) -> None:
+    answer = peer(seen_bent)
+    assert answer.detected
+    assert {each.channel for each in answer.located} == GYROS
+
+
+@pytest.mark.parametrize("peer", [stepwise_bic, sindy])
+def test_regressions_name_it_and_predict_unseen_segments_better(
+    peer: Peer, seen_bent: Seen
+) -> None:
+    answer = peer(seen_bent)
+    assert answer.names[0] == "gyro_scale_nonlinearity"
+    assert answer.held_out.gain > 0.0
+    assert answer.held_out.rms_ratio < 1.0
+
+
+@pytest.mark.parametrize("peer", [stepwise_bic, sindy, gp_discrepancy])
+def test_what_models_closes_the_gap_to_the_truth(
+    peer: Peer, seen_bent: Seen, bent: Simulated
+) -> None:
+    found = peer(seen_bent).found
+    assert found is not None
+    truth = bent.truth[: 2 * len(found)].reshape(len(found), 2, 6).mean(axis=1)  # 50 Hz, 25 Hz
+    known = (seen_bent.observed.weight > 0).all(axis=1)
+    left, first = (((truth - one)[known, :3] ** 2).sum() for one in (found, seen_bent.nominal))
+    assert left < 0.3 * first
+
+
+def test_threshold_and_process_name_nothing(seen_bent: Seen) -> None:
+    for peer in (residual_threshold, gp_discrepancy):
+        assert peer(seen_bent).names == (UNNAMED,)
+
+
+def test_threshold_tells_the_segments_with_the_highest_rates(seen_bent: Seen) -> None:
+    answer = residual_threshold(seen_bent)
+    (gyro_z,) = (each for each in answer.located if each.channel == "gyro_z")
+    dwells = (each for each in seen_bent.observed.segments if each.axis == "z")
+    fast = {each.name for each in dwells if abs(each.rate_deg_s or 0.0) == 200.0}
+    assert fast
+    assert fast <= set(gyro_z.segments)
+
+
+def test_same_recording_gives_the_same_answer(seen_bent: Seen) -> None:
+    for peer in PEERS.values():
+        first, again = peer(seen_bent), peer(seen_bent)
+        assert first.statistic == again.statistic
+        assert first.located == again.located
+        assert (first.found is None) == (again.found is None)
+        if first.found is not None and again.found is not None:
+            np.testing.assert_array_equal(first.found, again.found)

@@ -1,0 +1,80 @@
+"""The run's kinematics against rotations and rates written by another hand (scipy, formulas)."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from tests.proof.plant.case import Case
+from tests.proof.plant.hearing import Heard
+from tests.proof.plant.rotations import about, product, turned, vector_of
+
+Cases = Callable[..., Case]
+Hears = Callable[[Case], Heard]
+
+
+def test_rates_and_force_are_those_of_the_reported_angles(case_of: Cases, heard: Hears) -> None:
+    run = heard(case_of(fields={"heading_deg": 30.0}))
+    outer, middle, _ = run.table_angles
+    base = Rotation.from_euler("z", -np.radians(30.0))
+    first = base * Rotation.from_euler("z", outer[:, None])
+    second = first * Rotation.from_euler("x", middle[:, None])
+    unit = second * Rotation.from_euler("z", run.table_angles[2][:, None])
+    spun = (
+        np.outer(run.table_rates[0], [0, 0, 1])
+        + run.table_rates[1][:, None] * first.apply([1, 0, 0])
+        + run.table_rates[2][:, None] * second.apply([0, 0, 1])
+    )
+    assert np.abs(unit.apply(spun, inverse=True).T - run.reported[:3]).max() < 2e-5
+    force = unit.apply([0, 0, 9.8015], inverse=True).T
+    assert np.abs(force - run.reported[3:]).max() < 1e-8
+
+
+def test_positions_bring_the_named_axis_up(case_of: Cases, heard: Hears) -> None:
+    for procedure in ("three_axis", "single_axis"):
+        run = heard(case_of(fields={"procedure": procedure}))
+        for leg, low, high in zip(
+            run.plan.legs, run.plan.bounds, run.plan.bounds[1:], strict=False
+        ):
+            if leg.kind == "static":
+                row = int((low + high) / 2 * 100)
+                up = np.zeros(3)
+                up["xyz".index(leg.label["up"][1])] = 1.0 if leg.label["up"][0] == "+" else -1.0
+                assert run.reported[3:, row] == pytest.approx(9.8015 * up, abs=1e-4), leg.name
+
+
+@pytest.mark.parametrize("procedure", ["three_axis", "single_axis", "six_orientations", "ahrs"])
+def test_the_named_axis_turns_at_the_labelled_rate(
+    case_of: Cases, heard: Hears, procedure: str
+) -> None:
+    run = heard(case_of(fields={"procedure": procedure}))
+    turning = [n for n, leg in enumerate(run.plan.legs) if leg.kind == "rate"]
+    assert turning
+    for number in turning:
+        leg, row = run.plan.legs[number], int(run.plan.bounds[number : number + 2].mean() * 100)
+        rates = np.zeros(3)
+        rates["xyz".index(leg.label["axis"])] = np.radians(leg.label["rate_deg_s"])
+        assert run.reported[:3, row] == pytest.approx(rates, abs=2e-4), leg.name
+
+
+def test_whole_turns_of_the_ahrs_run_are_whole(case_of: Cases, heard: Hears) -> None:
+    run = heard(case_of(fields={"procedure": "ahrs"}))
+    turns = [n for n, leg in enumerate(run.plan.legs) if leg.kind == "rotation"]
+    assert len(turns) == 6
+    for number in turns:
+        rows = (run.plan.bounds[number : number + 2] * 100).astype(int)
+        turned_by = np.diff(run.table_angles[0][rows])[0]
+        label = np.radians(run.plan.legs[number].label["angle_deg"])
+        assert turned_by == pytest.approx(label, abs=1e-5)
+
+
+def test_rotations_compose_as_scipy_composes_them() -> None:
+    rng = np.random.default_rng(1)
+    axis = np.array([0.6, 0.0, 0.8])
+    angles, vector = rng.uniform(-3, 3, 50), rng.standard_normal((3, 50))
+    ours = product(about(axis, angles), about(np.array([1.0, 0, 0]), 0.3))
+    theirs = Rotation.from_rotvec(np.outer(angles, axis)) * Rotation.from_euler("x", 0.3)
+    assert np.allclose(turned(ours, vector).T, theirs.apply(vector.T))
+    small = about(axis, 1e-3 * angles)
+    assert np.allclose(vector_of(small), 1e-3 * np.outer(axis, angles), atol=1e-15)

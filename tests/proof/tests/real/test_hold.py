@@ -1,0 +1,108 @@
+"""The whole of it on one recording, in fresh processes, and its pages."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage.exchange import read_folder
+from tests.proof import prove
+from tests.proof.real import hold as hold_module
+from tests.proof.real.cases import Hidden
+from tests.proof.real.fact import Claim, Fact, Told
+from tests.proof.real.hand.measured import Measured
+from tests.proof.real.hide import Size
+from tests.proof.real.hold import Results, explained, write
+from tests.proof.real.page import data, markdown, page
+from tests.proof.real.pictures import Picture
+from tests.proof.real.score import Score
+
+
+def test_recording_that_was_written_is_read_again(shaft: Recording, tmp_path: Path) -> None:
+    write(shaft, tmp_path / "001")
+    again = read_folder(tmp_path / "001")
+    assert again.manifest.station == shaft.manifest.station
+    assert set(again.streams()) == {"imu", "table"}
+    assert (again.imu.t == shaft.imu.t).all()
+
+
+def test_recordings_are_explained_by_number(tmp_path: Path, shared_real: Path) -> None:
+    mems = read_folder(shared_real / "adi_mems_two_position")
+    answers = explained({"mems": mems}, tmp_path, lambda done, of: None)
+    assert "mains_pickup" in [each["effect"] for each in answers["mems"]["findings"]]
+    assert [each.name for each in (tmp_path / "recordings").iterdir()] == ["001"]
+
+
+@pytest.fixture
+def results() -> Results:
+    told = Told("time_offset 0.012 ± 0.0001 s", "right")
+    fact = Fact(
+        "delay", ("shaft",), ("late <", "滞后"), (("phase", "相位"), ("angle", "角度")),
+        ("12 ms", "11.9 ms"), ("whose", "来源"), lambda answer: told,
+    )  # fmt: skip
+    claim = Claim("shaft", ("a line", "谱线"), "false", ("gone", "消失"), lambda answer: True)
+    hidden = Hidden("shaft", "time_offset", Size(0.01, "s"))
+    measured = Measured(0.01, 1e-4, "s")
+    score = Score(hidden, ("time_offset",), True, measured, measured, 3.0, None)
+    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), ("absorbed", "被吸收"))
+    quiet = Score(unseen, (), False, None, None, 2.0, None)
+    picture = Picture("<svg></svg>", ("delay", "时延"))
+    return Results(
+        1, "test", ((fact, (told,)),), ((claim, True),), (score, quiet), (picture,), 9.0, 8.0
+    )
+
+
+def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> None:
+    said = data(results)
+    assert json.loads(json.dumps(said)) == said
+    assert said["summary"]["hidden and visible: found, value right"] == "1 of 1"
+    assert said["summary"]["doubtful claims that it makes now and are false"] == "1 of 1"
+    html, plain = page(results), markdown(results)
+    assert "late &lt;" in html
+    assert "被吸收" in html
+    assert "absorbed" in plain
+    assert html.count("<svg") == 1
+    assert "http" not in html
+    for words in ("0.01 ± 0.0001 s", "found, value right", "rightly nothing new"):
+        assert words in html
+        assert words in plain
+
+
+def test_command_writes_what_was_held(
+    shared_real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With answers that tell nothing, so that it takes seconds."""
+    nothing = {"seconds": 1.0, "findings": []}
+    monkeypatch.setattr(
+        hold_module, "explained", lambda asked, out, report: dict.fromkeys(asked, nothing)
+    )
+    prove.prove_real(shared_real, tmp_path / "out", 1)
+    said = json.loads((tmp_path / "out/real.json").read_text())
+    assert said["format"] == "mimu-prove-real/1"
+    assert said["summary"]["  by hand, within 95 %"] == "9 of 9"
+    assert said["summary"]["hidden and visible: found, value right"] == "0 of 9"
+    outcomes = {each["outcome"] for each in said["hidden"]}
+    assert outcomes == {"missed", "rightly nothing new"}
+    assert (tmp_path / "out/real.html").read_text().count("<svg") == 9
+    assert "| dropped_samples |" in (tmp_path / "out/real.md").read_text()
+
+
+def test_folder_without_the_recordings_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(Unusable, match="there is no recording ln100_two_position"):
+        prove.prove_real(tmp_path / "empty", tmp_path / "out", 1)
+
+
+def test_command_takes_the_folder_and_says_in_one_sentence_what_is_wrong(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "tests.proof", "--real", str(tmp_path)]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path / "out"), "--json"],
+        capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert "there is no recording" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,59 @@
+"""A whole trial of two recordings, by the command; and who knows what of whom."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from tests.proof import prove
+from tests.proof.trial.draw import Drawn
+
+KNOWS = """
+import sys
+import tasks.explain.explain, tasks.explain.report, tests.proof.trial.blind
+print([name for name in sys.modules if name.startswith("tests.proof.plant")])
+"""
+
+
+def test_what_explains_holds_no_code_of_the_plant() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KNOWS], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.strip() == "[]"
+
+
+def test_trial_is_held_and_leaves_its_evidence(
+    two_cases: list[Drawn], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setattr(prove, "draw", lambda seed, short: two_cases)
+    folder = tmp_path / "trial"
+    prove.run_prove(seed=7, short=True, out=folder, as_json=True)
+    said = json.loads(capsys.readouterr().out)
+    assert said == json.loads((folder / "evidence.json").read_text())
+    assert said["format"] == "mimu-prove/2"
+    assert [case["effects"] for case in said["cases"]] == [[], ["temperature_bias"]]
+    assert said["totals"]["one effect, z 60"]["detected"]["share"] == 1.0
+    assert said["cases"][1]["gap"]["closed"] > 0.5
+    cost = said["cases"][1]["cost"]
+    assert cost["after"] < cost["before"] / 3.0
+    answer = json.loads((folder / "answers/0002/answer.json").read_text())
+    assert [one["effect"] for one in answer["findings"]] == said["cases"][1]["names"]
+    assert "| temperature_bias |" in (folder / "evidence.md").read_text()
+    page = (folder / "evidence.html").read_text()
+    assert page.count("<svg") == 5
+    assert said["seals_sha256"] in page
+    assert "make prove --seed 7 --short" in page
+    assert len((folder / "headline.svg").read_text()) < 40_000
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+
+
+def test_folder_in_use_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "kept.txt").write_text("mine")
+    with pytest.raises(Unusable, match="is not empty"):
+        prove.run_prove(seed=1, short=True, out=tmp_path, as_json=False)
+    with pytest.raises(Unusable, match="cannot be used"):
+        prove.run_prove(seed=1, short=True, out=tmp_path / "kept.txt", as_json=False)

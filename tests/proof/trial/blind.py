@@ -1,0 +1,85 @@
+"""Explains a recording in a process that has its folder and nothing else.
+
+Imports nothing of the plant, and knows of the truth neither file nor form.
+"""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from schemas.recording import Recording
+from tasks.explain.explain import explain
+from tasks.explain.explanation import CHANNELS, Explanation
+from tests.proof.trial.certificate import CERTIFICATE, certificate_less, certificate_of
+
+ANSWER, PREDICTION = "answer.json", "prediction.parquet"
+
+
+def answer(recording: Recording, folder: Path) -> None:
+    """Explains a recording and writes answer.json, prediction.parquet (float32) and
+    certificate.json to folder/.
+
+    A failure is an answer, too: it says what was raised.
+    """
+    folder.mkdir(parents=True)
+    explanation = None
+    started = time.perf_counter()
+    try:
+        explanation = explain(recording)
+    except Exception as failure:
+        said: dict[str, Any] = {"failed": f"{type(failure).__name__}: {failure}"}
+    else:
+        said = _said(explanation)
+        _write_prediction(explanation, folder / PREDICTION)
+    said["seconds"] = time.perf_counter() - started
+    _write_json(said, folder / ANSWER)
+    _write_json(_certificates(recording, explanation), folder / CERTIFICATE)
+
+
+def _certificates(recording: Recording, explanation: Explanation | None) -> dict[str, Any]:
+    """As read, and less what was found; a failure leaves the second out and says why."""
+    said: dict[str, Any] = {"read": certificate_of(recording), "less": None}
+    if explanation is not None:
+        try:
+            said["less"] = certificate_less(recording, explanation)
+        except Exception as failure:
+            said["failed"] = f"{type(failure).__name__}: {failure}"
+    return said
+
+
+def _write_json(said: dict[str, Any], path: Path) -> None:
+    path.write_text(json.dumps(said, indent=1, ensure_ascii=False), encoding="utf-8")
+
+
+def _said(explanation: Explanation) -> dict[str, Any]:
+    return {
+        "verdict": explanation.verdict,
+        "p_value": explanation.p_value,
+        "findings": [
+            {
+                "effect": finding.effect,
+                "indistinguishable_from": list(finding.indistinguishable),
+                "channels": [CHANNELS[c] for c in finding.channels],
+                "parameters": [each.model_dump() for each in finding.parameters],
+                "gain": finding.gain,
+                "delta_bic": finding.delta_bic,
+                "held_out_gain": finding.held_out_gain,
+                "follows": finding.follows[0] if finding.follows else None,
+            }
+            for finding in explanation.findings
+        ],
+    }
+
+
+def _write_prediction(explanation: Explanation, path: Path) -> None:
+    """<channel>_nominal and <channel>_found at every row of the unit's stream."""
+    columns = {}
+    for i, channel in enumerate(CHANNELS):
+        columns[f"{channel}_nominal"] = explanation.nominal[:, i].astype(np.float32)
+        columns[f"{channel}_found"] = explanation.found[:, i].astype(np.float32)
+    pq.write_table(pa.table(columns), path, compression="zstd")
