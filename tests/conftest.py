@@ -17,7 +17,7 @@ from schemas.validation import (
     ValidationRecord,
 )
 from storage.exchange import read_folder
-from tasks.certificate.names import ITEMS
+from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
 
 SHARED = Path(__file__).parents[1] / ".." / "shared" / "data"

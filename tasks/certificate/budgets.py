@@ -12,7 +12,7 @@ from decimal import Decimal
 from schemas.calibration import Calibration, Item
 from schemas.uncertainty import Budget, BudgetInput
 from tasks.certificate.equipment import half_width, limits_of, source
-from tasks.certificate.names import ITEMS, KINDS, Pair, item_name, unit_text
+from tasks.certificate.names import KINDS, Pair, item_name, symbol, unit_text
 from tasks.uncertainty.rounding import MINUS, column, text
 
 DISTRIBUTIONS = {
@@ -154,7 +154,7 @@ def _table(name: str, item: Item) -> BudgetTable:
         kind=KINDS[item.uncertainty_kind],
         unit=unit_text(item.unit),
         k=f"{item.k:g}",
-        of=_symbol(name, largest),
+        of=symbol(name, largest),
         lines=tuple(_line(line) for line in budgets[largest].inputs),
         exponent=expanded.exponent,
         elements=tuple(
@@ -182,7 +182,7 @@ def _line(line: BudgetInput) -> Line:
 def _element(name: str, element: str, budget: Budget, U: str | None, exponent: int) -> Element:
     half = budget.half_width_95
     return Element(
-        name=_symbol(name, element),
+        name=symbol(name, element),
         of_data=figure(_together(budget.inputs, "A")),
         of_equipment=figure(_together(budget.inputs, "B")),
         u_c=figure(budget.u_c),
@@ -190,12 +190,6 @@ def _element(name: str, element: str, budget: Budget, U: str | None, exponent: i
         U=U or "",
         half_width=None if half is None else _like(half, U, exponent),
     )
-
-
-def _symbol(name: str, element: str) -> str:
-    """K_gxx, B_ax; the bare element of an item that the specifications do not know."""
-    known = ITEMS.get(name)
-    return f"{known.letter}_{known.subscript(element)}" if known else element
 
 
 def _together(lines: Iterable[BudgetInput], kind: str) -> float:

@@ -7,8 +7,9 @@ from schemas.certificate import Certificate, Party
 from schemas.tolerance import Decision
 from tasks.certificate.appendix import TABLE_ITEMS
 from tasks.certificate.fields import NOT_GIVEN, Field, day, given
-from tasks.certificate.names import ITEMS, Pair, verdict_words
+from tasks.certificate.names import Pair, verdict_words
 from tasks.certificate.notes import deviates
+from tasks.specifications.items import ITEMS
 
 OBJECTS = {
     "JJF 2003-2022": ("微惯性测量组合（MIMU）", "Micro inertial measurement unit (MIMU)"),

@@ -1,104 +1,14 @@
-"""The calibration items as they are printed: names in both languages, symbols, units.
+"""Items, units, rules and verdicts as they are printed, in both languages."""
 
-Elements of an item: the axis that reads, then the input axis. Names and order are those of
-Appendix B of JJF 2003-2022 and of Appendix C of JJF 1536-2015.
-"""
-
-from dataclasses import dataclass
-
-from schemas.recording import AXES
 from schemas.tolerance import Decision, LimitDecision
+from tasks.specifications.items import ITEMS
+from tasks.words import Message, say
 
 Pair = tuple[str, str]  # Chinese, English
-
-MATRIX = tuple(reads + given for reads in AXES for given in AXES)
-OFF_DIAGONAL = tuple(e for e in MATRIX if e[0] != e[1])
-# The input axis first, as Appendix B of the one and Appendix C of the other list them.
-APPENDIX_B = ("yx", "zx", "xy", "zy", "xz", "yz")
 
 UNITS = {
     "deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°", "deg/h": "°/h",
     "deg/sqrt(h)": "°/√h", "(m/s2)/sqrt(Hz)": "(m/s²)/√Hz",
-}  # fmt: skip
-ANGLES = {
-    "X": ("航向角", "heading angle"),
-    "Y": ("俯仰角", "pitch angle"),
-    "Z": ("横滚角", "roll angle"),
-}
-
-
-@dataclass(frozen=True)
-class ItemName:
-    """How an item and its elements are called.
-
-    In `element_*`, {r} is the axis that reads, {i} the input axis and {angle} the attitude
-    angle of the axis; the symbol is `letter` with the subscript `sub` and the element.
-    """
-
-    zh: str
-    en: str
-    letter: str
-    sub: str
-    element_zh: str
-    element_en: str
-    elements: tuple[str, ...]
-    unit: str
-
-    def of(self, element: str) -> Pair:
-        """The name of one element, Chinese and English."""
-        reads, given = element[0].upper(), element[-1].upper()
-        angle_zh, angle_en = ANGLES.get(reads, (reads, reads))
-        return (
-            self.element_zh.format(r=reads, i=given, angle=angle_zh),
-            self.element_en.format(r=reads, i=given, angle=angle_en),
-        )
-
-    def subscript(self, element: str) -> str:
-        """What stands under the letter: gxx for a diagonal coefficient given as x."""
-        return self.sub.format(e=element, twice=element * 2)
-
-
-ITEMS = {
-    "gyro_scale_factor": ItemName(
-        "陀螺标度因数", "Gyro scale factor", "K", "g{twice}",
-        "{r} 轴陀螺标度因数", "Scale factor of the {r} gyro", AXES, "1"),
-    "gyro_fit_offset": ItemName(
-        "陀螺拟合零偏", "Gyro fit offset", "b", "{e}",
-        "{r} 轴陀螺拟合零偏", "Fit offset of the {r} gyro", AXES, "deg/s"),
-    "gyro_bias": ItemName(
-        "陀螺零偏", "Gyro bias", "B", "g{e}",
-        "{r} 轴陀螺零偏", "Bias of the {r} gyro", AXES, "deg/s"),
-    "gyro_cross_coupling": ItemName(
-        "陀螺交叉耦合系数", "Gyro cross coupling coefficient", "K", "g{e}",
-        "{i} 轴对 {r} 轴交叉耦合系数", "Coupling of the {i} axis onto the {r} gyro",
-        APPENDIX_B, "1"),
-    "gyro_g_sensitivity": ItemName(
-        "陀螺加速度敏感系数", "Gyro g-sensitivity", "g", "{e}",
-        "{i} 轴加速度对 {r} 轴陀螺", "{i} acceleration onto the {r} gyro", MATRIX, "(deg/s)/g"),
-    "accel_scale_factor": ItemName(
-        "加速度计标度因数", "Accelerometer scale factor", "K", "a{twice}",
-        "{r} 轴加速度计标度因数", "Scale factor of the {r} accelerometer", AXES, "1"),
-    "accel_bias": ItemName(
-        "加速度计偏值", "Accelerometer bias", "B", "a{e}",
-        "{r} 轴加速度计偏值", "Bias of the {r} accelerometer", AXES, "m/s2"),
-    "accel_cross_coupling": ItemName(
-        "加速度计交叉耦合系数", "Accelerometer cross coupling coefficient", "K", "a{e}",
-        "{i} 轴对 {r} 轴交叉耦合系数",
-        "Coupling of the {i} axis onto the {r} accelerometer", APPENDIX_B, "1"),
-    "accel_rate_sensitivity": ItemName(
-        "加速度计角速度灵敏系数", "Accelerometer rate sensitivity", "p", "{e}",
-        "{i} 轴角速度对 {r} 轴加速度计", "{i} rate onto the {r} accelerometer",
-        OFF_DIAGONAL, "m"),
-    "ahrs_scale_factor": ItemName(
-        "标度因数", "Scale factor", "K", "{e}",
-        "{r} 轴标度因数", "Scale factor of the {r} axis", AXES, "1"),
-    "ahrs_zero_offset": ItemName(
-        "零偏", "Zero offset", "B", "{e}",
-        "{angle}零偏", "Zero offset of the {angle}", AXES, "deg/s"),
-    "ahrs_misalignment": ItemName(
-        "失准角", "Misalignment angle", "L", "{e}",
-        "{i} 轴对 {r} 轴失准角", "Misalignment of the {i} axis to the {r} axis",
-        APPENDIX_B, "deg"),
 }  # fmt: skip
 
 QUANTITIES = {
@@ -108,12 +18,6 @@ QUANTITIES = {
         "the value with Earth's rotation removed",
     ),
     "value_model": ("符号按模型式(2)的值", "the value with the sign of model (2)"),
-}
-
-# Which item has a second value beside the one by its clause.
-SECOND_VALUE = {
-    "gyro_g_sensitivity": "value_without_earth_rotation",
-    "accel_rate_sensitivity": "value_model",
 }
 
 # {w}, {zh} and {en} stand for the guard band and its side: tasks.certificate.decisions.
@@ -156,7 +60,12 @@ CONDITIONAL = {
 
 def item_name(item: str) -> Pair:
     """The name of an item, Chinese and English; its key where it is not of a specification."""
-    return (ITEMS[item].zh, ITEMS[item].en) if item in ITEMS else (item, item)
+    return pair_of(ITEMS[item].title) if item in ITEMS else (item, item)
+
+
+def pair_of(text: Message) -> Pair:
+    """A message in Chinese and English."""
+    return say(text, "zh"), say(text, "en")
 
 
 def verdict_words(decided: Decision | LimitDecision) -> Pair:
@@ -176,5 +85,4 @@ def quantity_text(number: str, unit: str) -> str:
 
 def symbol(item: str, element: str) -> str:
     """The symbol of an element as plain text, like K_gxx; the element where there is none."""
-    named = ITEMS.get(item)
-    return f"{named.letter}_{named.subscript(element)}" if named else element
+    return ITEMS[item].symbol(element) if item in ITEMS else element

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration
 from tasks.certificate.appendix import ALIKE
-from tasks.certificate.names import SECOND_VALUE
+from tasks.specifications.items import second_value
 from tasks.uncertainty.rounding import USUAL_K, column
 
 
@@ -28,7 +28,7 @@ def numbers(calibration: Calibration, name: str, elements: tuple[str, ...], two:
     """The numbers of an item; an item alike shares the power of ten."""
     items = calibration.items
     item, alike = items.get(name), items.get(ALIKE.get(name, ""))
-    second = getattr(item, SECOND_VALUE.get(name, ""), None) if two else None
+    second = getattr(item, second_value(name) or "", None) if two else None
     U = item.U if item else {}
     own = item.U_without_earth_rotation if item and second else None
     sources = ((item.value if item else {}, U), (second or {}, own or U))

@@ -15,11 +15,11 @@ from tasks.certificate.limits import (
 from tasks.certificate.names import (
     CONDITIONAL,
     QUANTITIES,
-    SECOND_VALUE,
     item_name,
     quantity_text,
     symbol,
 )
+from tasks.specifications.items import second_value
 from tasks.uncertainty.rounding import USUAL_K, round_like, round_up, text
 
 Reason = tuple[str, str]  # English, Chinese
@@ -122,7 +122,7 @@ def _by_item(
 def _decided_on(made: LimitDecision) -> Reason:
     """Item, symbol and, where the item has two values, the one that was decided on."""
     (zh, en), short = item_name(made.item), symbol(made.item, made.element)
-    if made.item not in SECOND_VALUE:
+    if second_value(made.item) is None:
         return f"{en} {short}", f"{zh} {short}"
     which_zh, which_en = QUANTITIES[made.applied_to]
     return f"{en} {short}, {which_en}", f"{zh} {short}，{which_zh}"

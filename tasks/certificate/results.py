@@ -21,20 +21,17 @@ from tasks.certificate.appendix import (
 from tasks.certificate.information import contained
 from tasks.certificate.limits import Mark, limit_lines, mark, relative_text
 from tasks.certificate.names import (
-    ITEMS,
     KINDS,
-    MATRIX,
-    OFF_DIAGONAL,
     QUANTITIES,
-    SECOND_VALUE,
-    ItemName,
     Pair,
     item_name,
+    pair_of,
     unit_text,
 )
 from tasks.certificate.notes import determined, identifiers
 from tasks.certificate.numbers import Numbers, numbers
 from tasks.certificate.typography import clause, pair
+from tasks.specifications.items import ITEMS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS, second_value
 
 
 @dataclass(frozen=True)
@@ -150,12 +147,12 @@ def _elements(item: Item | None, name: str) -> tuple[str, ...]:
 def _row(
     name: str, element: str, shown: Numbers, i: int, limits: list[LimitDecision], two: bool
 ) -> Row:
-    printed: ItemName | None = ITEMS.get(name)
+    printed = ITEMS.get(name)
     mine = [made for made in limits if made.element == element]
     return Row(
-        name=printed.of(element) if printed else (element, element),
+        name=pair_of(printed.element_title(element)) if printed else (element, element),
         letter=printed.letter if printed else "",
-        sub=printed.subscript(element) if printed else "",
+        sub=printed.element_subscript(element) if printed else "",
         value=shown.values[i],
         second=shown.seconds[i],
         U=shown.U[i],
@@ -198,7 +195,7 @@ def _missing(calibration: Calibration, name: str, two: bool) -> list[Pair]:
         said.append(("本次校准未包含此项", "this item is not part of this calibration"))
     elif any(item.value.get(element) is None for element in _elements(item, name)):
         said.append(("未说明原因", "no cause was given"))
-    if item and two and getattr(item, SECOND_VALUE[name]) is None:
+    if item and two and getattr(item, second_value(name) or "") is None:
         said.append(("(b) 未能计算", "(b) could not be computed"))
     return [
         pair(f"未得：{zh.rstrip('。')}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said
@@ -212,7 +209,8 @@ def _matrices(
     sources: Sequence[Sequence[str | None]],
 ) -> tuple[Matrix, ...]:
     """The matrix of each value that has numbers; a diagonal that is not an element is 0."""
-    if name not in SECOND_VALUE or set(elements) not in (set(MATRIX), set(OFF_DIAGONAL)):
+    square = (set(MATRIX_ELEMENTS), set(OFF_DIAGONAL_ELEMENTS))
+    if second_value(name) is None or set(elements) not in square:
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     made = []

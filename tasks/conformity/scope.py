@@ -3,7 +3,7 @@
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
 from schemas.tolerance import Limit
-from tasks.certificate.names import ITEMS, SECOND_VALUE
+from tasks.specifications.items import ITEMS, second_value
 
 WHOLE = ("all",)  # an item of which nothing is known but that it is unavailable
 
@@ -30,7 +30,7 @@ def check(calibration: Calibration, limit: Limit) -> None:
             f"{place} for the elements {strange}, but this item has "
             f"{', '.join(known_elements)}: name some of these or leave `elements` out."
         )
-    if limit.applied_to not in ("value", SECOND_VALUE.get(limit.item)):
+    if limit.applied_to not in ("value", second_value(limit.item)):
         raise Unusable(
             f"{place} with applied_to = {limit.applied_to!r}, a quantity that this item does not "
             "have: apply the limit to 'value'."
@@ -47,7 +47,7 @@ def withdrawn(calibration: Calibration, name: str) -> bool:
     item = calibration.items.get(name)
     if name not in calibration.unavailable or item is None:
         return name in calibration.unavailable
-    second = getattr(item, SECOND_VALUE[name]) if name in SECOND_VALUE else item.value
+    second = getattr(item, second_value(name) or "value")
     return second is not None and None not in (*item.value.values(), *second.values())
 
 

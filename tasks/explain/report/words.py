@@ -5,9 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.discrepancy import FoundParameter, Statement
-from tasks.certificate.names import ITEMS, item_name, unit_text
+from tasks.certificate.names import item_name, pair_of, unit_text
 from tasks.explain.correction.consequences import OVERALL
 from tasks.model.term import Text
+from tasks.specifications.items import ITEMS
 from tasks.uncertainty.rounding import MINUS, USUAL_K, column
 
 EFFECTS: dict[str, Text] = {
@@ -89,7 +90,7 @@ def element_name(item: str, element: str) -> Text:
     if item == OVERALL:
         return ("the certificate as a whole", "证书总结论")
     if item in ITEMS and set(element) <= set("xyz") and element:
-        zh, en = ITEMS[item].of(element)
+        zh, en = pair_of(ITEMS[item].element_title(element))
         return (en, zh)
     zh, en = item_name(item)
     return (f"{en} {element}".strip(), f"{zh} {element}".strip())

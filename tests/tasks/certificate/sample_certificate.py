@@ -11,8 +11,8 @@ from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.recording import Manifest, Station, Unit
 from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, Tolerance
-from tasks.certificate.names import APPENDIX_B, MATRIX, OFF_DIAGONAL
 from tasks.conformity import decide
+from tasks.specifications.items import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
 from tasks.uncertainty import type_b
 from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.equipment import JJF2003
@@ -37,7 +37,7 @@ def item(
 def items() -> dict[str, Item]:
     g = [0.00951, -0.00213, 0.00047, 0.00118, 0.00742, -0.00305, -0.00066, 0.00191, 0.00868]
     p = [-2.31e-5, 1.994e-2, 4.12e-5, -8.7e-6, -3.002e-2, 1.46e-4]
-    earth = [0.00268 if e[0] == e[1] else 0.0 for e in MATRIX]
+    earth = [0.00268 if e[0] == e[1] else 0.0 for e in MATRIX_ELEMENTS]
     cross = [3.12e-4, -1.07e-4, -2.86e-4, 9.4e-5, 1.33e-4, -4.5e-5]
     return {
         "gyro_scale_factor": item(
@@ -48,22 +48,22 @@ def items() -> dict[str, Item]:
             "deg/s", "7.2.2", AXES, [0.01187, -0.03194, 0.00705], 1.71e-4,
             readings=("jjf2003.positions", "jjf2003.input_matrix")),
         "gyro_cross_coupling": item(
-            "1", "7.2.3", APPENDIX_B, cross, 6.1e-5, readings=("jjf2003.k_gzy",)),
+            "1", "7.2.3", BY_INPUT_AXIS, cross, 6.1e-5, readings=("jjf2003.k_gzy",)),
         "gyro_g_sensitivity": item(
-            "(deg/s)/g", "7.2.2", MATRIX, g, 1.24e-4,
+            "(deg/s)/g", "7.2.2", MATRIX_ELEMENTS, g, 1.24e-4,
             readings=("jjf2003.g_earth", "jjf2003.input_matrix"),
             value_without_earth_rotation=dict(
-                zip(MATRIX, (v - e for v, e in zip(g, earth, strict=True)), strict=True))),
+                zip(MATRIX_ELEMENTS, (v - e for v, e in zip(g, earth, strict=True)), strict=True))),
         "accel_scale_factor": item(
             "1", "7.2.4", AXES, [0.999871, 1.000218, 1.000034], 2.1e-5),
         "accel_bias": item("m/s2", "7.2.4", AXES, [0.02114, -0.01387, 0.00461], 2.05e-4),
         "accel_cross_coupling": item(
-            "1", "7.2.4", APPENDIX_B, [v / 2 for v in cross], 2.1e-5,
+            "1", "7.2.4", BY_INPUT_AXIS, [v / 2 for v in cross], 2.1e-5,
             readings=("jjf2003.k_azx",)),
         "accel_rate_sensitivity": item(
-            "m", "7.2.5", OFF_DIAGONAL, p, 1.3e-6,
+            "m", "7.2.5", OFF_DIAGONAL_ELEMENTS, p, 1.3e-6,
             readings=("jjf2003.p_turning", "jjf2003.p_sign", "jjf2003.p_lever_arm"),
-            value_model=dict(zip(OFF_DIAGONAL, (-v for v in p), strict=True))),
+            value_model=dict(zip(OFF_DIAGONAL_ELEMENTS, (-v for v in p), strict=True))),
     }  # fmt: skip
 
 
