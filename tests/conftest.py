@@ -1,5 +1,6 @@
 """What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
 
+from collections import Counter
 from collections.abc import Callable
 from datetime import date
 from pathlib import Path
@@ -19,17 +20,25 @@ from schemas.validation import (
 from storage.exchange import read_folder
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
+from tests.shared import ABSENT, shared_path
 
-SHARED = Path(__file__).parents[1] / ".." / "shared" / "data"
 GRAVITY = 9.8
 AXES = "xyz"
 RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
 
 
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Tests that were skipped because ../shared is not beside this clone, by what they miss."""
+    reasons = (report.longrepr[2] for report in terminalreporter.stats.get("skipped", ()))
+    absent = Counter(reason.removeprefix("Skipped: ") for reason in reasons if ABSENT in reason)
+    for reason, tests in sorted(absent.items()):
+        terminalreporter.write_line(f"{tests} tests skipped: {reason}")
+
+
 @pytest.fixture(scope="session")
 def shared() -> Path:
     """The folder of the recordings beside the project."""
-    return SHARED
+    return shared_path("data")
 
 
 @pytest.fixture(scope="session")
@@ -49,13 +58,13 @@ def validated() -> ValidationRecord:
 @pytest.fixture(scope="session")
 def real() -> Callable[[str], Recording]:
     """Reads a recording of other people's hardware by its folder name."""
-    return lambda name: read_folder(SHARED / "real" / name)
+    return lambda name: read_folder(shared_path(f"data/real/{name}"))
 
 
 @pytest.fixture(scope="session")
 def plant() -> Callable[[str], Recording]:
     """Reads a simulated recording by its folder name."""
-    return lambda name: read_folder(SHARED / "plant" / name)
+    return lambda name: read_folder(shared_path(f"data/plant/{name}"))
 
 
 def unit_errors(**changes: Any) -> dict[str, np.ndarray]:

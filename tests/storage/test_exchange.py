@@ -11,8 +11,8 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO
 from storage.exchange import read_folder
+from tests.shared import shared_path
 
-DATA = Path("../shared/data")
 ROWS = 20
 
 Change = Callable[[dict, dict[str, pd.DataFrame]], None]
@@ -295,6 +295,6 @@ def test_what_the_manifest_leaves_null_stays_unknown(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["real/vn200_imu1_rate_table", "real/ferraris_session"])
 def test_real_recording_is_read(name: str) -> None:
-    recording = read_folder(DATA / name)
+    recording = read_folder(shared_path(f"data/{name}"))
     assert recording.manifest.recording_id == Path(name).name
     assert np.array_equal(recording.imu.t, np.rint(recording.imu.t * 1e9) / 1e9)

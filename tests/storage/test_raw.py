@@ -32,8 +32,7 @@ from schemas.recording import (
 from storage.exchange import read_folder
 from storage.raw import RawWriter, as_raw, digest, read_mcap, write_mcap
 from storage.topics import ENVIRONMENT
-
-DATA = Path("../shared/data")
+from tests.shared import shared_path
 
 
 def manifest() -> Manifest:
@@ -81,7 +80,7 @@ def assert_same(one: Recording, other: Recording) -> None:
     "name", ["real/vn200_imu0_rate_table", "plant/plant_clean", "plant/ahrs_clean"]
 )
 def test_folder_and_its_mcap_are_the_same_recording(name: str, tmp_path: Path) -> None:
-    folder = read_folder(DATA / name)
+    folder = read_folder(shared_path(f"data/{name}"))
     write_mcap(folder, tmp_path / "raw.mcap")
     back = read_mcap(tmp_path / "raw.mcap")
     assert folder.digest == back.digest == digest(folder)
@@ -214,6 +213,7 @@ import numpy as np
 from pathlib import Path
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Station, Stream, Unit
 from storage.raw import RawWriter
+from tests.shared import shared_path
 writer = RawWriter(Path(sys.argv[1]))
 unit = Unit(manufacturer="M", model="U", serial="1")
 writer.manifest(Manifest(format=FORMAT, recording_id="cut", unit=unit, station=Station(id="T1")))

@@ -11,14 +11,15 @@ from mcap.reader import make_reader
 from schemas.base import Unusable
 from storage.exchange import read_folder
 from storage.raw import read_mcap, write_mcap
+from tests.shared import shared_path
 
-FOLDER = Path("../shared/data/real/vn200_57630_six_position")
+FOLDER = "data/real/vn200_57630_six_position"
 
 
 @pytest.fixture
 def long_file(tmp_path: Path) -> Path:
     """Eight minutes, so that there are several chunks of each topic."""
-    write_mcap(read_folder(FOLDER), tmp_path / "long.mcap")
+    write_mcap(read_folder(shared_path(FOLDER)), tmp_path / "long.mcap")
     return tmp_path / "long.mcap"
 
 
@@ -104,7 +105,7 @@ def refusal_of(path: Path, salvage: bool) -> str:
 @pytest.fixture(scope="module")
 def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     path = tmp_path_factory.mktemp("whole") / "raw.mcap"
-    write_mcap(read_folder(FOLDER), path)
+    write_mcap(read_folder(shared_path(FOLDER)), path)
     return path.read_bytes()
 
 

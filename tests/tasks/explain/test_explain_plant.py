@@ -6,7 +6,6 @@ What each effect makes of the readings is worked out here anew, from the encoder
 import json
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,8 @@ from schemas.recording import ACCEL, Recording
 from storage.exchange import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
+from tests.shared import shared_path
 
-PLANT = Path(__file__).parents[3] / ".." / "shared" / "data" / "plant"
 EARTH = 7.292115e-5  # rad/s
 WIDE = 4  # rows of the mean that effects are compared on
 CLOSED = 0.95
@@ -28,7 +27,7 @@ pytestmark = pytest.mark.timeout(240)
 
 @cache
 def recording(name: str) -> Recording:
-    return read_folder(PLANT / name)
+    return read_folder(shared_path(f"data/plant/{name}"))
 
 
 @cache
@@ -37,7 +36,7 @@ def explained(name: str) -> Explanation:
 
 
 def truth(name: str) -> dict:
-    return json.loads((PLANT / name / "truth.json").read_text())["effects"]
+    return json.loads(shared_path(f"data/plant/{name}/truth.json").read_text())["effects"]
 
 
 def effects(name: str) -> list[str]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +11,8 @@ from schemas.recording import Recording
 from storage.exchange import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation, Finding
+from tests.shared import shared_path
 
-REAL = Path(__file__).parents[3] / ".." / "shared" / "data" / "real"
 EARTH = 15.04107  # deg/h
 LATITUDE = 51.0784  # deg, of the ring-laser unit's laboratory
 DELAYS = ("time_offset", "bandwidth")
@@ -23,7 +22,7 @@ pytestmark = pytest.mark.timeout(240)
 
 @cache
 def explained(name: str) -> Explanation:
-    return explain(read_folder(REAL / name))
+    return explain(read_folder(shared_path(f"data/real/{name}")))
 
 
 def named(name: str, *effects: str) -> list[Finding]:

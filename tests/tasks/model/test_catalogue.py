@@ -15,8 +15,8 @@ from tasks.model.events import EVENT_TEXTS
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
+from tests.shared import shared_path
 
-CONTRACT = Path(__file__).parents[3] / ".." / "shared" / "contracts" / "discrepancy.md"
 TERMS = catalogue(recording(), motion())
 NAMES = {term.name for term in TERMS} | set(EVENT_TEXTS)
 FAMILIES = {
@@ -32,7 +32,8 @@ def of_each_name() -> list[Term]:
 def contract() -> dict[str, str]:
     """Name -> family of the contract's table."""
     found, family = {}, ""
-    for line in CONTRACT.read_text(encoding="utf-8").splitlines():
+    text = shared_path("contracts/discrepancy.md").read_text(encoding="utf-8")
+    for line in text.splitlines():
         cells = [cell.strip() for cell in line.split("|")]
         names = re.findall(r"`(\w+)`", cells[2]) if len(cells) == 5 else []
         family = (cells[1] or family) if names else family
