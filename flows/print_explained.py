@@ -7,10 +7,11 @@ from rich.text import Text
 from flows.printing import stdout
 from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.discrepancy import Verdict as Answer
-from tasks.certificate.names import item_name, unit_text
+from tasks.certificate.names import item_name
 from tasks.explain.correction.consequences import moved_by
 from tasks.stages.explain import Explained
-from tasks.uncertainty.rounding import column
+from tasks.words.rounding import column
+from tasks.words.units import unit_text
 
 COLOURS: dict[Answer, str] = {
     "no_mismatch": "green", "explained": "green", "partly_explained": "yellow",

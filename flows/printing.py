@@ -11,9 +11,10 @@ from rich.text import Text
 
 from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
-from tasks.certificate.names import item_name, unit_text, verdict_words
+from tasks.certificate.names import item_name, verdict_words
 from tasks.certificate.reasons import conditional
-from tasks.uncertainty.rounding import column
+from tasks.words.rounding import column
+from tasks.words.units import unit_text
 
 if TYPE_CHECKING:
     from tasks.stages.certify import Issued

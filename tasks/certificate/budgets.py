@@ -12,8 +12,9 @@ from decimal import Decimal
 from schemas.calibration import Calibration, Item
 from schemas.uncertainty import Budget, BudgetInput
 from tasks.certificate.equipment import half_width, limits_of, source
-from tasks.certificate.names import KINDS, Pair, item_name, symbol, unit_text
-from tasks.uncertainty.rounding import MINUS, column, text
+from tasks.certificate.names import KINDS, Pair, item_name, symbol
+from tasks.words.rounding import MINUS, column, text
+from tasks.words.units import unit_text
 
 DISTRIBUTIONS = {
     "normal": ("正态", "normal"),

@@ -17,7 +17,7 @@ from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.names import Pair
 from tasks.certificate.notes import basis, head_of_results, readings, reasons, remarks, uncertainty
 from tasks.certificate.results import Section, sections
-from tasks.uncertainty.rounding import MINUS
+from tasks.words.rounding import MINUS
 
 # Clause 6 of the one, 6.2.1 of the other: °C, %RH.
 CONDITIONS = {

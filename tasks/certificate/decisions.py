@@ -6,10 +6,11 @@ from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.fields import Field, given, listed
 from tasks.certificate.limits import plain, probability_text
-from tasks.certificate.names import RULES, Pair, item_name, quantity_text, symbol
+from tasks.certificate.names import RULES, Pair, item_name, symbol
 from tasks.certificate.reasons import conditional
 from tasks.certificate.typography import pair
-from tasks.uncertainty.rounding import text
+from tasks.words.rounding import text
+from tasks.words.units import quantity_text
 
 MARKS = (
     "“—”：未规定允许限；“未得”：未能得到该值，原因见表下",

@@ -9,9 +9,11 @@ from collections.abc import Iterable
 from schemas.calibration import Calibration
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.fields import listed
-from tasks.certificate.names import Pair, quantity_text
+from tasks.certificate.names import Pair
 from tasks.certificate.typography import clause
 from tasks.uncertainty.equipment import GRAVITY, JJF1536, JJF2003, LATITUDE, Equipment
+from tasks.words import say
+from tasks.words.units import quantity_text
 
 ASSUMED = {
     GRAVITY.clause: (
@@ -99,7 +101,8 @@ def whose_limits(calibration: Calibration) -> tuple[Pair, ...]:
         parts.append(_filled(TAKEN, (line.name_zh, line.name), (f"±{half_width(line)}",) * 2))
     if _latitude_beside(calibration, limits):
         known = f"±{math.degrees(LATITUDE.half_width):g}°"
-        parts.append(_filled(TAKEN, (LATITUDE.name_zh, LATITUDE.name), (known,) * 2))
+        latitude = (say(LATITUDE.name, "zh"), say(LATITUDE.name, "en"))
+        parts.append(_filled(TAKEN, latitude, (known,) * 2))
     specification = "JJF 1536-2015" if calibration.method == "jjf1536" else "JJF 2003-2022"
     zh, en = "；".join(zh for zh, _ in parts), "; ".join(en for _, en in parts)
     whose = (f"B 类分量的极限：{zh}。", f"Limits behind type B: {en}.")

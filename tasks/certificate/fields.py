@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from datetime import date
 
 from tasks.certificate.names import Pair
-from tasks.uncertainty.rounding import MINUS
+from tasks.words.rounding import MINUS
 
 NOT_GIVEN = ("未提供", "not given")
 

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Elements, Information
-from tasks.certificate.names import Pair, quantity_text, unit_text
+from tasks.certificate.names import Pair
 from tasks.certificate.typography import pair
-from tasks.uncertainty.rounding import column, round_up, text
+from tasks.words.rounding import column, round_up, text
+from tasks.words.units import quantity_text, unit_text
 
 # Which value of an item contains what the separated one does not.
 EARTH = "gyro_g_sensitivity_without_earth_rotation"

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 from schemas.tolerance import LimitDecision, Verdict
-from tasks.certificate.names import Pair, quantity_text, verdict_words
-from tasks.uncertainty.rounding import USUAL_K, round_like, round_up, text
+from tasks.certificate.names import Pair, verdict_words
+from tasks.words.rounding import USUAL_K, round_like, round_up, text
+from tasks.words.units import quantity_text
 
 SURE = 0.999  # a probability nearer to 1 or 0 than this is not told apart from it
 

@@ -6,11 +6,6 @@ from tasks.words import Message, say
 
 Pair = tuple[str, str]  # Chinese, English
 
-UNITS = {
-    "deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°", "deg/h": "°/h",
-    "deg/sqrt(h)": "°/√h", "(m/s2)/sqrt(Hz)": "(m/s²)/√Hz",
-}  # fmt: skip
-
 QUANTITIES = {
     "value": ("条款给出的值", "the value by the clause"),
     "value_without_earth_rotation": (
@@ -71,16 +66,6 @@ def pair_of(text: Message) -> Pair:
 def verdict_words(decided: Decision | LimitDecision) -> Pair:
     """A verdict in words, with its condition where a value lies within U of a limit."""
     return (CONDITIONAL if decided.marginal else VERDICTS)[decided.verdict]
-
-
-def unit_text(unit: str) -> str:
-    """A unit as it is printed."""
-    return UNITS.get(unit, unit)
-
-
-def quantity_text(number: str, unit: str) -> str:
-    """A number with its unit as it is printed; a ratio has none."""
-    return number if unit == "1" else f"{number} {unit_text(unit)}"
 
 
 def symbol(item: str, element: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration
 from tasks.certificate.appendix import ALIKE
 from tasks.specifications.items import second_value
-from tasks.uncertainty.rounding import USUAL_K, column
+from tasks.words.rounding import USUAL_K, column
 
 
 @dataclass(frozen=True)

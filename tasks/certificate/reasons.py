@@ -12,15 +12,10 @@ from tasks.certificate.limits import (
     probability_text,
     relative_text,
 )
-from tasks.certificate.names import (
-    CONDITIONAL,
-    QUANTITIES,
-    item_name,
-    quantity_text,
-    symbol,
-)
+from tasks.certificate.names import CONDITIONAL, QUANTITIES, item_name, symbol
 from tasks.specifications.items import second_value
-from tasks.uncertainty.rounding import USUAL_K, round_like, round_up, text
+from tasks.words.rounding import USUAL_K, round_like, round_up, text
+from tasks.words.units import quantity_text
 
 Reason = tuple[str, str]  # English, Chinese
 

@@ -20,18 +20,12 @@ from tasks.certificate.appendix import (
 )
 from tasks.certificate.information import contained
 from tasks.certificate.limits import Mark, limit_lines, mark, relative_text
-from tasks.certificate.names import (
-    KINDS,
-    QUANTITIES,
-    Pair,
-    item_name,
-    pair_of,
-    unit_text,
-)
+from tasks.certificate.names import KINDS, QUANTITIES, Pair, item_name, pair_of
 from tasks.certificate.notes import determined, identifiers
 from tasks.certificate.numbers import Numbers, numbers
 from tasks.certificate.typography import clause, pair
 from tasks.specifications.items import ITEMS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS, second_value
+from tasks.words.units import unit_text
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import re
 
 from tasks.certificate.names import Pair
-from tasks.uncertainty.rounding import MINUS
+from tasks.words.rounding import MINUS
 
 _NUMBER = r"\((?:[A-Z]\.)?\d+\)"
 

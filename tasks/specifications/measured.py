@@ -8,7 +8,7 @@ import numpy as np
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.parts import Excess
 from tasks.uncertainty.budget import Contribution, observed
-from tasks.uncertainty.freedom import type_a_dof
+from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.type_b import resolution
 
 NO_EXCESS = Excess()

@@ -1,7 +1,7 @@
-"""Budgets by the law of propagation: for a linear combination, and for any Python function."""
+"""Budgets of linear combinations of input quantities by the law of propagation."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,9 +14,9 @@ from tasks.uncertainty.propagation import (
     checked_correlation,
     coverage_factor,
     effective_dof,
-    sensitivities,
     variance_terms,
 )
+from tasks.words import Message, message, texts
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,7 @@ class InputQuantity:
     """
 
     symbol: str
-    name: str
-    name_zh: str
+    name: Message | str
     unit: str
     u: float
     kind: Kind
@@ -97,46 +96,11 @@ def combine(
     )
 
 
-def combine_function(
-    result: str,
-    unit: str,
-    function: Callable[..., float],
-    quantities: Sequence[InputQuantity],
-    correlation: np.ndarray | None = None,
-    gradient: Callable[..., Sequence[float]] | None = None,
-    probability: float = TWO_SIGMA,
-) -> Budget:
-    """The budget of y = f(x₁, …, xₙ), linearised at the estimates (GUM 5.1.2, 5.2.2).
-
-    function: takes n numbers. gradient: takes the same and returns the n partial derivatives;
-    None: they are found by differences. Raises what `combine` raises.
-    """
-    x = np.array([quantity.estimate for quantity in quantities], float)
-    u = np.array([quantity.u for quantity in quantities], float)
-    c = sensitivities(function, x, u) if gradient is None else np.asarray(gradient(*x), float)
-    contributions = [Contribution(q, float(ci)) for q, ci in zip(quantities, c, strict=True)]
-    return combine(result, unit, float(function(*x)), contributions, correlation, probability)
-
-
-def repeatability(
-    operator: np.ndarray, covariance: np.ndarray, unit: str, dof: float = math.inf
-) -> Contribution:
-    """The type A line of a result that is a linear operator on segment means.
-
-    operator: (n,) weights of the means; covariance: (n, n) of the means. u = √(o·V·oᵀ) holds
-    all of their covariances, so the line is independent of the type B ones. dof: of the variance;
-    with finitely many the distribution is t.
-    """
-    variance = float(operator @ covariance @ operator)
-    return observed(math.sqrt(max(variance, 0.0)), unit, dof)
-
-
 def observed(u: float, unit: str, dof: float = math.inf) -> Contribution:
     """The type A line of a standard uncertainty that was itself observed."""
     distribution: Distribution = "normal" if math.isinf(dof) else "t"
-    quantity = InputQuantity(
-        "u_A", "repeatability", "测量重复性", unit, u, "A", distribution, dof=dof
-    )
+    name = message("uncertainty-repeatability")
+    quantity = InputQuantity("u_A", name, unit, u, "A", distribution, dof=dof)
     return Contribution(quantity, 1.0)
 
 
@@ -152,9 +116,10 @@ def _half_width(contributions: Sequence[Contribution]) -> float:
 def _line(contribution: Contribution, share: float) -> BudgetInput:
     """A contribution as the line of a budget."""
     quantity = contribution.quantity
+    name = texts(quantity.name)
     return BudgetInput(
-        name=quantity.name,
-        name_zh=quantity.name_zh,
+        name=name["en"],
+        name_zh=name["zh"],
         symbol=quantity.symbol,
         kind=quantity.kind,
         distribution=quantity.distribution,

@@ -12,15 +12,13 @@ from functools import cache
 import numpy as np
 
 from schemas.uncertainty import Distribution
+from tasks.uncertainty.distributions import NEGLIGIBLE, characteristic_function
 
 PROBABILITY = 0.95
 SMOOTHING = 0.005  # of u_c, where no input is normal: moves the interval by less than 0.1 %
 FADED = 16.0  # over the standard deviation of what is normal or t: nothing is left of it there
 LAST = 4.0 / SMOOTHING  # where the smoothing alone leaves 3e-4 of the characteristic function
-NEGLIGIBLE = 1e-7  # of a characteristic function
-MANY = 150.0  # degrees of freedom from which the variance may be taken as gamma distributed
-CHUNK = 60  # nodes that Student's t is worked out at before looking whether it has faded
-STEPS = 60  # of Newton or of halving
+MAX_STEPS = 60  # of Newton or of halving
 
 
 def half_width(
@@ -44,7 +42,7 @@ def half_width(
     for kind, size, dof in sorted(known, key=lambda each: each[0] == "t"):
         keep = np.flatnonzero(np.abs(phi) > NEGLIGIBLE)
         t, weight, phi = t[keep], weight[keep], phi[keep]
-        phi = phi * _characteristic(kind, size / scale * t, dof)
+        phi = phi * characteristic_function(kind, size / scale * t, dof)
     return scale * _solve(t, weight * phi / t, weight * phi, probability)
 
 
@@ -58,47 +56,10 @@ def _nodes() -> tuple[np.ndarray, np.ndarray]:
     return t.ravel(), (2.0 / math.pi * half * weights).ravel()
 
 
-def _characteristic(kind: Distribution, s: np.ndarray, dof: float) -> np.ndarray:
-    """φ at s of a distribution with standard uncertainty 1 («t»: with scale 1)."""
-    if kind == "normal" or (kind == "t" and math.isinf(dof)):
-        return np.exp(-0.5 * s**2)
-    if kind == "rectangular":
-        return np.sinc(math.sqrt(3.0) * s / math.pi)
-    if kind == "triangular":
-        return np.sinc(math.sqrt(6.0) * s / (2.0 * math.pi)) ** 2
-    if kind == "arcsine":
-        from scipy.special import j0
-
-        return np.asarray(j0(math.sqrt(2.0) * s))
-    if dof > MANY:  # t is normal with a variance of its own, ν/χ²: here gamma, of equal moments
-        shape = (dof - 4.0) / 2.0
-        return (1.0 + dof / (dof - 2.0) / (2.0 * shape) * s**2) ** -shape
-    phi = np.zeros(len(s))
-    for first in range(0, len(s), CHUNK):
-        part = slice(first, first + CHUNK)
-        phi[part] = _student(s[part], dof)
-        if phi[part][-1] < NEGLIGIBLE:
-            break
-    return phi
-
-
-def _student(s: np.ndarray, dof: float) -> np.ndarray:
-    """φ of Student's t at s > 0: K_{ν/2}(z)·z^{ν/2}/(Γ(ν/2)·2^{ν/2−1}) with z = √ν·s."""
-    from scipy.special import gammaln, kve
-
-    order, z = dof / 2.0, math.sqrt(dof) * s
-    bessel = kve(order, z)
-    shown = np.isfinite(bessel)  # it overflows next to zero, where the variance says it all
-    phi = np.exp(-0.5 * dof / max(dof - 2.0, 1.0) * s**2)
-    power = order * np.log(z[shown]) - z[shown] - gammaln(order) - (order - 1.0) * math.log(2.0)
-    phi[shown] = bessel[shown] * np.exp(power)
-    return phi
-
-
 def _solve(t: np.ndarray, cumulative: np.ndarray, density: np.ndarray, probability: float) -> float:
     """The x at which Σ cumulative·sin(tx) is the probability: Newton, kept between bounds."""
     low, high, x = 0.0, math.inf, 1.96
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         excess = float(cumulative @ np.sin(t * x)) - probability
         low, high = (low, x) if excess > 0.0 else (x, high)
         slope = float(density @ np.cos(t * x))

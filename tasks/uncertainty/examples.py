@@ -17,9 +17,13 @@ from decimal import Decimal
 from schemas.uncertainty import Budget
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.propagation import TWO_SIGMA
+from tasks.words import message
 
 TABLE = 1.0e-4  # u₁: U = 2e-4 with k = 2
 BITS = 12  # N of the examples; a unit under test has its own
+TABLE_NAME = message("uncertainty-example-table")
+ACQUISITION_NAME = message("uncertainty-example-acquisition")
+REPEATABILITY_NAME = message("uncertainty-example-repeatability")
 K = 2.0
 DIGITS_OF_U_C = 3
 
@@ -42,16 +46,12 @@ def combine_as_example(
     repeatability: standard uncertainties that are added up to u₃. u_c carries three significant
     digits, so that a certificate prints the appendix's U (rounded up to two digits).
     """
+    u3 = math.fsum(repeatability)
     quantities = (
-        InputQuantity("u1", "rate and position table", "位置速率转台", unit, table, "B", "normal"),
-        InputQuantity(
-            "u2", "data acquisition", "数据采集系统", unit, acquisition(bits), "B", "rectangular"
-        ),
-        InputQuantity(
-            "u3", "repeatability, summed", "测量重复性（线性相加）", unit,
-            math.fsum(repeatability), "A", "normal",
-        ),
-    )  # fmt: skip
+        InputQuantity("u1", TABLE_NAME, unit, table, "B", "normal"),
+        InputQuantity("u2", ACQUISITION_NAME, unit, acquisition(bits), "B", "rectangular"),
+        InputQuantity("u3", REPEATABILITY_NAME, unit, u3, "A", "normal"),
+    )
     exact = combine(result, unit, value, [Contribution(quantity, 1.0) for quantity in quantities])
     u_c = float(f"{exact.u_c:.{DIGITS_OF_U_C - 1}e}")
     # The decimal product: 2 × 2.2e-4 must not be a hair above 4.4e-4.

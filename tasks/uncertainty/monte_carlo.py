@@ -9,11 +9,12 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.uncertainty import Budget
 from tasks.uncertainty.budget import InputQuantity
+from tasks.uncertainty.distributions import draw
 from tasks.uncertainty.propagation import TWO_SIGMA, checked_correlation
 
-SMALLEST_BLOCK = 10_000  # JCGM 101, 7.9.4 b)
+MIN_BLOCK = 10_000  # JCGM 101, 7.9.4 b)
 HEAVY_TAIL = 4.0  # degrees of freedom up to which a sample's deviation does not settle
-MOST_TRIALS = 20_000_000  # 160 MB of results
+MAX_TRIALS = 20_000_000  # 160 MB of results
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,6 @@ class MonteCarlo:
     tolerance: float
 
 
-@dataclass(frozen=True)
-class Validation:
-    """Whether the GUM's interval stands beside Monte Carlo: both distances ≤ δ (clause 8.1)."""
-
-    d_low: float
-    d_high: float
-    tolerance: float
-
-    @property
-    def valid(self) -> bool:
-        return self.d_low <= self.tolerance and self.d_high <= self.tolerance
-
-
 def numerical_tolerance(u: float, digits: int) -> float:
     """δ = ½·10ˡ where u = c·10ˡ and c has `digits` figures (7.9.2); 0 for u = 0."""
     if u <= 0.0:
@@ -79,12 +67,12 @@ def monte_carlo(
     Raises Unusable where correlated inputs are not normal (6.4.8), where the model gives numbers
     that are not finite, or where 20 million trials are not enough.
     """
-    draw = _sampler(quantities, correlation, np.random.default_rng(seed))
-    block = max(math.ceil(100.0 / (1.0 - probability)), SMALLEST_BLOCK)
+    draws = _sampler(quantities, correlation, np.random.default_rng(seed))
+    block = max(math.ceil(100.0 / (1.0 - probability)), MIN_BLOCK)
     blocks: list[np.ndarray] = []
     figures: list[tuple[float, float, float, float]] = []
     settling = slice(None) if has_deviation(quantities) else slice(2, None)
-    for values in _evaluations(function, draw, block):
+    for values in _evaluations(function, draws, block):
         blocks.append(values)
         ends = symmetric_interval(np.sort(values), probability)
         figures.append((values.mean(), values.std(ddof=1), ends.low, ends.high))
@@ -98,7 +86,7 @@ def monte_carlo(
             found = _result(np.sort(np.concatenate(blocks)), probability, tolerance)
             return found if settling.start is None else replace(found, u=math.nan)
     raise Unusable(
-        f"Monte Carlo did not settle to {digits} digits within {MOST_TRIALS} trials; ask for fewer "
+        f"Monte Carlo did not settle to {digits} digits within {MAX_TRIALS} trials; ask for fewer "
         "digits"
     )
 
@@ -125,24 +113,6 @@ def shortest_interval(ordered: np.ndarray, probability: float) -> Interval:
     return Interval(float(ordered[first]), float(ordered[first + count]), probability)
 
 
-def validate(budget: Budget, interval: Interval, digits: int = 1) -> Validation:
-    """Compare y ± U of the law of propagation with an interval found by Monte Carlo (clause 8).
-
-    The interval should be known better than δ/5 (8.2): from a run with one digit more.
-    Raises Unusable where the two have different coverage probabilities.
-    """
-    if not math.isclose(budget.coverage_probability, interval.probability, rel_tol=1e-9):
-        raise Unusable(
-            f"the budget of {budget.result} covers {budget.coverage_probability:.4f} and the Monte "
-            f"Carlo interval {interval.probability:.4f}; compare equal probabilities"
-        )
-    return Validation(
-        d_low=abs(budget.value - budget.U - interval.low),
-        d_high=abs(budget.value + budget.U - interval.high),
-        tolerance=numerical_tolerance(budget.u_c, digits),
-    )
-
-
 def with_monte_carlo(budget: Budget, found: MonteCarlo) -> Budget:
     """The budget with u and interval from Monte Carlo; value and lines stay the linear ones.
 
@@ -166,10 +136,10 @@ def with_monte_carlo(budget: Budget, found: MonteCarlo) -> Budget:
 
 
 def _evaluations(
-    function: Callable[..., np.ndarray], draw: Callable[[int], np.ndarray], block: int
+    function: Callable[..., np.ndarray], draws: Callable[[int], np.ndarray], block: int
 ) -> Iterator[np.ndarray]:
-    for _ in range(MOST_TRIALS // block):
-        values = np.broadcast_to(np.asarray(function(*draw(block)), float), (block,))
+    for _ in range(MAX_TRIALS // block):
+        values = np.broadcast_to(np.asarray(function(*draws(block)), float), (block,))
         if not np.isfinite(values).all():
             raise Unusable(
                 "the model gives values that are not finite for some drawn inputs; their "
@@ -216,28 +186,13 @@ def _sampler(
     values, vectors = np.linalg.eigh(r[np.ix_(joint, joint)])
     root = vectors * np.sqrt(np.maximum(values, 0.0))
 
-    def draw(trials: int) -> np.ndarray:
+    def draws(trials: int) -> np.ndarray:
         x = np.empty((len(quantities), trials))
         for i, quantity in enumerate(quantities):
-            x[i] = _standardised(quantity, trials, rng)
+            x[i] = draw(quantity.distribution, trials, rng, quantity.dof)
         x[joint] = root @ x[joint]
         for i, quantity in enumerate(quantities):
             x[i] = quantity.estimate + quantity.u * x[i]
         return x
 
-    return draw
-
-
-def _standardised(quantity: InputQuantity, trials: int, rng: np.random.Generator) -> np.ndarray:
-    """Draws with estimate 0 and u = 1; «t» has scale 1 (6.4.9), so its deviation is larger."""
-    match quantity.distribution:
-        case "normal":
-            return rng.standard_normal(trials)
-        case "rectangular":
-            return math.sqrt(3.0) * rng.uniform(-1.0, 1.0, trials)
-        case "triangular":
-            return math.sqrt(6.0) * rng.triangular(-1.0, 0.0, 1.0, trials)
-        case "arcsine":
-            return math.sqrt(2.0) * np.sin(rng.uniform(-math.pi, math.pi, trials))
-        case "t":
-            return rng.standard_t(quantity.dof, trials)
+    return draws

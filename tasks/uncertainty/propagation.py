@@ -5,23 +5,14 @@ correlated inputs of finite degrees of freedom R. Willink, Metrologia 44 (2007) 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from schemas.base import Unusable
 
 TWO_SIGMA = math.erf(math.sqrt(2.0))  # 95.45 %: k = 2 for a normal distribution
-STEP_OF_U, STEP_OF_X = 1e-2, 1e-4  # difference steps: of the uncertainty, of the estimate
 NOISE = 1e-9  # rounding error allowed for in degrees of freedom and in correlations
-
-
-def propagate(jacobian: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Covariance (m, m) of m results from that of n inputs: J·V·Jᵀ.
-
-    jacobian: (m, n) sensitivities ∂yⱼ/∂xᵢ; covariance: (n, n). GUM eq. (13) and H.2, eq. (H.9).
-    """
-    return jacobian @ covariance @ jacobian.T
 
 
 def variance_terms(contributions: np.ndarray, correlation: np.ndarray) -> np.ndarray:
@@ -84,27 +75,6 @@ def coverage_factor(dof: float, probability: float = TWO_SIGMA) -> float:
     if math.isinf(dof):
         return round(float(ndtri(upper)), 12)
     return float(stdtrit(max(math.floor(dof * (1.0 + NOISE)), 1), upper))
-
-
-def sensitivities(
-    function: Callable[..., float], estimates: np.ndarray, u: np.ndarray
-) -> np.ndarray:
-    """∂f/∂xᵢ at the estimates, (n,), by central differences of fourth order.
-
-    The step is a hundredth of u(xᵢ), or 1e-4 of |xᵢ| where that is more, so that neither
-    curvature nor rounding is felt. GUM 5.1.3; its numerical form (5.1.4) steps by u itself.
-    """
-    steps = np.maximum(STEP_OF_U * u, STEP_OF_X * np.abs(estimates))
-    steps[steps == 0.0] = STEP_OF_X
-    slopes = np.zeros(len(estimates))
-    for i, step in enumerate(steps):
-        values = []
-        for offset in (-2.0, -1.0, 1.0, 2.0):
-            moved = estimates.copy()
-            moved[i] += offset * step
-            values.append(float(function(*moved)))
-        slopes[i] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
-    return slopes
 
 
 def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarray:

@@ -23,6 +23,7 @@ import numpy as np
 from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
+from tasks.words import message
 
 SLOWLY = math.sqrt(2.0)  # rad: over a smaller angle a ripple within the turn does not average out
 HEADINGS = 2  # at which 7.2.2.1 holds each face
@@ -85,8 +86,7 @@ def turned_angle(
             replace(
                 limit,
                 symbol=f"{limit.symbol}θ",
-                name=f"turned angle, {limit.name}",
-                name_zh=f"转角，{limit.name_zh}",
+                name=message("uncertainty-turned-angle", limit=limit.name),
             ),
             c,
         )
@@ -223,7 +223,8 @@ def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution
     holds it.
     """
     u = half_width / math.sqrt(3.0)
-    quantity = InputQuantity("q", "resolution", "分辨力", unit, u, "B", "rectangular")
+    name = message("uncertainty-resolution")
+    quantity = InputQuantity("q", name, unit, u, "B", "rectangular")
     return Contribution(quantity, sensitivity)
 
 

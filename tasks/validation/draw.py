@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.station.virtual.unit import UnitTruth, draw_unit
+from tasks.uncertainty.distributions import draw
 from tasks.uncertainty.equipment import Limit
 from tasks.validation.journey import Site
 
@@ -25,7 +26,7 @@ class Case:
         """Sum of errors drawn from the limits' distributions, in their unit; 0 when ideal."""
         if self.ideal:
             return 0.0
-        return float(sum(_drawn(limit, self.random) for limit in limits if limit is not None))
+        return float(sum(_error(limit, self.random) for limit in limits if limit is not None))
 
     def errors(self, count: int, *limits: Limit | None) -> np.ndarray:
         """Independent errors (count,)."""
@@ -52,13 +53,5 @@ def draw_case(seed: int, rate_hz: float, ideal: bool = False) -> Case:
     return Case(unit.model_copy(update={**triads, "rate_hz": rate_hz}), random, ideal)
 
 
-def _drawn(limit: Limit, random: np.random.Generator) -> float:
-    """One value within a limit; «normal» limits are two standard deviations."""
-    half = limit.half_width
-    if limit.distribution == "normal":
-        return random.normal(0.0, half / 2.0)
-    if limit.distribution == "triangular":
-        return random.triangular(-half, 0.0, half)
-    if limit.distribution == "arcsine":
-        return half * np.sin(random.uniform(0.0, 2.0 * np.pi))
-    return random.uniform(-half, half)
+def _error(limit: Limit, random: np.random.Generator) -> float:
+    return limit.u * float(draw(limit.distribution, 1, random)[0])

@@ -4,7 +4,7 @@ from decimal import Decimal
 
 from schemas.validation import Check
 from tasks.uncertainty.examples import combine_as_example
-from tasks.uncertainty.rounding import round_up
+from tasks.words.rounding import round_up
 
 # The example's title, what is added up to u₃, and u_c and U as printed.
 SCALE = ("A.1", (1.22e-4,), "2.12e-4", "4.3e-4")

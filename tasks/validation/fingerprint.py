@@ -2,7 +2,7 @@
 
 import ast
 import hashlib
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -16,6 +16,7 @@ BESIDE = (
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
+@cache
 def fingerprint(method: str) -> str:
     """SHA-256 (first 16 hex digits) of the code of every file in `tasks` that a method imports.
 
@@ -41,19 +42,19 @@ def code(text: str) -> str:
 
 def sources(method: str) -> list[Path]:
     """The files, sorted."""
-    found: set[Path] = set()
+    known: set[Path] = set()
     waiting = [f"tasks.specifications.{method}"]
     while waiting:
         path = _file(waiting.pop())
-        if path is not None and path not in found:
-            found.add(path)
-            waiting.extend(_imported(path))
-    return sorted(found)
+        if path is not None and path not in known:
+            known.add(path)
+            waiting.extend(_imports(path))
+    return sorted(known)
 
 
 def _file(module: str) -> Path | None:
     """The file of a module in `tasks`; None for a name that is no module or lies beside."""
-    if any(module == each or module.startswith(f"{each}.") for each in BESIDE):
+    if any(module == name or module.startswith(f"{name}.") for name in BESIDE):
         return None
     path = ROOT.joinpath(*module.split(".")[1:])
     for candidate in (path.with_suffix(".py"), path / "__init__.py"):
@@ -62,11 +63,13 @@ def _file(module: str) -> Path | None:
     return None
 
 
-def _imported(path: Path) -> Iterator[str]:
+@cache
+def _imports(path: Path) -> tuple[str, ...]:
     """Names of modules in `tasks`, and of what is imported from them, that a file mentions."""
+    names: list[str] = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            yield from (each.name for each in node.names if each.name.startswith("tasks."))
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tasks"):
-            yield str(node.module)
-            yield from (f"{node.module}.{each.name}" for each in node.names)
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return tuple(name for name in names if name.startswith("tasks."))

@@ -1,7 +1,7 @@
 """The catalogues: every sentence in every language, and messages said in one of them."""
 
 from collections.abc import Iterable, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
@@ -58,6 +58,7 @@ def known(id_: str) -> bool:
     return all(_pattern(language, id_) is not None for language in LANGUAGES)
 
 
+@lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
 def say(said: Sayable, language: str) -> str:
     """A message or statement in one language; mere text is the same in all.
 

@@ -11,11 +11,12 @@ from schemas.discrepancy import Consequence, VerdictChange
 from schemas.recording import ANGLE, Recording, Stream
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
-from tasks.certificate.names import item_name, unit_text
+from tasks.certificate.names import item_name
 from tasks.explain.explanation import CHANNELS, Explanation
 from tasks.model.term import Text
 from tasks.specifications import jjf1536, jjf2003
-from tasks.uncertainty.rounding import column
+from tasks.words.rounding import column
+from tasks.words.units import unit_text
 
 NOTICEABLE = 0.05  # of U: what moves an element by less is not listed
 SEVERITY = ("pass", "inconclusive", "fail")

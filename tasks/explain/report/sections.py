@@ -25,8 +25,8 @@ from tasks.explain.report.words import (
     text_of,
 )
 from tasks.model.term import Text
-from tasks.uncertainty.rounding import USUAL_K, column
 from tasks.version import code_version
+from tasks.words.rounding import USUAL_K, column
 
 DIMENSIONS: dict[str, Text] = {
     "rate": ("rate", "角速率"),

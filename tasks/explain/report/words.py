@@ -5,11 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.discrepancy import FoundParameter, Statement
-from tasks.certificate.names import item_name, pair_of, unit_text
+from tasks.certificate.names import item_name, pair_of
 from tasks.explain.correction.consequences import OVERALL
 from tasks.model.term import Text
 from tasks.specifications.items import ITEMS
-from tasks.uncertainty.rounding import MINUS, USUAL_K, column
+from tasks.words.rounding import MINUS, USUAL_K, column
+from tasks.words.units import unit_text
 
 EFFECTS: dict[str, Text] = {
     "earth_rotation": ("Earth's rotation", "地球自转"),

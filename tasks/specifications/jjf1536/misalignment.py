@@ -17,6 +17,7 @@ from tasks.specifications.parts import DEG, OFF_DIAGONAL, Part
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_misalignment
+from tasks.words import message
 
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
@@ -136,7 +137,14 @@ def _zero_line(zero: Measured, longer: float) -> Contribution:
     known = combine("zero offset", "rad/s", zero.value, zero.lines_in("rad/s"))
     shape: Distribution = "normal" if math.isinf(known.dof) else "t"
     quantity = InputQuantity(
-        "B", "zero offset", "零偏", "rad/s", known.u_c, "A", shape, zero.value, known.dof
+        "B",
+        message("uncertainty-zero-offset"),
+        "rad/s",
+        known.u_c,
+        "A",
+        shape,
+        zero.value,
+        known.dof,
     )
     return Contribution(quantity, -longer)
 

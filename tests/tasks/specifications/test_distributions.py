@@ -80,7 +80,7 @@ def test_p_of_a_poorly_known_rate_has_the_skew_of_one_over_its_square() -> None:
 
 
 def test_a_gravity_hardly_known_divides_the_accelerometer_scale_factor() -> None:
-    gravity = InputQuantity("g", "g", "g", "m/s2", 1.0, "B", "rectangular")
+    gravity = InputQuantity("g", "g", "m/s2", 1.0, "B", "rectangular")
     k, g = 1.1, 9.8
     found = Measured(k, (observed(1e-9, "1"), Contribution(gravity, -k / g)))
     budget = drawn("accel_scale_factor.x", "1", found, "digest")

@@ -194,7 +194,7 @@ def test_p_is_in_metres_and_its_unit_is_written_beside_it(ideal_run: Build) -> N
 def test_appendix_a_adds_linearly_what_its_own_law_of_propagation_does_not() -> None:
     u = 3.41e-5
     positions = [
-        Contribution(InputQuantity(f"U{i}", "mean", "均值", "deg/s", u, "A", "normal"), 1 / 6)
+        Contribution(InputQuantity(f"U{i}", "mean", "deg/s", u, "A", "normal"), 1 / 6)
         for i in range(6)
     ]
     gum = combine("gyro_bias", "deg/s", 0.0, positions)

@@ -4,20 +4,15 @@ import math
 
 import numpy as np
 import pytest
+from gum_functions import combine_function, propagate, repeatability, sensitivities
 from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.base import Unusable
 from schemas.uncertainty import Budget
 from tasks.specifications.linear import solve
-from tasks.uncertainty.budget import (
-    Contribution,
-    InputQuantity,
-    combine,
-    combine_function,
-    repeatability,
-)
-from tasks.uncertainty.propagation import TWO_SIGMA, coverage_factor, propagate, sensitivities
+from tasks.uncertainty.budget import Contribution, InputQuantity, combine
+from tasks.uncertainty.propagation import TWO_SIGMA, coverage_factor
 
 # GUM table H.2: simultaneous voltage (V), current (A) and phase (rad).
 READINGS = np.array(
@@ -41,7 +36,7 @@ OBSERVED = -np.array([0.171, 0.169, 0.166, 0.159, 0.164, 0.165, 0.156, 0.157, 0.
 def quantity(
     symbol: str, u: float, estimate: float = 0.0, dof: float = math.inf, sample: str | None = None
 ) -> InputQuantity:
-    return InputQuantity(symbol, symbol, symbol, "1", u, "B", "normal", estimate, dof, sample)
+    return InputQuantity(symbol, symbol, "1", u, "B", "normal", estimate, dof, sample)
 
 
 def electrical() -> tuple[list[InputQuantity], np.ndarray]:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from gum_functions import validate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
@@ -18,7 +19,6 @@ from tasks.uncertainty.monte_carlo import (
     monte_carlo,
     numerical_tolerance,
     symmetric_interval,
-    validate,
 )
 
 ROOT3 = math.sqrt(3.0)
@@ -30,7 +30,7 @@ def alone(shape: str, dof: float = math.inf, probability: float = PROBABILITY) -
 
 
 def quantity(symbol: str, shape: str, u: float, dof: float = math.inf, x: float = 0.0):
-    return InputQuantity(symbol, symbol, symbol, "1", u, "B", shape, x, dof)
+    return InputQuantity(symbol, symbol, "1", u, "B", shape, x, dof)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def ahrs(plant) -> Calibration:
 
 def drawn(budget: Budget) -> list[InputQuantity]:
     return [
-        InputQuantity(line.symbol, line.name, line.name_zh, line.unit, line.u, line.kind,
+        InputQuantity(line.symbol, line.name, line.unit, line.u, line.kind,
                       line.distribution, 0.0, line.dof)
         for line in budget.inputs
     ]  # fmt: skip

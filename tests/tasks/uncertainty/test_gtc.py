@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import GTC
 import numpy as np
 import pytest
+from gum_functions import combine_function
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from schemas.base import Unusable
-from tasks.uncertainty.budget import Contribution, InputQuantity, combine, combine_function
+from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 
 AGREES = 1e-6
 
@@ -51,7 +52,7 @@ budgets = st.lists(samples(), min_size=1, max_size=4)
 
 def for_us(parts: list[Sample]) -> tuple[list[InputQuantity], np.ndarray]:
     quantities = [
-        InputQuantity(f"x{n}{i}", "x", "x", "1", u, "A", "normal", x, part.dof, f"sample {n}")
+        InputQuantity(f"x{n}{i}", "x", "1", u, "A", "normal", x, part.dof, f"sample {n}")
         for n, part in enumerate(parts)
         for i, (x, u) in enumerate(zip(part.x, part.u, strict=True))
     ]
@@ -113,7 +114,7 @@ def test_budgets_of_a_function_agree(parts: list[Sample]) -> None:
 
 @pytest.mark.parametrize("dof", [3.0, 10.0, 60.0])
 def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof: float) -> None:
-    x = InputQuantity("x", "x", "x", "1", 1.0, "A", "t", dof=dof)
+    x = InputQuantity("x", "x", "1", 1.0, "A", "t", dof=dof)
     budget = combine("y", "1", 0.0, [Contribution(x, 1.0)])
     assert budget.k == pytest.approx(
         GTC.reporting.k_factor(dof, 100 * budget.coverage_probability), rel=1e-9
@@ -123,6 +124,6 @@ def test_coverage_factor_at_whole_degrees_of_freedom_agrees(dof: float) -> None:
 def test_both_refuse_correlation_between_inputs_of_finite_dof_that_are_not_one_sample() -> None:
     with pytest.raises(RuntimeError, match="not in the same ensemble"):
         GTC.set_correlation(0.5, GTC.ureal(1, 1, 5), GTC.ureal(1, 1, 5))
-    x = [InputQuantity(s, s, s, "1", 1.0, "A", "t", dof=5) for s in ("a", "b")]
+    x = [InputQuantity(s, s, "1", 1.0, "A", "t", dof=5) for s in ("a", "b")]
     with pytest.raises(Unusable, match="sample"):
         combine("y", "1", 0.0, [Contribution(q, 1.0) for q in x], np.array([[1, 0.5], [0.5, 1]]))

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tasks.specifications.evidence import Evidence, gather
+from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.drift import DRIFTS
-from tasks.uncertainty.freedom import type_a_dof
 
 
 @pytest.fixture(scope="module")

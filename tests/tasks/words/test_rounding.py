@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tasks.uncertainty.rounding import column, round_like, round_up
+from tasks.words.rounding import column, round_like, round_up
 
 HALF_OF_U_C = 0.005  # half the last of three digits, at the most
 uncertainties = st.floats(1e-15, 1e9)

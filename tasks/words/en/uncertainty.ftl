@@ -1,0 +1,21 @@
+## Input quantities of the uncertainty budgets.
+
+uncertainty-repeatability = repeatability
+uncertainty-resolution = resolution
+uncertainty-turned-angle = turned angle, { $limit }
+uncertainty-zero-offset = zero offset
+uncertainty-example-table = rate and position table
+uncertainty-example-acquisition = data acquisition
+uncertainty-example-repeatability = repeatability, summed
+uncertainty-gravity = local gravity
+uncertainty-latitude = latitude
+uncertainty-rate = table rate, whole turns
+uncertainty-ripple = table rate within a turn
+uncertainty-position = angular positioning
+uncertainty-angle-repeatability = repeatability of angle
+uncertainty-axes = squareness of axes
+uncertainty-fixture = squareness of fixture
+uncertainty-rate-fast = table rate from 10 °/s
+uncertainty-rate-medium = table rate 1 to 10 °/s
+uncertainty-rate-slow = table rate below 1 °/s
+uncertainty-table-angle = table angle

@@ -1,0 +1,21 @@
+## Input quantities of the uncertainty budgets.
+
+uncertainty-repeatability = 测量重复性
+uncertainty-resolution = 分辨力
+uncertainty-turned-angle = 转角，{ $limit }
+uncertainty-zero-offset = 零偏
+uncertainty-example-table = 位置速率转台
+uncertainty-example-acquisition = 数据采集系统
+uncertainty-example-repeatability = 测量重复性（线性相加）
+uncertainty-gravity = 当地重力加速度
+uncertainty-latitude = 纬度
+uncertainty-rate = 转台角速率（360°平均）
+uncertainty-ripple = 转台角速率平稳性
+uncertainty-position = 角位置定位精度
+uncertainty-angle-repeatability = 角位置测量重复性
+uncertainty-axes = 轴线垂直度
+uncertainty-fixture = 夹具垂直度
+uncertainty-rate-fast = 转台角速率（≥ 10 °/s）
+uncertainty-rate-medium = 转台角速率（1~10 °/s）
+uncertainty-rate-slow = 转台角速率（< 1 °/s）
+uncertainty-table-angle = 转台角位移
