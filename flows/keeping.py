@@ -59,10 +59,10 @@ def _entry(done: "Taken") -> dict[str, Any]:
 def runs(as_json: options.Json = False) -> None:
     """What is in the store."""
     from flows.printing import print_json, print_rows
-    from storage import store
+    from storage.catalogue import runs
     from storage.home import home
 
-    found = store.runs(home())
+    found = runs.all_runs(home())
     if as_json:
         print_json(
             {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in found]}

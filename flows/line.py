@@ -14,7 +14,8 @@ from flows import embedded, orders
 from flows.papers import read_papers
 from flows.server import server_named
 from schemas.calibration import Calibration, Method
-from storage.store import Due, Run
+from storage.catalogue.certificates import Due
+from storage.catalogue.runs import Run
 from tasks.certificate.names import verdict_words
 from tasks.stages import as_tasks
 from tasks.stages.certify import Issued

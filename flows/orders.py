@@ -15,7 +15,9 @@ from flows.papers import read_papers, read_procedure
 from flows.progress import acquisition_progress, tell
 from schemas.calibration import Calibration, Method
 from schemas.certificate import Laboratory
-from storage import settings, store
+from storage import settings
+from storage.catalogue import runs
+from storage.catalogue.runs import Run
 from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.explain import Explained
@@ -28,7 +30,7 @@ from tasks.station.suits import check_suits
 
 def acquire(
     stages: ModuleType, station: str, procedure: str, home_folder: str | None, attended: bool
-) -> tuple[store.Run, Acquired]:
+) -> tuple[Run, Acquired]:
     """Acquire a run from the station of a station file.
 
     attended: whether a person at the terminal may be asked to turn the unit over.
@@ -37,7 +39,7 @@ def acquire(
     steps = read_procedure(procedure)
     ask = operator.at_terminal() if attended else None
     with ending_as_by_ctrl_c(), acquisition_progress() as report:
-        acquired: tuple[store.Run, Acquired]
+        acquired: tuple[Run, Acquired]
         acquired = stages.acquire_run(stand, steps, place(home_folder), report, ask)
         return acquired
 
@@ -123,7 +125,7 @@ def certify(
 
 def _estimated(
     stages: ModuleType,
-    run: store.Run,
+    run: Run,
     folder: Home,
     method: Method | None,
     uncertainty: str,
@@ -138,12 +140,12 @@ def _estimated(
     return calibration
 
 
-def run_of(reference: str, folder: Home, stages: ModuleType) -> store.Run:
+def run_of(reference: str, folder: Home, stages: ModuleType) -> Run:
     """The run that an order names: an id, or a path that is taken in on the fly."""
     path = path_of(reference)
     if path is None:
-        return store.find(reference, folder)
-    run: store.Run = stages.take_in(path, folder).run
+        return runs.find(reference, folder)
+    run: Run = stages.take_in(path, folder).run
     return run
 
 

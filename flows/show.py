@@ -2,7 +2,7 @@
 
 from flows.orders import run_of
 from flows.printing import print_calibration, print_json, print_rows, stdout
-from storage import store
+from storage.catalogue import certificates, results, runs
 from storage.home import home
 from tasks.stages import plain
 
@@ -10,17 +10,17 @@ from tasks.stages import plain
 def show_run(reference: str, as_json: bool) -> None:
     """Print a run: unit, station, segments, newest result of each method, certificates."""
     run = run_of(reference, home(), plain)
-    manifest = store.load(run, home()).manifest
-    results = store.results(run, home())
-    certificates = [entry for entry in store.certificates(home()) if entry.run == run.id]
+    manifest = runs.load(run, home()).manifest
+    kept = results.of_run(run, home())
+    entries = [entry for entry in certificates.register(home()) if entry.run == run.id]
     if as_json:
         print_json(
             {
                 "format": "mimu-run/1",
                 "run": run.model_dump(mode="json"),
                 "manifest": manifest.model_dump(mode="json"),
-                "results": [result.model_dump(mode="json") for result in results],
-                "certificates": [entry.model_dump(mode="json") for entry in certificates],
+                "results": [result.model_dump(mode="json") for result in kept],
+                "certificates": [entry.model_dump(mode="json") for entry in entries],
             }
         )
         return
@@ -38,7 +38,7 @@ def show_run(reference: str, as_json: bool) -> None:
             ("name", "kind", "from s", "to s"),
             [(s.name, s.kind, f"{s.t_start:.2f}", f"{s.t_end:.2f}") for s in manifest.segments],
         )
-    if results:
-        print_calibration(results[-1].calibration)
-    for entry in certificates:
+    if kept:
+        print_calibration(kept[-1].calibration)
+    for entry in entries:
         console.print(f"certificate {entry.number}: {entry.verdict} ({entry.state}), {entry.pdf}")

@@ -156,7 +156,7 @@ class Stream:
 
 @dataclass(frozen=True)
 class Recording:
-    """A whole recording in memory. `digest` is the SHA-256 of its content (storage.raw)."""
+    """A whole recording in memory. `digest`: SHA-256 of its content (storage.formats.content)."""
 
     manifest: Manifest
     imu: Stream

@@ -10,12 +10,12 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from schemas.certificate import Certificate
-from storage import catalog
-from storage.certificates import Entry, certificates, record_of
+from storage.catalogue import certificates, database, tables
+from storage.catalogue.certificates import Entry, record_of
+from storage.catalogue.results import calibration_of, result_id
+from storage.catalogue.runs import Run, all_runs, from_columns, raw_path
+from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from storage.raw import read_mcap
-from storage.results import calibration_of, result_id
-from storage.runs import Run, from_columns, raw_path, runs
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
@@ -53,20 +53,20 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
 
 
 def _checks(home: Home) -> Iterator[Check]:
-    kept, register = runs(home), certificates(home)
-    for run in kept:
+    runs, register = all_runs(home), certificates.register(home)
+    for run in runs:
         yield partial(_raw, run, home)
         if (home.columns / run.digest).exists():  # missing columns are made again when needed
             yield partial(_columns, run, home)
-    digests = {run.id: run.digest for run in kept}
-    for (result,) in catalog.rows(home, sql.select(catalog.results.c.id)):
+    digests = {run.id: run.digest for run in runs}
+    for (result,) in database.rows(home, sql.select(tables.results.c.id)):
         yield partial(_result, result, digests, home)
     for entry in register:
         yield partial(_unchanged, home.path / entry.pdf, entry.pdf_sha256)
         yield partial(_unchanged, home.path / entry.record, entry.record_sha256)
         yield partial(_record, entry, home)
-    for stray in _strays(home, kept, register):
-        yield partial(iter, (stray,))
+    for unknown in _unknown_files(home, runs, register):
+        yield partial(iter, (unknown,))
     for abandoned in _abandoned(home):
         yield partial(iter, (abandoned,))
 
@@ -100,8 +100,8 @@ def _columns(run: Run, home: Home) -> Iterator[Fault]:
 
 
 def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[Fault]:
-    what, table = f"result {result}", catalog.results
-    (row,) = catalog.rows(home, sql.select(table).where(table.c.id == result))
+    what, table = f"result {result}", tables.results
+    (row,) = database.rows(home, sql.select(table).where(table.c.id == result))
     try:
         calibration = calibration_of(row)
     except Unusable as error:
@@ -153,8 +153,8 @@ def _record(entry: Entry, home: Home) -> Iterator[Fault]:
 
 def _printed(entry: Entry, record: Certificate, home: Home) -> Iterator[Fault]:
     """Whether the result that a certificate prints is still there and says the same."""
-    what, table = f"certificate {entry.number}", catalog.results
-    found = catalog.rows(home, sql.select(table).where(table.c.id == entry.result))
+    what, table = f"certificate {entry.number}", tables.results
+    found = database.rows(home, sql.select(table).where(table.c.id == entry.result))
     if not found:
         yield Fault(what=what, why=f"its result {entry.result} is gone; {RESTORE}")
         return
@@ -169,9 +169,9 @@ def _printed(entry: Entry, record: Certificate, home: Home) -> Iterator[Fault]:
         )
 
 
-def _strays(home: Home, kept: list[Run], register: list[Entry]) -> Iterator[Fault]:
-    known = {raw_path(run.digest, home) for run in kept}
-    known |= {home.columns / run.digest for run in kept}
+def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterator[Fault]:
+    known = {raw_path(run.digest, home) for run in runs}
+    known |= {home.columns / run.digest for run in runs}
     known |= {home.path / name for entry in register for name in (entry.pdf, entry.record)}
     for folder in (home.raw, home.columns, home.certificates):
         for path in sorted(folder.glob("*")):

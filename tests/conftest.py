@@ -17,7 +17,7 @@ from schemas.validation import (
     MethodValidation,
     ValidationRecord,
 )
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests.shared import ABSENT, shared_path

@@ -6,9 +6,10 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration, Method
 from schemas.certificate import Laboratory
 from schemas.recording import Recording
-from storage import settings, store
+from storage import settings
+from storage.catalogue import results, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.store import Run
 from tasks.specifications.evaluation import evaluation_for
 from tasks.stages.estimate import BY_STANDARD, METHODS, check_method
 from tasks.version import code_version
@@ -36,7 +37,7 @@ def adopt_terms(
     from tasks.model.catalogue import catalogue
 
     _check(method, uncertainty)
-    recording = store.load(run, home)
+    recording = runs.load(run, home)
     chosen = method or BY_STANDARD.get(recording.manifest.standard, "jjf2003")
     motion = full_rate(recording).motion
     known = catalogue(recording, motion)
@@ -56,7 +57,7 @@ def adopt_terms(
         return METHODS[chosen](read, run=run.id, code_version=code_version(), evaluation=evaluation)
 
     calibration = adopt(recording, [found[name] for name in names], calibrate, known, motion)
-    store.save_result(calibration, home)
+    results.save(calibration, home)
     return calibration
 
 

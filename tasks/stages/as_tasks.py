@@ -12,7 +12,7 @@ from prefect.cache_policies import NO_CACHE
 from prefect.client.schemas.objects import State, TaskRun
 from prefect.tasks import Task
 
-from storage.catalog import Busy
+from storage.catalogue.connection import Busy
 from tasks.stages import plain
 
 

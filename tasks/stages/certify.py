@@ -13,9 +13,10 @@ from schemas.certificate import Certificate, Order
 from schemas.recording import Unit
 from schemas.station import Equipment
 from schemas.tolerance import Tolerance
-from storage import settings, store
+from storage import settings
+from storage.catalogue import certificates, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.store import Run
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
 from tasks.stages.papers import Papers
@@ -49,7 +50,7 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
     draft until persons have signed it. Dates are days where this program runs. Its number is
     reserved when nothing can be refused any more.
     """
-    manifest = store.load(run, home).manifest
+    manifest = runs.load(run, home).manifest
     said = _said(manifest.model_extra or {}, run)
     tolerance = _tolerance(papers.tolerance, run, manifest.unit, home)
     laboratory = papers.laboratory or settings.laboratory(home)
@@ -67,7 +68,7 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
     months = (order.interval_months if order else None) or usual
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(
-        number=store.reserve_number(home, prefix, today.year),
+        number=certificates.reserve_number(home, prefix, today.year),
         state="draft",
         calibrated_on=calibrated_on,
         issued_on=today,
@@ -80,7 +81,7 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
         budgets=papers.budget,
         validation=record.named(validated, calibration),
     )
-    pdf, kept = store.save_certificate(certificate, render(certificate), home)
+    pdf, kept = certificates.save(certificate, render(certificate), home)
     return Issued(certificate, pdf, kept)
 
 

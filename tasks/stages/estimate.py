@@ -4,9 +4,10 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration, Method, UncertaintyKind
 from schemas.certificate import Laboratory
 from schemas.recording import Standard
-from storage import settings, store
+from storage import settings
+from storage.catalogue import results, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.store import Run
 from tasks.specifications import jjf1536, jjf2003, joint
 from tasks.specifications.evaluation import evaluation_for
 from tasks.version import code_version
@@ -58,7 +59,7 @@ def estimate(
     """
     check_method(method)
     check_uncertainty(uncertainty)
-    recording = store.load(run, home)
+    recording = runs.load(run, home)
     method = method or BY_STANDARD.get(recording.manifest.standard, "jjf2003")
     laboratory = laboratory or settings.laboratory(home)
     own = laboratory.limits if laboratory else None
@@ -68,5 +69,5 @@ def estimate(
         code_version=code_version(),
         evaluation=evaluation_for(recording, UNCERTAINTIES[uncertainty], own),
     )
-    store.save_result(calibration, home)
+    results.save(calibration, home)
     return calibration

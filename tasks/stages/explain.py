@@ -12,10 +12,10 @@ from schemas.calibration import Calibration
 from schemas.discrepancy import Discrepancy
 from schemas.recording import ACCEL, GYRO, Recording
 from schemas.tolerance import Tolerance
-from storage import settings, store
+from storage import settings
+from storage.catalogue import results, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.results import named_result
-from storage.store import Run
 from tasks.stages import refuse
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def explain_run(
     from tasks.explain.report import said, write_report
 
     _check_folder(out)
-    recording = store.load(run, home)
+    recording = runs.load(run, home)
     told = _told(recording, home, calibration, simulated)
     explanation = explain(recording, told=told, progress=progress)
     progress("consequences")
@@ -100,7 +100,7 @@ def calibration_named(reference: str, home: Home) -> Calibration:
     except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
         path = None
     if path is None:
-        return named_result(reference, home).calibration
+        return results.find(reference, home).calibration
     return settings.read_calibration(path)
 
 

@@ -9,10 +9,11 @@ from pathlib import Path
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
-from storage import store
+from storage.catalogue import runs
+from storage.catalogue.runs import Run
+from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from storage.raw import RawWriter, read_mcap
-from storage.store import Run
 from tasks.stages import refuse
 from tasks.stages.broken_off import BrokenOff
 from tasks.station.fixture import Ask
@@ -36,11 +37,11 @@ def take_in(
     Raises Unusable, with the store unchanged, where the recording cannot be used. What was left
     out is told of a recording that is read, not of one whose bytes are known already.
     """
-    known = None if manifest else store.known(path, home)
+    known = None if manifest else runs.imported_before(path, home)
     if known is not None:
         return Taken(known, is_new=False)
     recording = refuse.read(path, manifest=manifest, salvage=salvage)
-    run, is_new = store.keep(recording, home, source=None if manifest or salvage else path)
+    run, is_new = runs.add(recording, home, source=None if manifest or salvage else path)
     return Taken(run, is_new, recording.extra.get("left_out", ()))
 
 
@@ -76,7 +77,7 @@ def acquire_run(
     try:
         with sink:
             acquired = acquire(station, procedure, sink, report, recording_id=recording_id, ask=ask)
-        run, _ = store.keep(read_mcap(raw), home)
+        run, _ = runs.add(read_mcap(raw), home)
     except Unusable as fault:
         raise Unusable(_told(fault, sink, raw)) from fault
     except OSError as fault:

@@ -6,8 +6,8 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Recording, Segment, Stream
-from storage import store
-from storage.checks import absent
+from storage.formats import recordings
+from storage.formats.checks import absent
 from storage.verify import Fault
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
@@ -18,7 +18,7 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
 
     What is stored already is never judged again.
     """
-    recording = store.read(path, manifest=manifest, salvage=salvage)
+    recording = recordings.read(path, manifest=manifest, salvage=salvage)
     fault = _unserved(recording.manifest, recording.imu) or _wrong_unit(recording)
     if fault is not None:
         raise Unusable(f"{path}: {fault}")

@@ -2,11 +2,11 @@
 
 from datetime import date, timedelta
 
-from storage import store
+from storage.catalogue import certificates
+from storage.catalogue.certificates import Due
 from storage.home import Home
-from storage.store import Due
 
 
 def due_within(home: Home, days: int) -> list[Due]:
     """The units whose newest certificate falls due within so many days from today, or has."""
-    return store.due(home, date.today() + timedelta(days=days))
+    return certificates.due(home, date.today() + timedelta(days=days))

@@ -9,10 +9,10 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
-from storage import store
-from storage.columns import write_columns
+from storage.catalogue import runs
+from storage.catalogue.runs import Run
+from storage.formats.columns import write_columns
 from storage.home import Home
-from storage.store import Run
 from tasks.model.simulate import predict
 from tasks.model.term import Parameter, nominal_values, places
 from tasks.model.terms.standard import DEG, STANDARD_TERMS
@@ -48,7 +48,7 @@ def simulate_run(run: Run, home: Home, out: Path, calibration: str | None = None
     specification unless it is given. The folder has the run's own table, pose and environment.
     Raises Unusable where no motion is known, or the calibration is of another kind of unit.
     """
-    recording = store.load(run, home)
+    recording = runs.load(run, home)
     given = calibration_named(calibration, home) if calibration else estimate(run, home)
     values, assumed = model_values(given)
     simulated = simulated_recording(recording, values)

@@ -13,7 +13,7 @@ import numpy as np
 import pyarrow.parquet as pq
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
-from storage import store
+from storage.catalogue import runs
 from storage.home import Home
 from tasks.stages.estimate import estimate
 
@@ -76,7 +76,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         home = Home(Path(folder))
         began = time.perf_counter()
-        run, _ = store.keep(recording(), home)
+        run, _ = runs.add(recording(), home)
         taken_in = time.perf_counter() - began
         columns = home.columns / run.digest / "imu.parquet"
         names = ["t", *GYRO, *ACCEL]

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Station, Stream, Unit
-from storage.gather import Gathered
-from storage.raw import read_mcap, write_mcap
-from storage.topics import IMU_TOPIC
+from storage.formats.mcap.bag import Bag
+from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.topics import IMU_TOPIC
+from storage.formats.mcap.writer import write_mcap
 
 
 def made(messages: int) -> Recording:
@@ -66,7 +67,7 @@ def main(messages: int = 500_000) -> None:
         size = path.stat().st_size / messages
         rates = {
             "write_mcap": written,
-            "gathered as arrays": best(lambda: len(Gathered(path).topic(IMU_TOPIC).stamps), runs=5),
+            "gathered as arrays": best(lambda: len(Bag(path).topic(IMU_TOPIC).stamps), runs=5),
             "read_mcap (checked, with digest)": best(lambda: len(read_mcap(path).imu), runs=5),
             "mcap package, raw": best(lambda: raw_iteration(path), runs=1),
         }

@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 from mcap.writer import Writer
 
-from storage.cdr import encode
-from storage.exchange import read_folder
-from storage.raw import write_mcap
-from storage.ros2msg import schema_text
-from storage.topics import IMU, TEMPERATURE
+from storage.formats.folder import read_folder
+from storage.formats.mcap.cdr import encode
+from storage.formats.mcap.definitions import schema_text
+from storage.formats.mcap.topics import IMU, TEMPERATURE
+from storage.formats.mcap.writer import write_mcap
 
 SMALL = "real/ferraris_session"
 
@@ -333,7 +333,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("storage.store.runs", stop)
+    monkeypatch.setattr("storage.catalogue.runs.all_runs", stop)
     done = mimucal("runs")
     assert (done.code, done.err) == (1, "stopped by the operator\n")
 

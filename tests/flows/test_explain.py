@@ -15,7 +15,7 @@ import pytest
 
 from schemas.discrepancy import FoundParameter, HeldOut
 from schemas.recording import Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 
 SMALL = "real/ferraris_session"

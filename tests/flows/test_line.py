@@ -224,12 +224,13 @@ RETRIED = """
 import sqlite3, sys
 from pathlib import Path
 from flows import server
-from storage import catalog
+from storage.catalogue import database
+from storage.catalogue.connection import Busy
 from storage.home import home
 server.prepare(home())
 from flows import line
-catalog.BUSY_S = 0.2
-catalog.engine(home())
+database.BUSY_S = 0.2
+database.engine(home())
 lock = sqlite3.connect(home().path / "catalog.sqlite", check_same_thread=False)
 lock.execute("BEGIN IMMEDIATE")
 busy = []
@@ -237,7 +238,7 @@ def released(self, *sentence):
     lock.rollback()
     busy.append(sentence)
     Exception.__init__(self, *sentence)
-catalog.Busy.__init__ = released
+Busy.__init__ = released
 calibration = line.run_now(line.calibrate, reference=sys.argv[1])
 print("BUSY", len(busy), calibration.run)
 """

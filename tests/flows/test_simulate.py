@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 
 PLANT = "plant/plant_clean"
 

@@ -15,8 +15,8 @@ from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
 from schemas.tolerance import Decision
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.runs import Run
 
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
 settings.load_profile("unhurried")
@@ -25,7 +25,9 @@ PRELUDE = """
 import sys
 from datetime import date
 from pathlib import Path
-from storage import store
+
+from storage.catalogue import certificates, results, runs
+from storage.formats import recordings
 from storage.home import Home
 home, *arguments = Home(Path(sys.argv[1])), *sys.argv[2:]
 print("ready", flush=True)

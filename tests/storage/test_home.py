@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from schemas.base import Unusable
-from storage import store, verify
+from storage import verify
+from storage.catalogue import certificates, runs
 from storage.home import Home, home, write_once, writing_to
 
 
@@ -27,11 +28,11 @@ def test_catalogue_is_a_file_in_the_home_unless_the_environment_names_a_database
 
 
 def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) -> None:
-    assert store.runs(fresh) == []
-    assert store.certificates(fresh) == []
+    assert runs.all_runs(fresh) == []
+    assert certificates.register(fresh) == []
     assert verify.verify(fresh) == (0, [])
     with pytest.raises(Unusable, match="mimucal runs"):
-        store.find("r1", fresh)
+        runs.find("r1", fresh)
     assert not fresh.path.exists()
 
 
@@ -76,12 +77,12 @@ def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
         write_once(fresh.raw / "file", b"content")
     assert os.linesep not in str(caught.value)
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
-        store.reserve_number(fresh, "MIMU", 2026)
+        certificates.reserve_number(fresh, "MIMU", 2026)
 
 
 @pytest.mark.parametrize("name", ["with space", "100% a?b#c@d", "实验室"])
 def test_home_may_have_any_name(fresh: Home, name: str) -> None:
     odd = Home(fresh.path / name)
-    store.reserve_number(odd, "MIMU", 2026)
+    certificates.reserve_number(odd, "MIMU", 2026)
     assert (odd.path / "catalog.sqlite").is_file()
     assert list(fresh.path.iterdir()) == [odd.path]

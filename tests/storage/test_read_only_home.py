@@ -12,17 +12,18 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from storage import catalog, store, verify
+from storage import verify
+from storage.catalogue import certificates, database, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.runs import Run
 
 READ = """
 import os, sys
 from pathlib import Path
 import sqlalchemy.dialects.sqlite
 from schemas.base import Unusable
-from storage import store
-from storage.columns import read_columns
+from storage.catalogue import runs, certificates
+from storage.formats.columns import read_columns
 from storage.home import Home
 from storage.verify import verify
 home = Home(Path(sys.argv[1]))
@@ -31,11 +32,11 @@ if os.geteuid() == 0:
     os.setgroups([])
     os.setgid(65534)
     os.setuid(65534)
-(run,) = store.runs(home)
+(run,) = runs.all_runs(home)
 faults = [fault.why for fault in verify(home)[1]]
-print(store.find(run.id, home).id, len(store.load(run, home).imu.t), faults)
+print(runs.find(run.id, home).id, len(runs.load(run, home).imu.t), faults)
 try:
-    store.reserve_number(home, "MIMU", 2026)
+    certificates.reserve_number(home, "MIMU", 2026)
 except Unusable as error:
     print(error)
 """
@@ -44,7 +45,7 @@ except Unusable as error:
 @pytest.fixture
 def read_only(fresh: Home, small: Callable[..., Recording]) -> Iterator[tuple[Home, Run]]:
     """A copy of a home with one run, readable for everybody and writable for nobody."""
-    run = store.keep(small(), fresh)[0]
+    run = runs.add(small(), fresh)[0]
     with tempfile.TemporaryDirectory(prefix="mimucal-ro-") as name:
         copy = Path(name) / "home, 100% read-only?"
         shutil.copytree(fresh.path, copy)
@@ -72,7 +73,7 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
 
 def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
     fresh.path.write_text("")
-    for read in (store.runs, store.certificates, verify.verify):
+    for read in (runs.all_runs, certificates.register, verify.verify):
         with pytest.raises(Unusable, match="MIMUCAL_HOME"):
             read(fresh)
 
@@ -80,11 +81,11 @@ def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
 def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(
     fresh: Home, small: Callable[..., Recording]
 ) -> None:
-    run = store.keep(small(), fresh)[0]
+    run = runs.add(small(), fresh)[0]
     for file in fresh.path.glob("catalog.sqlite-*"):
         file.unlink()
     os.truncate(fresh.path / "catalog.sqlite", 0)
-    for read in (store.runs, lambda home: store.find(run.id, home)):
+    for read in (runs.all_runs, lambda home: runs.find(run.id, home)):
         with pytest.raises(Unusable, match="backup"):
             read(fresh)
     assert (fresh.path / "catalog.sqlite").stat().st_size == 0
@@ -93,5 +94,5 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(
 def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").touch()
-    assert store.runs(fresh) == []
-    assert catalog.engine(fresh)
+    assert runs.all_runs(fresh) == []
+    assert database.engine(fresh)

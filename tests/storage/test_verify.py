@@ -12,11 +12,11 @@ import sqlalchemy as sql
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
-from storage import catalog, store
-from storage.columns import write_columns
+from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue.runs import Run
+from storage.formats.columns import write_columns
+from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.raw import write_mcap
-from storage.runs import Run
 from storage.verify import Fault, verify
 
 Build = Callable[..., Recording]
@@ -31,8 +31,8 @@ def filled(
 ) -> Run:
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
-    run = store.keep(recording, fresh)[0]
-    store.save_certificate(certified(recording, calibrated(run), "A-1"), b"%PDF", fresh)
+    run = runs.add(recording, fresh)[0]
+    certificates.save(certified(recording, calibrated(run), "A-1"), b"%PDF", fresh)
     return run
 
 
@@ -88,8 +88,8 @@ def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
 
 
 def test_result_that_cannot_be_read_is_found(fresh: Home, filled: Run) -> None:
-    with catalog.changing(fresh) as connection:
-        connection.execute(sql.update(catalog.results).values(document="{}"))
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.results).values(document="{}"))
     assert only_fault(fresh).what.startswith("result c")
 
 
@@ -97,17 +97,17 @@ def test_result_that_speaks_of_another_recording_is_found(
     fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
 ) -> None:
     document = calibrated(filled, digest="0" * 64).model_dump_json()
-    with catalog.changing(fresh) as connection:
-        connection.execute(sql.update(catalog.results).values(document=document))
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.results).values(document=document))
     assert "calibrate run" in only_fault(fresh).why
 
 
 def test_result_whose_document_was_changed_is_found(fresh: Home, filled: Run) -> None:
-    with catalog.changing(fresh) as connection:
-        document = connection.scalars(sql.select(catalog.results.c.document)).one()
+    with database.changing(fresh) as connection:
+        document = connection.scalars(sql.select(tables.results.c.document)).one()
         assert "0.25" in document
         changed = document.replace("0.25", "0.24")
-        connection.execute(sql.update(catalog.results).values(document=changed))
+        connection.execute(sql.update(tables.results).values(document=changed))
     fault = only_fault(fresh)
     assert fault.what.startswith("result c")
     assert "changed after it was kept" in fault.why
@@ -126,9 +126,9 @@ def test_certificate_whose_result_is_gone_is_found(fresh: Home, filled: Run) -> 
 def test_certificate_that_prints_another_calibration_than_its_result_is_found(
     fresh: Home, filled: Run, calibrated: Callable[..., Calibration]
 ) -> None:
-    other = store.save_result(calibrated(filled, 0.5), fresh)
-    with catalog.changing(fresh) as connection:
-        connection.execute(sql.update(catalog.certificates).values(result=other))
+    other = results.save(calibrated(filled, 0.5), fresh)
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.certificates).values(result=other))
     fault = only_fault(fresh)
     assert fault.what == "certificate A-1"
     assert other in fault.why

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from schemas.recording import Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
 from tests.proof.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof.real.cases import Hidden, by_hand, hidden_cases, untouched
 from tests.proof.real.fact import Answer, Claim, Fact, Recordings, Told
 from tests.proof.real.on_shaft import SHAFT

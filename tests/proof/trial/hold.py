@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
 
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof.trial.blind import answer
 from tests.proof.trial.draw import Drawn
 from tests.proof.trial.score import ANSWERS

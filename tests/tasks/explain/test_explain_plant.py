@@ -12,7 +12,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import ACCEL, Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
 from tests.shared import shared_path

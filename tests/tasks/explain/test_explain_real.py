@@ -8,7 +8,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation, Finding
 from tests.shared import shared_path

@@ -13,9 +13,9 @@ from schemas.calibration import Calibration
 from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
-from storage import store
+from storage.catalogue import certificates, runs
+from storage.catalogue.runs import Run
 from storage.home import Home
-from storage.store import Run
 from tasks.stages.certify import certify
 from tasks.stages.estimate import estimate
 from tasks.stages.papers import Papers
@@ -37,7 +37,7 @@ def kept(ideal_run: Callable[..., Recording], tmp_path: Path, monkeypatch) -> Ke
     def build(**said: Any) -> Given:
         recording = ideal_run(dwell=1.0)
         manifest = recording.manifest.model_validate(recording.manifest.model_dump() | said)
-        run, _ = store.keep(replace(recording, manifest=manifest), home)
+        run, _ = runs.add(replace(recording, manifest=manifest), home)
         return run, estimate(run, home), home
 
     return build
@@ -70,9 +70,9 @@ def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificat
     assert (certificate.due.year, certificate.due.month) == (
         certificate.issued_on.year + 1, certificate.issued_on.month
     )  # fmt: skip
-    (entry,) = store.certificates(given[2])
+    (entry,) = certificates.register(given[2])
     assert entry.calibrated_on is None
-    assert [d.certificate for d in store.due(given[2], certificate.due)] == [entry.number]
+    assert [d.certificate for d in certificates.due(given[2], certificate.due)] == [entry.number]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +111,7 @@ def test_what_is_refused_costs_no_number(
         certify(*given, papers)
     assert "\n" not in str(refusal.value)
     year = date.today().year
-    assert store.reserve_number(given[2], "MIMU", year) == f"MIMU-{year}-0001"
+    assert certificates.reserve_number(given[2], "MIMU", year) == f"MIMU-{year}-0001"
 
 
 def test_names_of_limits_match_without_case_and_space(kept: Keep) -> None:

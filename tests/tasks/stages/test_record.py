@@ -9,9 +9,9 @@ import pytest
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
-from storage import store
+from storage.catalogue import runs
+from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from storage.raw import read_mcap
 from tasks.stages.broken_off import BrokenOff
 from tasks.stages.record import acquire_run
 from tasks.station.virtual.config import VirtualStation
@@ -55,7 +55,7 @@ def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     assert run.recording_id.startswith(f"{serial}-short-")
     assert run.serial == serial
     assert list(fresh.acquiring.iterdir()) == []
-    recorded_at = (store.load(run, fresh).manifest.model_extra or {})["recorded_at"]
+    recorded_at = (runs.load(run, fresh).manifest.model_extra or {})["recorded_at"]
     assert recorded_at[-6] in "+-"  # the station's own day, with its offset
 
 

@@ -8,9 +8,10 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
-from storage import store
+from storage.catalogue import runs
+from storage.formats import recordings
+from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.raw import write_mcap
 from tasks.stages.refuse import faults_of, read
 
 ROWS = 40
@@ -73,5 +74,5 @@ def test_verifying_a_path_finds_what_an_import_would_refuse(write: Write, tmp_pa
 
 def test_what_is_stored_is_never_judged_again(write: Write, tmp_path: Path) -> None:
     home = Home(tmp_path / "home")
-    run, _ = store.keep(store.read(write(GYRO, slice(None), RATE)), home)
-    assert store.load(run, home).manifest.recording_id == "triads"
+    run, _ = runs.add(recordings.read(write(GYRO, slice(None), RATE)), home)
+    assert runs.load(run, home).manifest.recording_id == "triads"

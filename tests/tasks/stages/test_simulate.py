@@ -10,8 +10,8 @@ import pytest
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording
-from storage import store
-from storage.exchange import read_folder
+from storage.catalogue import runs
+from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.specifications import jjf2003
 from tasks.stages.explain import simulated_readings
@@ -84,7 +84,7 @@ def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
     ideal_run, home: Home, tmp_path: Path
 ) -> None:
     recording = ideal_run(dwell=2.0, **UNIT)
-    run, _ = store.keep(recording, home)
+    run, _ = runs.add(recording, home)
     made = simulate_run(run, home, tmp_path / "simulated")
     written = read_folder(made.folder)
     assert (written.manifest.model_extra or {})["simulated"] is True
@@ -97,7 +97,7 @@ def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
 
 def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
-    run, _ = store.keep(recording, home)
+    run, _ = runs.add(recording, home)
     made = simulate_run(run, home, tmp_path / "simulated")
     readings = simulated_readings(recording, made.folder)
     np.testing.assert_array_equal(readings, read_folder(made.folder).imu.stack(CHANNELS))
@@ -105,7 +105,7 @@ def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) 
 
 def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
-    run, _ = store.keep(recording, home)
+    run, _ = runs.add(recording, home)
     made = simulate_run(run, home, tmp_path / "simulated")
     between = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 0.05))
     readings = simulated_readings(between, made.folder)
@@ -116,7 +116,7 @@ def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tm
 
 def test_simulation_of_another_time_is_refused(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
-    run, _ = store.keep(recording, home)
+    run, _ = runs.add(recording, home)
     made = simulate_run(run, home, tmp_path / "simulated")
     later = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 1e4))
     with pytest.raises(Unusable, match="0 % of the rows"):

@@ -9,7 +9,8 @@ import numpy as np
 from schemas.procedure import Procedure
 from schemas.recording import Mount, Recording
 from schemas.station import AngleLink, StationFile
-from storage.raw import RawWriter, read_mcap
+from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.writer import RawWriter
 from tasks.specifications import jjf1536
 from tasks.station import procedures
 from tasks.station.sequence import Acquired, acquire

@@ -9,7 +9,7 @@ from scipy.signal import welch
 
 from schemas.recording import ACCEL as FORCES
 from schemas.recording import GYRO as RATES
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof.plant.case import Case, Grade
 from tests.proof.plant.files import seal, write
 from tests.proof.plant.grades import ACCEL, GYRO

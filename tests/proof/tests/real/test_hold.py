@@ -9,7 +9,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof import prove
 from tests.proof.real import hold as hold_module
 from tests.proof.real.cases import Hidden

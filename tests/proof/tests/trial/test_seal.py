@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from schemas.base import Unusable
-from storage.exchange import read_folder
+from storage.formats.folder import read_folder
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.trial.draw import Drawn
 from tests.proof.trial.seal import check_seals, set_seals, sized

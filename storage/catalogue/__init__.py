@@ -1,0 +1,1 @@
+"""The SQL catalogue: runs, results and certificates, in SQLite or PostgreSQL."""

@@ -1,0 +1,170 @@
+"""The catalogue: which units, runs, results and certificates there are (SQLite or PostgreSQL).
+
+Results and certificates are only added. Whoever writes and first reads does so in `changing`,
+which lets one writer at a time at what it locks.
+"""
+
+import os
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from storage.catalogue.connection import engine_of, explained, url_of
+from storage.catalogue.tables import numbers
+from storage.home import Home
+
+HEAD = "0002"  # the newest revision in storage/catalogue/migrations/versions
+BUSY_S = 60  # how long a writer waits for another one
+MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
+
+
+def engine(home: Home) -> sql.Engine:
+    """The catalogue's engine, made and migrated when needed. Safe to use after a fork."""
+    made = engine_of(url_of(home), BUSY_S)
+    if made.dialect.name == "sqlite":
+        _make_folder(home)
+    with explained(made), made.connect() as connection:
+        if _revision(connection) == HEAD:
+            return made
+    _migrate(made)
+    return made
+
+
+def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
+    """What a query finds; a home without a catalogue holds nothing, and none is made."""
+    made = _for_reading(home)
+    if made is None:
+        return []
+    with explained(made), made.connect() as connection:
+        return connection.execute(statement).all()
+
+
+def _for_reading(home: Home) -> sql.Engine | None:
+    """The engine to read with, None where there is no catalogue; a read-only one is left as is."""
+    if home.path.exists() and not home.path.is_dir():
+        raise Unusable(f"{home.path} is no folder; let MIMUCAL_HOME name the folder of the home.")
+    url = url_of(home)
+    if url.get_backend_name() != "sqlite":
+        return engine(home)
+    file = Path(url.database or "")
+    try:
+        if not file.exists():
+            return None
+    except OSError as error:
+        raise Unusable(f"{file} cannot be read ({error.strerror}); give rights there.") from error
+    if _is_lost(file, home):
+        raise Unusable(
+            f"{file} is empty, but there are raw recordings in {home.raw}; bring it back from a "
+            "backup, or move it away and import those recordings again."
+        )
+    if os.access(file, os.W_OK) and os.access(file.parent, os.W_OK):
+        return engine(home)
+    return _read_only(file)
+
+
+def _is_lost(file: Path, home: Home) -> bool:
+    """Whether a catalogue is empty that was not; one that is just being made fills at once."""
+    for pause in (0.0, 0.5):
+        time.sleep(pause)
+        if file.stat().st_size:
+            return False
+    return any(home.raw.glob("*.mcap"))
+
+
+def _read_only(file: Path) -> sql.Engine:
+    """The engine of a catalogue that cannot be written; raises Unusable for an older revision.
+
+    SQLite wants to make files beside a catalogue in WAL mode unless it is immutable, and so it
+    is as long as no writer left a log.
+    """
+    query = {"mode": "ro", "uri": "true"}
+    if not Path(f"{file}-wal").exists():
+        query["immutable"] = "1"
+    url = sql.URL.create("sqlite", database=f"file:{quote(str(file))}", query=query)
+    made = engine_of(url, BUSY_S)
+    with explained(made), made.connect() as connection:
+        found = _revision(connection)
+    if found != HEAD:
+        raise Unusable(
+            f"{file} has revision {found}, this program needs {HEAD}, and it cannot be written; "
+            "copy the home to where it can be written."
+        )
+    return made
+
+
+@contextmanager
+def changing(home: Home) -> Iterator[sql.Connection]:
+    """A transaction that writes: all of it or nothing."""
+    made = engine(home)
+    with explained(made), _writer(made) as connection:
+        yield connection
+
+
+def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool:
+    """Adds a row unless one with the same key is there, whoever writes at the same time.
+
+    Gives whether the row is new.
+    """
+    insert = _dialect(connection).insert(table).values(values)
+    return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
+
+
+def next_number(connection: sql.Connection, prefix: str, year: int) -> int:
+    """Counts up from 1 for each prefix and year; no two transactions get the same."""
+    insert = _dialect(connection).insert(numbers).values(prefix=prefix, year=year, last=1)
+    counted = insert.on_conflict_do_update(
+        index_elements=[numbers.c.prefix, numbers.c.year], set_={"last": numbers.c.last + 1}
+    )
+    return int(connection.execute(counted.returning(numbers.c.last)).scalar_one())
+
+
+def _dialect(connection: sql.Connection) -> Any:
+    return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
+
+
+@contextmanager
+def _writer(made: sql.Engine) -> Iterator[sql.Connection]:
+    with made.execution_options(writes=True).begin() as connection:
+        yield connection
+
+
+def _make_folder(home: Home) -> None:
+    try:
+        home.path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Unusable(
+            f"{home.path} cannot be made ({error.strerror}); let MIMUCAL_HOME name a folder that "
+            "can be written."
+        ) from error
+
+
+def _revision(connection: sql.Connection) -> str | None:
+    if not sql.inspect(connection).has_table("alembic_version"):
+        return None
+    return connection.scalar(sql.text("SELECT version_num FROM alembic_version"))
+
+
+def _migrate(made: sql.Engine) -> None:
+    """Brings the catalogue to HEAD in one transaction; others wait and find it done."""
+    from alembic import command, config, util
+
+    settings = config.Config()
+    settings.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
+    with explained(made), _writer(made) as connection:
+        if made.dialect.name == "postgresql":
+            connection.execute(sql.select(sql.func.pg_advisory_xact_lock(MIGRATION_LOCK)))
+        settings.attributes["connection"] = connection
+        try:
+            command.upgrade(settings, "head")
+        except util.CommandError as error:
+            raise Unusable(
+                f"The catalogue {made.url!r} has revision {_revision(connection)}, which this "
+                f"program (revision {HEAD}) does not know; update mimucal."
+            ) from error

@@ -1,0 +1,150 @@
+"""Results in the store: each new one supersedes the older of its like, and says why.
+
+Alike are results of one run by one method with the same terms adopted beside the standard's: a
+result with a further term stands beside the one without it, and neither supersedes the other.
+"""
+
+import hashlib
+import json
+from datetime import UTC, datetime
+
+import sqlalchemy as sql
+from pydantic import ValidationError
+
+from schemas.base import Frozen, Unusable, first_fault
+from schemas.calibration import Calibration, Method
+from storage.catalogue import database, tables
+from storage.catalogue.runs import Run
+from storage.home import Home
+
+SHORT = 12  # hex digits in a result's id
+CIRCUMSTANCES = ("code_version", "procedure", "settings", "segments")
+
+
+class Result(Frozen):
+    """A result as it is kept, with its place in the row of results of its run and method."""
+
+    id: str
+    run: str
+    method: Method
+    code_version: str
+    made_at: datetime
+    supersedes: str | None
+    why: str | None
+    calibration: Calibration
+
+
+def save(calibration: Calibration, home: Home, *, why: str | None = None) -> str:
+    """Keeps a result and gives its id; the same as the latest again is the latest.
+
+    One that supersedes another says why: `why`, or what is different about how it was made.
+    Raises Unusable for a run that is not in the store.
+    """
+    with database.changing(home) as connection:
+        return add_result(connection, calibration, why)
+
+
+def add_result(connection: sql.Connection, calibration: Calibration, why: str | None) -> str:
+    """`save` within a transaction; one writer at a time for each run."""
+    _lock_run(connection, calibration)
+    document = calibration.model_dump_json()
+    latest = _latest(connection, calibration)
+    if latest is not None and latest.document == document:
+        return str(latest.id)
+    before = None if latest is None else str(latest.id)
+    result = result_id(before, document)
+    row = {
+        "id": result,
+        "run": calibration.run,
+        "method": calibration.method,
+        "code_version": calibration.code_version,
+        "made_at": datetime.now(UTC),
+        "document": document,
+        "supersedes": before,
+        "why": why if latest is None else why or _why(latest, calibration),
+    }
+    connection.execute(sql.insert(tables.results).values(row))
+    return result
+
+
+def of_run(run: Run, home: Home) -> list[Result]:
+    """Every result of a run, the oldest first."""
+    table = tables.results.c
+    statement = sql.select(tables.results).where(table.run == run.id).order_by(table.made_at)
+    return [_result(row) for row in database.rows(home, statement)]
+
+
+def find(reference: str, home: Home) -> Result:
+    """The result with this id, of whatever run; raises Unusable where there is none."""
+    statement = sql.select(tables.results).where(tables.results.c.id == reference)
+    for row in database.rows(home, statement):
+        return _result(row)
+    raise Unusable(
+        f"There is no result {reference!r} in {home.path} and no such file; give a file that "
+        "`mimucal calibrate RUN --json` printed, or a result's id, as `mimucal show RUN --json` "
+        "lists them."
+    )
+
+
+def result_id(supersedes: str | None, document: str) -> str:
+    """The id that a document has in its place; it tells when either was changed."""
+    return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:SHORT]
+
+
+def calibration_of(row: sql.Row) -> Calibration:
+    """The document in a row of results; raises Unusable when it is none."""
+    try:
+        return Calibration.model_validate_json(row.document)
+    except ValidationError as error:
+        raise Unusable(
+            f"The document of result {row.id} cannot be read ({first_fault(error)}); "
+            f"calibrate run {row.run} again."
+        ) from error
+
+
+def _latest(connection: sql.Connection, calibration: Calibration) -> sql.Row | None:
+    """The result of the same run, method and adopted terms that nothing superseded yet."""
+    table, newer = tables.results, tables.results.alias("newer")
+    superseded = sql.exists().where(newer.c.supersedes == table.c.id)
+    mine = (table.c.run == calibration.run, table.c.method == calibration.method)
+    adopted = [term.name for term in calibration.terms]
+    for row in connection.execute(sql.select(table).where(*mine, ~superseded)):
+        if _terms_of(row) == adopted:
+            return row
+    return None
+
+
+def _terms_of(row: sql.Row) -> list[str]:
+    """The names of the terms in a document, none for one that cannot be read."""
+    try:
+        return [str(term["name"]) for term in json.loads(row.document).get("terms", ())]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return []
+
+
+def _result(row: sql.Row) -> Result:
+    names = [name for name in Result.model_fields if name in tables.results.c]
+    said = {name: row._mapping[name] for name in names}
+    return Result(calibration=calibration_of(row), **said)
+
+
+def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:
+    run = tables.runs.c
+    mine = sql.select(run.id).where(run.id == calibration.run, run.digest == calibration.digest)
+    if connection.execute(mine.with_for_update()).one_or_none() is None:
+        raise Unusable(
+            f"Run {calibration.run} of recording {calibration.recording_id} is not in the store "
+            "with this content; import the recording first."
+        )
+
+
+def _why(latest: sql.Row, calibration: Calibration) -> str:
+    """What is different about how the new result was made."""
+    try:
+        before = calibration_of(latest)
+    except Unusable:
+        return "the document before cannot be read any more"
+    differs = [n for n in CIRCUMSTANCES if getattr(before, n) != getattr(calibration, n)]
+    if "code_version" in differs:
+        differs[0] = f"code_version ({before.code_version} to {calibration.code_version})"
+    return f"made with another {', '.join(differs)}" if differs else "other values, made the same"

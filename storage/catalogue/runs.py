@@ -1,0 +1,204 @@
+"""Recordings in the store: taken in once, known by their content, read as columns."""
+
+import shutil
+from contextlib import suppress
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import sqlalchemy as sql
+
+from schemas.base import Frozen, Unusable
+from schemas.recording import Recording, Unit
+from storage.catalogue import database, tables
+from storage.formats import recordings
+from storage.formats.columns import read_columns, write_columns
+from storage.formats.content import as_raw, fingerprint
+from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.writer import write_mcap
+from storage.home import Home, writing_to
+
+SHORT = 12  # hex digits of the digest in a run's id
+
+
+class Run(Frozen):
+    """A recording in the store. `seconds`: from its first row to its last one."""
+
+    id: str
+    digest: str
+    recording_id: str
+    manufacturer: str
+    model: str
+    serial: str
+    standard: str
+    taken_in_at: datetime
+    seconds: float
+    rows: int
+
+
+def add(recording: Recording, home: Home, *, source: Path | None = None) -> tuple[Run, bool]:
+    """Takes a recording into the store: raw MCAP, columns, and last its row in the catalogue.
+
+    Gives the run and whether it is new. The same content again is the same run, whoever brings
+    it at the same time; files of it that went missing are written again. `source`, where its
+    bytes alone say all of it, is remembered for `imported_before`.
+    Raises Unusable when the home cannot be written.
+    """
+    source_bytes = source and recordings.fingerprint(source)
+    recording = as_raw(recording)
+    recording = replace(recording, digest=fingerprint(recording))
+    raw = raw_path(recording.digest, home)
+    if not raw.exists():
+        with writing_to(raw) as draft:
+            write_mcap(recording, draft)
+    _write_columns(recording, home)
+    with database.changing(home) as connection:
+        run, is_new = _add(connection, recording)
+        if source_bytes:
+            database.add_new(
+                connection, tables.sources, fingerprint=source_bytes, run=run, path=str(source)
+            )
+    return _one(home, tables.runs.c.id == run), is_new
+
+
+def imported_before(path: Path, home: Home) -> Run | None:
+    """The run that a source became, if its bytes were taken in before; else None."""
+    same_bytes = tables.sources.c.fingerprint == recordings.fingerprint(path)
+    found = database.rows(home, sql.select(tables.sources.c.run).where(same_bytes))
+    if not found:
+        return None
+    run = find(found[0].run, home)
+    return run if raw_path(run.digest, home).exists() else None
+
+
+def load(run: Run, home: Home) -> Recording:
+    """A run's recording, from its columns; if they are missing or damaged, from raw.
+
+    Then the columns are made again. Raises Unusable when raw is missing or damaged as well.
+    """
+    recording = from_columns(run, home)
+    if recording is not None:
+        return recording
+    recording = _load_raw(run, home)
+    shutil.rmtree(home.columns / run.digest, ignore_errors=True)
+    with suppress(Unusable):  # a home that only reads still gives the recording
+        _write_columns(recording, home)
+    return recording
+
+
+def from_columns(run: Run, home: Home) -> Recording | None:
+    """A run's recording from its columns; None unless they say exactly what came in."""
+    try:
+        recording = read_columns(home.columns / run.digest)
+        return recording if fingerprint(recording) == run.digest else None
+    except Exception:  # however they are damaged, raw has it all
+        return None
+
+
+def find(reference: str, home: Home) -> Run:
+    """The run with this id, digest or recording_id, or the only one that begins so.
+
+    Raises Unusable for none and for several.
+    """
+    table = tables.runs.c
+    begins = [column.startswith(reference, autoescape=True) for column in (table.id, table.digest)]
+    for meant in (
+        sql.or_(table.id == reference, table.digest == reference),
+        table.recording_id == reference,
+        sql.or_(*begins),
+    ):
+        found = _runs(home, meant) if reference else []
+        if len(found) > 1:
+            raise Unusable(
+                f"{reference!r} means {len(found)} runs ({', '.join(run.id for run in found[:4])}"
+                f"{', …' if len(found) > 4 else ''}); give the id of one, as `mimucal runs` "
+                "lists them."
+            )
+        if found:
+            return found[0]
+    raise Unusable(f"There is no run {reference!r} in {home.path}; `mimucal runs` lists them.")
+
+
+def all_runs(home: Home) -> list[Run]:
+    """Every run, in the order in which they came in."""
+    return _runs(home, sql.true())
+
+
+def raw_path(digest: str, home: Home) -> Path:
+    """Where the raw recording of a digest is kept."""
+    return home.raw / f"{digest}.mcap"
+
+
+def unit_id(connection: sql.Connection, unit: Unit) -> int:
+    """The unit's key in the catalogue, new if it must be."""
+    identity = {name: getattr(unit, name) for name in ("manufacturer", "model", "serial")}
+    database.add_new(connection, tables.units, **identity)
+    same = [tables.units.c[name] == value for name, value in identity.items()]
+    return int(connection.execute(sql.select(tables.units.c.id).where(*same)).scalar_one())
+
+
+def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
+    manifest, t = recording.manifest, recording.imu.t
+    run = f"r{recording.digest[:SHORT]}"
+    is_new = database.add_new(
+        connection,
+        tables.runs,
+        id=run,
+        digest=recording.digest,
+        recording_id=manifest.recording_id,
+        unit=unit_id(connection, manifest.unit),
+        standard=manifest.standard,
+        taken_in_at=datetime.now(UTC),
+        seconds=float(t[-1] - t[0]),
+        rows=len(t),
+    )
+    return run, is_new
+
+
+def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
+    unit, run = tables.units.c, tables.runs.c
+    of_run = [run[name] for name in Run.model_fields if name in run]
+    statement = (
+        sql.select(*of_run, unit.manufacturer, unit.model, unit.serial)
+        .join_from(tables.runs, tables.units)
+        .where(which)
+        .order_by(run.taken_in_at, run.id)
+    )
+    return [Run.model_validate(dict(row._mapping)) for row in database.rows(home, statement)]
+
+
+def _one(home: Home, which: sql.ColumnElement[bool]) -> Run:
+    (run,) = _runs(home, which)
+    return run
+
+
+def _write_columns(recording: Recording, home: Home) -> None:
+    folder = home.columns / recording.digest
+    if folder.exists():
+        return
+    try:
+        write_columns(recording, folder)
+    except FileExistsError:
+        return  # somebody else was faster with the same content
+    except OSError as error:
+        raise Unusable(
+            f"{folder} cannot be written ({error.strerror or error}); make room or give rights "
+            "there, or let MIMUCAL_HOME name a folder that can be written."
+        ) from error
+
+
+def _load_raw(run: Run, home: Home) -> Recording:
+    path = raw_path(run.digest, home)
+    if not path.exists():
+        raise Unusable(
+            f"The raw recording {path} of run {run.id} is missing; import {run.recording_id} "
+            "again from its source."
+        )
+    recording = read_mcap(path)
+    if recording.digest != run.digest:
+        raise Unusable(
+            f"The raw recording {path} is not what was taken in (digest "
+            f"{recording.digest[:SHORT]}); move it away and import {run.recording_id} again "
+            "from its source."
+        )
+    return recording

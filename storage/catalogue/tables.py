@@ -1,0 +1,119 @@
+"""The tables of the catalogue. The steps that make them are in storage/catalogue/migrations."""
+
+from datetime import UTC, datetime
+from typing import Any
+
+import sqlalchemy as sql
+
+
+class Utc(sql.TypeDecorator[datetime]):
+    """A moment in UTC; SQLite, too, gives it back with its time zone."""
+
+    impl = sql.DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: sql.Dialect) -> datetime | None:
+        return None if value is None else value.astimezone(UTC)
+
+    def process_result_value(self, value: datetime | None, dialect: sql.Dialect) -> datetime | None:
+        if value is None or value.tzinfo is not None:
+            return value and value.astimezone(UTC)
+        return value.replace(tzinfo=UTC)
+
+
+def _column(name: str, kind: Any, *more: Any, **options: Any) -> sql.Column[Any]:
+    """A column that is not null unless it says so."""
+    return sql.Column(name, kind, *more, **{"nullable": False, **options})
+
+
+metadata = sql.MetaData(
+    naming_convention={
+        "pk": "pk_%(table_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+    }
+)
+
+units = sql.Table(
+    "units",
+    metadata,
+    _column("id", sql.Integer, primary_key=True),
+    _column("manufacturer", sql.Text),
+    _column("model", sql.Text),
+    _column("serial", sql.Text),
+    sql.UniqueConstraint("manufacturer", "model", "serial"),
+)
+
+runs = sql.Table(
+    "runs",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    _column("digest", sql.Text, unique=True),
+    _column("recording_id", sql.Text, index=True),
+    _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
+    _column("standard", sql.Text),
+    _column("taken_in_at", Utc),
+    _column("seconds", sql.Float),
+    _column("rows", sql.Integer),
+)
+
+sources = sql.Table(  # one content may come in from several files, as Parquet and as CSV
+    "sources",
+    metadata,
+    _column("fingerprint", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    _column("path", sql.Text),
+)
+
+results = sql.Table(
+    "results",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    _column("method", sql.Text),
+    _column("code_version", sql.Text),
+    _column("made_at", Utc),
+    _column("document", sql.Text),
+    _column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True, nullable=True),
+    _column("why", sql.Text, nullable=True),
+)
+
+numbers = sql.Table(
+    "numbers",
+    metadata,
+    _column("prefix", sql.Text, primary_key=True),
+    _column("year", sql.Integer, primary_key=True, autoincrement=False),
+    _column("last", sql.Integer),
+)
+
+certificates = sql.Table(
+    "certificates",
+    metadata,
+    _column("number", sql.Text, primary_key=True),
+    _column("result", sql.Text, sql.ForeignKey("results.id"), index=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
+    _column("state", sql.Text),
+    _column("verdict", sql.Text),
+    _column("calibrated_on", sql.Date, nullable=True),
+    _column("issued_on", sql.Date),
+    _column("due", sql.Date, index=True),
+    _column("kept_at", Utc),
+    _column("pdf", sql.Text),
+    _column("pdf_sha256", sql.Text),
+    _column("record", sql.Text),
+    _column("record_sha256", sql.Text),
+    _column(
+        "supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True, nullable=True
+    ),
+    _column("why", sql.Text, nullable=True),
+)
+
+reminders = sql.Table(
+    "reminders",
+    metadata,
+    _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
+    _column("channel", sql.Text, primary_key=True),
+    _column("sent_at", Utc),
+)

@@ -1,0 +1,114 @@
+"""A recording as columns: what every later step reads, one Parquet file for each stream.
+
+The folder is a `mimu-recording/1` folder, laid out to be read fast: float64 as it is, neither
+compressed nor nullable, in one row group.
+"""
+
+import os
+import shutil
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import Recording, Stream
+from storage.formats.content import digest, together
+from storage.formats.manifest import manifest_of
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+MANIFEST = "manifest.json"
+DIGEST = b"mimucal.digest"  # in the metadata of each Parquet file
+
+
+def write_columns(recording: Recording, folder: Path) -> None:
+    """Writes a recording as columns into a folder that does not exist yet.
+
+    The folder appears whole or not at all. Raises FileExistsError for one that is not empty.
+    """
+    said = recording.digest or digest(recording)
+    streams = recording.streams()
+    files = {name: f"{name}.parquet" for name in streams}
+    manifest = recording.manifest.model_copy(update={"streams": files})
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    draft = folder.with_name(f".{folder.name}.{os.getpid()}.{time.monotonic_ns()}")
+    draft.mkdir()
+    try:
+        for name, stream in streams.items():
+            _write(stream, draft / files[name], said)
+        (draft / MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
+        _move(draft, folder)
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def read_columns(folder: Path) -> Recording:
+    """Reads what `write_columns` wrote, with the digest it had; arrays are read-only.
+
+    Raises Unusable for a folder that is not whole. The numbers are not checked again: they were
+    when the recording came in; `content.digest` computes whether they are still the same.
+    """
+    import pyarrow as pa
+
+    where = str(folder / MANIFEST)
+    try:
+        manifest = manifest_of((folder / MANIFEST).read_bytes(), where)
+        read = {name: _read(folder / file) for name, file in manifest.streams.items()}
+    except (OSError, pa.ArrowException) as error:
+        said = str(error).splitlines()[0]
+        raise Unusable(f"{folder} is not whole ({said}); make the columns again.") from error
+    digests = {said for _, said in read.values()}
+    if "imu" not in read or len(digests) != 1:
+        raise Unusable(f"{folder} holds files of different recordings; make the columns again.")
+    recording = together(manifest, {name: stream for name, (stream, _) in read.items()})
+    return replace(recording, digest=digests.pop())
+
+
+def _move(draft: Path, folder: Path) -> None:
+    try:
+        draft.rename(folder)
+    except OSError as error:
+        raise FileExistsError(f"{folder} is already there") from error
+
+
+def _write(stream: Stream, path: Path, said: str) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
+    schema = pa.schema(
+        [pa.field(name, pa.float64(), nullable=False) for name in columns], {DIGEST: said}
+    )
+    table = pa.table([pa.array(np.asarray(v, float)) for v in columns.values()], schema=schema)
+    pq.write_table(
+        table,
+        path,
+        compression="none",
+        use_dictionary=False,
+        write_statistics=False,
+        row_group_size=max(1, len(stream)),
+        data_page_size=2**20,
+    )
+
+
+def _read(path: Path) -> tuple[Stream, str]:
+    import pyarrow.parquet as pq
+
+    table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
+    columns = {name: _array(table.column(name)) for name in table.column_names}
+    said = (table.schema.metadata or {}).get(DIGEST, b"").decode()
+    return Stream(columns.pop("t"), columns), said
+
+
+def _array(column: "pa.ChunkedArray") -> np.ndarray:
+    """A float64 column without nulls; `to_numpy` would import pandas, which takes 0.2 s."""
+    parts = [
+        np.frombuffer(chunk.buffers()[1], np.float64)[chunk.offset : chunk.offset + len(chunk)]
+        for chunk in column.chunks
+    ]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -1,0 +1,242 @@
+"""Taking an MCAP file apart from front to back, whole chunks at a time, as far as it is whole."""
+
+import mmap
+import struct
+import zlib
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from io import BytesIO
+from itertools import islice
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Metadata, Schema
+
+from storage.formats.mcap.chunk_writer import MAGIC, MESSAGE, RECORD
+
+THREADS = 2
+RUN = 2**24  # bytes of messages outside of chunks that are taken together
+AHEAD = 16  # chunks that are open at the same time
+CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
+PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
+TOLD = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
+
+Piece = TypeVar("Piece")
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Messages of one channel and one length: channel id, (n,) log times in ns, (n, length)."""
+
+    channel: int
+    log_times: np.ndarray
+    block: np.ndarray
+
+
+@dataclass
+class Contents:
+    """What is known of a file beside its messages, filled while it is read."""
+
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    metadata: list[Metadata] = field(default_factory=list)
+    damage: str = ""
+
+    def learn(self, opcode: int, body: bytes) -> None:
+        """Takes up a schema, channel or metadata record."""
+        stream = ReadDataStream(BytesIO(body))
+        if opcode == Opcode.SCHEMA:
+            schema = Schema.read(stream)
+            self.schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            channel = Channel.read(stream)
+            self.channels[channel.id] = channel
+        elif opcode == Opcode.METADATA:
+            self.metadata.append(Metadata.read(stream))
+
+
+@dataclass(frozen=True)
+class _Opened:
+    """A chunk taken apart: its introductions (schemas, channels), its messages, its fault."""
+
+    introduced: list[tuple[int, bytes]]
+    batches: list[Batch]
+    fault: str = ""
+
+
+def scan(
+    path: Path, decode: Callable[[Contents, Batch], Piece], keep: Callable[[Piece], None]
+) -> Contents:
+    """Reads a file whole; each batch of messages goes through `decode`, and then to `keep`.
+
+    `decode` may run in several threads; `keep` gets its results in the order of the file.
+    Damage is not raised but said in `damage`, and what can be read behind it is read. Raises
+    ValueError for a file that does not begin like MCAP.
+    """
+    if not path.stat().st_size:
+        raise ValueError("is empty")
+    with (
+        path.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data,
+        ThreadPoolExecutor(THREADS) as pool,
+    ):
+        if data[: len(MAGIC)] != MAGIC:
+            raise ValueError("is not an MCAP file")
+        contents = Contents()
+        chunks = _chunks(data, contents)
+
+        def pieces(place: tuple[int, int]) -> tuple[str, list[Piece]]:
+            opened = _open(data, *place)
+            for opcode, body in opened.introduced:
+                _learn(contents, opcode, body)
+            return opened.fault, [decode(contents, batch) for batch in opened.batches]
+
+        # Without a summary, a channel is known only after the chunk that introduces it.
+        run = pool.map if contents.channels else map
+        while group := list(islice(chunks, AHEAD)):
+            for fault, decoded in run(pieces, group):
+                contents.damage = contents.damage or fault
+                for piece in decoded:
+                    keep(piece)
+        return contents
+
+
+def _chunks(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int]]:
+    """The places of the chunks; learns whatever else the file has at its top level."""
+    chunks: list[tuple[int, int]] = []
+    for opcode, start, stop in _records(data, contents):
+        if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
+            chunks.append((start, stop))
+        elif opcode in TOLD:
+            _learn(contents, opcode, data[start + RECORD.size : stop])
+    return _merged(data, chunks)
+
+
+def _learn(contents: Contents, opcode: int, body: bytes) -> None:
+    try:
+        contents.learn(opcode, body)
+    except FAULTS:
+        contents.damage = contents.damage or "a damaged record"
+
+
+def _records(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int, int]]:
+    """The records (opcode, start, stop) up to the footer, or to where they make no sense."""
+    at, whole = len(MAGIC), False
+    while at + RECORD.size <= len(data) and not whole:
+        opcode, length = RECORD.unpack_from(data, at)
+        stop = at + RECORD.size + length
+        if stop > len(data) or not (0 < opcode <= Opcode.DATA_END or opcode >= 0x80):
+            break
+        yield opcode, at, stop
+        if opcode == Opcode.DATA_END:
+            _check_data(data, at, contents)
+        whole = opcode == Opcode.FOOTER and data[stop : stop + len(MAGIC)] == MAGIC
+        at = stop
+    if not whole:
+        contents.damage = "it is cut off"
+
+
+def _check_data(data: mmap.mmap, end: int, contents: Contents) -> None:
+    (expected,) = struct.unpack_from("<I", data, end + RECORD.size)
+    with memoryview(data) as view:
+        if expected and zlib.crc32(view[:end]) != expected:
+            contents.damage = "its checksum is wrong"
+
+
+def _merged(data: mmap.mmap, places: list[tuple[int, int]]) -> Iterator[tuple[int, int]]:
+    """Chunks as they are; messages outside of chunks in runs, which read like the inside of one."""
+    run: tuple[int, int] | None = None
+    for start, stop in places:
+        loose = data[start] == Opcode.MESSAGE
+        if run and loose and run[1] == start and stop - run[0] <= RUN:
+            run = (run[0], stop)
+            continue
+        if run:
+            yield run
+        run = (start, stop) if loose else None
+        if not loose:
+            yield start, stop
+    if run:
+        yield run
+
+
+def _open(data: mmap.mmap, start: int, stop: int) -> _Opened:
+    try:
+        inside = data[start:stop] if data[start] == Opcode.MESSAGE else _unpacked(data, start, stop)
+        return _split(inside)
+    except FAULTS as error:
+        return _Opened([], [], f"a chunk is damaged ({error})")
+
+
+def _unpacked(data: mmap.mmap, start: int, stop: int) -> bytes:
+    """What is in a chunk, with its checksum checked."""
+    start += RECORD.size
+    _, _, size, crc, named = CHUNK_HEAD.unpack_from(data, start)
+    start += CHUNK_HEAD.size
+    compression = data[start : start + named].decode()
+    packed = data[start + named + 8 : stop]
+    if compression == "zstd":
+        inside = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
+    elif compression == "lz4":
+        from lz4.frame import decompress  # in foreign bags only
+
+        inside = decompress(packed)
+    elif compression == "":
+        inside = packed
+    else:
+        raise ValueError(f"compression {compression} is unknown")
+    if len(inside) != size or (crc and zlib.crc32(inside) != crc):
+        raise ValueError("its checksum is wrong")
+    return inside
+
+
+def _split(inside: bytes) -> _Opened:
+    """Introductions and messages of a chunk; at once where all its messages are alike."""
+    introduced: list[tuple[int, bytes]] = []
+    at = 0
+    while at < len(inside):
+        opcode, length = RECORD.unpack_from(inside, at)
+        if opcode == Opcode.MESSAGE:
+            break
+        introduced.append((opcode, inside[at + RECORD.size : at + RECORD.size + length]))
+        at += RECORD.size + length
+    if at >= len(inside):
+        return _Opened(introduced, [])
+    alike, odd = divmod(len(inside) - at, RECORD.size + length)
+    flat = np.frombuffer(inside, dtype=np.uint8, offset=at)
+    if not odd:
+        records = flat.reshape(alike, -1)
+        if (records[:, :PREFIX] == records[0, :PREFIX]).all():
+            return _Opened(introduced, [_batch(records)])
+    return _one_by_one(inside, at, introduced)
+
+
+def _one_by_one(inside: bytes, at: int, introduced: list[tuple[int, bytes]]) -> _Opened:
+    """The slow way, for chunks of several channels or lengths: find each message, then gather."""
+    starts: dict[bytes, list[int]] = {}
+    while at < len(inside):
+        opcode, length = RECORD.unpack_from(inside, at)
+        if opcode == Opcode.MESSAGE:
+            starts.setdefault(inside[at : at + PREFIX], []).append(at)
+        else:
+            introduced.append((opcode, inside[at + RECORD.size : at + RECORD.size + length]))
+        at += RECORD.size + length
+    flat = np.frombuffer(inside, dtype=np.uint8)
+    batches = []
+    for prefix, places in starts.items():
+        length = RECORD.size + RECORD.unpack_from(prefix)[1]
+        batches.append(_batch(flat[np.array(places)[:, None] + np.arange(length)]))
+    return _Opened(introduced, batches)
+
+
+def _batch(records: np.ndarray) -> Batch:
+    head = records[:, : MESSAGE.itemsize].view(MESSAGE)[:, 0]
+    times = head["log_time"].astype(np.int64)
+    return Batch(int(head["channel"][0]), times, records[:, MESSAGE.itemsize :])

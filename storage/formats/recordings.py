@@ -1,0 +1,124 @@
+"""Recordings as they come from elsewhere: what a path holds, and whether it was seen before."""
+
+import hashlib
+from collections.abc import Iterator
+from io import BufferedReader
+from pathlib import Path
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage.formats.folder import read_folder
+from storage.formats.manifest import check_controls, manifest_of
+from storage.formats.mcap.reader import read_mcap
+
+MANIFEST = "manifest.json"
+BAG = "metadata.yaml"  # beside the MCAP file of a rosbag2 folder
+MAGIC = b"\x89MCAP0\r\n"
+KINDS = (".json", ".parquet", ".csv")
+
+
+def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:
+    """Reads a recording from a `mimu-recording/1` folder, an MCAP file or a rosbag2 folder.
+
+    `manifest` is a manifest.json that goes before the one in an MCAP file; `salvage` takes
+    what is whole of an MCAP file that is cut off. Raises Unusable for anything else.
+    """
+    recording = _read(path, manifest, salvage)
+    said = recording.manifest.model_dump(mode="json")
+    check_controls(said, f"The manifest of {path}" if manifest is None else str(manifest))
+    return recording
+
+
+def _read(path: Path, manifest: Path | None, salvage: bool) -> Recording:
+    bag = _mcap(path)
+    if bag is None:
+        if manifest is not None:
+            raise Unusable(
+                f"{path} is a folder with its own {MANIFEST}; correct it there and leave out "
+                f"{manifest}."
+            )
+        return read_folder(path)
+    given = None if manifest is None else manifest_of(_bytes(manifest), str(manifest))
+    return read_mcap(bag, manifest=given, salvage=salvage)
+
+
+def fingerprint(path: Path) -> str:
+    """SHA-256 (hex) of the bytes of a source's files: the same source need not be read twice.
+
+    Raises Unusable for what is no recording.
+    """
+    hasher = hashlib.sha256()
+    for name, file in _files(path):
+        with _open(file) as opened:
+            hasher.update(f"{name}\0{hashlib.file_digest(opened, 'sha256').hexdigest()}\0".encode())
+    return hasher.hexdigest()
+
+
+def _files(path: Path) -> Iterator[tuple[str, Path]]:
+    """The files that make a source, with the names that matter: an MCAP file may be moved."""
+    bag = _mcap(path)
+    if bag is not None:
+        yield "mcap", bag
+        return
+    for file in sorted(path.rglob("*")):
+        if file.is_file() and file.suffix.lower() in KINDS:
+            yield file.relative_to(path).as_posix(), file
+
+
+def _mcap(path: Path) -> Path | None:
+    """The MCAP file that a path means; None for a `mimu-recording/1` folder."""
+    _check_openable(path)
+    if path.is_dir():
+        if (path / MANIFEST).exists():
+            return None
+        bags = sorted(path.glob("*.mcap"))
+        if len(bags) == 1 and (path / BAG).exists():
+            return bags[0]
+        raise Unusable(_no_recording(path, bags))
+    with _open(path) as opened:
+        begins = opened.read(len(MAGIC))
+    if begins == MAGIC or path.suffix.lower() == ".mcap":
+        return path
+    if path.name == MANIFEST:
+        raise Unusable(f"{path} is the manifest alone; give the folder {path.parent} instead.")
+    raise Unusable(
+        f"{path} is no recording: it does not begin as an MCAP file does; give an MCAP file or "
+        "a mimu-recording/1 folder."
+    )
+
+
+def _check_openable(path: Path) -> None:
+    """A pipe would keep us waiting, and some names cannot even be looked up."""
+    try:
+        waits = path.is_fifo() or path.is_socket()
+    except OSError as error:
+        raise Unusable(
+            f"{str(path)[:80]}… cannot be opened ({error.strerror}); give another path."
+        ) from error
+    if waits:
+        raise Unusable(f"{path} is a pipe, not a file; give an MCAP file or a folder.")
+
+
+def _no_recording(path: Path, bags: list[Path]) -> str:
+    if len(bags) > 1:
+        return (
+            f"{path} holds {len(bags)} MCAP files and no {MANIFEST}; give one of them, "
+            f"for example {bags[0]}."
+        )
+    if bags:
+        return f"{path} has neither {MANIFEST} nor {BAG}; give the file {bags[0]} itself."
+    return f"{path} holds no recording: {MANIFEST} is missing; give a folder that has one."
+
+
+def _open(path: Path) -> BufferedReader:
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be read ({error.strerror}); see that it is there and may be read."
+        ) from error
+
+
+def _bytes(path: Path) -> bytes:
+    with _open(path) as opened:
+        return opened.read()

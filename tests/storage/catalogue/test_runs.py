@@ -1,0 +1,316 @@
+"""Recordings in the store: taken in once, found again, never lost."""
+
+import shutil
+import stat
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from storage.catalogue import runs
+from storage.catalogue import runs as runs_module
+from storage.formats import recordings
+from storage.formats.columns import write_columns
+from storage.formats.content import digest
+from storage.formats.mcap.writer import write_mcap
+from storage.home import Home
+from storage.verify import verify
+
+Build = Callable[..., Recording]
+
+
+def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
+    recording = small()
+    run = runs.add(recording, fresh)[0]
+    again = runs.load(run, fresh)
+    assert again.digest == run.digest == digest(recording)
+    np.testing.assert_array_equal(again.imu.t, recording.imu.t)
+    for name, values in recording.imu.columns.items():
+        np.testing.assert_array_equal(again.imu.columns[name], values)
+
+
+def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
+    before = datetime.now(UTC)
+    run = runs.add(small(serial="7"), fresh)[0]
+    assert run.id == f"r{run.digest[:12]}"
+    assert (run.manufacturer, run.model, run.serial) == ("Maker", "U", "7")
+    assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
+    assert run.seconds == pytest.approx(2.99)
+    assert before <= run.taken_in_at <= datetime.now(UTC)
+    assert runs.all_runs(fresh) == [run]
+
+
+def test_second_import_of_same_content_is_the_same_run(fresh: Home, small: Build) -> None:
+    assert runs.add(small(), fresh)[0] == runs.add(small(), fresh)[0]
+    assert len(runs.all_runs(fresh)) == 1
+    assert len(list(fresh.raw.iterdir())) == 1
+
+
+def test_digest_that_a_recording_claims_is_not_believed(fresh: Home, small: Build) -> None:
+    assert runs.add(replace(small(), digest="f" * 64), fresh)[0].digest == digest(small())
+
+
+def test_concurrent_imports_of_the_same_content_are_one_run(
+    fresh: Home, small: Build, tmp_path: Path, at_once: Callable[..., list[str]]
+) -> None:
+    write_columns(small(), tmp_path / "source")
+    script = """
+path = Path(arguments[0])
+print(runs.add(recordings.read(path), home, source=path)[0].id)
+"""
+    said = at_once(script, fresh, str(tmp_path / "source"), processes=3)
+    (run,) = runs.all_runs(fresh)
+    assert said == [f"{run.id}\n"] * 3
+    assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
+    assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
+
+
+def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
+    run = runs.add(small(), fresh)[0]
+    assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o444
+
+
+@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
+    fresh: Home, small: Build, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def break_off(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as broken:
+        broken.setattr(runs_module, step, break_off)
+        with pytest.raises(KeyboardInterrupt):
+            runs.add(small(), fresh)
+    assert runs.all_runs(fresh) == []
+    assert not list(fresh.path.rglob(".*"))
+    run = runs.add(small(), fresh)[0]
+    assert runs.load(run, fresh).digest == run.digest
+
+
+@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+def test_process_killed_in_an_import_leaves_a_store_that_goes_on(
+    fresh: Home, small: Build, step: str, tmp_path: Path
+) -> None:
+    write_columns(small(), tmp_path / "source")
+    script = """
+import os, sys
+from pathlib import Path
+from storage.catalogue import runs
+from storage.formats import recordings
+from storage.home import Home
+step, home, source = sys.argv[1], Home(Path(sys.argv[2])), Path(sys.argv[3])
+whole = getattr(runs, step)
+def killed(*arguments):
+    whole(*arguments)
+    os.kill(os.getpid(), 9)
+setattr(runs, step, killed)
+runs.add(recordings.read(source), home)
+"""
+    command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
+    assert subprocess.run(command, check=False).returncode == -9
+    assert runs.all_runs(fresh) == []
+    run = runs.add(small(), fresh)[0]
+    assert runs.load(run, fresh).digest == run.digest
+    assert verify(fresh) == (2, [])
+
+
+def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home, small: Build) -> None:
+    fresh.path.write_text("a file stands where the folder should be")
+    with pytest.raises(Unusable, match="MIMUCAL_HOME"):
+        runs.add(small(), fresh)
+
+
+def damage_missing(folder: Path) -> None:
+    shutil.rmtree(folder)
+
+
+def damage_cut(folder: Path) -> None:
+    path = folder / "imu.parquet"
+    path.write_bytes(path.read_bytes()[:1000])
+
+
+def damage_manifest(folder: Path) -> None:
+    (folder / "manifest.json").write_text("{}")
+
+
+def damage_value(folder: Path) -> None:
+    path = folder / "imu.parquet"
+    content = bytearray(path.read_bytes())
+    content[1000] ^= 1
+    path.write_bytes(bytes(content))
+
+
+@pytest.mark.parametrize("damage", [damage_missing, damage_cut, damage_manifest, damage_value])
+def test_damaged_columns_are_made_again_from_raw(
+    fresh: Home, small: Build, damage: Callable[[Path], None]
+) -> None:
+    run = runs.add(small(), fresh)[0]
+    damage(fresh.columns / run.digest)
+    assert digest(runs.load(run, fresh)) == run.digest
+    assert runs_module.from_columns(run, fresh) is not None
+
+
+def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: Build) -> None:
+    run = runs.add(small(), fresh)[0]
+    shutil.rmtree(fresh.columns)
+    (fresh.raw / f"{run.digest}.mcap").unlink()
+    with pytest.raises(Unusable, match=r"missing; import small again"):
+        runs.load(run, fresh)
+    runs.add(small(), fresh)
+    assert runs.load(run, fresh).digest == run.digest
+
+
+def test_raw_recording_with_other_content_is_refused(fresh: Home, small: Build) -> None:
+    run = runs.add(small(), fresh)[0]
+    shutil.rmtree(fresh.columns)
+    path = fresh.raw / f"{run.digest}.mcap"
+    path.unlink()
+    write_mcap(small(start=1.0), path)
+    with pytest.raises(Unusable, match="not what was taken in"):
+        runs.load(run, fresh)
+
+
+def test_run_is_found_by_every_name_that_it_has(fresh: Home, small: Build) -> None:
+    run = runs.add(small(name="first"), fresh)[0]
+    runs.add(small(start=1.0, name="second"), fresh)
+    for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
+        assert runs.find(reference, fresh) == run
+
+
+def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, small: Build) -> None:
+    one, two = runs.add(small(), fresh)[0], runs.add(small(start=1.0), fresh)[0]
+    with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
+        runs.find("small", fresh)
+    with pytest.raises(Unusable, match=r"2 runs"):
+        runs.find("r", fresh)
+    for nobody in ("r%", "_", "nobody", ""):
+        with pytest.raises(Unusable, match=r"There is no run .*mimucal runs"):
+            runs.find(nobody, fresh)
+
+
+def test_source_taken_in_before_is_known_by_its_bytes(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    folder, moved = tmp_path / "folder", tmp_path / "elsewhere" / "copy"
+    write_columns(small(), folder)
+    assert runs.imported_before(folder, fresh) is None
+    run = runs.add(recordings.read(folder), fresh, source=folder)[0]
+    assert runs.imported_before(folder, fresh) == run
+    shutil.copytree(folder, moved)
+    assert runs.imported_before(moved, fresh) == run
+    manifest = moved / "manifest.json"
+    manifest.write_text(manifest.read_text().replace('"small"', '"large"'))
+    assert runs.imported_before(moved, fresh) is None
+
+
+def test_known_source_whose_raw_recording_is_gone_is_read_again(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    source = tmp_path / "small.mcap"
+    write_mcap(small(), source)
+    run = runs.add(recordings.read(source), fresh, source=source)[0]
+    (fresh.raw / f"{run.digest}.mcap").unlink()
+    assert runs.imported_before(source, fresh) is None
+    assert runs.add(recordings.read(source), fresh, source=source)[0] == run
+
+
+def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
+    fresh: Home, small: Build, tmp_path: Path
+) -> None:
+    folder, file = tmp_path / "folder", tmp_path / "small.mcap"
+    write_columns(small(), folder)
+    write_mcap(small(), file)
+    ids = {runs.add(recordings.read(path), fresh, source=path)[0].id for path in (folder, file)}
+    assert len(ids) == 1
+    assert (
+        runs.imported_before(folder, fresh)
+        == runs.imported_before(file, fresh)
+        == runs.find(*ids, fresh)
+    )
+
+
+def test_path_is_read_as_what_it_holds(small: Build, tmp_path: Path) -> None:
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
+    write_mcap(small(), bag / "bag_0.mcap")
+    shutil.copy(bag / "bag_0.mcap", tmp_path / "without_a_suffix")
+    write_columns(small(), tmp_path / "folder")
+    for name in ("bag", "bag/bag_0.mcap", "without_a_suffix", "folder"):
+        assert recordings.read(tmp_path / name).digest == digest(small())
+
+
+def test_manifest_given_goes_before_the_one_in_the_file(small: Build, tmp_path: Path) -> None:
+    write_mcap(small(), tmp_path / "small.mcap")
+    manifest = tmp_path / "manifest.json"
+    manifest.write_text(small(name="other").manifest.model_dump_json())
+    read = recordings.read(tmp_path / "small.mcap", manifest=manifest)
+    assert read.manifest.recording_id == "other"
+    write_columns(small(), tmp_path / "folder")
+    with pytest.raises(Unusable, match=r"its own manifest\.json"):
+        recordings.read(tmp_path / "folder", manifest=manifest)
+
+
+def make_nothing(path: Path) -> None:
+    """There is no such path."""
+
+
+def make_text(path: Path) -> None:
+    path.write_text("no recording")
+
+
+def make_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def make_two_bags(path: Path) -> None:
+    path.mkdir()
+    for name in ("metadata.yaml", "a.mcap", "b.mcap"):
+        (path / name).write_text("")
+
+
+def make_bag_without_metadata(path: Path) -> None:
+    path.mkdir()
+    (path / "a.mcap").write_text("")
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (make_nothing, "cannot be read"),
+        (make_text, "is no recording"),
+        (make_folder, r"manifest\.json is missing"),
+        (make_two_bags, "holds 2 MCAP files"),
+        (make_bag_without_metadata, r"give the file .*a\.mcap itself"),
+    ],
+)
+def test_path_that_is_no_recording_is_refused(
+    fresh: Home, tmp_path: Path, make: Callable[[Path], None], says: str
+) -> None:
+    path = tmp_path / "path"
+    make(path)
+    with pytest.raises(Unusable, match=says):
+        recordings.read(path)
+    with pytest.raises(Unusable, match=says):
+        runs.imported_before(path, fresh)
+    assert not fresh.path.exists()
+
+
+def test_manifest_alone_points_to_its_folder(small: Build, tmp_path: Path) -> None:
+    write_columns(small(), tmp_path / "folder")
+    with pytest.raises(Unusable, match="give the folder"):
+        recordings.read(tmp_path / "folder" / "manifest.json")
+
+
+def test_shared_recording_is_kept_and_loaded(fresh: Home, shared: Path) -> None:
+    path = shared / "plant" / "ahrs_clean"
+    run = runs.add(recordings.read(path), fresh, source=path)[0]
+    assert digest(runs.load(run, fresh)) == run.digest
+    assert run.standard == "JJF 1536-2015"

@@ -1,0 +1,138 @@
+"""ROS 2 bags of others: what they say is read, what they leave open is not guessed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.writer import CompressionType, Writer
+
+from schemas.base import Unusable
+from schemas.recording import FORMAT, Manifest, Station, TableAxis, Unit
+from storage.formats.mcap.cdr import encode
+from storage.formats.mcap.definitions import schema_text
+from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.topics import IMU, JOINTS, TEMPERATURE
+
+EPOCH = 1_700_000_000_123_456_789  # ns
+
+
+def manifest() -> Manifest:
+    return Manifest(
+        format=FORMAT,
+        recording_id="small",
+        unit=Unit(manufacturer="M", model="U", serial="1"),
+        station=Station(id="T1", table_axes=(TableAxis(name="outer", direction=(0, 0, 1)),)),
+    )
+
+
+class Bag:
+    """A ROS 2 bag as others write it: the mcap package's own writer, message by message."""
+
+    def __init__(self, path: Path, compression: CompressionType, chunked: bool) -> None:
+        self.path = path
+        self._file = path.open("wb")
+        self._writer = Writer(self._file, 4096, compression, use_chunking=chunked)
+        self._writer.start("ros2")
+        self._channels: dict[str, int] = {}
+
+    def add(self, topic: str, kind: str, stamp: int, frame: str = "link", **numbers: list) -> None:
+        if topic not in self._channels:
+            schema = self._writer.register_schema(kind, "ros2msg", schema_text(kind).encode())
+            self._channels[topic] = self._writer.register_channel(topic, "cdr", schema)
+        names = numbers.pop("name", None)
+        texts = {"frame_id": (frame,)} | ({"name": tuple(names)} if names else {})
+        clock = {"sec": [stamp // 10**9], "nanosec": [stamp % 10**9]}
+        fields = {n: np.array([v]) for n, v in (numbers | clock).items()}
+        message = encode(kind, fields, texts)[0].tobytes()
+        self._writer.add_message(self._channels[topic], stamp + 5, message, stamp + 5)
+
+    def imu(self, stamp: int, value: float, topic: str = "/imu", frame: str = "link") -> None:
+        gyro, accel = [value, 0.0, 0.5], [0.0, value, 9.8]
+        self.add(topic, IMU, stamp, frame, angular_velocity=gyro, linear_acceleration=accel)
+
+    def close(self) -> Path:
+        self._writer.finish()
+        self._file.close()
+        return self.path
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Bag:
+    return Bag(tmp_path / "drive.mcap", CompressionType.ZSTD, chunked=True)
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+@pytest.mark.parametrize("chunked", [True, False])
+def test_bag_of_others_is_read(compression: CompressionType, chunked: bool, tmp_path: Path) -> None:
+    bag = Bag(tmp_path / "drive.mcap", compression, chunked)
+    for k in range(200):
+        stamp = EPOCH + 10_000_001 * k
+        bag.imu(stamp, k / 7, frame="link" if k % 3 else "another_link")
+        bag.add("/joints", JOINTS, stamp + 3, name=["a", "b"], position=[k, 2.0 * k])
+    back = read_mcap(bag.close())
+    assert (np.rint(back.imu.t * 1e9) == 10_000_001 * np.arange(200)).all()
+    assert (back.imu.columns["gyro_x"] == np.arange(200) / 7).all()
+    assert (back.imu.columns["accel_z"] == 9.8).all()
+    assert back.extra["left_out"] == ("/joints",)
+    made = back.manifest
+    assert (made.recording_id, made.standard, made.unit.serial) == ("drive", "other", "-")
+    assert made.station == Station(id="unknown")
+
+
+def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
+    for k in range(9):
+        bag.imu(EPOCH + 1000 * k, 1.0)
+        bag.add("/joints", JOINTS, EPOCH + 1000 * k + 7, name=["z", "outer"], position=[9.0, k])
+    table = read_mcap(bag.close(), manifest=manifest()).table
+    assert table is not None
+    assert table.columns["outer_angle"].tolist() == list(range(9))
+    assert table.t[0] == 7e-9
+
+
+def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag: Bag) -> None:
+    for k in range(9):
+        bag.imu(EPOCH + 1000 * k, 1.0)
+        bag.add("/warm", TEMPERATURE, EPOCH + 1000 * k, temperature=[20.0 + k])
+        bag.add("/room", TEMPERATURE, EPOCH + 1000 * k + 1, temperature=[20.0])
+    back = read_mcap(bag.close())
+    assert back.imu.columns["temperature"].tolist() == [20.0 + k for k in range(9)]
+    assert back.extra["left_out"] == ("/room",)
+
+
+def test_messages_are_put_in_the_order_of_their_stamps(bag: Bag) -> None:
+    for k in (3, 1, 2, 0):
+        bag.imu(EPOCH + k * 10**9, float(k))
+    assert read_mcap(bag.close()).imu.columns["gyro_x"].tolist() == [0, 1, 2, 3]
+
+
+def test_bag_that_counts_from_zero_keeps_its_time(bag: Bag) -> None:
+    bag.imu(20_000_000, 1.0)
+    bag.imu(30_000_000, 1.0)
+    assert read_mcap(bag.close()).imu.t.tolist() == [0.02, 0.03]
+
+
+def test_messages_with_one_stamp_are_refused(bag: Bag) -> None:
+    for _ in range(2):
+        bag.imu(EPOCH, 1.0)
+    with pytest.raises(Unusable, match=r"/imu.*1700000000\.123456789"):
+        read_mcap(bag.close())
+
+
+def test_two_imu_topics_are_refused_by_name(bag: Bag) -> None:
+    bag.imu(EPOCH, 1.0, "/left")
+    bag.imu(EPOCH, 1.0, "/right")
+    with pytest.raises(Unusable, match="/left, /right"):
+        read_mcap(bag.close())
+
+
+def test_bag_without_imu_is_refused_with_what_it_has(bag: Bag) -> None:
+    bag.add("/warm", TEMPERATURE, EPOCH, temperature=[20.0])
+    with pytest.raises(Unusable, match=r"/warm \(sensor_msgs/msg/Temperature\)"):
+        read_mcap(bag.close())
+
+
+def test_value_that_is_no_number_is_refused_with_its_row(bag: Bag) -> None:
+    for k in range(3):
+        bag.imu(EPOCH + k, np.inf if k == 1 else 1.0)
+    with pytest.raises(Unusable, match=r"column gyro_x, row 2: the value is inf"):
+        read_mcap(bag.close())

@@ -1,0 +1,56 @@
+"""Columns keep a recording exactly, and appear whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from storage.formats.columns import read_columns, write_columns
+from storage.formats.content import digest
+from storage.formats.folder import read_folder
+from tests.shared import shared_path
+
+
+@pytest.mark.parametrize(
+    "name", ["real/vn200_imu0_rate_table", "plant/plant_clean", "plant/ahrs_clean"]
+)
+def test_columns_keep_every_number_and_the_digest(name: str, tmp_path: Path) -> None:
+    recording = read_folder(shared_path(f"data/{name}"))
+    write_columns(recording, tmp_path / "columns")
+    back = read_columns(tmp_path / "columns")
+    assert back.digest == recording.digest == digest(back)
+    assert back.streams().keys() == recording.streams().keys()
+    for key, stream in recording.streams().items():
+        assert stream.t.tobytes() == back.streams()[key].t.tobytes()
+        for column, values in stream.columns.items():
+            assert values.tobytes() == back.streams()[key].columns[column].tobytes()
+
+
+def test_columns_are_a_recording_that_can_be_imported(tmp_path: Path) -> None:
+    recording = read_folder(shared_path("data/real/vn200_imu0_rate_table"))
+    write_columns(recording, tmp_path / "columns")
+    assert read_folder(tmp_path / "columns").digest == recording.digest
+
+
+def test_columns_that_are_there_are_not_overwritten(tmp_path: Path) -> None:
+    recording = read_folder(shared_path("data/real/ferraris_session"))
+    write_columns(recording, tmp_path / "columns")
+    with pytest.raises(FileExistsError):
+        write_columns(recording, tmp_path / "columns")
+    assert [path.name for path in tmp_path.iterdir()] == ["columns"]
+
+
+@pytest.mark.parametrize("missing", ["manifest.json", "imu.parquet"])
+def test_columns_with_a_file_missing_are_refused(missing: str, tmp_path: Path) -> None:
+    write_columns(read_folder(shared_path("data/real/ferraris_session")), tmp_path / "columns")
+    (tmp_path / "columns" / missing).unlink()
+    with pytest.raises(Unusable, match="not whole"):
+        read_columns(tmp_path / "columns")
+
+
+def test_columns_of_two_recordings_are_refused(tmp_path: Path) -> None:
+    write_columns(read_folder(shared_path("data/plant/plant_clean")), tmp_path / "one")
+    write_columns(read_folder(shared_path("data/plant/plant_unlisted")), tmp_path / "two")
+    (tmp_path / "one" / "table.parquet").replace(tmp_path / "two" / "table.parquet")
+    with pytest.raises(Unusable, match="different recordings"):
+        read_columns(tmp_path / "two")
