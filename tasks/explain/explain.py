@@ -64,7 +64,7 @@ def explain(
     listed, columns = candidates_of(terms, coarse.motion)
     candidates = list(listed)
     half = plausible_sizes(candidates, len(columns))
-    pool = pooled(coarse, standard_columns(coarse), coarse.readings, columns, half)
+    pool = pooled(coarse, coarse.readings, columns, half)
     progress("search")
     if only is None:
         noises = first_noises(pool)
@@ -86,17 +86,6 @@ def explain(
     progress("evidence")
     noises = _at_rate(found.noises, fine, coarse)
     return assembled(recording, full, fine, events, found, model, noises, told)
-
-
-def standard_columns(observed: Observed) -> list[list[np.ndarray]]:
-    """The standard's columns of each channel: rate, one, g's direction; that, one, ω² of others."""
-    motion, one = observed.motion, np.ones(len(observed.t))
-    gyro = [*motion.rate.T, one, *motion.up.T]
-    accel = [
-        [*motion.up.T, one, *(motion.rate[:, j] ** 2 for j in range(3) if j != axis)]
-        for axis in range(3)
-    ]
-    return [gyro, gyro, gyro, *accel]
 
 
 def _terms(recording: Recording, observed: Observed, only: Sequence[str] | None) -> list[Term]:

@@ -3,11 +3,12 @@
 import numpy as np
 
 from tasks.explain.events.event import Event, Events
-from tasks.explain.events.plain import alive, noise_of, predictions
+from tasks.explain.events.plain import alive, noise_of
 from tasks.explain.events.quantisation import Quantisation, find_quantisation
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.slips import find_slips, gaps
 from tasks.explain.events.spikes import find_spikes
+from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
 
@@ -21,7 +22,7 @@ def find_events(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
     limits, masked = find_saturation(readings, motion)
     slips = find_slips(t, readings, motion, masked)
     free = np.where(masked, np.nan, readings)
-    noise = noise_of(free - predictions(readings, motion, masked), motion)
+    noise = noise_of(free - plain_prediction(readings, motion, masked), motion)
     found: tuple[Event, ...] = (slips,) if slips is not None else ()
     left = _left(t, readings, motion, masked, found + limits, noise)
     steps = find_quantisation(free, readings - left)
@@ -51,8 +52,8 @@ def _left(
     noise: np.ndarray,
 ) -> np.ndarray:
     """What a plain fit leaves (n, 6) once the events found so far are undone."""
-    predicted = predictions(readings, motion, masked)
+    predicted = plain_prediction(readings, motion, masked)
     if not events:
         return readings - predicted
     undone = Events(events, masked).undone(t, readings, predicted, noise)
-    return undone - predictions(undone, motion, masked)
+    return undone - plain_prediction(undone, motion, masked)

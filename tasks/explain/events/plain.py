@@ -1,4 +1,4 @@
-"""What a plain fit of the standard's model leaves, and how noisy it is where."""
+"""How noisy it is where: the scatter within blocks of what a plain fit leaves."""
 
 import numpy as np
 
@@ -6,52 +6,8 @@ from tasks.motion.whole import Motion
 
 BLOCK = 64  # rows; noise is told from what scatters within so many
 CLASSES = np.array([0.0, 0.02, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, np.inf])
-MOST = 400_000  # rows that a fit is made of, evenly spread
-GYRO_COLUMNS = np.arange(7)  # rate, up, 1
-ACCEL_COLUMNS = np.arange(3, 10)  # up, 1, squares of the rates
 DEAD = 1e-10  # rad/s, m/s²: what scatters less is the rounding of sums
 FEWEST = 3  # blocks that a class of rates needs to tell its noise
-
-
-def residuals(readings: np.ndarray, motion: Motion, masked: np.ndarray | None = None) -> np.ndarray:
-    """Readings minus a least-squares fit of the standard's model, channel by channel.
-
-    readings: (n, 6) rad/s, m/s². A gyro is fitted by rate, up and 1; an accelerometer by up, 1 and
-    the squares of the two other rates (JJF 2003—2022, models (1) and (2), without the products).
-    masked: (n, 6) bool, readings that do not take part in the fit. Where the motion is not known
-    the residual is NaN.
-    """
-    return readings - predictions(readings, motion, masked)
-
-
-def predictions(
-    readings: np.ndarray, motion: Motion, masked: np.ndarray | None = None
-) -> np.ndarray:
-    """The readings (n, 6) that the plain fit predicts, NaN where the motion is not known."""
-    fitted = np.full(readings.shape, np.nan)
-    known = motion.known
-    if not known.any():
-        return fitted
-    # Zero where nothing is known: such rows add nothing to the sums below.
-    rate, up = (np.where(known[:, None], each, 0.0) for each in (motion.rate, motion.up))
-    columns = np.column_stack([rate, up, known, rate**2])
-    some = slice(None, None, len(known) // MOST + 1)
-    part = columns[some]
-    values = np.full((columns.shape[1], 6), np.nan)
-    for channel in range(6):
-        use = known[some] & np.isfinite(readings[some, channel])
-        if masked is not None:
-            use &= ~masked[some, channel]
-        if not use.any():
-            continue
-        own = GYRO_COLUMNS if channel < 3 else np.delete(ACCEL_COLUMNS, 4 + channel % 3)
-        chosen = part[:, own] * use[:, None]
-        heard = np.where(use, readings[some, channel], 0.0)
-        values[:, channel] = 0.0
-        values[own, channel] = np.linalg.pinv(chosen.T @ chosen, hermitian=True) @ (
-            chosen.T @ heard
-        )
-    return np.asarray(np.where(known[:, None], columns @ values, np.nan))
 
 
 def read_at(at: np.ndarray, t: np.ndarray, courses: np.ndarray) -> np.ndarray:

@@ -13,8 +13,9 @@ from scipy.stats import binom
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
-from tasks.explain.events.plain import noise_of, predictions
+from tasks.explain.events.plain import noise_of
 from tasks.explain.events.steps import codes_of
+from tasks.model.plain_fit import plain_prediction
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
@@ -114,7 +115,7 @@ def _seen(
         for side in pile.sides:
             masked[:, channel] |= side * readings[:, channel] > pile.limit - scatter[channel]
     for _ in range(2):
-        predicted = predictions(readings, motion, masked)
+        predicted = plain_prediction(readings, motion, masked)
         noise = _noise_near(readings, predicted, motion, masked)[list(channels)]
         masked[:] = False
         for axis, channel in enumerate(channels):

@@ -12,8 +12,9 @@ from scipy.stats import chi2
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event
 from tasks.explain.events.matched import keeps_swinging, matched
-from tasks.explain.events.plain import noise_of, predictions, read_at
+from tasks.explain.events.plain import noise_of, read_at
 from tasks.explain.events.stairs import CELL, Cells, Delays, stairs_of
+from tasks.model.plain_fit import plain_prediction
 from tasks.model.term import Text
 from tasks.motion.whole import Motion
 
@@ -48,7 +49,7 @@ def find_slips(
     if len(t) < 3 or not motion.known.any():
         return None
     interval = float(np.median(np.diff(t)))
-    predicted = predictions(readings, motion, masked)
+    predicted = plain_prediction(readings, motion, masked)
     noise = noise_of(readings - predicted, motion)
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
@@ -69,7 +70,7 @@ def find_slips(
         times, lost, u = _located(t, read, predicted, slope, noise, cells, path)
         found = _event(cells, path, times, lost, u, interval)
         shift = found.applied(t, predicted, noise) - predicted
-        predicted = predictions(readings - np.nan_to_num(shift), motion, masked)
+        predicted = plain_prediction(readings - np.nan_to_num(shift), motion, masked)
     return found
 
 

@@ -16,10 +16,10 @@ from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.pool import inverse
 from tasks.explain.search.stepwise import Chosen
+from tasks.model.regression import inverse
 from tasks.model.term import Column
-from tasks.model.terms.standard import GYRO_G_SENSITIVITY
+from tasks.model.terms.standard import GYRO_G_SENSITIVITY, GYRO_TERMS, regressors
 
 SOAKS = GYRO_G_SENSITIVITY  # what soaks up a rate that turns with the vertical
 LIKELIER = 12.0  # twice the log of the odds that a claim asks for
@@ -55,12 +55,11 @@ def soaked_up(
 
 def _fits(column: Column, observed: Observed, noises: Sequence[Noise]) -> _Fits:
     motion = observed.motion
-    one = np.ones(len(observed.t))
+    others = tuple(term for term in GYRO_TERMS if term is not SOAKS)
     total = np.zeros(3)
     count = 0
     for channel in column:
-        base = [*motion.rate.T, one]
-        soaking = list(motion.up.T)
+        base, soaking = (list(regressors(motion, channel, t).T) for t in (others, (SOAKS,)))
         columns: list[Column] = [{channel: course} for course in (*base, *soaking)]
         columns.append({channel: column[channel]})
         gram = equations_of(columns, observed.readings, observed, noises).grams[channel]

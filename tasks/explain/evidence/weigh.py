@@ -13,9 +13,9 @@ from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.equations import Equations, equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.empirical_terms import UNNAMED
-from tasks.explain.search.pool import inverse
 from tasks.explain.search.refit import Model, whole_effect
 from tasks.explain.search.stepwise import FALSE_ALARMS, Chosen, Found
+from tasks.model.regression import inverse
 from tasks.model.simulate import linearise
 from tasks.model.term import COUNTS, Column, Term, places
 

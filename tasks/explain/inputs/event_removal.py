@@ -10,7 +10,7 @@ from tasks.explain.events.event import Events
 from tasks.explain.events.slips import Slips
 from tasks.explain.inputs.delay import long_delay, taken_back
 from tasks.explain.inputs.observed import FullRate, full_rate
-from tasks.explain.inputs.sample_noise import plain_prediction
+from tasks.model.plain_fit import plain_prediction
 
 ROUNDS = 4  # of a fit whose prediction tells what events did to the readings
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
 KEPT, OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
@@ -18,7 +19,7 @@ def noise_by_segment(
     From second differences of what a straight-line fit leaves, the largest left out, so that
     neither motion nor single bad samples count.
     """
-    left = readings - plain_prediction(readings, motion)
+    left = readings - np.nan_to_num(plain_prediction(readings, motion))
     rough = np.full_like(left, np.nan)
     rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
     variance = np.full((count + 1, 2), np.nan)
@@ -34,24 +35,6 @@ def noise_by_segment(
                 part = part[part <= np.quantile(part, KEPT)]
                 variance[k, triad] = part.mean() / OF_KEPT
     return variance
-
-
-def plain_prediction(readings: np.ndarray, motion: Motion) -> np.ndarray:
-    """(n, 6) what the standard's model says, fitted by plain least squares to all rows."""
-    up, rate = np.nan_to_num(motion.up), np.nan_to_num(motion.rate)
-    one = np.ones((len(up), 1))
-    predicted = np.full(readings.shape, np.nan)
-    for channel in range(6):
-        columns = np.hstack([rate, up, one]) if channel < 3 else np.hstack([up, rate**2, one])
-        rows = np.isfinite(readings[:, channel]) & motion.known
-        if not rows.any():
-            continue
-        scale = np.sqrt((columns[rows] ** 2).mean(axis=0)) + 1e-12
-        scaled = columns / scale
-        normal = scaled[rows].T @ scaled[rows]
-        right = scaled[rows].T @ readings[rows, channel]
-        predicted[:, channel] = scaled @ (np.linalg.pinv(normal, rcond=1e-10) @ right)
-    return predicted
 
 
 def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

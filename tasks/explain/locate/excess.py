@@ -5,18 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.explain.explanation import Explanation
+from tasks.model.regression import inverse
+from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
 
-ARITHMETIC = 1e-10  # of the largest: smaller eigenvalues are of columns that do not differ
 TAKEN_UP = 1e-3  # of a cell's rows: a pattern of which less is left cannot be seen
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The k columns of the standard's model in one channel, of order 1.
+    """The k regressors of the standard's model in one channel.
 
-    JJF 2003-2022, 5.1 and 5.2: a gyro reads ω, 1 and f; an accelerometer f, 1 and ωⱼ² of the
-    other axes. values: (n, k), zero where the motion is not known. known: (n,) bool.
+    values: (n, k), zero where the motion is not known. known: (n,) bool.
     inverse: (k, k) of their squares.
     """
 
@@ -27,17 +27,10 @@ class Columns:
     @classmethod
     def of(cls, motion: Motion, channel: int) -> "Columns":
         """The columns of channel 0 to 5."""
-        one = np.ones((len(motion.t), 1))
-        if channel < 3:
-            values = np.hstack([motion.rate, one, motion.up])
-        else:
-            values = np.hstack([motion.up, one, np.delete(motion.rate**2, channel - 3, axis=1)])
+        values = regressors(motion, channel)
         known = np.isfinite(values).all(axis=1)
         values[~known] = 0.0
-        squares = values.T @ values
-        size = np.sqrt(np.diag(squares)) + (np.diag(squares) == 0)
-        scaled = np.linalg.pinv(squares / np.outer(size, size), rcond=ARITHMETIC, hermitian=True)
-        return cls(values, known, scaled / np.outer(size, size))
+        return cls(values, known, inverse(values.T @ values))
 
     def left(self, course: np.ndarray) -> np.ndarray:
         """(n,) of a course what they do not take up; zero where it or the motion is not known."""

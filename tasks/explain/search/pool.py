@@ -22,10 +22,11 @@ from tasks.explain.regression.spectrum import (
     padded_length,
     transformed,
 )
+from tasks.model.regression import inverse
 from tasks.model.term import Column
+from tasks.model.terms.standard import regressors
 
 CHANNEL_COUNT = 6
-RANK = 1e-9  # of a scaled normal matrix
 ROUNDING = 1e-13  # of a column's power
 ABSORBED = 1e-6  # of a column's power: less than this is left of it by the standard's model
 
@@ -78,12 +79,11 @@ class System:
 
 def pooled(
     observed: Observed,
-    base: Sequence[Sequence[np.ndarray]],
     readings: np.ndarray,
     columns: Sequence[Column],
     half: np.ndarray,
 ) -> Pool:
-    """The pool of base columns (for each channel), candidates' columns and readings (n, 6).
+    """The pool of the standard's columns, the candidates' columns and readings (n, 6).
 
     half: (p,) half of each parameter's plausible range.
     """
@@ -95,7 +95,7 @@ def pooled(
             continue
         which = [p for p, column in enumerate(columns) if channel in column]
         weight = observed.weight[:, channel]
-        stack = _weighed(base[channel], weight)
+        stack = _weighed(list(regressors(observed.motion, channel).T), weight)
         basis = np.linalg.qr(stack.T)[0].T
         courses = [*(columns[p][channel] for p in which), readings[:, channel]]
         rest = _projected(_weighed(courses, weight), basis)
@@ -202,16 +202,6 @@ def system(pool: Pool, noises: Sequence[Noise]) -> System:
     scale = np.where(seen, 1.0 / np.sqrt(np.where(seen, power, 1.0)), 0.0)
     whole = normal * scale[:, None] * scale + np.diag((scale / pool.half) ** 2)
     return System(whole, right * scale, scale, misfit)
-
-
-def inverse(normal: np.ndarray) -> np.ndarray:
-    """Generalised inverse of a symmetric matrix, scaled to a unit diagonal first."""
-    scale = np.sqrt(np.maximum(np.diag(normal), 0.0))
-    scale = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
-    values, vectors = np.linalg.eigh(normal * scale[:, None] * scale)
-    kept = values > RANK * max(float(values[-1]), 0.0) if len(values) else np.zeros(0, bool)
-    turned = vectors[:, kept]
-    return np.asarray((turned / values[kept]) @ turned.T * scale[:, None] * scale)
 
 
 def residuals(pool: Pool, found: Sequence[int], noises: Sequence[Noise] | None) -> list[np.ndarray]:

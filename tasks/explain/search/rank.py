@@ -12,7 +12,8 @@ from scipy.special import chdtrc
 
 from tasks.explain.search.candidates import WAVES, Candidate, Prior
 from tasks.explain.search.empirical_terms import UNNAMED
-from tasks.explain.search.pool import System, inverse
+from tasks.explain.search.pool import System
+from tasks.model.regression import inverse
 
 NEAR = 6.0  # of score: two that differ by less cannot be told apart
 PER_PARAMETER = 2.0

@@ -14,7 +14,7 @@ from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.pool import inverse
+from tasks.model.regression import inverse
 from tasks.model.simulate import linearise, predict
 from tasks.model.term import Column, Term, nominal_values, parameters_of, places
 from tasks.model.terms.standard import STANDARD_TERMS

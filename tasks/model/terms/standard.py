@@ -4,7 +4,7 @@ Gyro: ω′ = K·ω + B + G·f; accelerometer: a′ = K·f + B + P·ω². First 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -109,4 +109,24 @@ ACCEL_RATE_SENSITIVITY = LinearTerm(
 
 GYRO_TERMS = (GYRO_MATRIX, GYRO_BIAS, GYRO_G_SENSITIVITY)
 ACCEL_TERMS = (ACCEL_MATRIX, ACCEL_BIAS, ACCEL_RATE_SENSITIVITY)
-STANDARD_TERMS: tuple[Term, ...] = (*GYRO_TERMS, *ACCEL_TERMS)
+STANDARD_TERMS: tuple[LinearTerm, ...] = (*GYRO_TERMS, *ACCEL_TERMS)
+
+
+def regressors(
+    motion: Motion, channel: int, terms: tuple[LinearTerm, ...] = STANDARD_TERMS
+) -> np.ndarray:
+    """Regressors (n, k) of one channel, 0 to 5: a column for each parameter that it reads.
+
+    In the order of the terms and their parameters: a gyro reads ω, 1 and f, an accelerometer f, 1
+    and the ω² of the two other axes. ω is in rad/s and f in units of local gravity, so that the
+    columns are of order one. NaN where the motion is not known.
+    """
+    motion = replace(motion, gravity=1.0)
+    inputs = Inputs(motion.rate, motion.force)
+    return np.column_stack([
+        column[channel]
+        for term in terms
+        if any(reader == channel for reader, _ in term.reads)
+        for column in term.columns(motion, inputs)
+        if channel in column
+    ])  # fmt: skip

@@ -12,7 +12,7 @@ from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.pool import Pool
 from tasks.model.simulate import predict
 from tasks.model.term import Column, Term, nominal_values
-from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.model.terms.standard import STANDARD_TERMS, regressors
 from tasks.motion.whole import Motion
 
 GRAVITY = 9.8
@@ -124,16 +124,16 @@ def whitened(courses: Sequence[np.ndarray], pool: Pool, channel: int, of: Noise)
 
 def chi2(
     pool: Pool,
-    base: Sequence[Sequence[np.ndarray]],
     readings: np.ndarray,
     columns: Sequence[Column],
     noises: Sequence[Noise],
 ) -> tuple[float, np.ndarray]:
-    """Chi-squared of one least-squares fit of all channels at once, and the columns' values (p,).
+    """Chi-squared of one fit beside the standard's model, and the columns' values (p,).
 
     Channels stand below each other; a column of several channels has one value.
     """
     blocks, targets = [], []
+    base = [regressors(pool.observed.motion, channel).T for channel in range(6)]
     wide = sum(len(own) for own in base)
     first = 0
     for channel in range(6):

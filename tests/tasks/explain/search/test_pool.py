@@ -19,22 +19,22 @@ from engine_run import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tasks.explain.explain import standard_columns
 from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.pool import (
     Pool,
-    inverse,
     noises_of,
     pooled,
     renewed,
     residuals,
     system,
 )
+from tasks.model.regression import inverse
 from tasks.model.term import Column
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.standard import regressors
 from tasks.model.terms.timing import TIME_OFFSET
 
 RUN = motion()
@@ -49,7 +49,6 @@ FREE = np.full(len(COLUMNS), np.inf)  # nothing is known of them beforehand
 class Small(NamedTuple):
     observed: Observed
     readings: np.ndarray
-    base: list[list[np.ndarray]]
     pool: Pool
 
 
@@ -60,12 +59,11 @@ def small() -> Small:
     weight = 0.5 + 0.5 * np.random.default_rng(2).random(len(RUN.t))
     weight[3000:3100] = 0.0
     blocks = with_weight(observed(readings, RUN), {0: weight, 4: weight})
-    base = standard_columns(blocks)
-    return Small(blocks, readings, base, pooled(blocks, base, readings, COLUMNS, FREE))
+    return Small(blocks, readings, pooled(blocks, readings, COLUMNS, FREE))
 
 
 def test_the_misfit_of_the_standard_model_is_that_of_least_squares(small: Small) -> None:
-    direct, _ = chi2(small.pool, small.base, small.readings, (), NOISY)
+    direct, _ = chi2(small.pool, small.readings, (), NOISY)
     assert system(small.pool, NOISY).misfit == pytest.approx(direct, rel=1e-4)
 
 
@@ -74,8 +72,8 @@ def test_gain_and_values_are_those_of_least_squares(small: Small, which: list[in
     state = system(small.pool, NOISY)
     block, right = state.normal[np.ix_(which, which)], state.right[which]
     values = inverse(block) @ right
-    before, _ = chi2(small.pool, small.base, small.readings, (), NOISY)
-    after, direct = chi2(small.pool, small.base, small.readings, [COLUMNS[p] for p in which], NOISY)
+    before, _ = chi2(small.pool, small.readings, (), NOISY)
+    after, direct = chi2(small.pool, small.readings, [COLUMNS[p] for p in which], NOISY)
     u = np.sqrt(np.diag(inverse(block)))
     assert right @ values == pytest.approx(before - after, rel=1e-4, abs=0.05)
     assert np.abs(values - direct / state.scale[which]).max() < 0.01 * u.max()
@@ -89,20 +87,20 @@ def test_an_effect_of_several_channels_has_one_parameter(small: Small) -> None:
     alone = []
     for channel in COLUMNS[delay]:
         one = {channel: COLUMNS[delay][channel]}
-        pool = pooled(small.observed, small.base, small.readings, (one,), np.array([np.inf]))
+        pool = pooled(small.observed, small.readings, (one,), np.array([np.inf]))
         alone.append(1.0 / system(pool, NOISY).scale[0] ** 2)
     assert size == pytest.approx(sum(alone), rel=1e-4)
 
 
 def test_what_the_standard_model_says_too_is_not_seen(small: Small) -> None:
     shifted = {0: 2.0 * RUN.rate[:, 1] - 0.3, 3: 0.1 * RUN.up[:, 2]}
-    pool = pooled(small.observed, small.base, small.readings, (shifted,), np.array([np.inf]))
+    pool = pooled(small.observed, small.readings, (shifted,), np.array([np.inf]))
     assert system(pool, NOISY).scale[0] == 0.0
 
 
 def test_a_channel_that_was_not_recorded_is_left_out(small: Small) -> None:
     nothing = {channel: np.zeros(len(RUN.t)) for channel in (3, 4, 5)}
-    pool = pooled(with_weight(small.observed, nothing), small.base, small.readings, COLUMNS, FREE)
+    pool = pooled(with_weight(small.observed, nothing), small.readings, COLUMNS, FREE)
     assert [channel is None for channel in pool.channels] == [False] * 3 + [True] * 3
     scale = system(pool, NOISY).scale
     assert (scale[:3] == 0).all()  # a lever arm is seen by accelerometers alone
@@ -122,7 +120,7 @@ def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) 
     readings = small.readings + 1e-3 * RUN.up[:, [1, 2, 0, 2, 0, 1]] ** 2
     changed = renewed(small.pool, other, readings)
     columns = [other.get(p, column) for p, column in enumerate(COLUMNS)]
-    anew = pooled(small.observed, small.base, readings, columns, FREE)
+    anew = pooled(small.observed, readings, columns, FREE)
     first, second = system(changed, NOISY), system(anew, NOISY)
     assert first.misfit == pytest.approx(second.misfit, rel=1e-5)
     np.testing.assert_allclose(first.scale, second.scale, rtol=1e-5)
@@ -141,7 +139,7 @@ def test_residuals_are_what_least_squares_leaves(small: Small) -> None:
     lever = [0, 1, 2]
     left = residuals(small.pool, lever, NOISY)
     for c in range(6):
-        courses = [*small.base[c], *(COLUMNS[p][c] for p in lever if c in COLUMNS[p])]
+        courses = [*regressors(RUN, c).T, *(COLUMNS[p][c] for p in lever if c in COLUMNS[p])]
         design = whitened(courses, small.pool, c, NOISY[c])
         target = whitened([small.readings[:, c]], small.pool, c, NOISY[c])[:, 0]
         size = np.linalg.norm(design, axis=0)
@@ -165,8 +163,7 @@ def test_the_noise_of_a_true_fit_is_that_which_was_made(small: Small) -> None:
 def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, factor: float) -> None:
     readings = read(RUN, (LEVER_ARM, LEVER)) + noise(len(RUN.t), 1, QUIET)
     blocks = observed(readings, RUN)
-    base = standard_columns(blocks)
-    plain = system(pooled(blocks, base, readings, COLUMNS, FREE), QUIET)
+    plain = system(pooled(blocks, readings, COLUMNS, FREE), QUIET)
     scaled = readings.copy()
     scaled[:, channel] *= factor
     columns = [
@@ -174,7 +171,7 @@ def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, fact
         for column in COLUMNS
     ]
     noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]
-    other = system(pooled(blocks, base, scaled, columns, FREE), noises)
+    other = system(pooled(blocks, scaled, columns, FREE), noises)
     assert other.misfit == pytest.approx(plain.misfit, rel=1e-4)
     np.testing.assert_allclose(other.normal, plain.normal, atol=1e-4)
     np.testing.assert_allclose(other.right, plain.right, atol=1e-4 * abs(plain.right).max())

@@ -5,7 +5,6 @@ import pytest
 from engine_run import NOISY, RATE, motion, noise, observed, read
 
 from tasks.explain.channels import ACCELS, EVERY, GYROS
-from tasks.explain.explain import standard_columns
 from tasks.explain.search.candidates import Candidate, candidates_of, columns_of, plausible_sizes
 from tasks.explain.search.empirical_terms import wave
 from tasks.explain.search.pool import Pool, pooled, residuals
@@ -27,7 +26,7 @@ def looked(made: np.ndarray, seed: int) -> tuple[Pool, list[Candidate], list[Can
     blocks = observed(read(RUN) + made + noise(len(RUN.t), seed, NOISY), RUN)
     listed, columns = candidates_of(TERMS, RUN)
     half = plausible_sizes(listed, len(columns))
-    pool = pooled(blocks, standard_columns(blocks), blocks.readings, columns, half)
+    pool = pooled(blocks, blocks.readings, columns, half)
     noises = first_noises(pool)
     pool, moved = proposed(pool, listed, residuals(pool, (), noises), noises)
     return pool, list(listed), moved

@@ -11,7 +11,6 @@ from engine_run import NOISY, QUIET, chi2, motion, noise, observed, read, whiten
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tasks.explain.explain import standard_columns
 from tasks.explain.inputs.observed import Observed
 from tasks.explain.search.candidates import (
     STRENGTHS,
@@ -30,6 +29,7 @@ from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, th
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
+from tasks.model.terms.standard import regressors
 from tasks.model.terms.timing import TIME_OFFSET
 
 RUN = motion()
@@ -44,7 +44,6 @@ WARMING = (4e-6, 0.0, -3e-6, 0.0, 1e-4, 0.0)
 
 class Asked(NamedTuple):
     observed: Observed
-    base: list[list[np.ndarray]]
     pool: Pool
     candidates: tuple[Candidate, ...]
     columns: tuple[Column, ...]
@@ -56,9 +55,8 @@ class Asked(NamedTuple):
 def asked(readings: np.ndarray, terms: Sequence[Term] = TERMS) -> Asked:
     blocks = observed(readings, RUN)
     listed, columns = candidates_of(terms, RUN)
-    base = standard_columns(blocks)
     half = plausible_sizes(listed, len(columns))
-    return Asked(blocks, base, pooled(blocks, base, readings, columns, half), listed, columns)
+    return Asked(blocks, pooled(blocks, readings, columns, half), listed, columns)
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +73,7 @@ def nothing() -> Asked:
 
 def misfit(one: Asked, columns: Sequence[int] = (), without: np.ndarray | None = None) -> float:
     readings = one.observed.readings if without is None else one.observed.readings - without
-    return chi2(one.pool, one.base, readings, [one.columns[p] for p in columns], NOISY)[0]
+    return chi2(one.pool, readings, [one.columns[p] for p in columns], NOISY)[0]
 
 
 @pytest.mark.parametrize(
@@ -133,8 +131,7 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     made = read(run) + noise(len(run.t), 8, QUIET, 1.0) + walk
     blocks = observed(made, run, 1.0)
     listed, columns = candidates_of([BIAS_RANDOM_WALK], run)
-    base = standard_columns(blocks)
-    pool = pooled(blocks, base, made, columns, plausible_sizes(listed, len(columns)))
+    pool = pooled(blocks, made, columns, plausible_sizes(listed, len(columns)))
     state = system(pool, QUIET)
     ranked = rank(state, listed, ())
     some = [one for one in ranked if one.candidate.own[0] == WAVES * channel]
@@ -142,7 +139,7 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     assert len(some) == 4 * len(STRENGTHS)
     for scored in some:
         one = scored.candidate
-        design = whitened(base[channel], pool, channel, QUIET[channel])
+        design = whitened(regressors(run, channel).T, pool, channel, QUIET[channel])
         course = whitened([columns[p][channel] for p in one.members], pool, channel, QUIET[channel])
         target = whitened([made[:, channel]], pool, channel, QUIET[channel])
         outside = np.eye(len(design)) - design @ np.linalg.pinv(design, rcond=1e-10)

@@ -1,0 +1,37 @@
+"""The standard's model fitted to whole samples by ordinary least squares, channel by channel.
+
+Every sample counts the same. It is the prediction that events and sample noise are read off
+before anything is known of the noise; `tasks.model.fit` weights by the noise.
+"""
+
+import numpy as np
+
+from tasks.model.regression import inverse
+from tasks.model.simulate import CHANNEL_COUNT
+from tasks.model.terms.standard import regressors
+from tasks.motion.whole import Motion
+
+MAX_FIT_ROWS = 400_000  # evenly spread; more rows would not change a prediction by its noise
+
+
+def plain_prediction(
+    readings: np.ndarray, motion: Motion, masked: np.ndarray | None = None
+) -> np.ndarray:
+    """What the standard's model predicts (n, 6), fitted to the readings (n, 6) rad/s, m/s².
+
+    masked: (n, 6) bool, readings that the fit does not use; nor does it use NaN. The prediction is
+    NaN where the motion is not known, and in a channel without a reading to fit.
+    """
+    predicted = np.full(readings.shape, np.nan)
+    rows = slice(None, None, len(readings) // MAX_FIT_ROWS + 1)
+    for channel in range(CHANNEL_COUNT):
+        used = motion.known[rows] & np.isfinite(readings[rows, channel])
+        if masked is not None:
+            used &= ~masked[rows, channel]
+        if not used.any():
+            continue
+        columns = regressors(motion, channel)
+        design = columns[rows][used]
+        right = design.T @ readings[rows, channel][used]
+        predicted[:, channel] = columns @ (inverse(design.T @ design) @ right)
+    return predicted
