@@ -6,9 +6,10 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, HeldOut, Verdict
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.model.term import Text
+from tasks.words import Sayable, message
 
 CHANNELS = GYRO + ACCEL
+FITTED = message("explain-model-fitted")
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class Finding:
 
     effect: str
     family: str
-    title: Text
+    title: Sayable
     equation: str
     source: str
     channels: tuple[int, ...]
@@ -32,8 +33,8 @@ class Finding:
     delta_bic: float
     held_out_gain: float
     indistinguishable: tuple[str, ...] = ()
-    separated_by: Text = ("", "")
-    follows: Text | None = None
+    separated_by: Sayable | None = None
+    follows: Sayable | None = None
 
 
 @dataclass(frozen=True)
@@ -54,5 +55,5 @@ class Explanation:
     verdict: Verdict
     held_out: HeldOut
     findings: tuple[Finding, ...]
-    remarks: tuple[Text, ...] = ()
-    model: Text = ("the standard's model", "标准模型")
+    remarks: tuple[Sayable, ...] = ()
+    model: Sayable = FITTED

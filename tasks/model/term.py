@@ -15,6 +15,7 @@ from typing import Literal, Self
 import numpy as np
 
 from tasks.motion.whole import Motion
+from tasks.words import Sayable
 
 Stage = Literal["motion", "input", "sensor", "signal"]
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
@@ -65,7 +66,7 @@ class Term:
     parameters: tuple[Parameter, ...]
     shapes: tuple[Parameter, ...] = ()
     at: tuple[float, ...] = ()
-    title: Text = ("", "")
+    title: Text | Sayable = ("", "")
     confused_with: tuple[str, ...] = ()
     separated_by: Text = ("", "")
     rarity: float = 0.0

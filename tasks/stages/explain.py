@@ -17,6 +17,7 @@ from storage.catalogue import results, runs
 from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks.stages import refuse
+from tasks.words import message
 
 if TYPE_CHECKING:
     from tasks.explain.inputs.reference import Told
@@ -76,7 +77,7 @@ def _told(
     from tasks.explain.inputs.reference import Told
 
     if simulated is not None:
-        said = ("the simulation that was given", "给定的仿真信号")
+        said = message("explain-model-simulation")
         return Told(simulated_readings(recording, simulated), said)
     if calibration is None:
         return None
@@ -86,7 +87,7 @@ def _told(
     from tasks.stages.simulate import model_values
 
     values, _ = model_values(calibration_named(calibration, home))
-    said = ("the standard's model with the given calibration", "采用给定校准结果的标准模型")
+    said = message("explain-model-calibration")
     return Told(predict(STANDARD_TERMS, whole_motion(recording), values), said)
 
 

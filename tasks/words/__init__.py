@@ -5,16 +5,18 @@ The numerics say *what* (`message("segments-stuck", channel="gyro_x")`); the sen
 the Chinese in one place. A further language is a further folder.
 """
 
-from tasks.words.catalogue import LANGUAGES, known, say, statement, texts
-from tasks.words.message import Argument, Message, Sayable, message
+from tasks.words.catalogue import LANGUAGES, known, remark, say, statement, texts
+from tasks.words.message import Argument, Message, Sayable, clauses, message
 
 __all__ = [
     "LANGUAGES",
     "Argument",
     "Message",
     "Sayable",
+    "clauses",
     "known",
     "message",
+    "remark",
     "say",
     "statement",
     "texts",

@@ -6,6 +6,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
+from schemas.calibration import Remark
 from schemas.discrepancy import Statement
 from tasks.words.message import Argument, Message, Sayable
 
@@ -87,6 +88,14 @@ def texts(said: Sayable) -> Mapping[str, str]:
 def statement(said: Sayable) -> Statement:
     """A message as it is published, in every language."""
     return said if isinstance(said, Statement) else Statement(**texts(said))
+
+
+def remark(
+    code: str, said: Sayable, *, segments: tuple[str, ...] = (), blocks_pass: bool = False
+) -> Remark:
+    """A message as a remark of a calibration."""
+    en, zh = (say(said, language) for language in ("en", "zh"))
+    return Remark(code=code, en=en, zh=zh, segments=segments, blocks_pass=blocks_pass)
 
 
 def _argument(value: Argument, language: str) -> object:

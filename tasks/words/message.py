@@ -1,5 +1,6 @@
 """A sentence that is not said in a language yet."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.discrepancy import Statement
@@ -25,3 +26,11 @@ Argument = Sayable | int | tuple[Sayable | int, ...]
 def message(id_: str, /, **arguments: Argument) -> Message:
     """A message by its identifier, «room-what» or «room-what.attribute», and its arguments."""
     return Message(id_, tuple(arguments.items()))
+
+
+def clauses(parts: Sequence[Sayable]) -> Sayable:
+    """Several clauses as one, with semicolons between them."""
+    *before, joined = parts
+    for part in reversed(before):
+        joined = message("clause-sequence", first=part, rest=joined)
+    return joined

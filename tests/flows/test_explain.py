@@ -13,10 +13,11 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from schemas.discrepancy import FoundParameter, HeldOut
+from schemas.discrepancy import FoundParameter, HeldOut, Statement
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.words import say
 
 SMALL = "real/ferraris_session"
 PLANT = "plant/plant_clean"
@@ -29,7 +30,8 @@ def known_answer(recording: Recording, findings: int = 1) -> Explanation:
     nominal = recording.imu.stack(CHANNELS)
     added[:, 0] = np.radians(STEP)
     found = Finding(
-        effect="bias_step", family="memory", title=("bias step", "零偏阶跃"), equation="ω′ = ω + b",
+        effect="bias_step", family="memory", title=Statement(en="bias step", zh="零偏阶跃"),
+        equation="ω′ = ω + b",
         source="test", channels=(0,), contribution=added, gain=100.0, delta_bic=90.0,
         held_out_gain=40.0,
         parameters=(FoundParameter(name="gyro_x", value=STEP, unit="deg/s", u=STEP / 20),),
@@ -128,10 +130,10 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, shared, engine, tmp
     assert by_result.code == 0, by_result.err
     simulated = read_folder(tmp_path / "sim").imu.stack(CHANNELS)
     np.testing.assert_allclose(asked["told"].readings, simulated, atol=1e-12)
-    assert "calibration" in asked["told"].model[0]
+    assert "calibration" in say(asked["told"].model, "en")
     assert mimucal("explain", shared / PLANT, "--simulated", tmp_path / "sim").code == 0
     np.testing.assert_array_equal(asked["told"].readings, simulated)
-    assert "simulation" in asked["told"].model[0]
+    assert "simulation" in say(asked["told"].model, "en")
 
 
 def test_fitted_is_the_default(mimucal, shared, engine) -> None:

@@ -17,6 +17,7 @@ from tasks.motion.whole import Motion
 from tasks.specifications.evaluation import common_factor, expanded
 from tasks.uncertainty.coverage import half_width
 from tasks.uncertainty.propagation import coverage_factor
+from tasks.words import Message, clauses, message, remark, say
 
 Calibrate = Callable[[Recording], Calibration]
 EARTH, G_SENSITIVITY = "earth_rotation", "gyro_g_sensitivity"
@@ -76,22 +77,22 @@ def adopted_term(finding: Finding) -> AdoptedTerm:
     """What a result says of a finding that was taken off."""
     return AdoptedTerm(
         name=finding.effect,
-        title=finding.title[0],
-        title_zh=finding.title[1],
+        title=say(finding.title, "en"),
+        title_zh=say(finding.title, "zh"),
         parameters=tuple(AdoptedParameter(**p.model_dump()) for p in finding.parameters),
     )
 
 
 def _line(spread: Spread, moved: Item, item: Item) -> tuple[BudgetInput, Elements]:
     """A budget's line without its sensitivity, and by how much each element moves."""
-    parameter, title = spread.parameter, spread.finding.title
+    parameter = spread.parameter
     change: Elements = {}
     for element, value in item.value.items():
         other = moved.value.get(element)
         change[element] = None if value is None or other is None else other - value
-    name = f"{title[0]}, {parameter.name}"
+    name = message("explain-budget-line", title=spread.finding.title, parameter=parameter.name)
     line = BudgetInput(
-        name=name, name_zh=f"{title[1]}，{parameter.name}",
+        name=say(name, "en"), name_zh=say(name, "zh"),
         symbol=f"{spread.finding.effect}.{parameter.name}", kind="A", distribution="normal",
         u=parameter.u, unit=parameter.unit, sensitivity=0.0, contribution=0.0, share=0.0,
     )  # fmt: skip
@@ -171,51 +172,41 @@ def adoption_remarks(
     result: Calibration, recording: Recording, findings: Sequence[Finding]
 ) -> Iterator[Remark]:
     """What was taken off, what of it is not shown by the recording, and where it is not known."""
-    en = "; ".join(_said(finding, finding.title[0]) for finding in findings)
-    zh = "；".join(_said(finding, finding.title[1]) for finding in findings)
     if not findings:
         return
-    yield Remark(
-        code="terms_adopted",
-        en=f"Before the clauses were followed, the readings had taken off what the specification's "
-        f"models leave out: {en}. The specification does not provide for it.",
-        zh=f"按规范计算之前，已从读数中扣除规范模型未包含的因素：{zh}。规范未规定此项处理。",
-        blocks_pass=True,
-    )
+    terms = clauses([_described(finding) for finding in findings])
+    yield remark("terms_adopted", message("explain-adopted", terms=terms), blocks_pass=True)
     for finding in findings:
         if finding.delta_bic <= 0.0:
-            yield Remark(
-                code="term_not_shown",
-                en=f"The recording does not show {finding.effect} above its noise "
-                f"(ΔBIC {finding.delta_bic:.1f}); it was taken off all the same, as ordered.",
-                zh=f"记录未显示高于噪声的“{finding.title[1]}”（ΔBIC {finding.delta_bic:.1f}）；"
-                "按指令仍予扣除。",
-            )
-    bare = _not_known(result, recording, findings)
-    if bare:
-        yield Remark(
-            code="term_not_known",
-            en="The motion is not known in all rows, and nothing was taken off where it is not: "
-            f"{', '.join(bare)}.",
-            zh=f"部分数据行的运动未知，未作扣除：{'、'.join(bare)}。",
-            segments=bare,
-        )
+            bic = f"{finding.delta_bic:.1f}"
+            said = message("explain-adopted-not-shown", term=_named(finding), bic=bic)
+            yield remark("term_not_shown", said)
+    unknown = _not_known(result, recording, findings)
+    if unknown:
+        said = message("explain-adopted-motion-unknown", segments=unknown)
+        yield remark("term_not_known", said, segments=unknown)
 
 
 def _stays(finding: Finding) -> Remark:
-    return Remark(
-        code="term_not_taken_off",
-        en=f"{finding.effect} was not taken off: its course is random and has no parameter, so "
-        "that U could not say how well it is known; it stays in the readings, as noise.",
-        zh=f"未扣除“{finding.title[1]}”：其过程随机、无参数，不确定度无从给出；仍作为噪声留在读数中。",
-    )
+    return remark("term_not_taken_off", message("explain-not-adopted-random", term=_named(finding)))
 
 
-def _said(finding: Finding, title: str) -> str:
-    listed = ", ".join(
-        f"{p.name} = {p.value:.4g} {p.unit} (u = {p.u:.2g})" for p in finding.parameters
+def _named(finding: Finding) -> Message:
+    return message("explain-adopted-term", title=finding.title, name=finding.effect)
+
+
+def _described(finding: Finding) -> Message:
+    """A finding with its parameters."""
+    if not finding.parameters:
+        return _named(finding)
+    return message(
+        "explain-adopted-term-parameters",
+        title=finding.title,
+        name=finding.effect,
+        parameters=tuple(
+            f"{p.name} = {p.value:.4g} {p.unit} (u = {p.u:.2g})" for p in finding.parameters
+        ),
     )
-    return f"{title} ({finding.effect}{': ' if listed else ''}{listed})"
 
 
 def _not_known(

@@ -11,22 +11,16 @@ from schemas.discrepancy import Consequence, VerdictChange
 from schemas.recording import ANGLE, Recording, Stream
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
-from tasks.certificate.names import item_name
 from tasks.explain.explanation import CHANNELS, Explanation
-from tasks.model.term import Text
 from tasks.specifications import jjf1536, jjf2003
+from tasks.specifications.items import ITEMS
+from tasks.words import Sayable, clauses, message
 from tasks.words.rounding import column
 from tasks.words.units import unit_text
 
 NOTICEABLE = 0.05  # of U: what moves an element by less is not listed
 SEVERITY = ("pass", "inconclusive", "fail")
 OVERALL = "certificate"
-
-BY_ANGLES: Text = (
-    "The items of JJF 1536 come from the accumulated angles, not from the rates that were "
-    "explained: no consequence was estimated.",
-    "JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。",
-)
 
 
 @dataclass(frozen=True)
@@ -40,7 +34,7 @@ class Consequences:
     changes: tuple[tuple[VerdictChange, ...], ...]
     together: tuple[Consequence, ...] = ()
     changes_together: tuple[VerdictChange, ...] = ()
-    remarks: tuple[Text, ...] = ()
+    remarks: tuple[Sayable, ...] = ()
 
 
 def consequences(
@@ -56,7 +50,7 @@ def consequences(
     if not found:
         return none
     if all(name in recording.imu.columns for name in ANGLE):
-        return replace(none, remarks=(BY_ANGLES,))
+        return replace(none, remarks=(message("explain-items-by-angles"),))
     try:
         before = _calibrated(recording)
         after = [_calibrated(without(recording, (each.contribution,))) for each in found]
@@ -64,7 +58,7 @@ def consequences(
             without(recording, [each.contribution for each in found])
         )  # fmt: skip
     except Unusable as fault:
-        return replace(none, remarks=(_not_estimated(fault),))
+        return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
     judged = _judge(tolerance, before)
     return Consequences(
         of_findings=tuple(tuple(moved(before, each)) for each in after),
@@ -150,30 +144,26 @@ def _of_items(decision: Decision) -> dict[str, str]:
     return worst
 
 
-def _not_estimated(fault: Unusable) -> Text:
-    return (
-        f"What the findings do to the items was not estimated: {fault}",
-        f"未能估计所发现因素对各校准项目的影响：{fault}",
-    )
-
-
 def _of_all_together(
     together: tuple[Consequence, ...], changes: tuple[VerdictChange, ...], findings: int
-) -> tuple[Text, ...]:
+) -> tuple[Sayable, ...]:
     """The sentence about all findings at once, where there are several."""
     if findings < 2 or not together:
         return ()
+    moves = message("explain-together-move", findings=findings, elements=len(together))
     most = max(together, key=moved_by)
-    en = f"All {findings} findings together move {len(together)} elements by more than 0.05 U"
-    zh = f"全部 {findings} 项因素合计使 {len(together)} 个元素的变化超过 0.05 U"
     if most.before is not None and most.after is not None:
-        name_zh, name = (f"{each} {most.element}" for each in item_name(most.item))
         texts = column([most.before, most.after], [most.U, most.U])
         power = f"·10^{texts.exponent}" if texts.exponent else ""
-        span = f"{texts.values[0]} → {texts.values[1]}{power} {unit_text(most.unit)}"
-        en += f", most of all {name}: {span} ({moved_by(most):.1f} U)"
-        zh += f"，最大为{name_zh}：{span}（{moved_by(most):.1f} U）"
-    for change in changes:
-        en += f"; {change.item}: {change.before} → {change.after}"
-        zh += f"；{change.item}：{change.before} → {change.after}"
-    return ((f"{en}.", f"{zh}。"),)
+        moves = message(
+            "explain-together-move-most", findings=findings, elements=len(together),
+            item=ITEMS[most.item].title if most.item in ITEMS else most.item,
+            element=most.element, before=texts.values[0] or "",
+            after=f"{texts.values[1]}{power}", unit=unit_text(most.unit),
+            expanded=f"{moved_by(most):.1f}",
+        )  # fmt: skip
+    verdicts = (
+        message("explain-verdict-change", item=c.item, before=c.before, after=c.after)
+        for c in changes
+    )
+    return (message("explain-together", clauses=clauses([moves, *verdicts])),)

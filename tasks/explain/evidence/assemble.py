@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.discrepancy import FoundParameter, Verdict
+from schemas.discrepancy import FoundParameter, Statement, Verdict
 from schemas.recording import Recording
 from tasks.explain.events.after import heard_after
 from tasks.explain.events.event import Event, Events
 from tasks.explain.evidence.other_parameters import other_parameters
 from tasks.explain.evidence.weigh import Group, Weighed, groups_of
-from tasks.explain.explanation import Explanation, Finding
+from tasks.explain.explanation import FITTED, Explanation, Finding
 from tasks.explain.inputs.observed import FullRate, Observed
 from tasks.explain.inputs.reference import Told
 from tasks.explain.regression.spectrum import Noise
@@ -21,11 +21,8 @@ from tasks.explain.search.stepwise import Found
 from tasks.model.events import EVENT_TEXTS
 from tasks.model.simulate import predict
 from tasks.model.term import Parameter, Term, Text, places
+from tasks.words import Sayable, message
 
-FITTED: Text = (
-    "the standard's model, its parameters fitted to this recording",
-    "参数由本次记录拟合的标准模型",
-)
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
 TOLD = 0.9  # of what is plausible: a parameter known no better than before is not listed
 SEEN = 0.02  # of a finding's power: a channel with less is not named
@@ -74,7 +71,7 @@ def assembled(
         verdict=_verdict(whole),
         held_out=weighed.held_out(),
         findings=whole,
-        remarks=heard.remarks,
+        remarks=tuple(map(_statement, heard.remarks)),
         model=FITTED if told is None else told.model,
     )
 
@@ -109,7 +106,7 @@ def _finding(
         count = len(group.chosen)
     first = group.terms[0]
     named = group.name != UNNAMED
-    title = first.title if named else _followed(group)
+    title = _statement(first.title) if named else _followed(group)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
@@ -123,22 +120,26 @@ def _finding(
         delta_bic=gain - count * float(np.log(weighed.used)),
         held_out_gain=weighed.held_out_gain(number),
         indistinguishable=_alike(group) if named else (),
-        separated_by=first.separated_by if named else ("", ""),
+        separated_by=_statement(first.separated_by) if named and first.separated_by[0] else None,
         follows=None if named else title,
     )
 
 
-def _followed(group: Group) -> Text:
+def _statement(text: Text | Sayable) -> Sayable:
+    return Statement(en=text[0], zh=text[1]) if isinstance(text, tuple) else text
+
+
+def _followed(group: Group) -> Sayable:
     """What an unnamed finding follows; a name that was withdrawn becomes a likeness."""
     first = group.terms[0]
     if first.name == UNNAMED:
-        return first.title
+        return _statement(first.title)
     if len(group.terms) > 1:
         return JUMPS
-    return f"something like «{first.title[0]}» of another form", f"类似“{first.title[1]}”但形式不同"
+    return message("explain-other-form", title=_statement(first.title))
 
 
-JUMPS: Text = ("jumps between levels at several times", "在多个时刻的电平跳变")
+JUMPS = message("explain-jumps")
 
 
 def _alike(group: Group) -> tuple[str, ...]:
@@ -259,7 +260,7 @@ def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.
     return Finding(
         effect=event.effect,
         family=texts.family if texts else UNNAMED,
-        title=texts.title if texts else event.description,
+        title=_statement(texts.title if texts else event.description),
         equation=texts.equation if texts else "",
         source=texts.source if texts else "",
         channels=event.channels,
@@ -268,6 +269,6 @@ def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.
         gain=gain,
         delta_bic=gain - count * float(np.log(rows)),
         held_out_gain=0.5 * gain - count,
-        separated_by=texts.separated_by if texts else ("", ""),
-        follows=None if texts else event.description,
+        separated_by=_statement(texts.separated_by) if texts else None,
+        follows=None if texts else _statement(event.description),
     )

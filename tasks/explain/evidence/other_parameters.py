@@ -14,11 +14,12 @@ from tasks.explain.search.empirical_terms import UNNAMED
 from tasks.explain.search.refit import Model
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.simulate import predict
-from tasks.model.term import Text, nominal_values, parameters_of, places
+from tasks.model.term import nominal_values, parameters_of, places
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.words import message
 
 CLEAR = 3.0  # standard uncertainties from which on a parameter is listed
-OTHER: Text = ("other values of the standard's own parameters", "标准模型自身参数与给定值不同")
+OTHER = message("explain-other-parameters")
 
 
 def other_parameters(

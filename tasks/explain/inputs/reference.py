@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.model.simulate import predict
-from tasks.model.term import Text, nominal_values
+from tasks.model.term import nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import Motion
+from tasks.words import Sayable
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Told:
     """
 
     readings: np.ndarray
-    model: Text
+    model: Sayable
 
     def beyond_ideal(self, motion: Motion) -> np.ndarray:
         """(n, 6) what is told less what an ideal unit would read."""

@@ -26,6 +26,7 @@ from tasks.explain.report.words import (
 )
 from tasks.model.term import Text
 from tasks.version import code_version
+from tasks.words import statement
 from tasks.words.rounding import USUAL_K, column
 
 DIMENSIONS: dict[str, Text] = {
@@ -215,7 +216,7 @@ def origins(explanation: Explanation) -> str:
         [both(("recording", "记录")), f"<code>{escape(manifest.recording_id)}</code>"],
         [both(("digest of its content (SHA-256)", "内容摘要（SHA-256）")),
          f"<code>{escape(explanation.recording.digest) or '–'}</code>"],
-        [both(("compared with", "比较对象")), both(explanation.model)],
+        [both(("compared with", "比较对象")), both(text_of(statement(explanation.model)))],
         [both(("unit", "被校单元")),
          escape(" ".join((unit.manufacturer, unit.model, unit.serial)))],
         [both(("station", "校准台位")), escape(manifest.station.id)],

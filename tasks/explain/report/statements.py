@@ -35,6 +35,7 @@ from tasks.explain.report.words import (
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.term import Text
 from tasks.version import code_version
+from tasks.words import statement
 
 PICTURES = ("where.svg", "before_after.svg")
 MOST_PARAMETERS, MOST_WHERES = 3, 2  # in a sentence; tables hold all of them
@@ -59,13 +60,13 @@ def said(
         recording_id=explanation.recording.manifest.recording_id,
         digest=explanation.recording.digest,
         code_version=code_version(),
-        model=_statement(explanation.model),
+        model=statement(explanation.model),
         verdict=explanation.verdict,
         detection=Detection(p_value=explanation.p_value, false_alarm_rate=FALSE_ALARMS),
         findings=findings,
         held_out=explanation.held_out,
         figures=PICTURES,
-        remarks=tuple(_statement(remark) for remark in explanation.remarks),
+        remarks=tuple(statement(remark) for remark in explanation.remarks),
         statement=_statement(verdict_statement(explanation, findings)),
     )
 
@@ -197,16 +198,16 @@ def _finding_said(
     silent = FindingSaid(
         effect=finding.effect,
         family=finding.family,
-        title=_statement(finding.title),
+        title=statement(finding.title),
         channels=tuple(CHANNELS[i] for i in finding.channels),
         where=wheres,
         parameters=finding.parameters,
         evidence=EvidenceFor(delta_bic=finding.delta_bic, held_out_gain_nats=finding.held_out_gain),
         equation=finding.equation,
         source=finding.source,
-        follows=_statement(finding.follows) if finding.follows else None,
+        follows=statement(finding.follows) if finding.follows else None,
         indistinguishable_from=finding.indistinguishable,
-        separating_recording=_statement(finding.separated_by) if finding.separated_by[0] else None,
+        separating_recording=statement(finding.separated_by) if finding.separated_by else None,
         consequences=consequences,
         verdict_changes=changes,
         statement=Statement(en="", zh=""),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.channels import TRIADS
-from tasks.explain.search.empirical_terms import slow_course
+from tasks.explain.search.empirical_terms import slow_drift
 from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 
@@ -155,7 +155,7 @@ def _slow_ones(terms: Sequence[Term], first: int) -> Iterator[Candidate]:
     for form in (WALK, SMOOTH, *RETURNING):
         if form == WALK and walk is None:
             continue
-        term = slow_course(walk if form == WALK else None, WAVES)
+        term = slow_drift(walk if form == WALK else None, WAVES)
         for part in (tuple(range(6)), *TRIADS, *((c,) for c in range(6))):
             own = tuple(WAVES * c + k for c in part for k in range(WAVES))
             members = tuple(first + p for p in own)

@@ -14,7 +14,7 @@ from scipy.fft import idct, rfft, rfftfreq
 from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.spectrum import Noise, transformed
 from tasks.explain.search.candidates import JUMPS, Candidate, columns_of
-from tasks.explain.search.empirical import WAVES_TRIED
+from tasks.explain.search.empirical import SINUSOIDS
 from tasks.explain.search.pool import ChannelPool, Pool, inverse, renewed
 from tasks.model.term import Term
 
@@ -144,7 +144,7 @@ def _best_periods(gain: np.ndarray, observed: Observed) -> list[float]:
     span = len(observed.t) / observed.rate
     gain = np.where((frequency > SLOWEST / span) & (frequency < FASTEST), gain, 0.0)
     found = []
-    for _ in range(WAVES_TRIED):
+    for _ in range(SINUSOIDS):
         best = int(np.argmax(gain))
         if gain[best] <= 0:
             break

@@ -1,3 +1,4 @@
 ## What every room uses.
 
 list-separator = {", "}
+clause-sequence = { $first }; { $rest }

@@ -1,3 +1,4 @@
 ## 各处共用。
 
 list-separator = 、
+clause-sequence = { $first }；{ $rest }

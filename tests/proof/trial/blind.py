@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from schemas.recording import Recording
 from tasks.explain.explain import explain
 from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.words import say
 from tests.proof.trial.certificate import CERTIFICATE, certificate_less, certificate_of
 
 ANSWER, PREDICTION = "answer.json", "prediction.parquet"
@@ -69,7 +70,7 @@ def _said(explanation: Explanation) -> dict[str, Any]:
                 "gain": finding.gain,
                 "delta_bic": finding.delta_bic,
                 "held_out_gain": finding.held_out_gain,
-                "follows": finding.follows[0] if finding.follows else None,
+                "follows": say(finding.follows, "en") if finding.follows else None,
             }
             for finding in explanation.findings
         ],

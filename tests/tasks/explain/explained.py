@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from schemas.discrepancy import FoundParameter, HeldOut
+from schemas.discrepancy import FoundParameter, HeldOut, Statement
 from schemas.recording import Recording
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 
@@ -15,7 +15,8 @@ def nothing_added(recording: Recording) -> np.ndarray:
 
 def finding(contribution: np.ndarray, effect: str = "bias_step", **more: Any) -> Finding:
     said: dict[str, Any] = {
-        "effect": effect, "family": "memory", "title": ("a step", "阶跃"), "equation": "b",
+        "effect": effect, "family": "memory", "title": Statement(en="a step", zh="阶跃"),
+        "equation": "b",
         "source": "test", "channels": tuple(np.flatnonzero(contribution.any(axis=0)).tolist()),
         "parameters": (FoundParameter(name="gyro_x", value=0.01, unit="deg/s", u=0.001),),
         "contribution": contribution, "gain": 100.0, "delta_bic": 90.0, "held_out_gain": 40.0,

@@ -10,6 +10,7 @@ from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.explain.correction.consequences import consequences, without
 from tasks.specifications import jjf2003
+from tasks.words import say
 
 STEP = 0.01  # deg/s
 Build = Callable[..., Recording]
@@ -68,8 +69,8 @@ def test_each_finding_moves_its_own_and_all_together_move_both(run: Recording) -
     assert ("accel_bias", "y") in items[1] - items[0]
     assert {(c.item, c.element) for c in found.together} == items[0] | items[1]
     (said,) = found.remarks
-    assert "Gyro bias y" in said[0]
-    assert "陀螺" in said[1]
+    assert "Gyro bias y" in say(said, "en")
+    assert "陀螺" in say(said, "zh")
 
 
 def test_a_verdict_that_changes_is_told(run: Recording) -> None:
@@ -107,7 +108,7 @@ def test_accumulated_angles_have_no_consequence_and_say_why(plant) -> None:
     ahrs = plant("ahrs_clean")
     found = consequences(ahrs, explanation(ahrs, finding(nothing_added(ahrs))))
     assert found.of_findings == ((),)
-    assert "accumulated angles" in found.remarks[0][0]
+    assert "accumulated angles" in say(found.remarks[0], "en")
 
 
 def test_limits_of_other_items_change_no_verdict(run: Recording) -> None:

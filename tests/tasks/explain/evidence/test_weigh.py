@@ -12,7 +12,7 @@ from tasks.explain.channels import GYROS
 from tasks.explain.evidence.weigh import Group, Weighed, groups_of
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.search.candidates import Candidate, Prior
-from tasks.explain.search.empirical_terms import UNNAMED, wave
+from tasks.explain.search.empirical_terms import UNNAMED, sinusoid
 from tasks.explain.search.pool import System
 from tasks.explain.search.refit import fitted, model_of
 from tasks.explain.search.stepwise import Chosen, Found
@@ -67,12 +67,12 @@ def test_the_same_name_is_one_finding() -> None:
 
 
 def test_what_has_no_name_stays_apart() -> None:
-    some = [picked(wave(GYROS).shaped((period,))) for period in (20.0, 31.0)]
+    some = [picked(sinusoid(GYROS).shaped((period,))) for period in (20.0, 31.0)]
     assert [group.name for group in groups_of(found(*some))] == [UNNAMED, UNNAMED]
 
 
 def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
-    strong = replace(picked(wave(GYROS).shaped((20.0,))), gain=2000.0)
+    strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
     some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
     names = [group.name for group in groups_of(found(*some))]
     assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
@@ -84,7 +84,7 @@ def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_e
     assert [one.name for one in groups_of(found(*jumps, drift, arm))][1:] == [UNNAMED, "lever_arm"]
     stronger = replace(drift, gain=220.0)
     assert groups_of(found(*jumps, stronger))[1].name == "temperature_bias"
-    follows = replace(picked(wave(GYROS).shaped((20.0,))), gain=200.0)
+    follows = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=200.0)
     assert groups_of(found(follows, drift))[1].name == "temperature_bias"
 
 

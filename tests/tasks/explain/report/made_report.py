@@ -64,7 +64,8 @@ def tilt(size: float = 0.05) -> np.ndarray:
 
 def finding(contribution: np.ndarray | None = None, **more: Any) -> Finding:
     told: dict[str, Any] = {
-        "effect": "axis_tilt", "family": "geometry", "title": ("Table not level", "转台不水平"),
+        "effect": "axis_tilt", "family": "geometry",
+        "title": Statement(en="Table not level", zh="转台不水平"),
         "equation": "u = R(φ)·up, a < b", "source": "rigid-body kinematics", "channels": (3, 4),
         "parameters": (TILT,), "contribution": tilt() if contribution is None else contribution,
         "gain": 900.0, "delta_bic": 512.3, "held_out_gain": 240.1,
@@ -74,8 +75,11 @@ def finding(contribution: np.ndarray | None = None, **more: Any) -> Finding:
 
 def unnamed(**more: Any) -> Finding:
     told = {
-        "effect": "unnamed", "family": "unnamed", "title": ("Something unknown", "未知因素"),
-        "follows": ("a relaxation of 12 s after each move", "每次运动后 12 s 的松弛"),
+        "effect": "unnamed", "family": "unnamed",
+        "title": Statement(en="Something unknown", zh="未知因素"),
+        "follows": Statement(
+            en="a relaxation of 12 s after each move", zh="每次运动后 12 s 的松弛"
+        ),
         "parameters": (), "equation": "", "source": "",
     }  # fmt: skip
     return finding(**(told | more))

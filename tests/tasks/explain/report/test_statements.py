@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unnamed, where
 
-from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
+from schemas.discrepancy import Discrepancy, FoundParameter, Statement, VerdictChange
 from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.report import said
 from tasks.explain.report.words import (
@@ -60,7 +60,7 @@ def test_a_gain_that_unseen_stretches_do_not_bear_out_is_said() -> None:
 def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
     pair = finding(
         indistinguishable=("axis_wobble", "not_yet_in_the_list"),
-        separated_by=("the outer axis turned by 90°.", "外轴转 90°。"),
+        separated_by=Statement(en="the outer axis turned by 90°.", zh="外轴转 90°。"),
     )
     en, zh = texts(answer(explanation(pair)))
     assert "cannot tell it from a wobbling rotation axis or not yet in the list." in en

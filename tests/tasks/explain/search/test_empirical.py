@@ -1,5 +1,6 @@
 """What a mismatch may follow that no catalogued physics explains."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,7 @@ from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
 
 from tasks.explain.channels import GYROS
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.empirical_terms import UNNAMED, slow_course, wave
+from tasks.explain.search.empirical_terms import UNNAMED, sinusoid, slow_drift
 from tasks.explain.search.motion_signals import (
     lagged,
     repositioned,
@@ -16,20 +17,27 @@ from tasks.explain.search.motion_signals import (
     turned_over,
     turning,
 )
-from tasks.model.term import Inputs
+from tasks.model.term import Inputs, Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import TableAxes
+from tasks.words import LANGUAGES, texts
 
 RUN = motion()
 INPUTS = Inputs(RUN.rate, RUN.force)
 
 
+def title(term: Term) -> Mapping[str, str]:
+    assert not isinstance(term.title, tuple)
+    return texts(term.title)
+
+
 def test_everything_empirical_is_unnamed_and_says_in_two_languages_what_it_follows() -> None:
     terms = empirical(RUN)
     assert {term.name for term in terms} == {UNNAMED}
-    assert all(all(term.title) for term in terms if not term.shapes)
-    titles = [term.title[0] for term in terms if not term.shapes]
-    assert len(set(titles)) == len(titles)
+    titles = [title(term) for term in terms if not term.shapes]
+    assert all(all(both.values()) for both in titles)
+    for language in LANGUAGES:
+        assert len({both[language] for both in titles}) == len(titles)
 
 
 def test_every_empirical_term_has_a_finite_column_for_each_parameter() -> None:
@@ -80,20 +88,19 @@ def test_a_lag_goes_to_its_course_with_its_time_constant(tau: float) -> None:
 
 
 def test_a_wave_has_any_phase_in_each_of_its_channels() -> None:
-    term = wave(GYROS).shaped((37.0,))
+    term = sinusoid(GYROS).shaped((37.0,))
     columns = term.columns(RUN, INPUTS)
     assert [next(iter(column)) for column in columns] == [0, 0, 1, 1, 2, 2]
     made = np.sin(2.0 * np.pi * RUN.t / 37.0 + 0.7)
     pair = np.column_stack([columns[2][1], columns[3][1]])
     values, *_ = np.linalg.lstsq(pair, made, rcond=None)
     np.testing.assert_allclose(pair @ values, made, atol=1e-9)
-    assert "37 s" in term.title[0]
-    assert "37 s" in term.title[1]
+    assert all("37 s" in text for text in title(term).values())
 
 
 def test_slow_waves_take_the_name_of_what_they_are_said_to_be() -> None:
-    assert slow_course(None, 30).name == UNNAMED
-    walk = slow_course(BIAS_RANDOM_WALK, 30)
+    assert slow_drift(None, 30).name == UNNAMED
+    walk = slow_drift(BIAS_RANDOM_WALK, 30)
     assert (walk.name, walk.title) == (BIAS_RANDOM_WALK.name, BIAS_RANDOM_WALK.title)
     assert len(walk.parameters) == 6 * 30
 
@@ -110,7 +117,7 @@ def test_harmonics_of_an_axis_are_asked_only_where_it_went_round() -> None:
     assert len(with_table(0.9 * 2.0 * np.pi)) == plain
     more = with_table(3.0 * 2.0 * np.pi)[plain:]
     assert len(more) == 6 + 12
-    assert all("table axis 1" in term.title[0] for term in more)
+    assert all("table axis 1" in title(term)["en"] for term in more)
 
 
 def test_a_lean_turns_gravity_near_its_angle_and_keeps_its_size() -> None:

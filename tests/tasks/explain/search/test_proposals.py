@@ -6,7 +6,7 @@ from engine_run import NOISY, RATE, motion, noise, observed, read
 
 from tasks.explain.channels import ACCELS, EVERY, GYROS
 from tasks.explain.search.candidates import Candidate, candidates_of, columns_of, plausible_sizes
-from tasks.explain.search.empirical_terms import wave
+from tasks.explain.search.empirical_terms import sinusoid
 from tasks.explain.search.pool import Pool, pooled, residuals
 from tasks.explain.search.proposals import APART, FINER, proposed
 from tasks.explain.search.stepwise import first_noises
@@ -17,7 +17,7 @@ from tasks.model.terms.memory import bias_step
 RUN = motion()
 TERMS: tuple[Term, ...] = (
     bias_step(0, 200.0), bias_step(3, 200.0), TEMPERATURE_BIAS,
-    wave(EVERY), wave(GYROS), wave(GYROS), wave(ACCELS),
+    sinusoid(EVERY), sinusoid(GYROS), sinusoid(GYROS), sinusoid(ACCELS),
 )  # fmt: skip
 
 

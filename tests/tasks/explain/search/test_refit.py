@@ -6,7 +6,7 @@ from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, wit
 
 from tasks.explain.channels import GYROS
 from tasks.explain.search.candidates import Candidate, Prior
-from tasks.explain.search.empirical_terms import wave
+from tasks.explain.search.empirical_terms import sinusoid
 from tasks.explain.search.refit import Model, delayed, fitted, linearised, model_of
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values, places
@@ -93,7 +93,7 @@ def test_the_stated_uncertainty_is_the_scatter_over_many_runs() -> None:
 
 
 def test_the_period_of_a_wave_is_fitted_too() -> None:
-    true = wave(GYROS).shaped((61.0,))
+    true = sinusoid(GYROS).shaped((61.0,))
     sizes = (1e-5, 2e-5, -1e-5, 0.0, 2e-5, 1e-5)
     blocks = observed(read(RUN, (true, sizes)) + noise(len(RUN.t), 13, QUIET), RUN)
     model = fitted(model_of(chosen(true.shaped((59.26,))), blocks), blocks, QUIET)

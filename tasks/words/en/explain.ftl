@@ -1,0 +1,58 @@
+## Where model and recording differ: what is compared, what a residual follows, what it does to the items.
+
+# What a recording is compared with.
+explain-model-fitted = the standard's model, its parameters fitted to this recording
+explain-model-calibration = the standard's model with the given calibration
+explain-model-simulation = the simulation that was given
+
+# What an effect outside the catalogue follows.
+explain-other-parameters = other values of the standard's own parameters
+explain-jumps = jumps between levels at several times
+explain-other-form = something like «{ $title }» of another form
+explain-slow-drift = a slow drift that nothing recorded follows
+explain-wave = a wave with a period of about { $period } s
+explain-relaxation = a relaxation after { $event }, e-folding in about { $tau } s
+explain-event-reposition = each move to another position
+explain-event-gravity-turn = each turn of gravity's direction
+explain-event-stop = each stop
+explain-lag = { $signal }, lagging by about { $tau } s
+explain-signal-own-rate = the rate about its own axis
+explain-signal-squared-rate = the square of the rate
+explain-signal-rate-size = the size of the rate
+explain-signal-own-force = the specific force along its own axis
+explain-signal-own-force-size = the size of the specific force along its own axis
+explain-product-other-rates = the product of the rates about the two other axes
+explain-product-own-rate = products of the own rate with the others
+explain-product-other-forces = the product of the specific forces on the two other axes
+explain-product-own-force = products of its own specific force with the others
+explain-product-squared-other-forces = the squares of the other specific forces
+explain-product-squared-other-rates = the squares of the rates
+explain-product-squared-own-rate = the square of the own rate
+explain-product-rates = the rates
+explain-product-other-rate-sizes = the sizes of the other rates
+explain-product-fourth-power = the fourth power of the rate
+explain-product-angular-acceleration = the angular acceleration
+explain-product-angular-acceleration-size = the size of the angular acceleration
+explain-recorded-humidity = the humidity
+explain-recorded-pressure = the air pressure
+explain-recorded-air-temperature = the air temperature
+explain-recorded-times-input = { $signal } times the input
+explain-harmonic = the angle of table axis { $axis }, { $order } times a turn
+explain-lean = a lean of the unit near { $angle }° of table axis { $axis }
+
+# What the findings do to the calibration items.
+explain-items-by-angles = The items of JJF 1536 come from the accumulated angles, not from the rates that were explained: no consequence was estimated.
+explain-items-not-estimated = What the findings do to the items was not estimated: { $reason }
+explain-together = { $clauses }.
+explain-together-move = All { $findings } findings together move { $elements } elements by more than 0.05 U
+explain-together-move-most = All { $findings } findings together move { $elements } elements by more than 0.05 U, most of all { $item } { $element }: { $before } → { $after } { $unit } ({ $expanded } U)
+explain-verdict-change = { $item }: { $before } → { $after }
+
+# A calibration of readings that were corrected for findings.
+explain-adopted = Before the clauses were followed, the readings had taken off what the specification's models leave out: { $terms }. The specification does not provide for it.
+explain-adopted-term = { $title } ({ $name })
+explain-adopted-term-parameters = { $title } ({ $name }: { $parameters })
+explain-adopted-not-shown = The recording does not show { $term } above its noise (ΔBIC { $bic }); it was taken off all the same, as ordered.
+explain-adopted-motion-unknown = The motion is not known in all rows, and nothing was taken off where it is not: { $segments }.
+explain-not-adopted-random = { $term } was not taken off: its course is random and has no parameter, so that U could not say how well it is known; it stays in the readings, as noise.
+explain-budget-line = { $title }, { $parameter }

@@ -1,0 +1,58 @@
+## 模型与记录的差异：比较对象、残差的变化规律、对各校准项目的影响。
+
+# 记录的比较对象。
+explain-model-fitted = 参数由本次记录拟合的标准模型
+explain-model-calibration = 采用给定校准结果的标准模型
+explain-model-simulation = 给定的仿真信号
+
+# 目录之外效应的变化规律。
+explain-other-parameters = 标准模型自身参数与给定值不同
+explain-jumps = 在多个时刻的电平跳变
+explain-other-form = 类似“{ $title }”但形式不同
+explain-slow-drift = 与任何记录量均无关的缓慢漂移
+explain-wave = 周期约 { $period } s 的波动
+explain-relaxation = { $event }后的弛豫，时间常数约 { $tau } s
+explain-event-reposition = 每次转位
+explain-event-gravity-turn = 每次重力方向改变
+explain-event-stop = 每次停止转动
+explain-lag = { $signal }，滞后约 { $tau } s
+explain-signal-own-rate = 自身轴角速率
+explain-signal-squared-rate = 角速率平方
+explain-signal-rate-size = 角速率大小
+explain-signal-own-force = 自身轴比力
+explain-signal-own-force-size = 自身轴比力大小
+explain-product-other-rates = 另两轴角速率之积
+explain-product-own-rate = 自身轴与其他轴角速率之积
+explain-product-other-forces = 另两轴比力之积
+explain-product-own-force = 自身与其他轴比力之积
+explain-product-squared-other-forces = 其他轴比力的平方
+explain-product-squared-other-rates = 角速率的平方
+explain-product-squared-own-rate = 自身轴角速率的平方
+explain-product-rates = 角速率
+explain-product-other-rate-sizes = 其他轴角速率的大小
+explain-product-fourth-power = 角速率的四次方
+explain-product-angular-acceleration = 角加速度
+explain-product-angular-acceleration-size = 角加速度的大小
+explain-recorded-humidity = 湿度
+explain-recorded-pressure = 气压
+explain-recorded-air-temperature = 环境温度
+explain-recorded-times-input = { $signal }与输入之积
+explain-harmonic = 转台第 { $axis } 轴转角，每转 { $order } 次
+explain-lean = 转台第 { $axis } 轴转角 { $angle }° 附近的倾斜
+
+# 所发现因素对各校准项目的影响。
+explain-items-by-angles = JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。
+explain-items-not-estimated = 未能估计所发现因素对各校准项目的影响：{ $reason }
+explain-together = { $clauses }。
+explain-together-move = 全部 { $findings } 项因素合计使 { $elements } 个元素的变化超过 0.05 U
+explain-together-move-most = 全部 { $findings } 项因素合计使 { $elements } 个元素的变化超过 0.05 U，最大为{ $item } { $element }：{ $before } → { $after } { $unit }（{ $expanded } U）
+explain-verdict-change = { $item }：{ $before } → { $after }
+
+# 扣除所发现因素后的校准。
+explain-adopted = 按规范计算之前，已从读数中扣除规范模型未包含的因素：{ $terms }。规范未规定此项处理。
+explain-adopted-term = { $title } ({ $name })
+explain-adopted-term-parameters = { $title } ({ $name }: { $parameters })
+explain-adopted-not-shown = 记录未显示高于噪声的{ $term }（ΔBIC { $bic }）；按指令仍予扣除。
+explain-adopted-motion-unknown = 部分数据行的运动未知，未作扣除：{ $segments }。
+explain-not-adopted-random = 未扣除{ $term }：其过程随机、无参数，不确定度无从给出；仍作为噪声留在读数中。
+explain-budget-line = { $title }，{ $parameter }
