@@ -1,4 +1,4 @@
-"""Bursts: damped swings that start at odd times, all of one frequency and one decay."""
+"""Bursts: damped oscillations that start at odd times, all of one frequency and one decay."""
 
 from dataclasses import dataclass
 
@@ -7,191 +7,158 @@ from scipy.signal import correlate
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
-from schemas.recording import ACCEL, GYRO
-from tasks.explain.events.event import UNITS, named
-from tasks.explain.events.regimes import CHANGES, levels, regimes_at, without_louder
-from tasks.explain.events.ringing import OVER, Ringing, fitted_waves, shape_of, swings
-from tasks.explain.events.swings import FILLED, Swing, standing_out
-from tasks.model.term import Text
-from tasks.motion.whole import Motion
+from tasks.explain.events.event import channel_names
+from tasks.explain.events.motion_states import (
+    RATE_CHANGE,
+    equalised,
+    median_by_state,
+    motion_states,
+)
+from tasks.explain.events.residual import Residual
+from tasks.explain.events.ringing import (
+    LIFETIME,
+    Ringing,
+    RingingFit,
+    damped_wave,
+    fit_amplitude,
+    fit_shape,
+    rows_after,
+)
+from tasks.explain.events.transients import MAX_FILLED, Transient, find_transients
+from tasks.words import message
 
-RATE = 25.0  # Hz, of the blocks that bursts are looked for in
-FALSE_ALARM = 1e-6  # its trials are not quite counted: waves, fadings and starts are correlated
-SURE = 5.0  # of the noise: a further burst of a known wave
-ALIKE = (0.5, 2.0)  # sizes of a further burst, over that of the known one
-FEWEST = 100  # rows
-MOST = 60  # bursts; more are no odd events
-ROUNDS = 3
-SEEN = 4.0  # standard uncertainties from which a channel has the bursts
-LONGEST = 8.0  # s that a burst may fade in
+BLOCK_RATE = 25.0  # Hz, of the means that bursts are looked for in
+FALSE_ALARM = 1e-6  # its trials are not quite counted: waves, decays and starts are correlated
+SIGNIFICANT = 5.0  # of the noise: a further burst of a known wave
+MEDIAN_CHI2 = 0.4549  # of one degree of freedom
+RELATIVE_SIZE = (0.5, 2.0)  # of a further burst, over that of the known one
+MIN_ROWS = 100
+MAX_BURSTS = 60  # more are no odd events
+MAX_ROUNDS = 3
+MAX_DECAY = 8.0  # s
+MAX_TIMES = 8  # that are listed
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """t: (m,) s. left: (m, 6) means; weight: (m, 6) one over their noise, 0 where not known."""
+    """t: (m,) s. values: (m, 6) means; weight: (m, 6) one over their noise, 0 where not known.
+
+    state: (m,) of the motion.
+    """
 
     t: np.ndarray
-    left: np.ndarray
+    values: np.ndarray
     weight: np.ndarray
-    regime: np.ndarray
+    state: np.ndarray
 
 
-@dataclass(frozen=True)
-class Kind:
-    """Bursts of one kind: starts (m,) s, and one wave (6,) complex of them all."""
-
-    starts: np.ndarray
-    wave: np.ndarray
-    gain: np.ndarray
-    frequency: float
-    decay: float
-
-
-def find_bursts(
-    t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
-) -> Ringing | None:
-    """Bursts in what a fit leaves (n, 6), NaN: not known; noise: (n, 6), its level at each row."""
-    if len(t) < FEWEST:
+def find_bursts(residual: Residual) -> Ringing | None:
+    """Bursts in a residual."""
+    if len(residual.t) < MIN_ROWS:
         return None
-    blocks = _blocks(t, residual, noise, motion)
+    blocks = _block_means(residual)
     channels = np.flatnonzero(blocks.weight.any(axis=0))
     if len(channels) == 0:
         return None
-    white = (blocks.left * blocks.weight)[:, channels]
-    strong, looked = standing_out(blocks.t, white, motion, FALSE_ALARM)
-    if not strong or len(strong) > MOST:
+    white = (blocks.values * blocks.weight)[:, channels]
+    strong, searched = find_transients(blocks.t, white, residual.motion, FALSE_ALARM)
+    if not strong or len(strong) > MAX_BURSTS:
         return None
-    kind = _kind(blocks, strong[0])
-    if len(kind.starts) > MOST or kind.decay > LONGEST or _follows_changes(blocks, kind):
+    fit = _all_alike(blocks, strong[0])
+    if len(fit.starts) > MAX_BURSTS or fit.decay > MAX_DECAY or _at_rate_changes(blocks, fit):
         return None
-    p_value = min(1.0, looked * float(gamma.sf(strong[0].power, len(channels))))
-    return _event(kind, p_value)
+    p_value = min(1.0, searched * float(gamma.sf(strong[0].power, len(channels))))
+    count = len(fit.starts)
+    times = ", ".join(f"{start:.0f}" for start in fit.starts[:MAX_TIMES])
+    description = message(
+        "events-bursts", count=count, frequency=f"{fit.frequency:.3g}", decay=f"{fit.decay:.2g}",
+        channels=channel_names(fit.channels), times=times + ", …" * (count > MAX_TIMES),
+    )  # fmt: skip
+    number = FoundParameter(name="bursts", value=float(count), unit="1", u=0.0)
+    # Cramér and Rao: a fading wave tells its decay rate to √(2/gain) of it, and so its frequency.
+    return fit.event(number, float(np.sqrt(2 / fit.gain.sum())), p_value, description)
 
 
-def _blocks(t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion) -> Blocks:
+def _block_means(residual: Residual) -> Blocks:
     """Means of so many rows as make up a block; gaps in the stamps are passed over."""
-    rows = max(1, round(1 / (RATE * float(np.median(np.diff(t))))))
-    starts = np.arange(0, len(t) - rows + 1, rows)
-    known = np.isfinite(residual) & (noise > 0)
-    square = np.divide(1.0, noise**2, out=np.zeros(noise.shape), where=known)
-    heard = np.where(known, residual, 0.0) * square
-    cut = slice(0, len(starts) * rows)
-    information, told = (each[cut].reshape(-1, rows, 6).sum(axis=1) for each in (square, heard))
-    left = np.divide(told, information, out=np.zeros_like(told), where=information > 0)
-    middle = t[cut].reshape(-1, rows).mean(axis=1)
-    return Blocks(middle, left, np.sqrt(information), regimes_at(motion, middle))
+    rows = max(1, round(1 / (BLOCK_RATE * residual.interval)))
+    cut = slice(0, len(residual.t) // rows * rows)
+    squares = residual.weight**2
+    information, weighted = (
+        values[cut].reshape(-1, rows, 6).sum(axis=1) for values in (squares, residual.values * squares)
+    )
+    means = np.divide(weighted, information, out=np.zeros_like(weighted), where=information > 0)
+    middle = residual.t[cut].reshape(-1, rows).mean(axis=1)
+    return Blocks(middle, means, np.sqrt(information), motion_states(residual.motion, middle))
 
 
-def _follows_changes(blocks: Blocks, kind: Kind) -> bool:
+def _at_rate_changes(blocks: Blocks, fit: RingingFit) -> bool:
     """Whether bursts come where the rate changes: what is left of the motion then is no burst."""
-    among = blocks.regime[np.searchsorted(blocks.t, kind.starts).clip(0, len(blocks.t) - 1)]
-    even = float((blocks.regime != CHANGES).mean())
-    return bool((among != CHANGES).sum() < 0.5 * even * len(among))
+    states = blocks.state[np.searchsorted(blocks.t, fit.starts).clip(0, len(blocks.t) - 1)]
+    even = float((blocks.state != RATE_CHANGE).mean())
+    return bool((states != RATE_CHANGE).sum() < 0.5 * even * len(states))
 
 
-def _kind(blocks: Blocks, strongest: Swing) -> Kind:
-    """All bursts that swing as the strongest does, from its shape and then from theirs."""
-    starts = np.array([strongest.start])
+def _all_alike(blocks: Blocks, strongest: Transient) -> RingingFit:
+    """All bursts with the shape of the strongest transient, then with their common shape."""
     frequencies = strongest.frequency * np.array([0.95, 1.0, 1.05])
-    kind = _fitted(blocks, starts, frequencies, strongest.decay * np.array([0.5, 0.8, 1.2, 1.8]))
-    for _ in range(ROUNDS):
-        found = _further(blocks, kind)
-        if len(found) == 0 or len(found) > MOST:
+    decays = strongest.decay * np.array([0.5, 0.8, 1.2, 1.8])
+    fit = _fit(blocks, np.array([strongest.start]), frequencies, decays)
+    for _ in range(MAX_ROUNDS):
+        starts = _matched_starts(blocks, fit)
+        if not 0 < len(starts) <= MAX_BURSTS:
             break
-        kind = _fitted(blocks, found, np.array([kind.frequency]), np.array([kind.decay]))
-    return kind
+        fit = _fit(blocks, starts, np.array([fit.frequency]), np.array([fit.decay]))
+    return fit
 
 
-def _fitted(
+def _fit(
     blocks: Blocks, starts: np.ndarray, frequencies: np.ndarray, decays: np.ndarray
-) -> Kind:
-    """Shape and wave that bursts with these starts have in common."""
-    longest = OVER * float(decays.max())
-    last = np.searchsorted(starts, blocks.t, side="right") - 1
-    age = np.where(last >= 0, blocks.t - starts[np.maximum(last, 0)], np.inf)
-    rows = np.flatnonzero(age < longest)
-    part = age[rows], blocks.left[rows], blocks.weight[rows]
-    frequency, decay = shape_of(*part, frequencies, decays)
-    wave, gain = fitted_waves(*part, frequency, decay)
-    return Kind(starts, wave, gain, frequency, decay)
+) -> RingingFit:
+    """Shape and amplitude that bursts with these starts have in common."""
+    rows, age = rows_after(blocks.t, starts, LIFETIME * float(decays.max()))
+    part = age, blocks.values[rows], blocks.weight[rows]
+    shape = fit_shape(*part, frequencies, decays)
+    return RingingFit(starts, *fit_amplitude(*part, *shape), *shape)
 
 
-def _further(blocks: Blocks, kind: Kind) -> np.ndarray:
-    """Starts (m,) s of all bursts that have the wave of a kind, to a fraction of a block."""
+def _matched_starts(blocks: Blocks, fit: RingingFit) -> np.ndarray:
+    """Starts (m,) s of all bursts of a shape by its matched filter, to a fraction of a block."""
     step = float(np.median(np.diff(blocks.t)))
-    age = np.arange(int(OVER * kind.decay / step)) * step
-    course = (kind.wave * swings(age, kind.frequency, kind.decay)[:, None]).real
+    age = np.arange(int(LIFETIME * fit.decay / step)) * step
+    template = (fit.amplitude * damped_wave(age, fit.frequency, fit.decay)[:, None]).real
     squares = blocks.weight**2
-    told = sum(_correlated(blocks.left[:, c] * squares[:, c], course[:, c]) for c in range(6))
-    information = sum(_correlated(squares[:, c], course[:, c] ** 2) for c in range(6))
-    told, information = np.asarray(told), np.maximum(np.asarray(information), 1e-30)
-    size = told / information
-    sure = told / np.sqrt(information)
-    filled = int(FILLED * kind.decay / step)
-    squares = (sure**2)[:, None]
-    squares = without_louder(squares / np.maximum(levels(squares, blocks.regime) / 0.4549, 1.0),
-                             blocks.regime, filled)  # fmt: skip
-    sure = np.sign(sure) * np.sqrt(squares[:, 0])
-    likely = np.where((size > ALIKE[0]) & (size < ALIKE[1]), sure, 0.0)
-    likely[-max(1, int(kind.decay / step)) :] = 0.0  # too little is left of it to tell
+    matched, information = np.zeros(len(blocks.t)), np.zeros(len(blocks.t))
+    for c in range(6):
+        matched += _correlated(blocks.values[:, c] * squares[:, c], template[:, c])
+        information += _correlated(squares[:, c], template[:, c] ** 2)
+    information = np.maximum(information, 1e-30)
+    size, deviate = matched / information, matched / np.sqrt(information)
+    power = (deviate**2)[:, None]
+    level = np.maximum(median_by_state(power, blocks.state) / MEDIAN_CHI2, 1.0)
+    power = equalised(power / level, blocks.state, int(MAX_FILLED * fit.decay / step))
+    deviate = np.sign(deviate) * np.sqrt(power[:, 0])
+    alike = (size > RELATIVE_SIZE[0]) & (size < RELATIVE_SIZE[1])
+    likely = np.where(alike, deviate, 0.0)
+    likely[-max(1, int(fit.decay / step)) :] = 0.0  # too little is left of it there
     starts = []
-    while likely.max() > SURE:
+    while likely.max() > SIGNIFICANT and len(starts) <= MAX_BURSTS:
         top = int(likely.argmax())
-        starts.append(blocks.t[top] + step * _summit(sure, top))
-        likely[np.abs(blocks.t - blocks.t[top]) < 2 * kind.decay] = 0.0
-        if len(starts) > MOST:
-            break
+        starts.append(blocks.t[top] + step * _parabola_top(deviate, top))
+        likely[np.abs(blocks.t - blocks.t[top]) < 2 * fit.decay] = 0.0
     return np.sort(starts)
 
 
-def _correlated(heard: np.ndarray, course: np.ndarray) -> np.ndarray:
-    """Σ heard[k + j]·course[j], (m,), for each start k."""
-    padded = np.concatenate([heard, np.zeros(len(course) - 1)])
-    return np.asarray(correlate(padded, course, mode="valid", method="fft"))
+def _correlated(values: np.ndarray, template: np.ndarray) -> np.ndarray:
+    """Σ values[k + j]·template[j], (m,), for each start k."""
+    padded = np.concatenate([values, np.zeros(len(template) - 1)])
+    return np.asarray(correlate(padded, template, mode="valid", method="fft"))
 
 
-def _summit(course: np.ndarray, top: int) -> float:
+def _parabola_top(values: np.ndarray, top: int) -> float:
     """Where the parabola through a peak and its neighbours has its top, in steps from the peak."""
-    if not 0 < top < len(course) - 1:
+    if not 0 < top < len(values) - 1:
         return 0.0
-    before, peak, after = course[top - 1 : top + 2]
+    before, peak, after = values[top - 1 : top + 2]
     bend = before - 2 * peak + after
     return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
-
-
-def _event(kind: Kind, p_value: float) -> Ringing:
-    channels = tuple(int(c) for c in np.flatnonzero(kind.gain > SEEN**2))
-    channels = channels or (int(kind.gain.argmax()),)
-    wave = np.where(np.isin(np.arange(6), channels), kind.wave, 0.0)
-    count, gain = len(kind.starts), float(kind.gain.sum())
-    # Cramér and Rao: a fading swing tells its decay rate to √(2/gain) of it, and so its frequency.
-    wide = float(np.sqrt(2 / gain))
-    parameters = [
-        FoundParameter(name="bursts", value=float(count), unit="1", u=0.0),
-        FoundParameter(name="frequency", value=kind.frequency, unit="Hz",
-                       u=wide / (2 * np.pi * kind.decay)),
-        FoundParameter(name="decay", value=kind.decay, unit="s", u=wide * kind.decay),
-    ]  # fmt: skip
-    for channel in channels:
-        size = float(np.abs(wave[channel]))
-        parameters.append(
-            FoundParameter(name=(GYRO + ACCEL)[channel], value=size, unit=UNITS[channel // 3],
-                           u=size / float(np.sqrt(kind.gain[channel])))
-        )  # fmt: skip
-    return Ringing(
-        "unnamed", channels, tuple(parameters), p_value, _said(kind, channels), None,
-        kind.starts, np.tile(wave, (count, 1)), kind.frequency, kind.decay,
-    )  # fmt: skip
-
-
-def _said(kind: Kind, channels: tuple[int, ...]) -> Text:
-    english, chinese = named(channels)
-    when = ", ".join(f"{start:.0f}" for start in kind.starts[:8])
-    when += ", …" if len(kind.starts) > 8 else ""
-    swing = f"{kind.frequency:.3g} Hz"
-    count = len(kind.starts)
-    return (
-        f"{count} bursts of {swing} that fade in {kind.decay:.2g} s, in the {english}, at {when} s",
-        f"{count} 次 {swing} 的突发振荡，衰减时间 {kind.decay:.2g} s，通道：{chinese}，"
-        f"时刻 {when} s",
-    )

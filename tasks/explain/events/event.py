@@ -1,91 +1,90 @@
-"""What an event is: recognised, described, with what it makes of predicted readings."""
+"""An event: an artefact of the readings that is no regressor, and how it changes what is read."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
+from schemas.recording import ACCEL, GYRO
 from tasks.explain.channels import TRIADS
-from tasks.model.term import Text
+from tasks.words import Argument, Message, message
 
-UNITS = ("rad/s", "m/s2")
-TRIAD_NAMES: tuple[Text, Text] = (("gyros", "陀螺"), ("accelerometers", "加速度计"))
-CHANNEL_NAMES: tuple[Text, ...] = tuple(
-    (f"{en} {axis}", f"{zh} {axis}")
-    for en, zh in (("gyro", "陀螺"), ("accelerometer", "加速度计"))
-    for axis in "xyz"
-)
+CHANNELS = GYRO + ACCEL
+UNITS = ("rad/s", "m/s2")  # of a triad
+TRIAD_NAMES = (message("triad-gyro"), message("triad-accel"))
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened to the readings, which no regressor describes.
+    """An artefact of the readings. A subclass says how it changes them.
 
-    effect: its catalogue name, or `unnamed`. channels: 0 to 5 that it is seen in.
-    p_value: corrected for how many were looked for. rows: (n,) bool, where; None: everywhere.
+    effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected.
+    p_value: corrected for the number of hypotheses tested.
     """
 
     effect: str
     channels: tuple[int, ...]
     parameters: tuple[FoundParameter, ...]
     p_value: float
-    description: Text
-    rows: np.ndarray | None
+    description: Message
 
-    def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
-        """The mean reading (n, 6) with the event, given the predicted one (n, 6) without it.
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        """The mean readings (n, 6) with the event, given those predicted (n, 6) without it.
 
-        t: (n,) s. noise: standard deviation of a sample, (6,) or (n, 6).
+        t: (n,) s.
         """
         return predicted
 
-    def freed(
+    def corrected(
         self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        """The readings (n, 6) as they were before the event, and which (n, 6) tell nothing then.
+    ) -> np.ndarray:
+        """The readings (n, 6) without the event, NaN where they carry no information on that.
 
-        before, after: what was predicted without it and with it.
+        before, after: what was predicted without the event and with it.
         """
-        return readings - (after - before), None
+        return readings - (after - before)
 
 
 @dataclass(frozen=True)
 class Events:
     """All events of a recording, in the order in which they act on a reading.
 
-    masked: (n, 6) bool, what a regression must not use. remarks: what is no mismatch but is told.
+    masked: (n, 6) bool, readings that a regression must not use. remarks: observations that are
+    no mismatch.
     """
 
     events: tuple[Event, ...]
     masked: np.ndarray
-    remarks: tuple[Text, ...] = ()
+    remarks: tuple[Message, ...] = ()
 
-    def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
-        """The mean reading (n, 6) with all events, given the predicted one without them."""
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        """The mean readings (n, 6) with all events, given those predicted without any."""
         for event in self.events:
-            predicted = event.applied(t, predicted, noise)
+            predicted = event.applied(t, predicted)
         return predicted
 
-    def undone(
-        self, t: np.ndarray, readings: np.ndarray, predicted: np.ndarray, noise: np.ndarray
+    def corrected(
+        self, t: np.ndarray, readings: np.ndarray, predicted: np.ndarray
     ) -> np.ndarray:
-        """The readings (n, 6) as they were without the events, NaN where that cannot be told."""
-        course = [predicted]
+        """The readings (n, 6) without the events, NaN where they carry no information on that."""
+        stages = [predicted]
         for event in self.events:
-            course.append(event.applied(t, course[-1], noise))
-        for event, before, after in reversed(
-            list(zip(self.events, course[:-1], course[1:], strict=True))
-        ):
-            readings, untold = event.freed(readings, before, after)
-            if untold is not None:
-                readings = np.where(untold, np.nan, readings)
+            stages.append(event.applied(t, stages[-1]))
+        for event, (before, after) in reversed([*zip(self.events, pairwise(stages), strict=True)]):
+            readings = event.corrected(readings, before, after)
         return readings
 
 
-def named(channels: tuple[int, ...]) -> Text:
-    """The channels in words."""
-    for triad, names in zip(TRIADS, TRIAD_NAMES, strict=True):
-        if channels == triad:
-            return names
-    english = ", ".join(CHANNEL_NAMES[channel][0] for channel in channels)
-    return english, "、".join(CHANNEL_NAMES[channel][1] for channel in channels)
+def channel_names(channels: tuple[int, ...]) -> Argument:
+    """The channels as an argument of a message: a whole triad by its name, others one by one."""
+    if channels in TRIADS:
+        return TRIAD_NAMES[TRIADS.index(channels)]
+    return tuple(message(f"channel-{CHANNELS[channel]}") for channel in channels)
+
+
+def amplitude_parameter(
+    channel: int, value: float, u: float, suffix: str = ""
+) -> FoundParameter:
+    """An amplitude in one channel, named after it."""
+    return FoundParameter(name=CHANNELS[channel] + suffix, value=value, unit=UNITS[channel // 3], u=u)

@@ -6,6 +6,7 @@ x + Σ_k (−1)^k·(q/πk)·exp(−2π²k²σ²/q²)·sin(2πkx/q)
 no concern.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,146 +14,196 @@ from scipy.special import ndtr
 from scipy.stats import chi2
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.channels import GYROS, TRIADS
+from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
-from tasks.explain.events.plain import BLOCK
-from tasks.explain.events.steps import Codes, codes_of
-from tasks.model.term import Text
+from tasks.explain.events.noise import BLOCK
+from tasks.words import Message, message
 
+OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
+MIN_ON_CODE = 0.98  # share of the values that must lie on the codes; a limit need not
 FINE = 0.6  # noise per step from which a step shifts no mean by more than 3e-4 of it
 NOISES = np.geomspace(0.04, 1.5, 40)  # σ in steps that are tried
 PHASES = np.linspace(-0.5, 0.5, 33)[:-1]  # where the mean may lie between two codes
-WIDE = 6  # codes beside the middle one that are counted
+MAX_OFF = 6  # codes beside the middle one that are counted
+CODES = np.arange(-MAX_OFF, MAX_OFF + 1)[:, None]
+EDGES = np.arange(-MAX_OFF, MAX_OFF + 2)[:, None] - 0.5
 CELLS = 256  # between two codes
-TOLD = 0.3  # of what a reading without steps tells of its mean: less is left out
+MIN_INFORMATION = 0.3  # of a reading's without steps: one with less is left out
 STEADY = 0.15  # steps: how far the predicted reading may move within a block
-MOST = 400  # blocks that are looked at
-SURE = 1e-4 / 6
+MAX_BLOCKS = 400  # that are looked at
+SIGNIFICANT = 1e-4 / 6
+
+
+@dataclass(frozen=True)
+class Quantiser:
+    """Readings are offset + step·k with whole k; step: rad/s or m/s²."""
+
+    step: float
+    offset: float
 
 
 @dataclass(frozen=True)
 class Quantisation(Event):
-    """codes: of each channel with visible steps. noises: σ before rounding, of each of them."""
+    """quantisers: of each channel with visible steps. noises: σ before rounding, of each."""
 
-    codes: tuple[Codes, ...]
+    quantisers: tuple[Quantiser, ...]
     noises: tuple[float, ...]
 
-    def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         rounded = predicted.copy()
-        for channel, codes, before in zip(self.channels, self.codes, self.noises, strict=True):
-            rounded[:, channel] += rounding(predicted[:, channel], codes, before)
+        for channel, quantiser, noise in self._channels():
+            rounded[:, channel] += rounding_bias(predicted[:, channel], quantiser, noise)
         return rounded
 
-    def freed(
+    def corrected(
         self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray | None]:
+    ) -> np.ndarray:
         """Working readings of a fit by maximum likelihood (Fisher's scoring).
 
-        Between two codes, far from the edge, a reading tells next to nothing of the mean.
+        Between two codes, far from the edge, a reading carries next to no information on the mean.
         """
-        freed, untold = readings.copy(), np.zeros(readings.shape, bool)
-        for channel, codes, noise in zip(self.channels, self.codes, self.noises, strict=True):
-            slope, variance = _response(before[:, channel], codes, noise)
-            told = slope**2 * noise**2 > TOLD * variance
-            step = (readings[:, channel] - after[:, channel]) / np.where(told, slope, 1.0)
-            freed[:, channel] = before[:, channel] + np.clip(step, -codes.step, codes.step)
-            untold[:, channel] = ~told
-        return freed, untold
+        working = readings.copy()
+        for channel, quantiser, noise in self._channels():
+            slope, variance = _response(before[:, channel], quantiser, noise)
+            informative = slope**2 * noise**2 > MIN_INFORMATION * variance
+            step = (readings[:, channel] - after[:, channel]) / np.where(informative, slope, 1.0)
+            step = np.clip(step, -quantiser.step, quantiser.step)
+            working[:, channel] = np.where(informative, before[:, channel] + step, np.nan)
+        return working
+
+    def _channels(self) -> "zip[tuple[int, Quantiser, float]]":
+        return zip(self.channels, self.quantisers, self.noises, strict=True)
+
+    def noise_floor(self, noise: np.ndarray) -> np.ndarray:
+        """The noise (n, 6), at least that of the rounding: near a code nothing scatters."""
+        floored = noise.copy()
+        for channel, quantiser, _ in self._channels():
+            floored[:, channel] = np.fmax(floored[:, channel], quantiser.step / np.sqrt(12))
+        return floored
 
 
 @dataclass(frozen=True)
-class Seen:
-    """The steps of one channel. ratio: noise per step; u: of it. p_value: that ratio is fine."""
+class NoiseEstimate:
+    """The noise of one channel per step, with its u; p_value: that the steps do not show."""
 
     channel: int
-    codes: Codes
+    quantiser: Quantiser
     ratio: float
     u: float
     p_value: float
 
+    @property
+    def coarse(self) -> bool:
+        """Whether the steps show."""
+        return self.ratio < FINE and self.p_value < SIGNIFICANT
 
-def rounding(mean: np.ndarray, codes: Codes, noise: float) -> np.ndarray:
+
+def quantiser_of(readings: np.ndarray) -> Quantiser | None:
+    """The codes of one channel (n,), by the common divisor of the differences of its readings.
+
+    None for a dead channel and for readings without a step.
+    """
+    values = np.unique(readings[np.isfinite(readings)])
+    if len(values) < 3:
+        return None
+    apart = np.diff(values)
+    apart = apart[apart > 1e-9 * np.abs(values).max()]
+    if len(apart) < 2:
+        return None
+    step, origin = float(apart.min()), float(values[np.abs(values).argmin()])
+    for span in (30.0, 1e3, 1e5, np.inf):  # outwards, for a rough step miscounts what is far
+        near = values[np.abs(values - origin) <= span * step]
+        codes = np.round((near - origin) / step)
+        if codes.any():
+            slope, start = np.polyfit(codes, near, 1)
+            step, origin = float(slope), float(start)
+    off = np.abs(values - origin - step * np.round((values - origin) / step))
+    if not (off <= OFF_CODE * step).mean() >= MIN_ON_CODE:
+        return None
+    return Quantiser(step, origin - step * round(origin / step))
+
+
+def rounding_bias(mean: np.ndarray, quantiser: Quantiser, noise: float) -> np.ndarray:
     """How far rounding shifts the mean reading (n,), by the series above."""
-    ratio = noise / codes.step
-    phase = 2 * np.pi * (mean - codes.offset) / codes.step
+    ratio = noise / quantiser.step
+    phase = 2 * np.pi * (mean - quantiser.offset) / quantiser.step
     shift = np.zeros(len(mean))
     for k in range(1, int(np.clip(np.ceil(0.84 / ratio), 1, 60)) + 1):
         weight = (-1) ** k / (np.pi * k) * np.exp(-2 * (np.pi * k * ratio) ** 2)
         shift += weight * np.sin(k * phase)
-    return codes.step * shift
+    return quantiser.step * shift
 
 
-def _response(mean: np.ndarray, codes: Codes, noise: float) -> tuple[np.ndarray, np.ndarray]:
+def _response(
+    mean: np.ndarray, quantiser: Quantiser, noise: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Derivative (n,) of the mean reading by the mean before rounding, and a reading's variance."""
-    ratio = noise / codes.step
+    ratio = noise / quantiser.step
     phase = np.linspace(-0.5, 0.5, CELLS + 1)
-    code = np.arange(-WIDE, WIDE + 1)[:, None]
-    edges = np.arange(-WIDE, WIDE + 2)[:, None] - 0.5
-    chance = np.diff(ndtr((edges - phase) / ratio), axis=0)
-    middle = (code * chance).sum(axis=0)
-    variance = (code**2 * chance).sum(axis=0) - middle**2
-    density = np.exp(-0.5 * ((edges - phase) / ratio) ** 2) / (np.sqrt(2 * np.pi) * ratio)
-    slope = -(code * np.diff(density, axis=0)).sum(axis=0)
-    at = (mean - codes.offset) / codes.step
+    deviate = (EDGES - phase) / ratio
+    probability = np.diff(ndtr(deviate), axis=0)
+    middle = (CODES * probability).sum(axis=0)
+    variance = (CODES**2 * probability).sum(axis=0) - middle**2
+    density = np.exp(-0.5 * deviate**2) / (np.sqrt(2 * np.pi) * ratio)
+    slope = -(CODES * np.diff(density, axis=0)).sum(axis=0)
+    at = (mean - quantiser.offset) / quantiser.step
     within = np.nan_to_num(at - np.round(at))
     return (
         np.interp(within, phase, slope),
-        np.interp(within, phase, np.maximum(variance, 1e-9)) * codes.step**2,
+        np.interp(within, phase, np.maximum(variance, 1e-9)) * quantiser.step**2,
     )
 
 
 def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisation | None:
     """Steps that are visible above the noise; predicted: (n, 6), NaN where it is not known."""
-    seen = []
-    for channel in range(6):
-        codes = codes_of(readings[:, channel])
-        if codes is not None:
-            one = _seen(channel, codes, readings[:, channel], predicted[:, channel])
-            if one is not None and one.ratio < FINE and one.p_value < SURE:
-                seen.append(one)
-    if not seen:
+    every = (_noise_of(channel, readings[:, channel], predicted[:, channel]) for channel in range(6))
+    estimates = [each for each in every if each is not None and each.coarse]
+    if not estimates:
         return None
+    parameters, texts = zip(*_by_triad(estimates), strict=True)
+    both = message("events-quantisation-both", first=texts[0], second=texts[-1])
     return Quantisation(
-        "coarse_quantisation", tuple(each.channel for each in seen), _parameters(seen),
-        min(1.0, 6 * min(each.p_value for each in seen)), _said(seen), None,
-        tuple(each.codes for each in seen),
-        tuple(each.ratio * each.codes.step for each in seen),
+        "coarse_quantisation", tuple(each.channel for each in estimates), parameters,
+        min(1.0, 6 * min(each.p_value for each in estimates)),
+        both if len(texts) > 1 else texts[0],
+        tuple(each.quantiser for each in estimates),
+        tuple(each.ratio * each.quantiser.step for each in estimates),
     )  # fmt: skip
 
 
-def _seen(channel: int, codes: Codes, readings: np.ndarray, predicted: np.ndarray) -> Seen | None:
+def _noise_of(channel: int, readings: np.ndarray, predicted: np.ndarray) -> NoiseEstimate | None:
     """Maximum likelihood of the noise before rounding, each block with a mean of its own."""
-    counted = _counts(codes, readings, predicted)
-    if len(counted) == 0:
+    quantiser = quantiser_of(readings)
+    if quantiser is None:
         return None
-    likelihood = np.array([(counted @ _log_odds(ratio)).max(axis=1).sum() for ratio in NOISES])
+    counts = _code_counts(quantiser, readings, predicted)
+    if not len(counts):
+        return None
+    likelihood = np.array([(counts @ _log_odds(ratio)).max(axis=1).sum() for ratio in NOISES])
     best = int(likelihood.argmax())
     least = likelihood[NOISES >= FINE].max()
     p_value = float(chi2.sf(2 * (likelihood[best] - least), 1)) if NOISES[best] < FINE else 1.0
-    ratio, u = _peak(likelihood, best)
-    return Seen(channel, codes, ratio, u, p_value)
+    return NoiseEstimate(channel, quantiser, *_peak(likelihood, best), p_value)
 
 
-def _counts(codes: Codes, readings: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """How often each code (blocks, 2·WIDE + 1) about the middle one, in blocks that are steady."""
+def _code_counts(
+    quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray
+) -> np.ndarray:
+    """How often each code (blocks, 2·MAX_OFF + 1) about the middle one, in steady blocks."""
     blocks = len(readings) // BLOCK
     cut = slice(0, blocks * BLOCK)
-    number = np.round((readings[cut] - codes.offset) / codes.step).reshape(blocks, BLOCK)
-    wander = np.ptp(predicted[cut].reshape(blocks, BLOCK), axis=1) / codes.step
-    steady = np.isfinite(number).all(axis=1) & ~(wander > STEADY)
-    number = number[steady]
+    number = np.round((readings[cut] - quantiser.offset) / quantiser.step).reshape(blocks, BLOCK)
+    wander = np.ptp(predicted[cut].reshape(blocks, BLOCK), axis=1) / quantiser.step
+    number = number[np.isfinite(number).all(axis=1) & ~(wander > STEADY)]
     about = number - np.median(number, axis=1).round()[:, None]
-    about = about[(np.abs(about) <= WIDE).all(axis=1)].astype(int)
-    about = about[:: len(about) // MOST + 1] + WIDE
-    wide = 2 * WIDE + 1
-    cells = np.arange(len(about))[:, None] * wide + about
-    return np.bincount(cells.ravel(), minlength=len(about) * wide).reshape(-1, wide)
+    about = about[(np.abs(about) <= MAX_OFF).all(axis=1)].astype(int)
+    about = about[:: len(about) // MAX_BLOCKS + 1]
+    return np.asarray((about[:, :, None] == CODES[:, 0]).sum(axis=1))
 
 
 def _log_odds(ratio: float) -> np.ndarray:
-    """Log probability (2·WIDE + 1, phases) of each code, for noise in steps."""
-    edges = np.arange(-WIDE, WIDE + 2)[:, None] - 0.5 - PHASES
-    return np.log(np.maximum(np.diff(ndtr(edges / ratio), axis=0), 1e-12))
+    """Log probability (2·MAX_OFF + 1, phases) of each code, for noise in steps."""
+    return np.log(np.maximum(np.diff(ndtr((EDGES - PHASES) / ratio), axis=0), 1e-12))
 
 
 def _peak(likelihood: np.ndarray, best: int) -> tuple[float, float]:
@@ -165,27 +216,20 @@ def _peak(likelihood: np.ndarray, best: int) -> tuple[float, float]:
     return ratio, ratio / float(np.sqrt(-2 * square))
 
 
-def _parameters(seen: list[Seen]) -> tuple[FoundParameter, ...]:
-    """The step of each triad; it is read from the codes, exact but for their rounding."""
-    found = []
+def _by_triad(estimates: list[NoiseEstimate]) -> Iterator[tuple[FoundParameter, Message]]:
+    """Each triad's step, which is exact but for the rounding of the codes, and in words."""
     for triad, name in enumerate(("gyro", "accel")):
-        steps = [each.codes.step for each in seen if each.channel in TRIADS[triad]]
-        if steps:
-            u = max(float(np.std(steps)), 1e-6 * steps[0])
-            value = float(np.mean(steps))
-            found.append(FoundParameter(name=name, value=value, unit=UNITS[triad], u=u))
-    return tuple(found)
+        own = [each for each in estimates if each.channel in TRIADS[triad]]
+        if not own:
+            continue
+        steps = [each.quantiser.step for each in own]
+        step, u = float(np.mean(steps)), max(float(np.std(steps)), 1e-6 * steps[0])
+        ratio = 1 / float(np.median([each.ratio for each in own]))
+        yield (
+            FoundParameter(name=name, value=step, unit=UNITS[triad], u=u),
+            message(
+                "events-quantisation", sensors=TRIAD_NAMES[triad],
+                step=f"{step:.4g} {UNITS[triad]}", ratio=f"{ratio:.1f}",
+            ),
+        )  # fmt: skip
 
-
-def _said(seen: list[Seen]) -> Text:
-    english, chinese = [], []
-    for triad in (0, 1):
-        own = [each for each in seen if (each.channel in GYROS) == (triad == 0)]
-        if own:
-            step = float(np.mean([each.codes.step for each in own]))
-            times = 1 / float(np.median([each.ratio for each in own]))
-            en, zh = TRIAD_NAMES[triad]
-            width = f"{step:.4g} {UNITS[triad]}"
-            english.append(f"the {en} step by {width}, {times:.1f} times the noise")
-            chinese.append(f"{zh}的步距为 {width}，是噪声的 {times:.1f} 倍")
-    return "; ".join(english), "；".join(chinese)

@@ -1,89 +1,139 @@
-"""Damped swings that start at some times: what clicks and bursts make of the readings."""
+"""Damped oscillations that start at some times: what impacts and bursts add to the readings."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
 
-from tasks.explain.events.event import Event
+from schemas.discrepancy import FoundParameter
+from tasks.explain.events.event import Event, amplitude_parameter
+from tasks.words import Message
 
-REACH = 1.5  # beyond a grid that a shape may lie
-OVER = 7.0  # decay times after which nothing is left of a swing
+BEYOND_GRID = 1.5  # times that a shape may lie beyond a grid
+LIFETIME = 7.0  # decay times after which nothing is left of an oscillation
+SIGNIFICANT = 4.0  # standard uncertainties from which a channel has the oscillation
 
 
 @dataclass(frozen=True)
 class Ringing(Event):
-    """starts: (m,) s, rising. waves: (m, 6) complex, adding Re(wave·exp((2πi·f − 1/decay)·age)).
+    """starts: (m,) s, rising. amplitude: (6,) complex, of all alike, 0 in channels without.
 
-    frequency: Hz. decay: s.
+    Each adds Re(amplitude·exp((2πi·f − 1/decay)·age)). frequency: Hz. decay: s.
     """
 
     starts: np.ndarray
-    waves: np.ndarray
+    amplitude: np.ndarray
     frequency: float
     decay: float
 
-    def applied(self, t: np.ndarray, predicted: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         rung = predicted.copy()
         last = np.searchsorted(self.starts, t, side="right") - 1
-        lasts = OVER * self.decay
-        first = np.searchsorted(self.starts, t - lasts, side="right")
+        first = np.searchsorted(self.starts, t - LIFETIME * self.decay, side="right")
         for back in range(int((last - first).max(initial=-1)) + 1):
             rows = np.flatnonzero(last - back >= first)
-            which = last[rows] - back
-            swing = swings(t[rows] - self.starts[which], self.frequency, self.decay)
-            rung[rows] += (self.waves[which] * swing[:, None]).real
+            age = t[rows] - self.starts[last[rows] - back]
+            wave = damped_wave(age, self.frequency, self.decay)
+            rung[rows] += (self.amplitude * wave[:, None]).real
         return rung
 
 
-def swings(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:
+@dataclass(frozen=True)
+class RingingFit:
+    """Oscillations of one shape: starts (m,) s, one complex amplitude (6,) of them all, and the
+    chi-squared (6,) that it gains. frequency: Hz. decay: s."""
+
+    starts: np.ndarray
+    amplitude: np.ndarray
+    gain: np.ndarray
+    frequency: float
+    decay: float
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """The channels in which it is significant; at least the strongest."""
+        significant = np.flatnonzero(self.gain > SIGNIFICANT**2)
+        return tuple(significant.tolist()) or (int(self.gain.argmax()),)
+
+    def event(
+        self, number: FoundParameter, relative_u: float, p_value: float, description: Message
+    ) -> Ringing:
+        """The event; number: of the oscillations. relative_u: of the decay time."""
+        found = [
+            number,
+            FoundParameter(
+                name="frequency", value=self.frequency, unit="Hz",
+                u=relative_u / (2 * np.pi * self.decay),
+            ),
+            FoundParameter(name="decay", value=self.decay, unit="s", u=relative_u * self.decay),
+        ]  # fmt: skip
+        for channel in self.channels:
+            size = float(np.abs(self.amplitude[channel]))
+            found.append(amplitude_parameter(channel, size, size / float(np.sqrt(self.gain[channel]))))
+        amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
+        return Ringing(
+            "unnamed", self.channels, tuple(found), p_value, description, self.starts, amplitude,
+            self.frequency, self.decay,
+        )  # fmt: skip
+
+
+def damped_wave(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:
     """exp((2πi·f − 1/decay)·age), complex (n,)."""
     return np.asarray(np.exp((2j * np.pi * frequency - 1 / decay) * age))
 
 
-def fitted_waves(
-    age: np.ndarray, left: np.ndarray, weight: np.ndarray, frequency: float, decay: float
+def rows_after(
+    t: np.ndarray, starts: np.ndarray, longest: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Waves (6,) complex of swings of the same shape, and the chi-squared (6,) that they gain.
+    """Rows less than so long (s) after the last of the starts (m,) s, and their age in s."""
+    last = np.searchsorted(starts, t, side="right") - 1
+    age = np.where(last >= 0, t - starts[np.maximum(last, 0)], np.inf)
+    rows = np.flatnonzero(age < longest)
+    return rows, age[rows]
 
-    age: (n,) s since the start. left: (n, 6), 0 where not known. weight: (n, 6) one over the
+
+def fit_amplitude(
+    age: np.ndarray, values: np.ndarray, weight: np.ndarray, frequency: float, decay: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Complex amplitude (6,) of oscillations of one shape, and the chi-squared (6,) it gains.
+
+    age: (n,) s since the start. values: (n, 6), 0 where not known. weight: (n, 6) one over the
     noise, 0 where not known.
     """
-    swing = swings(age, frequency, decay)
-    columns = np.column_stack([swing.real, -swing.imag])
+    wave = damped_wave(age, frequency, decay)
+    columns = np.column_stack([wave.real, -wave.imag])
     squares = weight**2
-    right = columns.T @ (left * squares)  # (2, 6)
+    right = columns.T @ (values * squares)  # (2, 6)
     products = np.einsum("ni,nj->nij", columns, columns).reshape(len(age), 4)
     normal = (products.T @ squares).T.reshape(6, 2, 2)
     parts = np.einsum("cij,jc->ci", np.linalg.pinv(normal, hermitian=True), right)
     return parts[:, 0] + 1j * parts[:, 1], np.einsum("ci,ic->c", parts, right)
 
 
-def shape_of(
+def fit_shape(
     age: np.ndarray,
-    left: np.ndarray,
+    values: np.ndarray,
     weight: np.ndarray,
     frequencies: np.ndarray,
     decays: np.ndarray,
 ) -> tuple[float, float]:
-    """Frequency (Hz) and decay (s) that gain most, from a grid and then closely."""
+    """Frequency (Hz) and decay (s) that gain most, on a grid and then by a simplex search."""
 
     def cost(log: np.ndarray) -> float:
-        frequency, decay = np.exp(log)
-        return -float(fitted_waves(age, left, weight, frequency, decay)[1].sum())
+        return -float(fit_amplitude(age, values, weight, *np.exp(log))[1].sum())
 
     grid = [(cost(np.log([f, d])), f, d) for f in frequencies for d in decays]
     _, frequency, decay = min(grid)
     best = minimize(cost, np.log([frequency, decay]), method="Nelder-Mead",
-                    bounds=bounds_of(frequencies, decays),
+                    bounds=log_bounds(frequencies, decays),
                     options={"xatol": 1e-3, "fatol": 0.01, "maxiter": 80})  # fmt: skip
     frequency, decay = np.exp(best.x)
     return float(frequency), float(decay)
 
 
-def bounds_of(frequencies: np.ndarray, decays: np.ndarray) -> list[tuple[float, float]]:
+def log_bounds(frequencies: np.ndarray, decays: np.ndarray) -> list[tuple[float, float]]:
     """Logarithms that a search from a grid may reach."""
     return [
-        (float(np.log(grid.min() / REACH)), float(np.log(grid.max() * REACH)))
+        (float(np.log(grid.min() / BEYOND_GRID)), float(np.log(grid.max() * BEYOND_GRID)))
         for grid in (frequencies, decays)
     ]

@@ -1,14 +1,16 @@
-"""The power of what a fit leaves at each frequency, over that of the noise about it."""
+"""The power of a residual at each frequency, over that of the noise about it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
+from tasks.explain.events.residual import Residual
+
 SLOWEST = 1.0  # Hz; what is slower is left to the regression
-STRETCH = 1024  # bins that tell the level of the noise about a line
+LEVEL_BINS = 1024  # that the level of the noise about a line is estimated from
 TAPER = 0.02  # of the recording, at either end
-LONGEST = 4  # times its rows that a recording may last, gaps included
+MAX_STRETCH = 4  # times its rows that a recording may last, gaps included
 
 
 @dataclass(frozen=True)
@@ -27,12 +29,12 @@ class Spectrum:
         return np.asarray(self.level[int(np.abs(self.frequency - frequency).argmin())])
 
 
-def spectrum_of(t: np.ndarray, white: np.ndarray) -> Spectrum:
-    """The spectrum of readings divided by their noise (n, 6), 0 where not known."""
+def spectrum_of(residual: Residual) -> Spectrum:
+    """The spectrum of the whitened residual, tapered at both ends."""
+    t, white, interval = residual.t, residual.white, residual.interval
     channels = np.flatnonzero(white.any(axis=0))
-    interval = float(np.median(np.diff(t)))
     place = np.round((t - t[0]) / interval).astype(int)
-    if place[-1] > LONGEST * len(t) or (np.diff(place) < 1).any():
+    if place[-1] > MAX_STRETCH * len(t) or (np.diff(place) < 1).any():
         place = np.arange(len(t))
     count = int(place[-1]) + 1
     edge = np.minimum(1.0, np.arange(1, count + 1) / max(TAPER * count, 1.0))
@@ -44,19 +46,22 @@ def spectrum_of(t: np.ndarray, white: np.ndarray) -> Spectrum:
     for k, channel in enumerate(channels):
         even = np.zeros(count, np.float32)  # half the work, and exact enough
         even[place] = white[:, channel]
-        heard = rfft((even - even.mean()) * taper, size)[inside]
-        power = heard.real**2 + heard.imag**2
-        about = _about(power)
-        total += np.divide(power, about, out=np.zeros_like(power), where=about > 0)
-        level[:, k] = about / max(float((taper[place] ** 2)[white[:, channel] != 0].sum()), 1.0)
+        transform = rfft((even - even.mean()) * taper, size)[inside]
+        power = transform.real**2 + transform.imag**2
+        noise = noise_level(power)
+        total += np.divide(power, noise, out=np.zeros_like(power), where=noise > 0)
+        level[:, k] = noise / max(float((taper[place] ** 2)[white[:, channel] != 0].sum()), 1.0)
     return Spectrum(total, level, frequency[inside], channels)
 
 
-def _about(power: np.ndarray) -> np.ndarray:
-    """The mean (bins,) that a bin's neighbours tell: their median over ln 2."""
-    stretches = len(power) // STRETCH
-    if stretches == 0:
+def noise_level(power: np.ndarray) -> np.ndarray:
+    """The mean power (bins,) of the noise about each bin: its neighbours' median over ln 2.
+
+    0 where there are too few bins to tell.
+    """
+    pieces = len(power) // LEVEL_BINS
+    if pieces == 0:
         return np.zeros(len(power))
-    level = np.median(power[: stretches * STRETCH].reshape(stretches, STRETCH), axis=1)
-    middle = (np.arange(stretches) + 0.5) * STRETCH
+    level = np.median(power[: pieces * LEVEL_BINS].reshape(pieces, LEVEL_BINS), axis=1)
+    middle = (np.arange(pieces) + 0.5) * LEVEL_BINS
     return np.asarray(np.interp(np.arange(len(power)), middle, level) / np.log(2))

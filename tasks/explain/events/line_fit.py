@@ -1,0 +1,104 @@
+"""One spectral line: its frequency and amplitudes by least squares, and whether it is steady."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import gamma
+
+from tasks.explain.events.residual import Residual
+from tasks.explain.events.spectrum import Spectrum
+
+PIECES = 24  # of the recording, in each of which a line must be
+LOUDEST = 8  # pieces without which a line must still be there
+MIN_IN_OTHERS = 0.4  # of what a line would have in the other pieces, that must be there
+MIN_IN_STATE = 0.5  # of what a line would have at rest, or in rotation, that must be there
+SIGNIFICANT = 3.0  # standard uncertainties from which a channel has the line
+OFFSETS = np.linspace(-1.0, 1.0, 401)  # frequencies that are tried, over one per span
+ROTATING = 0.05  # rad/s
+
+
+@dataclass(frozen=True)
+class Line:
+    """A sine wave. amplitudes: (6,) complex, reading Re(amplitude·exp(2πi·f·t)); u: (6,) of one.
+
+    power: over that of the noise, summed over channels. p_value: corrected.
+    """
+
+    frequency: float
+    u_frequency: float
+    amplitudes: np.ndarray
+    u: np.ndarray
+    power: float
+    p_value: float
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """The channels in which the line is significant; at least the strongest."""
+        size = np.abs(self.amplitudes) / self.u
+        return tuple(np.flatnonzero(size > SIGNIFICANT).tolist()) or (int(size.argmax()),)
+
+    def signal(self, t: np.ndarray) -> np.ndarray:
+        """What the line adds to the readings (n, 6), in the channels that have it."""
+        added = np.zeros((len(t), 6))
+        wave = np.exp(2j * np.pi * self.frequency * t)
+        for channel in self.channels:
+            added[:, channel] = (self.amplitudes[channel] * wave).real
+        return added
+
+
+def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) -> Line:
+    """The line at about a frequency (Hz), by least squares; tried: frequencies in all."""
+    channels, span = spectrum.channels, residual.span
+    sums, information = _demodulated(residual, near)
+    starts = _piece_starts(len(residual.t))
+    rows = np.diff(np.append(starts, len(residual.t)))
+    middle = np.add.reduceat(residual.t, starts) / rows
+    total = information.sum(axis=0)[channels]
+    level = spectrum.level_at(near)
+    offsets = OFFSETS / span
+    shifted = np.exp(-2j * np.pi * offsets[:, None] * middle) @ sums[:, channels]
+    powers = (np.abs(shifted) ** 2 / (2 * total * level)).sum(axis=1)
+    best = int(powers.argmax())
+    power = float(powers[best])
+    amplitudes, u = np.zeros(6, complex), np.full(6, np.inf)
+    amplitudes[channels] = shifted[best] / total
+    u[channels] = np.sqrt(level / total)
+    # Cramér and Rao's bound of the frequency of a sine wave in white noise.
+    u_frequency = np.sqrt(1.5 / power) / (np.pi * span)
+    p_value = min(1.0, float(tried * gamma.sf(power, len(channels))))
+    frequency = near + float(offsets[best])
+    return Line(frequency, float(u_frequency), amplitudes, u, power, p_value)
+
+
+def is_steady(residual: Residual, line: Line) -> bool:
+    """Whether a line is there all the time, at rest and in rotation."""
+    sums, information = _demodulated(residual, line.frequency)
+    parts = (sums * line.amplitudes.conj()).real.sum(axis=1)
+    expected = (information * np.abs(line.amplitudes) ** 2).sum(axis=1)
+    others = np.argsort(parts)[:-LOUDEST]
+    if parts[others].sum() <= MIN_IN_OTHERS * expected[others].sum():
+        return False
+    rotating = np.linalg.norm(residual.motion.rate, axis=1) > ROTATING
+    return all(_present(residual, line, rows) for rows in (rotating, ~rotating))
+
+
+def _present(residual: Residual, line: Line, rows: np.ndarray) -> bool:
+    """Whether rows (n,) bool have their part in a line, as far as noise allows."""
+    wave = np.exp(-2j * np.pi * line.frequency * residual.t[rows])
+    information = (residual.weight[rows] ** 2).sum(axis=0) / 2
+    expected = float((information * np.abs(line.amplitudes) ** 2).sum())
+    sums = wave @ (residual.white[rows] * residual.weight[rows])
+    part = float((sums * line.amplitudes.conj()).real.sum())
+    return part >= MIN_IN_STATE * expected - np.sqrt(expected)
+
+
+def _piece_starts(rows: int) -> np.ndarray:
+    return np.linspace(0, rows, PIECES + 1).astype(int)[:-1]
+
+
+def _demodulated(residual: Residual, frequency: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of each piece (PIECES, 6): the sum of readings times the wave, and the information."""
+    wave = np.exp(-2j * np.pi * frequency * residual.t)
+    starts = _piece_starts(len(residual.t))
+    sums = np.add.reduceat((residual.white * residual.weight) * wave[:, None], starts, axis=0)
+    return sums, np.add.reduceat(residual.weight**2, starts, axis=0) / 2

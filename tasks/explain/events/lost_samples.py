@@ -1,0 +1,161 @@
+"""Dropped samples: lost on the way, with stamps counted up from what arrived.
+
+After each loss the stamps lag behind by so many sample intervals, so that a reading stamped t was
+taken at t + δ, and differs from what is predicted for t by δ·dy/dt.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import EVERY
+from tasks.explain.events.delay_steps import staircase
+from tasks.explain.events.event import Event
+from tasks.explain.events.noise import interpolated, noise_by_rate
+from tasks.explain.events.plain import predictions as plain_prediction
+from tasks.explain.events.window_delays import (
+    MODEL_U,
+    WindowDelays,
+    delays_by_grid,
+    delays_by_slope,
+    oscillates,
+)
+from tasks.motion.whole import Motion
+from tasks.words import Message, message
+
+FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
+GAP = 1.5  # sample intervals between two stamps, from which rows are missing
+
+
+@dataclass(frozen=True)
+class LostSamples(Event):
+    """times: (k,) s, stamps from which on. lost: (k,) whole samples. interval: s."""
+
+    times: np.ndarray
+    lost: np.ndarray
+    interval: float
+
+    def sampled_at(self, t: np.ndarray) -> np.ndarray:
+        """When the readings stamped t (n,) s were taken, s."""
+        before = np.searchsorted(self.times, t, side="right")
+        return t + np.concatenate([[0], np.cumsum(self.lost)])[before] * self.interval
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return interpolated(self.sampled_at(t), t, predicted)
+
+
+@dataclass(frozen=True)
+class Jump:
+    """A loss: from which stamp on (s, and its u), and how many samples."""
+
+    time: float
+    u: float
+    lost: float
+
+
+def find_lost_samples(
+    t: np.ndarray,
+    readings: np.ndarray,
+    motion: Motion,
+    predicted: np.ndarray,
+    noise: np.ndarray,
+    masked: np.ndarray,
+) -> LostSamples | None:
+    """Losses that the stamps do not show.
+
+    predicted, noise: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs.
+    """
+    if len(t) < 3 or not motion.known.any():
+        return None
+    interval = float(np.median(np.diff(t)))
+    slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
+    slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
+    oscillating = oscillates(motion)
+    used = np.where(masked, np.nan, readings)
+    event: LostSamples | None = None
+    for _ in range(2):  # the second time with a fit that the losses do not disturb
+        if oscillating:
+            delays: WindowDelays = delays_by_grid(t, used[:, :3], predicted[:, :3])
+        else:
+            delays = delays_by_slope(t, used - predicted, predicted, slope, noise)
+        path = staircase(delays)
+        if path is None:
+            return None
+        if oscillating:
+            step = np.clip(np.searchsorted(delays.at, t), 0, len(path) - 1)
+            late = np.median(delays.delay - path) + path[step]
+            noise = noise_by_rate(used - interpolated(t + late * interval, t, predicted), motion)
+        variance = noise**2 + (2 * MODEL_U * slope) ** 2
+        jumps = _jumps(t, interval, used, predicted, variance, delays, path)
+        event = _event(delays, path, jumps, interval)
+        shift = event.applied(t, predicted) - predicted
+        predicted = plain_prediction(readings - np.nan_to_num(shift), motion, masked)
+    return event
+
+
+def _jumps(
+    t: np.ndarray,
+    interval: float,
+    readings: np.ndarray,
+    predicted: np.ndarray,
+    variance: np.ndarray,
+    delays: WindowDelays,
+    path: np.ndarray,
+) -> tuple[Jump, ...]:
+    """Each jump of the staircase, placed by all rows (n, 6) of the two windows beside it."""
+    start = float(np.median(delays.delay - path))
+    jumps = []
+    for k in np.flatnonzero(np.diff(path)):
+        first = int(np.searchsorted(t, delays.at[k] - delays.width / 2))
+        rows = slice(first, int(np.searchsorted(t, delays.at[k + 1] + delays.width / 2)))
+        levels = (start + path[k : k + 2]) * interval
+        signals = (interpolated(t[rows] + level, t, predicted) for level in levels)
+        before, after = (
+            np.nan_to_num((readings[rows] - signal) ** 2 / variance[rows]) for signal in signals
+        )
+        # Chi-squared if the jump comes before row j: what is before it, and after it.
+        cost = np.concatenate([[0.0], np.cumsum((before - after).sum(axis=1))])
+        likely = first + np.flatnonzero(cost <= cost.min() + 4)
+        low, high = float(t[likely[0]]), float(t[min(likely[-1], len(t) - 1)])
+        u = max((high - low) / np.sqrt(12), interval)
+        jumps.append(Jump(0.5 * (low + high), u, float(path[k + 1] - path[k])))
+    return tuple(jumps)
+
+
+def _event(
+    delays: WindowDelays, path: np.ndarray, jumps: tuple[Jump, ...], interval: float
+) -> LostSamples:
+    levels = [delays.u[path == step] for step in np.unique(path)]
+    u = max(float(np.median(level)) / len(level) ** 0.5 for level in levels)
+    parameters = []
+    for k, jump in enumerate(jumps, 1):
+        parameters += [
+            FoundParameter(name=f"lost_{k}", value=jump.lost, unit="1", u=u),
+            FoundParameter(name=f"time_{k}", value=jump.time, unit="s", u=jump.u),
+        ]
+    gain = (
+        delays.cost(np.median(delays.delay)).sum()
+        - delays.cost(np.median(delays.delay - path) + path).sum()
+    )
+    losses = tuple(
+        message("events-lost-samples-at", lost=f"{jump.lost:.0f}", time=f"{jump.time:.1f}")
+        for jump in jumps
+    )
+    return LostSamples(
+        "dropped_samples", EVERY, tuple(parameters), float(chi2.sf(gain, 2 * len(jumps))),
+        message("events-lost-samples", losses=losses),
+        np.array([jump.time for jump in jumps]), np.array([jump.lost for jump in jumps]), interval,
+    )  # fmt: skip
+
+
+def gap_remarks(t: np.ndarray) -> tuple[Message, ...]:
+    """Rows that are missing by the stamps themselves."""
+    apart = np.diff(t)
+    interval = float(np.median(apart)) if len(apart) else 1.0
+    wide = apart > GAP * interval
+    if not wide.any():
+        return ()
+    missing = int(np.round(apart[wide] / interval - 1).sum())
+    return (message("events-gaps", gaps=int(wide.sum()), missing=missing),)

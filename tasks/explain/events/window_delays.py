@@ -1,0 +1,149 @@
+"""Delays of the stamps in short windows of time, from the slope of the signal or by grid search."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tasks.motion.whole import Motion
+
+SLOPE_WINDOW = 1.0  # s, within which a slope tells the delay
+SLOPE_OUTLIER = 25.0  # chi-squared that one window may cost at most
+MAX_U = 0.1  # of a sample interval: windows that tell the delay worse are left out
+MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a window
+MIN_INDEPENDENT = 0.1  # of a window's information that must remain beside a bias
+
+GRID_WINDOW = 4.0  # s: a shorter one takes an oscillation for the next
+GRID_STEP = 0.1  # of a sample interval: delays that are tried
+EARLIEST, LATEST = -8, 40  # sample intervals that are tried
+GRID_OUTLIER = 100.0  # chi-squared that one window may cost at most
+GRID_U = 0.05  # of a sample interval
+MIN_CONTRAST = 100.0  # chi-squared between a window's best delay and the worst
+
+OSCILLATION_WINDOW = 1.0  # s
+MIN_OSCILLATION, MIN_SHARE = 0.05, 0.5  # rad/s within a window, and the share of such windows
+
+
+@dataclass(frozen=True)
+class WindowDelays:
+    """Delays of m windows in sample intervals: at (m,) s, delay, u (m,); width: of a window, s."""
+
+    at: np.ndarray
+    delay: np.ndarray
+    u: np.ndarray
+    width: float
+
+    def cost(self, delay: np.ndarray) -> np.ndarray:
+        """Chi-squared (..., m) of supposed delays, of no window more than an outlier's."""
+        return np.minimum(((self.delay - delay) / self.u) ** 2, SLOPE_OUTLIER)
+
+
+@dataclass(frozen=True)
+class GridDelays(WindowDelays):
+    """The same with the chi-squared of every delay tried: table (m, tried)."""
+
+    table: np.ndarray
+
+    def cost(self, delay: np.ndarray) -> np.ndarray:
+        place = np.round((np.asarray(delay) - EARLIEST) / GRID_STEP).astype(int)
+        place = np.clip(place, 0, self.table.shape[1] - 1)
+        return np.asarray(self.table[np.arange(len(self.at)), place])
+
+
+def oscillates(motion: Motion) -> bool:
+    """Whether the rate changes most of the time, without dwells."""
+    count = int(OSCILLATION_WINDOW / max(motion.interval, 1e-9))
+    whole = len(motion.t) // max(count, 1) * count
+    if not whole:
+        return False
+    rate = np.nan_to_num(motion.rate[:whole]).reshape(-1, count, 3)
+    moving = np.linalg.norm(rate.std(axis=1), axis=1) > MIN_OSCILLATION
+    return bool(moving.mean() > MIN_SHARE)
+
+
+def delays_by_slope(
+    t: np.ndarray,
+    residual: np.ndarray,
+    predicted: np.ndarray,
+    slope: np.ndarray,
+    noise: np.ndarray,
+) -> WindowDelays:
+    """The delay of each window, linearised in the slope (n, 6) of the signal per sample interval.
+
+    From the gyros where they are recorded, for levers disturb accelerometers. Beside the delay a
+    window may have a scale factor and a bias of its own: those of the whole run are fitted to
+    readings that the losses have put off.
+    """
+    channels = range(3) if np.isfinite(residual[:, :3]).any() else range(3, 6)
+    window, count = _windows(t, SLOPE_WINDOW)
+    weighted, information = np.zeros(count), np.zeros(count)
+    for c in channels:
+        rows = np.flatnonzero(np.isfinite(residual[:, c] + slope[:, c] + noise[:, c]))
+        number, weight = window[rows], noise[rows, c] ** -2
+        regressors = (slope[rows, c], residual[rows, c], predicted[rows, c], np.ones(len(rows)))
+        gram = np.array([
+            [np.bincount(number, weight * x * y, count) for x in regressors] for y in regressors
+        ])  # fmt: skip
+        scaled = _projected(gram, 2)
+        both = _projected(scaled, 3)
+        # Where a ramp is straight a delay looks like a bias.
+        gram = np.where(both[0, 0] > MIN_INDEPENDENT * scaled[0, 0], both, scaled)
+        weighted += gram[0, 1]
+        information += np.maximum(gram[0, 0], 0.0)
+    sharp = information > MAX_U**-2
+    middle = t[0] + (np.flatnonzero(sharp) + 0.5) * SLOPE_WINDOW
+    u = np.sqrt(1 / information[sharp] + MODEL_U**2)
+    return WindowDelays(middle, weighted[sharp] / information[sharp], u, SLOPE_WINDOW)
+
+
+def _projected(gram: np.ndarray, q: int) -> np.ndarray:
+    """Products of regressors (k, k, windows) after projecting one of them out of the others."""
+    shares = np.divide(gram[:, q], gram[q, q], out=np.zeros_like(gram[q]), where=gram[q, q] > 0)
+    return np.asarray(gram - shares[:, None] * gram[q][None])
+
+
+def delays_by_grid(t: np.ndarray, gyros: np.ndarray, predicted: np.ndarray) -> GridDelays:
+    """The misfit of each window at each delay; gyros, predicted: (n, 3), NaN where not usable.
+
+    For a motion that oscillates: a delay of more than a quarter of a period cannot be read off
+    the slope. Within a window a gyro has a scale factor and a bias of its own. The noise of each
+    gyro is what the best delays leave in the median window.
+    """
+    interval = float(np.median(np.diff(t)))
+    lags = np.arange(EARLIEST, LATEST + GRID_STEP / 2, GRID_STEP)
+    window, count = _windows(t, GRID_WINDOW)
+    total = np.zeros((count, len(lags)))
+    for reading, signal in zip(gyros.T, predicted.T, strict=True):
+        known = np.isfinite(reading) & np.isfinite(signal)
+        if not known.any() or not np.ptp(signal[known]):
+            continue
+        at, y, number = t[known], reading[known], window[known]
+        rows = np.bincount(number, minlength=count)
+        misfit = np.column_stack([
+            _line_misfit(y, np.interp(at + lag * interval, t, signal), number, rows)
+            for lag in lags
+        ])  # fmt: skip
+        full = rows > 0.5 * rows.max()
+        variance = float(np.median(misfit.min(axis=1)[full] / np.maximum(rows - 2, 1)[full]))
+        total += np.where(full[:, None], misfit, 0.0) / max(variance, 1e-300)
+    table = total - total.min(axis=1, keepdims=True)
+    sharp = table.max(axis=1) > MIN_CONTRAST
+    middle = t[0] + (np.flatnonzero(sharp) + 0.5) * GRID_WINDOW
+    best = lags[table.argmin(axis=1)][sharp]
+    costs = np.minimum(table, GRID_OUTLIER)[sharp]
+    return GridDelays(middle, best, np.full(len(best), GRID_U), GRID_WINDOW, costs)
+
+
+def _line_misfit(y: np.ndarray, x: np.ndarray, number: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Sum of squares (windows,) that a straight line in x leaves of y in each window."""
+    sums = [np.bincount(number, values, len(rows)) for values in (x, y, x * x, x * y, y * y)]
+    sx, sy, sxx, sxy, syy = sums
+    held = np.maximum(rows, 1)
+    sxx, sxy, syy = sxx - sx * sx / held, sxy - sx * sy / held, syy - sy * sy / held
+    gained = np.divide(sxy**2, sxx, out=np.zeros(len(rows)), where=sxx > 0)
+    return np.asarray(np.maximum(syy - gained, 0.0))
+
+
+def _windows(t: np.ndarray, width: float) -> tuple[np.ndarray, int]:
+    """The window (n,) of each row, and how many there are."""
+    window = ((t - t[0]) / width).astype(int)
+    return window, int(window[-1]) + 1

@@ -1,0 +1,14 @@
+## Events in the readings: what a certificate's reader is told of each.
+
+events-saturation = the { $sensors } stop at { $limit }: { $count } readings lie there and none beyond
+events-quantisation = the { $sensors } step by { $step }, { $ratio } times the noise
+events-quantisation-both = { $first }; { $second }
+events-lost-samples = samples are lost and later time stamps slip: { $losses }
+events-lost-samples-at = { $lost } at { $time } s
+events-gaps = the time stamps have { $gaps } gaps, of { $missing } sample intervals in all; the other stamps are right, so that this is no mismatch
+events-spikes = { $count } single readings stand out from their neighbours by more than { $threshold } times the noise, in the { $channels }
+events-spikes-in-rotation = { events-spikes }, only while the table turns
+events-mains = mains pick-up of { $frequency } Hz, seen at { $lines }, in the { $channels }
+events-line = a line at { $frequency } Hz, there all the time, in the { $channels }
+events-impacts = clicks { $per_turn } times a turn of the outer axis, in the { $channels }
+events-bursts = { $count } bursts of { $frequency } Hz that fade in { $decay } s, in the { $channels }, at { $times } s

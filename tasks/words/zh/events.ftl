@@ -1,0 +1,14 @@
+## 读数中的事件：向证书读者说明的内容。
+
+events-saturation = { $sensors }输出止于 { $limit }：有 { $count } 个读数停在该处，无一超出
+events-quantisation = { $sensors }的步距为 { $step }，是噪声的 { $ratio } 倍
+events-quantisation-both = { $first }；{ $second }
+events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
+events-lost-samples-at = { $time } s 处 { $lost } 个
+events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样间隔；其余时间戳正确，故不属模型不符
+events-spikes = { $count } 个孤立读数偏离相邻读数超过噪声的 { $threshold } 倍，通道：{ $channels }
+events-spikes-in-rotation = { events-spikes }，仅在转台转动时出现
+events-mains = 工频干扰 { $frequency } Hz，出现在 { $lines }，通道：{ $channels }
+events-line = { $frequency } Hz 处有一条始终存在的谱线，通道：{ $channels }
+events-impacts = 外轴每转 { $per_turn } 次的撞击，通道：{ $channels }
+events-bursts = { $count } 次 { $frequency } Hz 的突发振荡，衰减时间 { $decay } s，通道：{ $channels }，时刻 { $times } s
