@@ -47,9 +47,9 @@ def smooth_derivatives(
     acceleration = _filtered(thinned, bend)
     known = covered(t, at)[:, None]
     found = (
-        _interpolated(at, t, angle),
-        _interpolated(at, even, rate),
-        _interpolated(at, even, acceleration),
+        interpolated(at, t, angle),
+        interpolated(at, even, rate),
+        interpolated(at, even, acceleration),
     )
     return tuple(np.where(known, each, np.nan) for each in found)  # type: ignore[return-value]
 
@@ -138,7 +138,7 @@ def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndar
     interval = float(np.median(steps))  # a lost sample is a long step, not another rate
     if np.abs(steps - interval).max() > UNEVEN * interval:
         even = np.arange(t[0], t[-1] + 0.5 * interval, interval)
-        t, angle = even, _interpolated(even, t, angle)
+        t, angle = even, interpolated(even, t, angle)
     group = min(int(1.0 / (FINEST * interval) + 1e-6), len(t) // 5)
     if group < 2:
         return t, angle
@@ -147,5 +147,6 @@ def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndar
     return t[:whole].reshape(-1, group).mean(axis=1), means
 
 
-def _interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (n, k) at times t (n,) s, linearly interpolated at the times `at` (m,): (m, k)."""
     return np.column_stack([np.interp(at, t, column) for column in values.T])

@@ -85,7 +85,8 @@ def _block_means(residual: Residual) -> Blocks:
     cut = slice(0, len(residual.t) // rows * rows)
     squares = residual.weight**2
     information, weighted = (
-        values[cut].reshape(-1, rows, 6).sum(axis=1) for values in (squares, residual.values * squares)
+        values[cut].reshape(-1, rows, 6).sum(axis=1)
+        for values in (squares, residual.values * squares)
     )
     means = np.divide(weighted, information, out=np.zeros_like(weighted), where=information > 0)
     middle = residual.t[cut].reshape(-1, rows).mean(axis=1)
@@ -141,7 +142,7 @@ def _matched_starts(blocks: Blocks, fit: RingingFit) -> np.ndarray:
     alike = (size > RELATIVE_SIZE[0]) & (size < RELATIVE_SIZE[1])
     likely = np.where(alike, deviate, 0.0)
     likely[-max(1, int(fit.decay / step)) :] = 0.0  # too little is left of it there
-    starts = []
+    starts: list[float] = []
     while likely.max() > SIGNIFICANT and len(starts) <= MAX_BURSTS:
         top = int(likely.argmax())
         starts.append(blocks.t[top] + step * _parabola_top(deviate, top))

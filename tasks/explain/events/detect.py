@@ -51,7 +51,9 @@ def events_in_residual(
     What is found adds to what the unit senses, so that it acts before all other events.
     """
     values = np.where(events.masked, np.nan, residual)
-    left = Residual.of(_sampled_at(events, t), values, _noise(events, values, noise, motion), motion)
+    left = Residual.of(
+        _sampled_at(events, t), values, _noise(events, values, noise, motion), motion
+    )
     lines = find_lines(left)
     impacts = find_impacts(left.without(*lines))
     if impacts is not None:  # at even speed they look like lines

@@ -36,9 +36,7 @@ class Event:
         """
         return predicted
 
-    def corrected(
-        self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
-    ) -> np.ndarray:
+    def corrected(self, readings: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """The readings (n, 6) without the event, NaN where they carry no information on that.
 
         before, after: what was predicted without the event and with it.
@@ -64,9 +62,7 @@ class Events:
             predicted = event.applied(t, predicted)
         return predicted
 
-    def corrected(
-        self, t: np.ndarray, readings: np.ndarray, predicted: np.ndarray
-    ) -> np.ndarray:
+    def corrected(self, t: np.ndarray, readings: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """The readings (n, 6) without the events, NaN where they carry no information on that."""
         stages = [predicted]
         for event in self.events:
@@ -83,8 +79,8 @@ def channel_names(channels: tuple[int, ...]) -> Argument:
     return tuple(message(f"channel-{CHANNELS[channel]}") for channel in channels)
 
 
-def amplitude_parameter(
-    channel: int, value: float, u: float, suffix: str = ""
-) -> FoundParameter:
+def amplitude_parameter(channel: int, value: float, u: float, suffix: str = "") -> FoundParameter:
     """An amplitude in one channel, named after it."""
-    return FoundParameter(name=CHANNELS[channel] + suffix, value=value, unit=UNITS[channel // 3], u=u)
+    return FoundParameter(
+        name=CHANNELS[channel] + suffix, value=value, unit=UNITS[channel // 3], u=u
+    )

@@ -133,4 +133,9 @@ def _fit(
                              "maxiter": 250}).x  # fmt: skip
     later, more = best[:2] * scale
     frequency, decay = np.exp(best[2:])
-    return per_turn + more, float((place + later + more * middle) % 1.0), float(frequency), float(decay)
+    return (
+        per_turn + more,
+        float((place + later + more * middle) % 1.0),
+        float(frequency),
+        float(decay),
+    )

@@ -22,7 +22,9 @@ def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
         return ()
     cleaned = residual  # of all lines; the residual only of the steady ones
     lines, steady = list[Line](), list[Line]()
-    while len(lines) < MAX_LINES and len(lines) - len(steady) < MAX_UNSTEADY and cleaned.white.any():
+    while (
+        len(lines) < MAX_LINES and len(lines) - len(steady) < MAX_UNSTEADY and cleaned.white.any()
+    ):
         line = _strongest(cleaned, [known.frequency for known in lines])
         if line is None:
             break

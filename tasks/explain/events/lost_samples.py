@@ -13,7 +13,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY
 from tasks.explain.events.delay_steps import staircase
 from tasks.explain.events.event import Event
-from tasks.explain.events.noise import interpolated, noise_by_rate
+from tasks.explain.events.noise import noise_by_rate
 from tasks.explain.events.plain import predictions as plain_prediction
 from tasks.explain.events.window_delays import (
     MODEL_U,
@@ -22,6 +22,7 @@ from tasks.explain.events.window_delays import (
     delays_by_slope,
     oscillates,
 )
+from tasks.motion.smooth import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 

@@ -123,6 +123,4 @@ def _unnamed(line: Line) -> SpectralLines:
     description = message(
         "events-line", frequency=f"{line.frequency:.4f}", channels=channel_names(line.channels)
     )
-    return SpectralLines(
-        "unnamed", line.channels, parameters, line.p_value, description, (line,)
-    )
+    return SpectralLines("unnamed", line.channels, parameters, line.p_value, description, (line,))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tasks.explain.events.noise import interpolated
+from tasks.motion.smooth import interpolated
 from tasks.motion.whole import Motion
 
 REST, ROTATION, RATE_CHANGE = range(3)

@@ -1,4 +1,4 @@
-"""The noise of a sample, from the scatter within blocks, and signals read between their rows."""
+"""The noise of a sample, from the scatter within blocks."""
 
 import numpy as np
 
@@ -10,11 +10,6 @@ RATE_CLASSES = np.array(
 )  # rad/s
 MIN_BLOCKS = 3  # that the noise of a class of rates is estimated from
 DEAD = 1e-10  # rad/s, m/s²: less scatter is the rounding of sums
-
-
-def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, k) at times t (n,) s, linearly interpolated at the times `at` (m,): (m, k)."""
-    return np.column_stack([np.interp(at, t, column) for column in values.T])
 
 
 def noise_by_rate(residual: np.ndarray, motion: Motion) -> np.ndarray:

@@ -81,7 +81,9 @@ def order_spectrum(
         hertz = order * abs(mean) / (2 * np.pi)
         used = (hertz > BAND[0]) & (hertz < BAND[1] / residual.interval) & fractional
         orders = _orders(white[rows], cell[rows], size, used)
-        speeds.append(OrdersAtSpeed(mean / (2 * np.pi), len(rows), orders, weight[rows].mean(axis=0)))
+        speeds.append(
+            OrdersAtSpeed(mean / (2 * np.pi), len(rows), orders, weight[rows].mean(axis=0))
+        )
     return OrderSpectrum(tuple(speeds), CELLS_PER_TURN / size, covered, origin)
 
 

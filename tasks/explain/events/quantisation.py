@@ -55,9 +55,7 @@ class Quantisation(Event):
             rounded[:, channel] += rounding_bias(predicted[:, channel], quantiser, noise)
         return rounded
 
-    def corrected(
-        self, readings: np.ndarray, before: np.ndarray, after: np.ndarray
-    ) -> np.ndarray:
+    def corrected(self, readings: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """Working readings of a fit by maximum likelihood (Fisher's scoring).
 
         Between two codes, far from the edge, a reading carries next to no information on the mean.
@@ -156,12 +154,14 @@ def _response(
 
 def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisation | None:
     """Steps that are visible above the noise; predicted: (n, 6), NaN where it is not known."""
-    every = (_noise_of(channel, readings[:, channel], predicted[:, channel]) for channel in range(6))
+    every = (
+        _noise_of(channel, readings[:, channel], predicted[:, channel]) for channel in range(6)
+    )
     estimates = [each for each in every if each is not None and each.coarse]
     if not estimates:
         return None
     parameters, texts = zip(*_by_triad(estimates), strict=True)
-    both = message("events-quantisation-both", first=texts[0], second=texts[-1])
+    both = message("clause-sequence", first=texts[0], rest=texts[-1])
     return Quantisation(
         "coarse_quantisation", tuple(each.channel for each in estimates), parameters,
         min(1.0, 6 * min(each.p_value for each in estimates)),
@@ -186,9 +186,7 @@ def _noise_of(channel: int, readings: np.ndarray, predicted: np.ndarray) -> Nois
     return NoiseEstimate(channel, quantiser, *_peak(likelihood, best), p_value)
 
 
-def _code_counts(
-    quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray
-) -> np.ndarray:
+def _code_counts(quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """How often each code (blocks, 2·MAX_OFF + 1) about the middle one, in steady blocks."""
     blocks = len(readings) // BLOCK
     cut = slice(0, blocks * BLOCK)
@@ -232,4 +230,3 @@ def _by_triad(estimates: list[NoiseEstimate]) -> Iterator[tuple[FoundParameter, 
                 step=f"{step:.4g} {UNITS[triad]}", ratio=f"{ratio:.1f}",
             ),
         )  # fmt: skip
-

@@ -69,7 +69,9 @@ class RingingFit:
         ]  # fmt: skip
         for channel in self.channels:
             size = float(np.abs(self.amplitude[channel]))
-            found.append(amplitude_parameter(channel, size, size / float(np.sqrt(self.gain[channel]))))
+            found.append(
+                amplitude_parameter(channel, size, size / float(np.sqrt(self.gain[channel])))
+            )
         amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
         return Ringing(
             "unnamed", self.channels, tuple(found), p_value, description, self.starts, amplitude,
@@ -82,9 +84,7 @@ def damped_wave(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:
     return np.asarray(np.exp((2j * np.pi * frequency - 1 / decay) * age))
 
 
-def rows_after(
-    t: np.ndarray, starts: np.ndarray, longest: float
-) -> tuple[np.ndarray, np.ndarray]:
+def rows_after(t: np.ndarray, starts: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
     """Rows less than so long (s) after the last of the starts (m,) s, and their age in s."""
     last = np.searchsorted(starts, t, side="right") - 1
     age = np.where(last >= 0, t - starts[np.maximum(last, 0)], np.inf)

@@ -160,6 +160,4 @@ def _expected_beyond(predicted: np.ndarray, code: ExtremeCode, noise: np.ndarray
 def _description(triad: int, code: ExtremeCode) -> Message:
     sign = "±" if len(code.sides) == 2 else ("+" if code.sides[0] > 0 else "−")
     limit = f"{sign}{code.limit:.6g} {UNITS[triad]}"
-    return message(
-        "events-saturation", sensors=TRIAD_NAMES[triad], limit=limit, count=code.count
-    )
+    return message("events-saturation", sensors=TRIAD_NAMES[triad], limit=limit, count=code.count)

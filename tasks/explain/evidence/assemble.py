@@ -6,7 +6,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, Statement, Verdict
 from schemas.recording import Recording
-from tasks.explain.events.after import heard_after
+from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.evidence.other_parameters import other_parameters
 from tasks.explain.evidence.weigh import Group, Weighed, groups_of
@@ -49,8 +49,8 @@ def assembled(
     bare = predict(model.terms, full.motion, model.values)
     groups = groups_of(found)
     weighed = Weighed.of(model, fine, noises, groups)
-    residual = full.readings - events.applied(t, bare + more, noise)
-    heard = heard_after(events, t, residual, noise, full.motion)
+    residual = full.readings - events.applied(t, bare + more)
+    heard = events_in_residual(events, t, residual, noise, full.motion)
     findings = [
         _finding(group, number, weighed, model, full, bare, fine, noises)
         for number, group in enumerate(groups)
@@ -65,13 +65,13 @@ def assembled(
     return Explanation(
         recording=recording,
         nominal=nominal,
-        found=heard.applied(t, bare + more, noise),
+        found=heard.applied(t, bare + more),
         noise=noise,
         p_value=min([found.p_value, *(event.p_value for event in heard.events)]),
         verdict=_verdict(whole),
         held_out=weighed.held_out(),
         findings=whole,
-        remarks=tuple(map(_statement, heard.remarks)),
+        remarks=heard.remarks,
         model=FITTED if told is None else told.model,
     )
 
@@ -245,7 +245,7 @@ def _of_events(
     """Findings of the events, each with what it changes after those before it."""
     found, reading = [], bare
     for event in events.events:
-        after = event.applied(t, reading, noise)
+        after = event.applied(t, reading)
         found.append(_of_event(event, after - reading, full, noise))
         reading = after
     return found
@@ -260,7 +260,7 @@ def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.
     return Finding(
         effect=event.effect,
         family=texts.family if texts else UNNAMED,
-        title=_statement(texts.title if texts else event.description),
+        title=_statement(texts.title) if texts else event.description,
         equation=texts.equation if texts else "",
         source=texts.source if texts else "",
         channels=event.channels,
@@ -270,5 +270,5 @@ def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.
         delta_bic=gain - count * float(np.log(rows)),
         held_out_gain=0.5 * gain - count,
         separated_by=_statement(texts.separated_by) if texts else None,
-        follows=None if texts else _statement(event.description),
+        follows=None if texts else event.description,
     )

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.explain.events.plain import read_at
 from tasks.explain.inputs.observed import FullRate
+from tasks.motion.smooth import interpolated
 
 WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: means of rates, from slow to fast
 MOST = 0.3  # s
@@ -44,7 +44,7 @@ def long_delay(full: FullRate, until: float = np.inf) -> float:
         edges = np.arange(t[0] + 2.0 * MOST, t[-1] - 2.0 * MOST, width)
         if len(edges) <= FEWEST:
             return 0.0
-        rates = np.diff(read_at(edges, t, turned), axis=0) / width
+        rates = np.diff(interpolated(edges, t, turned), axis=0) / width
         reach = np.interp(edges + MOST, t, gaps)[1:] - np.interp(edges - MOST, t, gaps)[:-1]
         whole = reach == 0.0
         if whole.sum() < FEWEST:
@@ -84,5 +84,5 @@ def _misfit(
     basis: np.ndarray,
 ) -> float:
     """Sum of squares that straight lines in the rates leave of the gyros' means, read late."""
-    means = np.diff(read_at(edges + lag, t, read), axis=0)[whole] / width
+    means = np.diff(interpolated(edges + lag, t, read), axis=0)[whole] / width
     return float((means**2).sum() - ((basis.T @ means) ** 2).sum())

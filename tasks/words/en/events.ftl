@@ -2,7 +2,6 @@
 
 events-saturation = the { $sensors } stop at { $limit }: { $count } readings lie there and none beyond
 events-quantisation = the { $sensors } step by { $step }, { $ratio } times the noise
-events-quantisation-both = { $first }; { $second }
 events-lost-samples = samples are lost and later time stamps slip: { $losses }
 events-lost-samples-at = { $lost } at { $time } s
 events-gaps = the time stamps have { $gaps } gaps, of { $missing } sample intervals in all; the other stamps are right, so that this is no mismatch

@@ -2,3 +2,12 @@
 
 list-separator = 、
 clause-sequence = { $first }；{ $rest }
+
+channel-gyro_x = 陀螺 x
+channel-gyro_y = 陀螺 y
+channel-gyro_z = 陀螺 z
+channel-accel_x = 加速度计 x
+channel-accel_y = 加速度计 y
+channel-accel_z = 加速度计 z
+triad-gyro = 陀螺
+triad-accel = 加速度计

@@ -2,7 +2,6 @@
 
 events-saturation = { $sensors }输出止于 { $limit }：有 { $count } 个读数停在该处，无一超出
 events-quantisation = { $sensors }的步距为 { $step }，是噪声的 { $ratio } 倍
-events-quantisation-both = { $first }；{ $second }
 events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
 events-lost-samples-at = { $time } s 处 { $lost } 个
 events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样间隔；其余时间戳正确，故不属模型不符

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from tasks.explain.events.matched import keeps_swinging, matched
-from tasks.explain.events.slips import find_slips
+from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
+from tasks.explain.events.noise import noise_by_rate
+from tasks.explain.events.plain import predictions as plain_prediction
+from tasks.explain.events.window_delays import delays_by_grid, oscillates
 from tasks.motion.whole import Motion
 
 T = np.arange(0.0, 64.0, 0.01)
@@ -34,31 +36,38 @@ def read(lost: float, at: float) -> np.ndarray:
     return noise
 
 
+def losses(readings: np.ndarray) -> LostSamples | None:
+    motion, masked = shaft(), np.zeros((len(T), 6), bool)
+    predicted = plain_prediction(readings, motion, masked)
+    noise = noise_by_rate(readings - predicted, motion)
+    return find_lost_samples(T, readings, motion, predicted, noise, masked)
+
+
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])
 def test_lost_samples_are_counted_across_periods_of_a_resonance(lost: int) -> None:
-    found = find_slips(T, read(lost, 31.0), shaft(), np.zeros((len(T), 6), bool))
+    found = losses(read(lost, 31.0))
     assert found is not None
     assert found.lost.tolist() == [lost]
     assert found.times == pytest.approx([31.0], abs=0.05)
 
 
 def test_a_constant_delay_is_no_loss() -> None:
-    assert find_slips(T, read(0, 31.0), shaft(), np.zeros((len(T), 6), bool)) is None
+    assert losses(read(0, 31.0)) is None
 
 
-def test_every_cell_tells_the_delay_it_had() -> None:
+def test_every_window_has_its_delay() -> None:
     gyros = read(9, 32.0)[:, :3]
-    cells = matched(T, gyros, shaft().rate)
-    before = cells.at < 32.0
-    assert cells.delay[before] == pytest.approx(np.full(before.sum(), -LATE), abs=0.15)
-    assert cells.delay[~before] == pytest.approx(np.full((~before).sum(), 9 - LATE), abs=0.15)
-    assert cells.cost(cells.delay).max() == 0.0
-    assert (cells.cost(cells.delay + 3.0) > 10.0).all()
+    delays = delays_by_grid(T, gyros, shaft().rate)
+    before = delays.at < 32.0
+    assert delays.delay[before] == pytest.approx(np.full(before.sum(), -LATE), abs=0.15)
+    assert delays.delay[~before] == pytest.approx(np.full((~before).sum(), 9 - LATE), abs=0.15)
+    assert delays.cost(delays.delay).max() == 0.0
+    assert (delays.cost(delays.delay + 3.0) > 10.0).all()
 
 
-def test_dwells_and_rests_do_not_swing() -> None:
-    assert keeps_swinging(shaft())
-    assert not keeps_swinging(shaft(moved=0.0))
+def test_dwells_and_rests_do_not_oscillate() -> None:
+    assert oscillates(shaft())
+    assert not oscillates(shaft(moved=0.0))
     steady = shaft()
     steady.rate[:] = 1.0
-    assert not keeps_swinging(steady)
+    assert not oscillates(steady)

@@ -1,4 +1,4 @@
-"""What a regression leaves is listened to: lines, clicks and bursts, and nothing where none is."""
+"""Lines, impacts and bursts are detected in what a regression leaves, and nothing in noise."""
 
 from dataclasses import replace
 
@@ -7,19 +7,17 @@ import pytest
 from made_up import RATE, SIGMA, motion, noisy
 
 from schemas.recording import ACCEL, GYRO
-from tasks.explain.events.after import heard_after
-from tasks.explain.events.before import find_events
+from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
-from tasks.explain.events.naming import mains_of
+from tasks.explain.events.mains import mains_of
 from tasks.explain.events.ringing import Ringing
 from tasks.motion.whole import Motion, TableAxes
+from tasks.words import message
 
-NOTHING = np.zeros(1)
 
-
-def _heard(made: Motion, left: np.ndarray) -> Events:
+def _detected(made: Motion, left: np.ndarray) -> Events:
     none = Events((), np.zeros(left.shape, bool))
-    return heard_after(none, made.t, left, SIGMA, made)
+    return events_in_residual(none, made.t, left, SIGMA, made)
 
 
 def _noise(made: Motion, seed: int) -> np.ndarray:
@@ -41,15 +39,16 @@ def _on_table(made: Motion) -> Motion:
 def _rung(
     made: Motion, starts: np.ndarray, wave: np.ndarray, hertz: float, decay: float
 ) -> np.ndarray:
-    waves = np.tile(wave, (len(starts), 1))
-    rings = Ringing("unnamed", (), (), 0.0, ("", ""), None, np.sort(starts), waves, hertz, decay)
-    return rings.applied(made.t, np.zeros((len(made.t), 6)), NOTHING)
+    rings = Ringing(
+        "unnamed", (), (), 0.0, message("list-separator"), np.sort(starts), wave, hertz, decay
+    )
+    return rings.applied(made.t, np.zeros((len(made.t), 6)))
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_nothing_is_heard_in_noise(seed: int) -> None:
+def test_nothing_is_detected_in_noise(seed: int) -> None:
     made = _on_table(motion())
-    assert _heard(made, _noise(made, seed)).events == ()
+    assert _detected(made, _noise(made, seed)).events == ()
 
 
 def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
@@ -59,32 +58,32 @@ def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
         left = _noise(made, 10)
         left[:, 1] += 1e-4 * wave
         left[:, 4] += 3e-4 * wave
-        events = _heard(made, left)
+        events = _detected(made, left)
         (event,) = events.events
         assert event.effect == effect
         assert _value(event, "frequency") == pytest.approx(frequency, abs=4e-4)
         assert _value(event, "gyro_y") == pytest.approx(1e-4, abs=3e-5)
-        added = events.applied(made.t, np.zeros((len(made.t), 6)), SIGMA)
+        added = events.applied(made.t, np.zeros((len(made.t), 6)))
         assert np.corrcoef(added[:, 1], wave)[0, 1] > 0.95
 
 
-def test_weak_mains_are_heard_where_a_line_elsewhere_would_not_be() -> None:
+def test_weak_mains_are_detected_where_a_line_elsewhere_would_not_be() -> None:
     made = motion()
     gain = 90.0  # chi-squared of the whole line
     for frequency, count in ((49.92, 1), (31.7, 0)):
         size = SIGMA[4] * np.sqrt(2 * gain * (0.7 if count == 0 else 1.0) / len(made.t))
         left = _noise(made, 21)
         left[:, 4] += size * np.cos(2 * np.pi * frequency * made.t)
-        assert len(_heard(made, left).events) == count
+        assert len(_detected(made, left).events) == count
 
 
 def test_harmonic_is_the_mains_only_beside_its_fundamental() -> None:
     made = motion()
     left = _noise(made, 22)
     left[:, 4] += 1e-3 * np.cos(2 * np.pi * 2 * 60.01 * made.t)
-    assert [event.effect for event in _heard(made, left).events] == ["unnamed"]
+    assert [event.effect for event in _detected(made, left).events] == ["unnamed"]
     left[:, 4] += 1e-3 * np.cos(2 * np.pi * 60.01 * made.t)
-    (event,) = _heard(made, left).events
+    (event,) = _detected(made, left).events
     assert event.effect == "mains_pickup"
     assert _value(event, "accel_y_2") == pytest.approx(1e-3, rel=0.2)
 
@@ -94,7 +93,7 @@ def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
     turns = np.abs(made.rate).max(axis=1) > 1
     left = _noise(made, 11)
     left[:, 3] += 1e-3 * np.cos(2 * np.pi * 7.7 * made.t) * turns
-    assert _heard(made, left).events == ()
+    assert _detected(made, left).events == ()
 
 
 def test_mains_on_either_side_of_a_fold_cannot_be_told_apart() -> None:
@@ -113,11 +112,11 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     readings[:, 4] += wave
     t = made.t[: len(taken)]
     seen = made.taken(np.arange(len(taken)))
-    events = find_events(t, readings[taken], seen)
-    left = readings[taken] - events.applied(t, mean[: len(t)], SIGMA)
-    heard = heard_after(events, t, left, SIGMA, seen)
-    assert [event.effect for event in heard.events] == ["unnamed", "dropped_samples"]
-    added = heard.applied(t, mean[: len(t)], SIGMA) - mean[taken]
+    events = events_in_readings(t, readings[taken], seen)
+    left = readings[taken] - events.applied(t, mean[: len(t)])
+    found = events_in_residual(events, t, left, SIGMA, seen)
+    assert [event.effect for event in found.events] == ["unnamed", "dropped_samples"]
+    added = found.applied(t, mean[: len(t)]) - mean[taken]
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)
 
 
@@ -129,11 +128,11 @@ def test_clicks_that_follow_the_angle_are_counted_a_turn_and_taken_away() -> Non
     starts = made.t[1:][np.diff(number) != 0] - 0.5 / RATE
     wave = np.array([0, 0, 0, 0, 8e-3 - 4e-3j, 0])
     clicks = _rung(made, starts, wave, 23.0, 0.012)
-    (event,) = _heard(made, _noise(made, 24) + clicks).events
+    (event,) = _detected(made, _noise(made, 24) + clicks).events
     assert event.effect == "unnamed"
     assert event.channels == (4,)
     assert _value(event, "per_turn") == pytest.approx(6.37, abs=0.01)
-    added = event.applied(made.t, np.zeros((len(made.t), 6)), NOTHING)
+    added = event.applied(made.t, np.zeros((len(made.t), 6)))
     assert ((added - clicks) ** 2).sum() < 0.3 * (clicks**2).sum()
 
 
@@ -142,13 +141,13 @@ def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common() -> None
     even = np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6])
     wave = np.array([0, 4e-3, 2e-3j, 0, 0, 0])
     bursts = _rung(made, even, wave, 2.3, 1.1)
-    (event,) = _heard(made, _noise(made, 25) + bursts).events
+    (event,) = _detected(made, _noise(made, 25) + bursts).events
     assert event.effect == "unnamed"
     assert event.channels == (1, 2)
     assert _value(event, "bursts") == len(even)
     assert _value(event, "frequency") == pytest.approx(2.3, abs=0.05)
     assert _value(event, "decay") == pytest.approx(1.1, rel=0.3)
-    added = event.applied(made.t, np.zeros((len(made.t), 6)), NOTHING)
+    added = event.applied(made.t, np.zeros((len(made.t), 6)))
     assert ((added - bursts) ** 2).sum() < 0.2 * (bursts**2).sum()
 
 
@@ -156,14 +155,14 @@ def test_what_swings_after_every_move_is_no_burst() -> None:
     made = motion(minutes=10.0)
     moves = np.arange(8.0, 590.0, 20.0)
     left = _noise(made, 26) + _rung(made, moves, np.array([0, 3e-3, 0, 0, 0, 0j]), 2.3, 1.1)
-    assert _heard(made, left).events == ()
+    assert _detected(made, left).events == ()
 
 
 def test_step_is_no_burst() -> None:
     made = motion()
     left = _noise(made, 27)
     left[made.t > 133.0, 4] += 0.02
-    assert _heard(made, left).events == ()
+    assert _detected(made, left).events == ()
 
 
 def test_short_absent_or_dead_channels_are_no_events() -> None:
@@ -171,16 +170,16 @@ def test_short_absent_or_dead_channels_are_no_events() -> None:
     left = _noise(made, 28)
     left[:, 3:] = np.nan
     left[:, 2] = 1e-15 * np.sin(made.t)
-    assert _heard(made, left).events == ()
+    assert _detected(made, left).events == ()
     few = made.taken(np.arange(50))
-    assert _heard(few, left[:50]).events == ()
+    assert _detected(few, left[:50]).events == ()
 
 
 def test_mean_amplitude_of_a_line_is_told_for_the_channels_that_have_it() -> None:
     made = motion()
     left = _noise(made, 29)
     left[:, 5] += 2e-3 * np.sin(2 * np.pi * 12.34 * made.t)
-    (event,) = _heard(made, left).events
+    (event,) = _detected(made, left).events
     assert event.channels == (5,)
     names = {each.name for each in event.parameters}
     assert names & set(GYRO + ACCEL) == {"accel_z"}

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from made_up import SIGMA, counted, mean_readings, motion, noisy
 
-from tasks.explain.events.before import find_events
+from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
-from tasks.explain.events.quantisation import rounding
-from tasks.explain.events.saturation import cut_off
-from tasks.explain.events.steps import Codes, codes_of
+from tasks.explain.events.quantisation import Quantisation, Quantiser, quantiser_of, rounding_bias
+from tasks.explain.events.saturation import clipping_loss
+from tasks.words import say
 
 
 def _effects(events: Events) -> list[str]:
@@ -25,7 +25,7 @@ def _found(events: Events, name: str) -> float:
 @pytest.mark.parametrize("seed", range(6))
 def test_clean_run_has_no_events(seed: int) -> None:
     made = motion()
-    events = find_events(made.t, counted(noisy(mean_readings(made), seed)), made)
+    events = events_in_readings(made.t, counted(noisy(mean_readings(made), seed)), made)
     assert events.events == ()
     assert not events.masked.any()
 
@@ -36,12 +36,12 @@ def test_gyro_limit_is_found_and_its_mean_predicted(limit: float) -> None:
     mean = mean_readings(made)
     readings = noisy(mean, 1)
     readings[:, :3] = np.clip(readings[:, :3], -limit, limit)
-    events = find_events(made.t, counted(readings), made)
+    events = events_in_readings(made.t, counted(readings), made)
     assert _effects(events) == ["gyro_saturation"]
     assert _found(events, "limit") == pytest.approx(limit, abs=1e-4)
     beyond = np.abs(mean[:, 2]) > limit
     assert events.masked[beyond, 2].all()
-    applied = events.applied(made.t, mean, SIGMA)
+    applied = events.applied(made.t, mean)
     assert np.mean(readings[beyond] - applied[beyond]) == pytest.approx(0, abs=5 * 5e-3 / 50)
 
 
@@ -50,26 +50,27 @@ def test_limit_on_one_side_leaves_the_other_side_alone() -> None:
     mean = mean_readings(made)
     readings = noisy(mean, 2)
     readings[:, :3] = np.minimum(readings[:, :3], 4.5)
-    events = find_events(made.t, counted(readings), made)
+    events = events_in_readings(made.t, counted(readings), made)
     assert _effects(events) == ["gyro_saturation"]
     low = mean[:, 2] < -4.6
     assert low.any()
-    assert np.array_equal(events.applied(made.t, mean, SIGMA)[low], mean[low])
+    assert np.array_equal(events.applied(made.t, mean)[low], mean[low])
 
 
 def test_coarse_rest_and_dead_channel_are_no_limit() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 3), (4e-3, 2e-3))
     readings[:, 5] = 9.8
-    assert _effects(find_events(made.t, readings, made)) == ["coarse_quantisation"]
+    assert _effects(events_in_readings(made.t, readings, made)) == ["coarse_quantisation"]
 
 
 def test_visible_steps_are_found_with_the_noise_below_them() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 4), (3e-3, 2e-3))
-    events = find_events(made.t, readings, made)
+    events = events_in_readings(made.t, readings, made)
     assert _effects(events) == ["coarse_quantisation"]
     (event,) = events.events
+    assert isinstance(event, Quantisation)
     assert event.channels == (0, 1, 2)
     assert _found(events, "gyro") == pytest.approx(3e-3, rel=1e-6)
     assert np.array(event.noises) == pytest.approx([1e-3] * 3, rel=0.1)
@@ -78,16 +79,16 @@ def test_visible_steps_are_found_with_the_noise_below_them() -> None:
 def test_mean_of_rounded_noise_follows_the_series() -> None:
     noise = np.random.default_rng(5).standard_normal(400_000)
     for mean in (0.1, 0.31, 0.45):
-        shift = rounding(np.array([mean]), Codes(1.0, 0.0), 0.3)[0]
+        shift = rounding_bias(np.array([mean]), Quantiser(1.0, 0.0), 0.3)[0]
         assert np.round(mean + 0.3 * noise).mean() == pytest.approx(mean + shift, abs=4e-3)
 
 
 def test_what_a_limit_cuts_off_is_the_mean_beyond_it() -> None:
     noise = np.random.default_rng(6).standard_normal(400_000)
     for mean in (-1.0, 0.0, 2.0):
-        lost = cut_off(np.array([mean]), 0.5, 1.0)[0]
+        lost = clipping_loss(np.array([mean]), 0.5, 1.0)[0]
         assert np.minimum(mean + noise, 0.5).mean() == pytest.approx(mean - lost, abs=8e-3)
-    assert cut_off(np.array([2.0]), 0.5, 0.0)[0] == 1.5
+    assert clipping_loss(np.array([2.0]), 0.5, 0.0)[0] == 1.5
 
 
 def test_lost_samples_are_counted_and_placed() -> None:
@@ -97,12 +98,12 @@ def test_lost_samples_are_counted_and_placed() -> None:
     arrived = np.delete(counted(noisy(mean, 7)), gone, axis=0)
     t = made.t[: len(arrived)]
     seen = made.taken(np.arange(len(arrived)))
-    events = find_events(t, arrived, seen)
+    events = events_in_readings(t, arrived, seen)
     assert _effects(events) == ["dropped_samples"]
     assert [_found(events, name) for name in ("lost_1", "lost_2")] == [1, 2]
     assert _found(events, "time_1") == pytest.approx(127.1, abs=0.1)
     assert _found(events, "time_2") == pytest.approx(247.1, abs=0.1)
-    off = arrived - events.applied(t, mean[: len(t)], SIGMA)
+    off = arrived - events.applied(t, mean[: len(t)])
     assert off[26_000:-10].std(axis=0) == pytest.approx(SIGMA, rel=0.1)
 
 
@@ -111,16 +112,16 @@ def test_delays_that_do_not_jump_are_left_to_the_regression(late: float) -> None
     made = motion()
     taken_at = made.t + (late if late > 1e-3 else late * made.t)  # an offset, or a fast clock
     mean = np.column_stack([np.interp(taken_at, made.t, each) for each in mean_readings(made).T])
-    assert find_events(made.t, counted(noisy(mean, 8)), made).events == ()
+    assert events_in_readings(made.t, counted(noisy(mean, 8)), made).events == ()
 
 
 def test_gaps_in_the_stamps_are_a_remark() -> None:
     made = motion()
     kept = np.delete(np.arange(len(made.t)), np.r_[900:905, 20_000])
     readings = counted(noisy(mean_readings(made), 9))[kept]
-    events = find_events(made.t[kept], readings, made.taken(kept))
+    events = events_in_readings(made.t[kept], readings, made.taken(kept))
     assert events.events == ()
-    assert "2 gaps, of 6" in events.remarks[0][0]
+    assert "2 gaps, of 6" in say(events.remarks[0], "en")
 
 
 def test_spikes_are_counted_and_masked() -> None:
@@ -128,7 +129,7 @@ def test_spikes_are_counted_and_masked() -> None:
     readings = noisy(mean_readings(made), 12)
     at = np.array([300, 5_100, 12_345, 30_300])
     readings[at, 4] += 0.1
-    events = find_events(made.t, counted(readings), made)
+    events = events_in_readings(made.t, counted(readings), made)
     assert _effects(events) == ["unnamed"]
     assert _found(events, "spikes") == len(at)
     assert events.masked[at, 4].all()
@@ -137,17 +138,17 @@ def test_spikes_are_counted_and_masked() -> None:
 
 def test_steps_survive_the_rounding_of_a_file() -> None:
     readings = np.round(np.round(np.random.default_rng(13).normal(0, 5, 4000)) * 0.0174533, 7)
-    codes = codes_of(readings)
-    assert codes is not None
-    assert codes.step == pytest.approx(0.0174533, rel=1e-5)
-    assert codes_of(np.full(100, 3.0)) is None
-    assert codes_of(np.random.default_rng(14).normal(size=1000)) is None
+    quantiser = quantiser_of(readings)
+    assert quantiser is not None
+    assert quantiser.step == pytest.approx(0.0174533, rel=1e-5)
+    assert quantiser_of(np.full(100, 3.0)) is None
+    assert quantiser_of(np.random.default_rng(14).normal(size=1000)) is None
 
 
 def test_unknown_motion_and_absent_triad_are_no_events() -> None:
     made = motion()
     readings = counted(noisy(mean_readings(made), 15))
     readings[:, 3:] = np.nan
-    assert find_events(made.t, readings, made).events == ()
+    assert events_in_readings(made.t, readings, made).events == ()
     nowhere = replace(made, up=made.up * np.nan, rate=made.rate * np.nan)
-    assert find_events(made.t, readings, nowhere).events == ()
+    assert events_in_readings(made.t, readings, nowhere).events == ()
