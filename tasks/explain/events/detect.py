@@ -8,11 +8,11 @@ from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
-from tasks.explain.events.plain import predictions as plain_prediction
 from tasks.explain.events.quantisation import Quantisation, find_quantisation
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import Saturation, find_saturation
 from tasks.explain.events.spikes import find_spikes
+from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
 

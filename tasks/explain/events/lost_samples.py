@@ -14,7 +14,6 @@ from tasks.explain.channels import EVERY
 from tasks.explain.events.delay_steps import staircase
 from tasks.explain.events.event import Event
 from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.plain import predictions as plain_prediction
 from tasks.explain.events.window_delays import (
     MODEL_U,
     WindowDelays,
@@ -22,6 +21,7 @@ from tasks.explain.events.window_delays import (
     delays_by_slope,
     oscillates,
 )
+from tasks.model.plain_fit import plain_prediction
 from tasks.motion.smooth import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import Message, message

@@ -14,8 +14,8 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.plain import predictions as plain_prediction
 from tasks.explain.events.quantisation import quantiser_of
+from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 
