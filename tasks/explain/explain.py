@@ -28,7 +28,6 @@ from tasks.explain.search.refit import Model, delayed, fitted, linearised, model
 from tasks.explain.search.stepwise import Chosen, Found, beside, first_noises, search
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
-from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.timing import TIME_OFFSET
 
 REFIT_RATE = 50.0  # Hz
@@ -102,9 +101,8 @@ def _looked_again(
     noises = _at_rate(found.noises, fine, pool.observed)
     model = fitted(_model(found, fine), fine, noises)
     for _ in range(LOOKS - 1 if found.chosen else 0):
-        before = [one.candidate for one in found.chosen]
-        shaped = _as_fitted(before, model)
-        candidates = _renamed(candidates, before, shaped)
+        shaped = _as_fitted([one.candidate for one in found.chosen], model)
+        candidates = _updated(candidates, shaped)
         columns, readings = linearised(model, pool.observed, shaped)
         pool = renewed(pool, columns, readings)
         # Random courses make up for what the shapes of others lacked: they prove themselves anew.
@@ -114,7 +112,7 @@ def _looked_again(
         pool, candidates = proposed(pool, candidates, left, noises, firm)
         again = search(pool, candidates, firm, noises)
         found = replace(again, p_value=found.p_value)
-        same = {id(one.candidate) for one in found.chosen} == {id(one) for one in shaped}
+        same = {one.candidate.key for one in found.chosen} == {one.key for one in shaped}
         noises = _at_rate(found.noises, fine, pool.observed)
         model = fitted(started(_model(found, fine), model), fine, noises)
         if same:
@@ -161,7 +159,8 @@ def _needed(
         if not weak:
             break
         least = min(weak, key=lambda pair: pair[0])[1]
-        kept = tuple(one for one in found.chosen if one not in least.chosen)
+        dropped = {one.candidate.key for one in least.chosen}
+        kept = tuple(one for one in found.chosen if one.candidate.key not in dropped)
         found = replace(found, chosen=kept)
         model = fitted(started(_model(found, fine), model), fine, noises)
         found = _with_shapes(found, model)
@@ -202,11 +201,8 @@ def _prior(found: Found, candidate: Candidate) -> np.ndarray:
 
 def _as_fitted(candidates: Sequence[Candidate], model: Model) -> list[Candidate]:
     """The candidates with the shapes that the fit gave their terms, in the same order."""
-    terms = list(dict.fromkeys(id(one.term) for one in candidates))
-    return [
-        replace(one, term=model.terms[len(STANDARD_TERMS) + terms.index(id(one.term))], fitted=True)
-        for one in candidates
-    ]
+    terms = {term.key: term for term in model.terms}
+    return [replace(one, term=terms[one.term.key], fitted=True) for one in candidates]
 
 
 def _whole_ones(candidates: Sequence[Candidate]) -> list[Candidate]:
@@ -224,14 +220,12 @@ def _with_shapes(found: Found, model: Model) -> Found:
     return replace(found, chosen=tuple(replace(one, candidate=new) for one, new in pairs))
 
 
-def _renamed(
-    candidates: Sequence[Candidate], before: Sequence[Candidate], after: Sequence[Candidate]
-) -> list[Candidate]:
+def _updated(candidates: Sequence[Candidate], fitted: Sequence[Candidate]) -> list[Candidate]:
     """The candidates with the fitted ones in their places, and their parts with the same terms."""
-    swapped = {id(old): new for old, new in zip(before, after, strict=True)}
-    terms = {id(old.term): new.term for old, new in zip(before, after, strict=True)}
+    by_key = {one.key: one for one in fitted}
+    terms = {one.term.key: one.term for one in fitted}
     return [
-        swapped.get(id(one)) or replace(one, term=terms.get(id(one.term), one.term))
+        by_key.get(one.key) or replace(one, term=terms.get(one.term.key, one.term))
         for one in candidates
     ]
 

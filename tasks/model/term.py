@@ -55,7 +55,8 @@ class Term:
     SI; they are searched where the rest is solved. Several terms of one name differ in them.
     title: what an engineer calls it. confused_with: catalogue names that look much the same.
     separated_by: the recording that would tell them apart. rarity: chi-squared that it must earn
-    beyond a more usual piece of physics that looks the same.
+    beyond a more usual piece of physics that looks the same. variant: number among the terms of
+    one name that a search tries, which a fit of the shape does not change.
     """
 
     name: str
@@ -70,6 +71,12 @@ class Term:
     confused_with: tuple[str, ...] = ()
     separated_by: Text = ("", "")
     rarity: float = 0.0
+    variant: int = 0
+
+    @property
+    def key(self) -> tuple[str, int]:
+        """By which a term is recognised, whatever its shape."""
+        return self.name, self.variant
 
     @property
     def bent(self) -> bool:

@@ -95,9 +95,7 @@ def _finding(
     fine: Observed,
     noises: Sequence[Noise],
 ) -> Finding:
-    rest = model
-    for term in group.terms:
-        rest = rest.without(next(each for each in rest.terms if each is term))
+    rest = model.without({term.key for term in group.terms})
     contribution = bare - predict(rest.terms, full.motion, rest.values)
     soaked = group.chosen[0].instead_of is not None
     gain = group.chosen[0].gain if soaked else weighed.gain(number)
@@ -171,7 +169,7 @@ def _parameters(
     u = np.sqrt(np.maximum(np.diag(model.covariance), 0.0))
     random = group.chosen[0].candidate.prior is not None
     for k, term in enumerate(model.terms):
-        if not any(term is each for each in group.terms) or random:
+        if term.key not in {each.key for each in group.terms} or random:
             continue
         freed = term.freed()
         if freed is not None:
@@ -197,9 +195,7 @@ def _freed_parameters(
 
     soaks: a term of the standard that cannot be told from it, which is taken to be nothing.
     """
-    rest = model.without(term)
-    for other in [each for each in rest.terms if each.name == soaks]:
-        rest = rest.without(other)
+    rest = model.without({term.key, *(each.key for each in model.terms if each.name == soaks)})
     free = np.concatenate([rest.free, np.ones(len(freed.parameters), bool)])
     count = len(freed.parameters)
     longer = Model(

@@ -42,10 +42,10 @@ def groups_of(found: Found) -> list[Group]:
     none either; but known physics, which has nothing to fit to a remnant. A wander is so likely
     beside anything stronger without a name, a drift beside a stronger bias that jumps or wanders.
     """
-    named: dict[str | int, list[Chosen]] = {}
+    named: dict[str | tuple[str, int], list[Chosen]] = {}
     for one in found.chosen:
         name = one.candidate.name
-        named.setdefault(id(one.candidate.term) if name == UNNAMED else name, []).append(one)
+        named.setdefault(one.candidate.term.key if name == UNNAMED else name, []).append(one)
     names = [_name_of(some) for some in named.values()]
     gains = [sum(one.gain for one in some) for some in named.values()]
     nameless = [
@@ -56,7 +56,7 @@ def groups_of(found: Found) -> list[Group]:
     return [
         Group(
             UNNAMED if _remnant(some, gain, nameless) else name,
-            tuple({id(one.candidate.term): one.candidate.term for one in some}.values()),
+            tuple({one.candidate.term.key: one.candidate.term for one in some}.values()),
             tuple(some),
         )
         for some, name, gain in zip(named.values(), names, gains, strict=True)
@@ -128,7 +128,7 @@ class Weighed:
         for group in groups:
             mine, now = [], []
             for k, term in enumerate(model.terms):
-                if not any(term is each for each in group.terms):
+                if term.key not in {each.key for each in group.terms}:
                     continue
                 if not term.parameters:
                     fixed.append(len(columns))

@@ -65,6 +65,11 @@ class Candidate:
         return self.term.name
 
     @property
+    def key(self) -> tuple[tuple[str, int], tuple[int, ...], Prior | None]:
+        """By which a candidate is recognised, whatever the shape of its term."""
+        return self.term.key, self.own, self.prior
+
+    @property
     def known(self) -> bool:
         """Physics without a free parameter: its one column has the factor one."""
         return not self.term.parameters
@@ -111,7 +116,9 @@ def candidates_of(
     """
     columns: list[Column] = []
     found: list[tuple[Term, tuple[int, ...], tuple[int, ...]]] = []
-    for term in [one for each in terms for one in _variants(each, motion)]:
+    variants = [variant for term in terms for variant in _variants(term, motion)]
+    for number, variant in enumerate(variants):
+        term = replace(variant, variant=number)
         own = columns_of(term, motion)
         first = len(columns)
         columns.extend(own)
@@ -119,7 +126,7 @@ def candidates_of(
             continue
         for part in _parts(own):
             found.append((term, tuple(first + p for p in part), part))
-    slow = tuple(_slow_ones(terms, len(columns)))
+    slow = tuple(_slow_ones(terms, len(columns), len(variants)))
     columns.extend(slow[0].term.columns(motion, Inputs(motion.rate, motion.force)))
     tried: dict[str, int] = {}
     for name in [term.name for term, _, _ in found] + [one.name for one in slow]:
@@ -149,13 +156,13 @@ def _variants(term: Term, motion: Motion) -> Iterator[Term]:
         yield term.shaped((float(motion.t[0] + share * (motion.t[-1] - motion.t[0])),))
 
 
-def _slow_ones(terms: Sequence[Term], first: int) -> Iterator[Candidate]:
+def _slow_ones(terms: Sequence[Term], first: int, variant: int) -> Iterator[Candidate]:
     """Candidates that share the columns of slow waves in all channels, WAVES for each."""
     walk = next((term for term in terms if term.name == RANDOM_WALK), None)
-    for form in (WALK, SMOOTH, *RETURNING):
+    for number, form in enumerate((WALK, SMOOTH, *RETURNING), variant):
         if form == WALK and walk is None:
             continue
-        term = slow_drift(walk if form == WALK else None, WAVES)
+        term = replace(slow_drift(walk if form == WALK else None, WAVES), variant=number)
         for part in (tuple(range(6)), *TRIADS, *((c,) for c in range(6))):
             own = tuple(WAVES * c + k for c in part for k in range(WAVES))
             members = tuple(first + p for p in own)

@@ -38,12 +38,12 @@ def proposed(
     that stay as they are.
     """
     jumps, waves = _gains(pool, left, noises)
-    held = {id(one.term) for one in taken}
+    held = {one.term.key for one in taken}
     shapes: dict[tuple[str, tuple[int, ...]], list[float]] = {}
-    terms: dict[int, Term] = {}
+    terms: dict[tuple[str, int], Term] = {}
     for one in candidates:
         kind = [shape.name for shape in one.term.shapes]
-        if kind not in (["time"], ["period"]) or id(one.term) in held | set(terms):
+        if kind not in (["time"], ["period"]) or one.term.key in held | set(terms):
             continue
         channels = tuple(sorted({c for p in one.members for c in pool.columns[p]}))
         key = (kind[0], channels)
@@ -52,16 +52,16 @@ def proposed(
             best = _best_times if kind == ["time"] else _best_periods
             shapes[key] = best(gain, pool.observed)
         if shapes[key]:
-            terms[id(one.term)] = one.term.shaped((shapes[key].pop(0),))
+            terms[one.term.key] = one.term.shaped((shapes[key].pop(0),))
     columns = {}
     for one in candidates:
-        if id(one.term) in terms:
-            fresh = columns_of(terms[id(one.term)], pool.observed.motion)
+        if one.term.key in terms:
+            fresh = columns_of(terms[one.term.key], pool.observed.motion)
             columns.update({p: fresh[q] for p, q in zip(one.members, one.own, strict=True)})
     span = len(pool.observed.t) / pool.observed.rate
     moved = [
-        replace(one, term=terms[id(one.term)], looked=_looked(one, span))
-        if id(one.term) in terms
+        replace(one, term=terms[one.term.key], looked=_looked(one, span))
+        if one.term.key in terms
         else one
         for one in candidates
     ]

@@ -40,13 +40,13 @@ def rank(
 ) -> list[Scored]:
     """The candidates by score, beside others that are taken."""
     normal, right = _projected(state, taken)
-    own = {id(one) for one in taken}
+    own = {one.key for one in taken}
     # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
     whole = {one.name for one in taken if one.known or (one.term.bent and not one.fitted)}
     asked = [
         one
         for one in candidates
-        if id(one) not in own and (one.name == UNNAMED or one.name not in whole)
+        if one.key not in own and (one.name == UNNAMED or one.name not in whole)
     ]
     plain = [one for one in asked if one.prior is None]
     scored = _scored(normal, right, state, plain)

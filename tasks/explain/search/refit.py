@@ -5,7 +5,7 @@ from coefficient to coefficient: generalised least squares, and its covariance h
 that drift.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +24,7 @@ from tasks.motion.whole import Motion
 ROUNDS = 10
 SETTLED = 0.02  # of a standard uncertainty: nothing moves any more
 NO_GAIN = 0.01  # chi-squared that a step promises: what still moves is not determined
+TermKey = tuple[str, int]
 SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
 
 
@@ -43,9 +44,9 @@ class Model:
     covariance: np.ndarray
     shape_u: tuple[float | None, ...]
 
-    def without(self, term: Term) -> "Model":
-        """The same values with one term taken out."""
-        kept = [k for k, other in enumerate(self.terms) if other is not term]
+    def without(self, some: Collection[TermKey]) -> "Model":
+        """The same values with some terms taken out."""
+        kept = [k for k, term in enumerate(self.terms) if term.key not in some]
         own = places(self.terms)
         rows = np.concatenate([np.arange(own[k].start, own[k].stop) for k in kept]).astype(int)
         return Model(
@@ -57,7 +58,7 @@ class Model:
 
 def whole_effect(model: Model, term: Term, motion: Motion, prediction: np.ndarray) -> Column:
     """What one term of a model adds to its prediction (n, 6), in every channel."""
-    rest = model.without(term)
+    rest = model.without({term.key})
     effect = prediction - predict(rest.terms, motion, rest.values)
     return {channel: effect[:, channel] for channel in range(6)}
 
@@ -75,7 +76,7 @@ def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Observed)
     free = [seen[place] for place in places(STANDARD_TERMS)]
     prior = [np.zeros(len(term.parameters)) for term in terms]
     for candidate, precision in chosen:
-        same = [k for k, term in enumerate(terms) if term is candidate.term]
+        same = [k for k, term in enumerate(terms) if term.key == candidate.term.key]
         if not same:
             terms.append(candidate.term)
             free.append(np.zeros(len(candidate.term.parameters), bool))
@@ -99,10 +100,10 @@ def _seen(column: Column, weight: np.ndarray) -> bool:
 def started(model: Model, before: Model) -> Model:
     """The model with the values that an earlier one had for the same terms."""
     values = model.values.copy()
-    earlier = dict(zip(map(id, before.terms), places(before.terms), strict=True))
+    earlier = dict(zip((term.key for term in before.terms), places(before.terms), strict=True))
     for term, place in zip(model.terms, places(model.terms), strict=True):
-        if id(term) in earlier:
-            values[place] = before.values[earlier[id(term)]]
+        if term.key in earlier:
+            values[place] = before.values[earlier[term.key]]
     return replace(model, values=np.where(model.free, values, model.values))
 
 
@@ -218,7 +219,7 @@ def linearised(
     own = places(model.terms)
     columns: dict[int, Column] = {}
     for candidate in chosen:
-        k = next(n for n, term in enumerate(model.terms) if term is candidate.term)
+        k = next(n for n, term in enumerate(model.terms) if term.key == candidate.term.key)
         if candidate.known:
             effect = whole_effect(model, candidate.term, observed.motion, design.prediction)
             columns[candidate.members[0]] = effect

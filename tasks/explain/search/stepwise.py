@@ -50,7 +50,7 @@ def search(
     if noises is None:
         noises = first_noises(pool)
     p_value = 1.0
-    before = {frozenset(map(id, chosen))}
+    before = {frozenset(one.key for one in chosen)}
     while len(chosen) < MOST:
         state = system(pool, noises)
         ranked = rank(state, candidates, chosen)
@@ -65,7 +65,7 @@ def search(
         noises = beside(pool, chosen, noises)
         chosen = _put_right(system(pool, noises), candidates, chosen)
         noises = beside(pool, chosen, noises)
-        standing = frozenset(map(id, chosen))
+        standing = frozenset(one.key for one in chosen)
         if standing in before:  # what was added does not stand
             break
         before.add(standing)
@@ -90,19 +90,21 @@ def _put_right(
     for _ in range(3):
         before = list(chosen)
         for one in before:
-            if one not in chosen:
+            if one.key not in {other.key for other in chosen}:
                 continue
-            rest = [other for other in chosen if other is not one]
+            rest = [other for other in chosen if other.key != one.key]
             ranked = rank(state, candidates, rest)
             if not ranked or ranked[0].score <= 0:
                 chosen = rest
                 continue
-            own = next((s for s in ranked if s.candidate is one), None)
+            own = next((s for s in ranked if s.candidate.key == one.key), None)
             if own is None:
                 chosen = rest
             elif ranked[0].score > own.score + 1e-9:
-                chosen = [ranked[0].candidate if other is one else other for other in chosen]
-        if chosen == before:
+                chosen = [
+                    ranked[0].candidate if other.key == one.key else other for other in chosen
+                ]
+        if [one.key for one in chosen] == [one.key for one in before]:
             break
     return chosen
 
@@ -112,9 +114,9 @@ def _with_rivals(
 ) -> tuple[Chosen, ...]:
     found = []
     for one in chosen:
-        rest = [other for other in chosen if other is not one]
+        rest = [other for other in chosen if other.key != one.key]
         ranked = rank(state, candidates, rest)
-        own = next((s for s in ranked if s.candidate is one), None)
+        own = next((s for s in ranked if s.candidate.key == one.key), None)
         if own is None:
             continue
         rivals: dict[str, Scored] = {}

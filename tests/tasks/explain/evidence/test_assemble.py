@@ -143,7 +143,8 @@ def test_two_steps_are_unnamed_jumps() -> None:
     made = read(RUN) + noise(len(RUN.t), 52, NOISY)
     for at, size in ((100.0, 8.0), (250.0, -6.0)):
         made[RUN.t >= at, 1] += size * WHITE[1]
-    answer = explained(made, picked(bias_step(0, 100.0), (1,)), picked(bias_step(0, 250.0), (1,)))
+    later = replace(bias_step(0, 250.0), variant=1)
+    answer = explained(made, picked(bias_step(0, 100.0), (1,)), picked(later, (1,)))
     (jumps,) = answer.findings
     assert (jumps.effect, jumps.family, jumps.channels) == (UNNAMED, UNNAMED, (1,))
     assert jumps.follows == jumps.title == JUMPS

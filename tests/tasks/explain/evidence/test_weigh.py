@@ -67,7 +67,8 @@ def test_the_same_name_is_one_finding() -> None:
 
 
 def test_what_has_no_name_stays_apart() -> None:
-    some = [picked(sinusoid(GYROS).shaped((period,))) for period in (20.0, 31.0)]
+    first, second = (sinusoid(GYROS).shaped((period,)) for period in (20.0, 31.0))
+    some = [picked(first), picked(replace(second, variant=1))]
     assert [group.name for group in groups_of(found(*some))] == [UNNAMED, UNNAMED]
 
 
@@ -79,7 +80,8 @@ def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_phy
 
 
 def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_else_is() -> None:
-    jumps = [replace(picked(bias_step(0, at)), gain=100.0) for at in (100.0, 250.0)]
+    later = replace(bias_step(0, 250.0), variant=1)
+    jumps = [replace(picked(step), gain=100.0) for step in (bias_step(0, 100.0), later)]
     drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
     assert [one.name for one in groups_of(found(*jumps, drift, arm))][1:] == [UNNAMED, "lever_arm"]
     stronger = replace(drift, gain=220.0)
@@ -89,7 +91,7 @@ def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_e
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
-    first, later = bias_step(0, 100.0), bias_step(0, 250.0)
+    first, later = bias_step(0, 100.0), replace(bias_step(0, 250.0), variant=1)
     (jumps,) = groups_of(found(picked(first, (0,)), picked(later, (0,))))
     assert (jumps.name, len(jumps.terms)) == (UNNAMED, 2)
     (once,) = groups_of(found(picked(first, (0,)), picked(first, (1,))))

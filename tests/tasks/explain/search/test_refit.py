@@ -146,7 +146,7 @@ def test_a_random_courses_prior_holds_its_parameters_back() -> None:
 
 def test_what_is_taken_out_of_a_model_is_only_that() -> None:
     model, _ = three(None)
-    without = model.without(next(term for term in model.terms if term.name == "time_offset"))
+    without = model.without({TIME_OFFSET.key})
     assert [term.name for term in without.terms[-2:]] == ["lever_arm", "thermal_transient"]
     for name in ("lever_arm", "thermal_transient"):
         np.testing.assert_array_equal(values_of(without, name)[0], values_of(model, name)[0])
