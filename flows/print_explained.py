@@ -1,30 +1,34 @@
 """What the command line prints of an explanation, for a person."""
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from flows.printing import stdout
-from schemas.discrepancy import Discrepancy, FindingSaid
-from schemas.discrepancy import Verdict as Answer
-from tasks.certificate.names import item_name
+from schemas.discrepancy import Discrepancy, FindingSaid, Verdict
 from tasks.explain.correction.consequences import moved_by
+from tasks.explain.report import names
 from tasks.stages.explain import Explained
-from tasks.words.rounding import column
-from tasks.words.units import unit_text
+from tasks.words import say
+from tasks.words.quantities import quantities
+from tasks.words.rounding import USUAL_K
 
-COLOURS: dict[Answer, str] = {
+COLOURS: dict[Verdict, str] = {
     "no_mismatch": "green", "explained": "green", "partly_explained": "yellow",
     "unexplained": "red",
 }  # fmt: skip
-MOST_CONSEQUENCES = 8  # rows of a finding; the report has them all
+COLUMNS = ("missing", "channels", "parameter", "value", "U (k = 2)", "unit", "ΔBIC")
+NUMERIC = ("value", "U (k = 2)", "ΔBIC")
+MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
 def print_explained(explained: Explained) -> None:
     """The verdict, what was found with its parameters, what it matters, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
-    said = discrepancy.verdict.replace("_", " ")
-    console.print(f"[bold {COLOURS[discrepancy.verdict]}]{said}[/] ", end="")
+    verdict = discrepancy.verdict.replace("_", " ")
+    console.print(f"[bold {COLOURS[discrepancy.verdict]}]{verdict}[/] ", end="")
     console.print(f"({discrepancy.recording_id})", markup=False)
     console.print(discrepancy.statement.en, markup=False)
     if discrepancy.findings:
@@ -40,38 +44,25 @@ def print_explained(explained: Explained) -> None:
 
 def _table(discrepancy: Discrepancy) -> Table:
     table = Table()
-    for name, justify in (("missing", "left"), ("channels", "left"), ("parameter", "left"),
-                          ("value", "right"), ("U (k = 2)", "right"), ("unit", "left"),
-                          ("ΔBIC", "right")):  # fmt: skip
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    for name in COLUMNS:
+        table.add_column(name, justify="right" if name in NUMERIC else "left")
     for finding in discrepancy.findings:
-        for row, cells in enumerate(_parameters(finding) or [("–", "–", "–", "")]):
-            first = row == 0
-            table.add_row(
-                Text(finding.effect if first else ""),
-                Text(", ".join(finding.channels) if first else ""),
-                *map(Text, cells),
-                Text(f"{finding.evidence.delta_bic:.0f}" if first else ""),
-                end_section=row == max(len(finding.parameters), 1) - 1,
-            )
+        *others, last = _parameters(finding) or [("–", "–", "–", "")]
+        first = (finding.effect, ", ".join(finding.channels), f"{finding.evidence.delta_bic:.0f}")
+        for cells in (*others, last):
+            effect, channels, gain = first
+            table.add_row(*map(Text, (effect, channels, *cells, gain)), end_section=cells is last)
+            first = ("", "", "")
     return table
 
 
-def _parameters(finding: FindingSaid) -> list[tuple[str, str, str, str]]:
-    """Name, value, U and unit of each parameter, rounded as results are."""
-    rows = []
-    for parameter in finding.parameters:
-        texts = column([parameter.value], [2.0 * parameter.u], 2.0)
-        power = f"×10^{texts.exponent} " if texts.exponent else ""
-        rows.append(
-            (
-                parameter.name,
-                texts.values[0] or "–",
-                texts.uncertainties[0] or "–",
-                power + unit_text(parameter.unit),
-            )
-        )
-    return rows
+def _parameters(finding: FindingSaid) -> Sequence[tuple[str, str, str, str]]:
+    """Name, value, U and unit of each parameter, as the report has them."""
+    made = [(p.name, quantities([p.value], USUAL_K * p.u, p.unit)) for p in finding.parameters]
+    return [
+        (name, each.values[0] or "–", each.uncertainties[0] or "–", each.unit)
+        for name, each in made
+    ]
 
 
 def _print_finding(console: Console, finding: FindingSaid) -> None:
@@ -79,16 +70,16 @@ def _print_finding(console: Console, finding: FindingSaid) -> None:
     console.print(f"[bold]{finding.title.en}[/]")
     console.print(finding.statement.en, markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
-    for seen in listed[:MOST_CONSEQUENCES]:
-        U, unit = seen.U, unit_text(seen.unit)
-        texts = column([seen.before, seen.after], [U, U], 2.0)
-        before, after = (value or "–" for value in texts.values)
-        power = f"·10^{texts.exponent}" if texts.exponent else ""
-        line = f"  {item_name(seen.item)[1]} {seen.element}: {before} → {after}{power} {unit}"
-        console.print(f"{line} ({moved_by(seen):.1f} U)" if U else line, markup=False)
-    if len(listed) > MOST_CONSEQUENCES:
-        left = len(listed) - MOST_CONSEQUENCES
+    for moved in listed[:MAX_CONSEQUENCES]:
+        made = quantities([moved.before, moved.after], moved.U, moved.unit)
+        before, after = (value or "–" for value in made.values)
+        element = say(names.element_title(moved.item, moved.element), "en")
+        line = f"  {element}: {before} → {after} {made.unit}".rstrip()
+        console.print(f"{line} ({moved_by(moved):.1f} U)" if moved.U else line, markup=False)
+    if len(listed) > MAX_CONSEQUENCES:
+        left = len(listed) - MAX_CONSEQUENCES
         console.print(f"  and {left} elements more, in the report", style="dim")
     for change in finding.verdict_changes:
-        said = f"  verdict of {item_name(change.item)[1]}: {change.before} → {change.after}"
-        console.print(said, style="bold", markup=False)
+        item, verdicts = names.element_title(change.item, ""), names.change_title(change)
+        line = f"  verdict of {say(item, 'en')}: {say(verdicts, 'en')}"
+        console.print(line, style="bold", markup=False)

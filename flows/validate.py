@@ -11,7 +11,7 @@ from storage.settings import VALIDATION
 from tasks.stages.estimate import METHODS
 from tasks.validation.coverage import FEWEST_UNITS
 from tasks.validation.make import make_record
-from tasks.validation.page import page
+from tasks.validation.page import validation_html
 from tasks.version import code_version
 
 
@@ -34,7 +34,7 @@ def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None
     try:
         record_file.parent.mkdir(parents=True, exist_ok=True)
         record_file.write_text(text, encoding="utf-8")
-        record_file.with_suffix(".html").write_text(page(record), encoding="utf-8")
+        record_file.with_suffix(".html").write_text(validation_html(record), encoding="utf-8")
     except OSError as error:
         raise Unusable(f"{record_file} cannot be written ({error.strerror})") from error
     if as_json:

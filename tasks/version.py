@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 ROOMS = ("flows", "tasks", "schemas", "storage")
-SOURCES = (".py", ".toml", ".typ")
+SOURCES = (".py", ".toml", ".typ", ".ftl")
 NUMERICS = ("numpy", "scipy")
 
 

@@ -54,7 +54,7 @@ def explain_run(
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
     from tasks.explain.locate import locate
-    from tasks.explain.report import said, write_report
+    from tasks.explain.report import discrepancy_of, write_report
 
     _check_folder(out)
     recording = runs.load(run, home)
@@ -64,7 +64,7 @@ def explain_run(
     effects = consequences(recording, explanation, _tolerance(recording, home))
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
-    discrepancy = said(explanation, wheres, effects.of_findings, effects.changes)
+    discrepancy = discrepancy_of(explanation, wheres, effects.of_findings, effects.changes)
     progress("report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)

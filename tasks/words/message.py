@@ -28,9 +28,14 @@ def message(id_: str, /, **arguments: Argument) -> Message:
     return Message(id_, tuple(arguments.items()))
 
 
-def clauses(parts: Sequence[Sayable]) -> Sayable:
-    """Several clauses as one, with semicolons between them."""
+def clauses(parts: Sequence[Sayable], by: str = "clause-sequence") -> Sayable:
+    """Several clauses as one, with semicolons between them; empty text for none.
+
+    by: the message that joins `first` and `rest`.
+    """
+    if not parts:
+        return ""
     *before, joined = parts
     for part in reversed(before):
-        joined = message("clause-sequence", first=part, rest=joined)
+        joined = message(by, first=part, rest=joined)
     return joined

@@ -1,14 +1,16 @@
 """Units as they are printed; the keys are those of the schemas."""
 
-UNITS = {
-    "deg/s": "°/s", "m/s2": "m/s²", "(deg/s)/g": "(°/s)/g", "deg": "°", "deg/h": "°/h",
-    "deg/sqrt(h)": "°/√h", "(m/s2)/sqrt(Hz)": "(m/s²)/√Hz",
-}  # fmt: skip
+SPELLINGS = (
+    ("m/s2", "m/s²"), ("^2", "²"), ("^3", "³"), ("deg", "°"), ("*", "·"),
+    ("sqrt(h)", "√h"), ("sqrt(Hz)", "√Hz"),
+)  # fmt: skip
 
 
 def unit_text(unit: str) -> str:
     """A unit as it is printed."""
-    return UNITS.get(unit, unit)
+    for ascii_, printed in SPELLINGS:
+        unit = unit.replace(ascii_, printed)
+    return unit
 
 
 def quantity_text(number: str, unit: str) -> str:

@@ -89,7 +89,7 @@ def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
     assert "explained" in done.out
     assert "bias_step" in done.out
     assert "0.0100" in done.out
-    assert "gyro bias x" in done.out.lower()
+    assert "bias of the x gyro" in done.out.lower()
 
 
 def test_no_mismatch_is_a_good_answer(mimucal, shared, engine) -> None:

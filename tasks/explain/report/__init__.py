@@ -1,6 +1,6 @@
-"""The report: sentences in both languages, pictures, a page to read, the prediction as a file."""
+"""The report: sentences in every language, pictures, a page to read, the prediction as a file."""
 
+from tasks.explain.report.discrepancy import discrepancy_of
 from tasks.explain.report.page import write_report
-from tasks.explain.report.statements import said
 
-__all__ = ["said", "write_report"]
+__all__ = ["discrepancy_of", "write_report"]

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import groupby
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,161 +10,132 @@ from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.recording import MEASURED, Segment
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.report.excess import Cells
-from tasks.explain.report.svg import (
-    FINDINGS,
-    GREY,
-    INK,
-    PALE,
-    Scale,
-    hours_or_minutes,
-    label,
-    line,
-    picture,
-    rect,
-    ticks,
-    width_of,
-)
-from tasks.explain.report.words import capital, channel_name, effect_name, percent, text_of
+from tasks.explain.report.names import capital, channel_title
+from tasks.pages.chart import FINDINGS, GREY, PALE, draw, time_axis
+from tasks.words import say
+from tasks.words.quantities import percent
 
-WIDTH, LEFT, RIGHT = 1200, 120, 1060
-TOP, ROW, BAR = 76, 50, 6
-CELL = 32  # height of a row's cells; bars of the findings stand below
-CLASSES = (4.0, 8.0, 16.0, 32.0, 64.0)  # standard deviations above noise
-COLOURS = ("#fbfbf6", "#fee391", "#fec44f", "#fe9929", "#d95f0e", "#7f2704")
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, LEFT, RIGHT, TOP, ROW = 1200, 120, 1060, 84, 50  # px
+THRESHOLDS = (4.0, 8.0, 16.0, 32.0, 64.0)  # standard deviations above noise
+COLOURS = ("#fbfbf6", "#fee391", "#fec44f", "#fe9929", "#d95f0e", "#7f2704", PALE)
+MEANINGS = ("none", *(f"> {sigmas:g} σ" for sigmas in THRESHOLDS), "not known")
 KINDS = {"static": "#9aa5ad", "rate": "#33658a", "rotation": "#86bbd8"}
-KIND_WORDS = {"static": "rests", "rate": "rate", "rotation": "turn"}
+KIND_TITLES = {"static": "rests", "rate": "rate", "rotation": "turn"}
 UNLABELLED = "#f0f0f0"
-MOST = 5  # findings that are marked
+CELL, BAR = 0.66, 0.09  # heights in rows: of a channel's cells, of a finding's bar below them
+STRIP, TITLES = -0.5, -0.58  # in rows: the strip of segments, and what stands above it
+LETTER = 7.5  # px, width of a letter
 
 
 def where_svg(discrepancy: Discrepancy, cells: Cells) -> str:
     """The picture; its words are English with the field's symbols."""
-    start, end = float(cells.edges[0]), float(cells.edges[-1])
-    segments = cells.segments
+    findings = discrepancy.findings[: len(FINDINGS)]
+    bottom = 88 + 24 * len(findings)
+    height = TOP + ROW * len(CHANNELS) + bottom
 
-    def x(t: float) -> float:
-        return LEFT + (min(max(t, start), end) - start) / (end - start) * (RIGHT - LEFT)
+    def content(figure: "Figure") -> None:
+        figure.set_layout_engine("none")
+        axes = figure.add_axes((LEFT / WIDTH, bottom / height, (RIGHT - LEFT) / WIDTH,
+                                ROW * len(CHANNELS) / height))  # fmt: skip
+        axes.set(xlim=(cells.edges[0], cells.edges[-1]), ylim=(len(CHANNELS), 0))
+        axes.spines["left"].set_visible(False)
+        names = [say(channel_title(c), "en").replace("accelerometer", "accel.") for c in CHANNELS]
+        axes.set_yticks(np.arange(len(CHANNELS)) + CELL / 2, names)
+        axes.tick_params(axis="y", length=0)
+        time_axis(axes)
+        axes.set_title("Where the standard's model misfits the recording", pad=52, fontsize=15)
+        _segment_strip(axes, cells.segments)
+        _cells(axes, cells)
+        _findings(axes, findings, cells)
+        _colour_legend(axes, cells)
 
-    findings = discrepancy.findings[:MOST]
-    bottom = TOP + ROW * len(CHANNELS)
-    parts = [
-        label(LEFT, 20, "Where the standard's model misfits the recording", 16, bold=True),
-        *_kind_strip(segments, x),
-        *_rows(cells, x),
-        *_marks(findings, segments, x, (start, end)),
-        *_time_axis(start, end, x, bottom),
-        *_colour_legend(bottom + 62, segments),
-        *_finding_legend(findings, bottom + 96),
-    ]
-    height = bottom + 84 + 22 * len(findings)
-    return picture(WIDTH, height, "Excess of six channels over the time of the run", parts)
+    return draw("Excess of six channels over the time of the run", WIDTH, height, content)
 
 
-def _kind_strip(segments: Sequence[Segment], x: Scale) -> list[str]:
-    parts = [rect(LEFT, TOP - 20, RIGHT - LEFT, 10, UNLABELLED)]
+def _segment_strip(axes: Any, segments: Sequence[Segment]) -> None:
+    """What kind of segment there is, and a title over each group that is wide enough."""
+    start, end = axes.get_xlim()
+    _bars(axes, [(start, end - start)], STRIP, 0.2, UNLABELLED)
     measured = [s for s in segments if s.kind in MEASURED]
     for segment in measured:
-        wide = max(x(segment.t_end) - x(segment.t_start), 0.5)
-        parts.append(rect(x(segment.t_start), TOP - 20, wide, 10, KINDS[segment.kind]))
-    for words, group in groupby(measured, key=_group):
-        stretch = list(group)
-        a, b = x(stretch[0].t_start), x(stretch[-1].t_end)
-        if b - a > width_of(words) + 6:
-            parts.append(label((a + b) / 2, TOP - 28, words, 13, "middle", GREY))
-    return parts
+        _bars(axes, [(segment.t_start, segment.t_end - segment.t_start)], STRIP, 0.2,
+              KINDS[segment.kind])  # fmt: skip
+    for title, group in groupby(measured, key=_group_title):
+        first, *rest = group
+        last = rest[-1] if rest else first
+        if (last.t_end - first.t_start) / (end - start) * (RIGHT - LEFT) > LETTER * len(title):
+            axes.text((first.t_start + last.t_end) / 2, TITLES, title, color=GREY, ha="center")
 
 
-def _group(segment: Segment) -> str:
-    words = KIND_WORDS[segment.kind]
-    return words if segment.kind == "static" else f"{words} {segment.axis}"
+def _group_title(segment: Segment) -> str:
+    title = KIND_TITLES[segment.kind]
+    return title if segment.kind == "static" else f"{title} {segment.axis}"
 
 
-def _rows(cells: Cells, x: Scale) -> list[str]:
-    parts = []
-    for i, channel in enumerate(CHANNELS):
-        y = TOP + ROW * i
-        parts.append(label(LEFT - 10, y + CELL / 2 + 5, channel_name(channel)[0].replace(
-            "accelerometer", "accel."), 14, "end"))  # fmt: skip
-        colours = [_colour(value) for value in cells.excess[i]]
-        at = 0
-        for colour, group in groupby(colours):
-            upto = at + len(list(group))
-            a, b = x(cells.edges[at]), x(cells.edges[upto])
-            parts.append(rect(a, y, b - a + 0.15, CELL, colour))
-            at = upto
-        parts.append(line(LEFT, y, RIGHT, y, "#cccccc", 0.6))
-        parts.append(line(LEFT, y + CELL, RIGHT, y + CELL, "#cccccc", 0.6))
-    return parts
+def _cells(axes: Any, cells: Cells) -> None:
+    """Neighbours of one colour are drawn as one."""
+    classes = np.where(np.isnan(cells.excess), len(COLOURS) - 1,
+                       np.searchsorted(THRESHOLDS, cells.excess, "right"))  # fmt: skip
+    for row, of_channel in enumerate(classes):
+        first = np.flatnonzero(np.diff(of_channel, prepend=-1))
+        starts, ends = cells.edges[first], cells.edges[np.append(first[1:], len(of_channel))]
+        colours = [COLOURS[i] for i in of_channel[first]]
+        _bars(axes, np.column_stack([starts, ends - starts]), row, CELL, colours)
+        axes.hlines([row, row + CELL], *axes.get_xlim(), color="#cccccc", linewidth=0.6)
 
 
-def _colour(excess: float) -> str:
-    return PALE if np.isnan(excess) else COLOURS[int(np.searchsorted(CLASSES, excess, "right"))]
+def _bars(axes: Any, spans: Any, row: float, height: float, colours: Any) -> None:
+    axes.broken_barh(spans, (row, height), facecolors=colours, antialiased=False, linewidth=0,
+                     clip_on=False)  # fmt: skip
 
 
-def _marks(
-    findings: Sequence[FindingSaid], segments: Sequence[Segment], x: Scale, run: tuple[float, float]
-) -> list[str]:
-    """Bars below each row where a finding sits, and its share at the right end."""
-    spans = {s.name: (s.t_start, s.t_end) for s in segments}
-    parts = []
-    taken = dict.fromkeys(CHANNELS, 0)
-    for n, finding in enumerate(findings):
-        colour = FINDINGS[n]
-        for channel in dict.fromkeys(each.channel for each in finding.where):
-            if channel not in taken:  # several at once, with little in each
+def _findings(axes: Any, findings: Sequence[FindingSaid], cells: Cells) -> None:
+    """Bars below each row where a finding sits, its share at the right end, its title below."""
+    start, end = axes.get_xlim()
+    spans = {s.name: (s.t_start, s.t_end - s.t_start) for s in cells.segments}
+    least = (end - start) / (RIGHT - LEFT) * 1.5
+    marked = dict.fromkeys(CHANNELS, 0)
+    for number, finding in enumerate(findings):
+        for channel in dict.fromkeys(place.channel for place in finding.where):
+            if channel not in marked:  # several at once, with little in each
                 continue
-            entries = [each for each in finding.where if each.channel == channel]
-            names = [name for each in entries for name in each.segments if name in spans]
-            y = TOP + ROW * CHANNELS.index(channel) + CELL + 2 + (BAR - 1) * (taken[channel] % 3)
-            for a, b in [spans[name] for name in names] or [run]:
-                parts.append(rect(x(a), y, max(x(b) - x(a), 1.5), BAR - 2, colour))
-            at = RIGHT + 12 + 62 * (taken[channel] % 2)
-            down = TOP + ROW * CHANNELS.index(channel) + 14 + 18 * (taken[channel] // 2)
-            parts += _number(at + 8, down, n)
-            parts.append(label(at + 20, down + 5, percent(sum(e.share for e in entries)), 12))
-            taken[channel] += 1
-    return parts
+            places = [place for place in finding.where if place.channel == channel]
+            names = [name for place in places for name in place.segments if name in spans]
+            row, before = CHANNELS.index(channel), marked[channel]
+            bars = [(t, max(width, least)) for t, width in map(spans.__getitem__, names)]
+            _bars(axes, bars or [(start, end - start)], row + CELL + 0.03 + (before % 3) * BAR,
+                  BAR - 0.02, FINDINGS[number])  # fmt: skip
+            share = percent(sum(place.share for place in places))
+            _disc(axes, number, share, RIGHT + 20 + 64 * (before % 2),
+                  ROW * (len(CHANNELS) - row - 0.28 - 0.36 * (before // 2)), 11)  # fmt: skip
+            marked[channel] += 1
+        title = say(capital(finding.title), "en")
+        _disc(axes, number, f"{title} ({finding.effect})", LEFT + 8, -88 - 24 * number, 13)
 
 
-def _number(x: float, y: float, n: int) -> list[str]:
-    disc = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="8.5" fill="{FINDINGS[n]}"/>'
-    return [disc, label(x, y + 4, str(n + 1), 12, "middle", "#ffffff", True)]
+def _disc(axes: Any, number: int, words: str, x: float, y: float, size: float) -> None:
+    """A finding's number with words at its right: px, x in the picture, y above the axes' foot."""
+    at: Any = {"xy": (0, 0), "xycoords": "axes fraction", "textcoords": "offset points",
+               "va": "center"}  # fmt: skip
+    disc = {"boxstyle": "circle,pad=0.25", "facecolor": FINDINGS[number], "edgecolor": "none"}
+    axes.annotate(f"{number + 1}", xytext=(x - LEFT, y), ha="center", color="white",
+                  weight="bold", fontsize=11, bbox=disc, **at)  # fmt: skip
+    axes.annotate(words, xytext=(x - LEFT + 14, y), fontsize=size, **at)
 
 
-def _time_axis(start: float, end: float, x, y: float) -> list[str]:  # type: ignore[no-untyped-def]
-    unit, size = hours_or_minutes(end - start)
-    parts = [line(LEFT, y, RIGHT, y, INK)]
-    for tick in ticks(start / size, end / size, 10):
-        at = x(tick * size)
-        parts += [line(at, y, at, y + 5, INK), label(at, y + 19, f"{tick:g}", 13, "middle")]
-    parts.append(label(RIGHT + 12, y + 19, f"time / {unit}", 13))
-    return parts
+def _colour_legend(axes: Any, cells: Cells) -> None:
+    from matplotlib.patches import Patch
 
-
-def _colour_legend(y: float, segments: Sequence[Segment]) -> list[str]:
-    parts = [label(4, y, "excess over noise", 13, "start", GREY)]
-    at = float(LEFT)
-    words = ["none", *(f"> {c:g} σ" for c in CLASSES)]
-    for colour, word in zip((*COLOURS, PALE), (*words, "not known"), strict=True):
-        parts.append(rect(at, y - 13, 22, 16, colour))
-        parts.append(
-            f'<rect x="{at:.1f}" y="{y - 13:.1f}" width="22" height="16" fill="none" '
-            'stroke="#bbbbbb" stroke-width="0.6"/>'
-        )
-        parts.append(label(at + 28, y, word, 13))
-        at += 44 + width_of(word)
-    at += 24
-    there = {segment.kind for segment in segments}
-    for kind, colour in ((k, c) for k, c in KINDS.items() if k in there):
-        parts += [rect(at, y - 9, 22, 8, colour), label(at + 28, y, kind, 13)]
-        at += 44 + width_of(kind)
-    return parts
-
-
-def _finding_legend(findings: Sequence[FindingSaid], y: float) -> list[str]:
-    parts = []
-    for n, finding in enumerate(findings):
-        title = capital(text_of(finding.title))[0] or effect_name(finding.effect)[0]
-        parts += _number(LEFT + 8, y + 22 * n - 4, n)
-        parts.append(label(LEFT + 24, y + 22 * n, f"{title} ({finding.effect})", 14))
-    return parts
+    present = {segment.kind for segment in cells.segments}
+    handles = [Patch(facecolor=colour, edgecolor="#bbbbbb", linewidth=0.6, label=meaning)
+               for colour, meaning in zip(COLOURS, MEANINGS, strict=True)]  # fmt: skip
+    handles += [Patch(facecolor=colour, label=kind) for kind, colour in KINDS.items()
+                if kind in present]  # fmt: skip
+    axes.annotate("excess over noise", (0, 0), xycoords="axes fraction", xytext=(-LEFT + 4, -56),
+                  textcoords="offset points", color=GREY, va="center")  # fmt: skip
+    axes.legend(handles=handles, ncols=len(handles), loc="center left", borderpad=0,
+                bbox_to_anchor=(0, -56 / (ROW * len(CHANNELS))), borderaxespad=0, handlelength=1.6,
+                columnspacing=1.4, handletextpad=0.5)  # fmt: skip

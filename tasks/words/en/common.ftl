@@ -11,3 +11,5 @@ channel-accel_y = accelerometer y
 channel-accel_z = accelerometer z
 triad-gyro = gyros
 triad-accel = accelerometers
+language-name = English
+list = { $entries }

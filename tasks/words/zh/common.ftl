@@ -11,3 +11,5 @@ channel-accel_y = 加速度计 y
 channel-accel_z = 加速度计 z
 triad-gyro = 陀螺
 triad-accel = 加速度计
+language-name = 中文
+list = { $entries }

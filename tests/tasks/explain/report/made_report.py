@@ -16,7 +16,7 @@ from schemas.discrepancy import (
 )
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.report import said
+from tasks.explain.report import discrepancy_of
 
 RATE_HZ, DWELL, PAUSE = 20.0, 30.0, 3.0
 SIGMA = np.array([1e-3] * 3 + [1e-2] * 3)
@@ -121,7 +121,7 @@ def answer(
 ) -> Discrepancy:
     """What is said when every finding sits in accelerometer x and has the same consequences."""
     each = range(len(explained.findings))
-    return said(
+    return discrepancy_of(
         explained, [(where(),) for _ in each], [consequences for _ in each],
         [changes for _ in each],
     )  # fmt: skip

@@ -6,14 +6,12 @@ from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unname
 
 from schemas.discrepancy import Discrepancy, FoundParameter, Statement, VerdictChange
 from tasks.explain.correction.consequences import OVERALL
-from tasks.explain.report import said
-from tasks.explain.report.words import (
-    bic_words,
-    effect_name,
-    probability,
-    quantity,
-    times_more_probable,
-)
+from tasks.explain.report import discrepancy_of
+from tasks.explain.report.names import effect_title
+from tasks.explain.report.statements import strength_of_evidence, times_more_probable
+from tasks.words import say
+from tasks.words import texts as in_languages
+from tasks.words.quantities import probability, quantity
 
 
 def texts(discrepancy: Discrepancy) -> tuple[str, str]:
@@ -30,7 +28,7 @@ def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages() 
 def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
     explained = explanation(finding())
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
-    en, zh = texts(said(explained, [places], [()], [()]))
+    en, zh = texts(discrepancy_of(explained, [places], [()], [()]))
     assert en.index("accelerometer y (62 %): while +x is up") < en.index("accelerometer x")
     assert "加速度计 y（62 %）：+x 朝上时" in zh
 
@@ -38,7 +36,7 @@ def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
 def test_what_is_spread_over_channels_names_each_of_them() -> None:
     explained = explanation(finding())
     spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
-    en, zh = texts(said(explained, [(where(share=0.98), spread)], [()], [()]))
+    en, zh = texts(discrepancy_of(explained, [(where(share=0.98), spread)], [()], [()]))
     assert "gyro x, gyro z (2 %)" in en
     assert "陀螺 x、陀螺 z（2 %）" in zh
 
@@ -60,12 +58,13 @@ def test_a_gain_that_unseen_stretches_do_not_bear_out_is_said() -> None:
 def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
     pair = finding(
         indistinguishable=("axis_wobble", "not_yet_in_the_list"),
-        separated_by=Statement(en="the outer axis turned by 90°.", zh="外轴转 90°。"),
+        separated_by=Statement(en="the outer axis turned by 90°", zh="外轴转 90°"),
     )
     en, zh = texts(answer(explanation(pair)))
-    assert "cannot tell it from a wobbling rotation axis or not yet in the list." in en
+    wobble = in_languages(effect_title("axis_wobble"))
+    assert f"cannot tell it from {wobble['en']} or not yet in the list." in en
     assert "To be sure, record: the outer axis turned by 90°." in en
-    assert "转轴摆动" in zh
+    assert f"{wobble['zh']}或not yet in the list。" in zh
     assert "应补充记录：外轴转 90°。" in zh
 
 
@@ -138,7 +137,7 @@ def test_the_answer_is_the_contracts_json() -> None:
 
 def test_findings_without_their_places_are_refused() -> None:
     with pytest.raises(ValueError, match="shorter"):
-        said(explanation(finding()), [], [()], [()])
+        discrepancy_of(explanation(finding()), [], [()], [()])
 
 
 def test_many_parameters_are_told_by_the_three_most_significant() -> None:
@@ -147,7 +146,7 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
     )
     en, zh = texts(answer(explanation(finding(parameters=many))))
     assert "c 9 = 9.0 ± 2.0, c 8 = 8.0 ± 2.0, c 7 = 7.0 ± 2.0, and 6 more (k = 2)" in en
-    assert "9 个参数" in zh
+    assert "，另有 6 个参数（k = 2）" in zh
 
 
 @pytest.mark.parametrize(
@@ -171,10 +170,10 @@ def test_numbers_of_every_size_are_readable(value, U, unit, shown) -> None:
 
 
 def test_words_of_evidence_follow_its_size() -> None:
-    assert [bic_words(x)[0].split()[0] for x in (50.0, 8.0, 3.0, -1.0)] == [
+    assert [say(strength_of_evidence(x), "en").split()[0] for x in (50.0, 8.0, 3.0, -1.0)] == [
         "very", "strong", "some", "no",
     ]  # fmt: skip
-    assert times_more_probable(1e6) == ("more than 10¹⁰⁰ times", "10¹⁰⁰ 倍以上")
-    assert times_more_probable(np.log(5.0)) == ("5 times", "5 倍")
+    beyond, times = times_more_probable(1e6), times_more_probable(np.log(5.0))
+    assert in_languages(beyond) == {"en": "more than 10¹⁰⁰ times", "zh": "10¹⁰⁰ 倍以上"}
+    assert in_languages(times) == {"en": "5 times", "zh": "5 倍"}
     assert probability(0.0) == "p < 10⁻¹²"
-    assert effect_name("earth_rotation") == ("Earth's rotation", "地球自转")

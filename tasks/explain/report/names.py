@@ -1,0 +1,78 @@
+"""How effects, channels, elements and quantities with U are called in the report's sentences."""
+
+from collections.abc import Callable
+
+from schemas.discrepancy import FoundParameter, Statement, VerdictChange
+from tasks.certificate.names import VERDICTS
+from tasks.explain.correction.consequences import OVERALL
+from tasks.explain.explanation import CHANNELS
+from tasks.specifications.items import ITEMS
+from tasks.words import Message, Sayable, known, message, texts
+from tasks.words.quantities import quantity
+from tasks.words.rounding import USUAL_K
+
+
+def effect_title(effect: str) -> Sayable:
+    """What an effect is called in a sentence; its own name spelled out where it has none."""
+    id_ = f"effect-{effect}.title"
+    return message(id_) if known(id_) else effect.replace("_", " ")
+
+
+def channel_title(channels: str) -> Message:
+    """«gyro x» of «gyro_x»; several where an entry of `Where` names several: «gyro_x, gyro_y»."""
+    names = channels.split(", ")
+    titles = (message(f"channel-{name}") if name in CHANNELS else name for name in names)
+    return message("list", entries=tuple(titles))
+
+
+def element_title(item: str, element: str) -> Sayable:
+    """An element of a certificate's item; the item where the element is empty."""
+    if item == OVERALL:
+        return message("report-whole-certificate")
+    if item not in ITEMS:
+        return f"{item} {element}".strip()
+    defined = ITEMS[item]
+    return defined.element_title(element) if element else defined.title
+
+
+def verdict_title(verdict: str) -> Sayable:
+    """«pass», «fail», «inconclusive»."""
+    if verdict not in VERDICTS:
+        return verdict
+    zh, en = VERDICTS[verdict]
+    return Statement(en=en, zh=zh)
+
+
+def change_title(change: VerdictChange) -> Message:
+    """«fail → pass»."""
+    before, after = verdict_title(change.before), verdict_title(change.after)
+    return message("report-change", before=before, after=after)
+
+
+def capital(said: Sayable) -> Statement:
+    """What begins like a sentence; a symbol stays as it is."""
+    return _beginning(said, str.upper)
+
+
+def sentence(said: Sayable) -> Statement:
+    """What stands alone as a sentence, with its full stop."""
+    return capital(message("report-sentence", text=said))
+
+
+def lower(said: Sayable) -> Statement:
+    """What continues a sentence; a symbol stays as it is."""
+    return _beginning(said, str.lower)
+
+
+def _beginning(said: Sayable, change: Callable[[str], str]) -> Statement:
+    def changed(text: str) -> str:
+        word = text[1:2].islower() or text.startswith("a ")
+        return change(text[:1]) + text[1:] if word else text
+
+    return Statement(**{language: changed(text) for language, text in texts(said).items()})
+
+
+def parameter_text(parameter: FoundParameter) -> str:
+    """«vertical rate = (9.66 ± 0.40) °/h»; U = 2 u."""
+    spelled = parameter.name.replace("_", " ")
+    return f"{spelled} = {quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)}"

@@ -1,0 +1,64 @@
+"""HTML by templates: `templates/base.html` has the style, a folder beside its code the content."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tasks.words import LANGUAGES, Message, Sayable, message, texts
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+BASE = Path(__file__).parent / "templates"
+
+
+def page(template: Path, **values: Any) -> str:
+    """The HTML of a template that extends base.html, which needs nothing from elsewhere.
+
+    Templates have `say(id, …)` for a message of the catalogues, the filter `said` for anything
+    sayable, and the filter `listed` for several of these; all of it is escaped.
+    """
+    # Late: only who writes a page needs them.
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader([template.parent, BASE]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"said": _said, "listed": _listed}
+    names = texts(message("language-name"))
+    environment.globals |= {"say": _message, "languages": LANGUAGES, "language_name": names}
+    return environment.get_template(template.name).render(**values) + "\n"
+
+
+def inline(svg: str) -> "Markup":
+    """A chart that stands in a page as it is."""
+    from markupsafe import Markup
+
+    return Markup(svg)
+
+
+def _said(what: Sayable) -> "Markup":
+    """In every language, of which the page shows one; once where all are the same."""
+    from markupsafe import Markup
+
+    if hasattr(what, "__html__"):
+        return Markup(what)
+    by_language = texts(what)
+    if len(set(by_language.values())) == 1:
+        return Markup("{}").format(by_language[LANGUAGES[0]])
+    span = Markup('<span lang="{}">{}</span>')
+    return Markup("").join(span.format(*each) for each in by_language.items())
+
+
+def _message(id_: str, **arguments: Any) -> "Markup":
+    return _said(message(id_, **arguments))
+
+
+def _listed(what: Iterable[Sayable]) -> "Markup":
+    from markupsafe import Markup
+
+    return _said(Message("list-separator")).join(map(_said, what)) if what else Markup("")
