@@ -10,14 +10,13 @@ name: adding physics is adding one term.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 
+from tasks.model.effect import Effect
 from tasks.motion.whole import Motion
-from tasks.words import Sayable
 
-Stage = Literal["motion", "input", "sensor", "signal"]
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
 Text = tuple[str, str]  # English, Chinese
 COUNTS = "1"  # unit of a shape that is a whole number
@@ -48,35 +47,30 @@ class Inputs:
 
 
 @dataclass(frozen=True)
-class Term:
-    """A piece of physics. A subclass overrides the method of its stage.
+class Term(Effect):
+    """A piece of physics as a model has it. A subclass overrides the method of its stage.
 
     shapes, at: what its columns are not linear in (a time constant, an order), and its values,
     SI; they are searched where the rest is solved. Several terms of one name differ in them.
-    title: what an engineer calls it. confused_with: catalogue names that look much the same.
-    separated_by: the recording that would tell them apart. rarity: chi-squared that it must earn
-    beyond a more usual piece of physics that looks the same. variant: number among the terms of
-    one name that a search tries, which a fit of the shape does not change.
+    variant: number among the terms of one name that a search tries, which a fit of the shape does
+    not change.
     """
 
-    name: str
-    family: str
-    stage: Stage
-    equation: str
-    source: str
     parameters: tuple[Parameter, ...]
     shapes: tuple[Parameter, ...] = ()
     at: tuple[float, ...] = ()
-    title: Text | Sayable = ("", "")
-    confused_with: tuple[str, ...] = ()
-    separated_by: Text = ("", "")
-    rarity: float = 0.0
     variant: int = 0
 
     @property
     def key(self) -> tuple[str, int]:
         """By which a term is recognised, whatever its shape."""
         return self.name, self.variant
+
+    @property
+    def word_arguments(self) -> dict[str, int]:
+        """The shapes that are whole numbers: an order, an axis."""
+        pairs = zip(self.shapes, self.at, strict=True)
+        return {shape.name: int(value) for shape, value in pairs if shape.unit == COUNTS}
 
     @property
     def bent(self) -> bool:

@@ -11,8 +11,8 @@ from schemas.uncertainty import Budget, BudgetInput
 from tasks.explain.correction.consequences import without
 from tasks.explain.correction.spread import Spread, spreads_of
 from tasks.explain.explanation import Finding
-from tasks.explain.search.candidates import RANDOM_WALK
 from tasks.model.term import Term
+from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion
 from tasks.specifications.evaluation import common_factor, expanded
 from tasks.uncertainty.coverage import half_width
@@ -37,8 +37,8 @@ def adopt(
     a difference, the parameters independent of each other and of the readings' noise. A random
     course has no parameter whose uncertainty U could hold: it stays in the readings, as noise.
     """
-    wandering = [finding for finding in findings if finding.effect == RANDOM_WALK]
-    findings = [finding for finding in findings if finding.effect != RANDOM_WALK]
+    wandering = [finding for finding in findings if finding.effect == BIAS_RANDOM_WALK.name]
+    findings = [finding for finding in findings if finding.effect != BIAS_RANDOM_WALK.name]
     contributions = [finding.contribution for finding in findings]
     result = calibrate(without(recording, contributions))
     spreads = [s for finding in findings for s in spreads_of(finding, terms, motion)]

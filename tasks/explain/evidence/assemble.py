@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.discrepancy import FoundParameter, Statement, Verdict
+from schemas.discrepancy import FoundParameter, Verdict
 from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Event, Events
@@ -18,9 +18,9 @@ from tasks.explain.search.empirical_terms import UNNAMED
 from tasks.explain.search.rank import NEAR
 from tasks.explain.search.refit import Model, fitted, model_of
 from tasks.explain.search.stepwise import Found
-from tasks.model.events import EVENT_TEXTS
+from tasks.model.events import EVENTS
 from tasks.model.simulate import predict
-from tasks.model.term import Parameter, Term, Text, places
+from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
@@ -104,7 +104,7 @@ def _finding(
         count = len(group.chosen)
     first = group.terms[0]
     named = group.name != UNNAMED
-    title = _statement(first.title) if named else _followed(group)
+    title = first.title if named else _followed(group)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
@@ -118,23 +118,19 @@ def _finding(
         delta_bic=gain - count * float(np.log(weighed.used)),
         held_out_gain=weighed.held_out_gain(number),
         indistinguishable=_alike(group) if named else (),
-        separated_by=_statement(first.separated_by) if named and first.separated_by[0] else None,
+        separated_by=first.separated_by if named else None,
         follows=None if named else title,
     )
-
-
-def _statement(text: Text | Sayable) -> Sayable:
-    return Statement(en=text[0], zh=text[1]) if isinstance(text, tuple) else text
 
 
 def _followed(group: Group) -> Sayable:
     """What an unnamed finding follows; a name that was withdrawn becomes a likeness."""
     first = group.terms[0]
     if first.name == UNNAMED:
-        return _statement(first.title)
+        return first.title
     if len(group.terms) > 1:
         return JUMPS
-    return message("explain-other-form", title=_statement(first.title))
+    return message("explain-other-form", title=first.title)
 
 
 JUMPS = message("explain-jumps")
@@ -248,23 +244,23 @@ def _of_events(
 
 
 def _of_event(event: Event, contribution: np.ndarray, full: FullRate, noise: np.ndarray) -> Finding:
-    texts = EVENT_TEXTS.get(event.effect)
+    effect = EVENTS.get(event.effect)
     variance = np.where(noise > 0, noise**2, np.inf)
     gain = float((np.nansum(contribution**2, axis=0) / variance).sum())
     count = len(event.parameters)
     rows = max(1, int(np.isfinite(full.readings[:, list(event.channels)]).sum()))
     return Finding(
         effect=event.effect,
-        family=texts.family if texts else UNNAMED,
-        title=_statement(texts.title) if texts else event.description,
-        equation=texts.equation if texts else "",
-        source=texts.source if texts else "",
+        family=effect.family if effect else UNNAMED,
+        title=effect.title if effect else event.description,
+        equation=effect.equation if effect else "",
+        source=effect.source if effect else "",
         channels=event.channels,
         parameters=event.parameters,
         contribution=contribution,
         gain=gain,
         delta_bic=gain - count * float(np.log(rows)),
         held_out_gain=0.5 * gain - count,
-        separated_by=_statement(texts.separated_by) if texts else None,
-        follows=None if texts else event.description,
+        separated_by=effect.separated_by if effect else None,
+        follows=None if effect else event.description,
     )

@@ -21,8 +21,6 @@ from tasks.model.term import COUNTS, Column, Term, places
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
 REMNANT = 0.15  # of the chi-squared that something without a name gains
-BIAS_STEP = "bias_step"
-DRIFTS = (BIAS_STEP, "temperature_bias", "thermal_gradient", "thermal_transient")
 STEPS_ARE_JUMPS = 2  # as many steps or more are no single step
 
 
@@ -69,21 +67,25 @@ def _remnant(
     if any(one.candidate.known or one.instead_of is not None for one in some):
         return False
     most = max((other for _, other in nameless), default=0.0)
-    astray = max((other for one, other in nameless if _strays(one)), default=0.0)
+    jumping = max((other for one, other in nameless if _jumps_or_wanders(one)), default=0.0)
     if some[0].candidate.prior is not None:  # as a remnant of anything slow wanders
         return gain < most
-    return gain < max(REMNANT * most, astray if some[0].candidate.name in DRIFTS else 0.0)
+    return gain < max(REMNANT * most, jumping if _is_slow(some[0].candidate.term) else 0.0)
 
 
-def _strays(some: Sequence[Chosen]) -> bool:
+def _jumps_or_wanders(some: Sequence[Chosen]) -> bool:
     """Whether it is a bias that jumps or wanders, which any slow course makes up for in part."""
     first = some[0].candidate
-    return first.prior is not None or first.term.name == BIAS_STEP
+    return first.prior is not None or first.term.time_course == "jump"
+
+
+def _is_slow(term: Term) -> bool:
+    return term.time_course in ("drift", "jump")
 
 
 def _name_of(some: Sequence[Chosen]) -> str:
     times = {one.candidate.term.at for one in some}
-    if some[0].candidate.name == BIAS_STEP and len(times) >= STEPS_ARE_JUMPS:
+    if some[0].candidate.term.time_course == "jump" and len(times) >= STEPS_ARE_JUMPS:
         return UNNAMED
     if any(_at_bound(one.candidate.term) for one in some):
         return UNNAMED

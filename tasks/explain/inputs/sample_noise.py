@@ -1,5 +1,7 @@
 """Noise and steps of single samples, read off what a plain fit leaves."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tasks.model.plain_fit import plain_prediction
@@ -19,7 +21,10 @@ def noise_by_segment(
     From second differences of what a straight-line fit leaves, the largest left out, so that
     neither motion nor single bad samples count.
     """
-    left = readings - np.nan_to_num(plain_prediction(readings, motion))
+    # Readings keep their noise where the motion is not known: there it is taken to be none.
+    unknown = np.broadcast_to(~motion.known[:, None], readings.shape)
+    still = replace(motion, up=np.nan_to_num(motion.up), rate=np.nan_to_num(motion.rate))
+    left = readings - plain_prediction(readings, still, unknown)
     rough = np.full_like(left, np.nan)
     rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
     variance = np.full((count + 1, 2), np.nan)

@@ -1,4 +1,4 @@
-"""How effects, channels, elements and quantities with U are called in the report's sentences."""
+"""How channels, elements and quantities with U are called in the report's sentences."""
 
 from collections.abc import Callable
 
@@ -7,15 +7,9 @@ from tasks.certificate.names import VERDICTS
 from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.explanation import CHANNELS
 from tasks.specifications.items import ITEMS
-from tasks.words import Message, Sayable, known, message, texts
+from tasks.words import Message, Sayable, message, texts
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
-
-
-def effect_title(effect: str) -> Sayable:
-    """What an effect is called in a sentence; its own name spelled out where it has none."""
-    id_ = f"effect-{effect}.title"
-    return message(id_) if known(id_) else effect.replace("_", " ")
 
 
 def channel_title(channels: str) -> Message:

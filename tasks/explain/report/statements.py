@@ -8,12 +8,12 @@ from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report.names import (
     capital,
     channel_title,
-    effect_title,
     element_title,
     lower,
     parameter_text,
     verdict_title,
 )
+from tasks.model.effect import effect_name
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import multiple, percent, plain, power_of_ten, quantities
 
@@ -94,7 +94,7 @@ def times_more_probable(nats: float) -> Message:
 
 def alternatives(finding: FindingSaid) -> Sayable:
     """What else would fit this recording as well; empty where nothing would."""
-    titles = clauses([*map(effect_title, finding.indistinguishable_from)], by="report-or")
+    titles = clauses([*map(effect_name, finding.indistinguishable_from)], by="report-or")
     return message("report-alternatives", effects=titles) if titles else ""
 
 

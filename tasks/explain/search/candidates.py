@@ -11,7 +11,6 @@ from tasks.model.term import Column, Inputs, Term
 from tasks.motion.whole import Motion
 
 STEP = 1e-3  # of the plausible range: small enough to be linear
-RANDOM_WALK = "bias_random_walk"
 WAVES = 30  # of a slow course, half a period and more over the run
 # Powers and knees: a random walk, what drifts more smoothly, and what returns after a while (Gauss
 # and Markov's process, a signal that jumps to and fro).
@@ -158,7 +157,7 @@ def _variants(term: Term, motion: Motion) -> Iterator[Term]:
 
 def _slow_ones(terms: Sequence[Term], first: int, variant: int) -> Iterator[Candidate]:
     """Candidates that share the columns of slow waves in all channels, WAVES for each."""
-    walk = next((term for term in terms if term.name == RANDOM_WALK), None)
+    walk = next((term for term in terms if term.time_course == "random walk"), None)
     for number, form in enumerate((WALK, SMOOTH, *RETURNING), variant):
         if form == WALK and walk is None:
             continue

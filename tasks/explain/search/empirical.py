@@ -182,7 +182,7 @@ def _leans(axis: int) -> Iterator[Term]:
         yield EmpiricalTilt(
             UNNAMED, UNNAMED, "motion", f"the unit leans near θ{axis + 1} = {degrees}°",
             "empirical", LEAN_PARAMETERS,
-            title=message("explain-lean", axis=axis + 1, angle=degrees),
+            own_title=message("explain-lean", axis=axis + 1, angle=degrees),
             regressor=partial(_bump, axis, centre),
         )  # fmt: skip
 

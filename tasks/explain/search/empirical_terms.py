@@ -71,7 +71,7 @@ def regression_term(
     )  # fmt: skip
     return RegressionTerm(
         UNNAMED, UNNAMED, "sensor", f"reading += c·{key}", "empirical", parameters,
-        title=title, channels=channels, regressors=regressors, shared=shared,
+        own_title=title, channels=channels, regressors=regressors, shared=shared,
     )  # fmt: skip
 
 
@@ -86,7 +86,7 @@ class Sinusoid(RegressionTerm):
 
     def shaped(self, at: tuple[float, ...]) -> "Sinusoid":
         """The sinusoid of another period."""
-        return replace(self, at=at, title=message("explain-wave", period=f"{at[0]:.3g}"))
+        return replace(self, at=at, own_title=message("explain-wave", period=f"{at[0]:.3g}"))
 
 
 def sinusoid(channels: tuple[int, ...], period: float = 100.0) -> Sinusoid:
@@ -114,5 +114,5 @@ def slow_drift(walk: Term | None, waves: int) -> RegressionTerm:
     drift = regression_term("slow waves", title, EVERY, waves, cosines, True)
     if walk is None:
         return drift
-    texts = ("name", "family", "equation", "source", "title", "confused_with", "separated_by")
-    return replace(drift, **{text: getattr(walk, text) for text in texts})
+    same = ("name", "family", "equation", "source", "confused_with", "time_course", "own_title")
+    return replace(drift, **{name: getattr(walk, name) for name in same})

@@ -27,15 +27,7 @@ def accel_nonlinearity(order: int) -> Nonlinearity:
         "accel_nonlinearity", "accelerometer", "sensor", f"a′ᵢ = cᵢ·fᵢ^{order}/g^{order - 1}",
         "IEEE Std 1293", each_axis("coefficient", "c", ("1", 1.0, 0.02)),
         (Parameter("order", "n", "1", 1.0, (2.0, 3.0)),), (float(order),),
-        title=(
-            f"nonlinearity of order {order}",
-            f"加速度计{('二', '三')[order - 2]}阶非线性",
-        ),
         confused_with=("accel_saturation", "vibration_rectification", "structural_compliance"),
-        separated_by=(
-            "a tumble in steps of 30 deg or finer in the field of gravity, or a centrifuge",
-            "重力场中步距不大于30°的多位置翻滚试验，或离心机试验",
-        ),
     )  # fmt: skip
 
 
@@ -55,12 +47,7 @@ class VibrationRectification(Term):
 VIBRATION_RECTIFICATION = VibrationRectification(
     "vibration_rectification", "accelerometer", "sensor", "a′ᵢ = cᵢ·⟨a_vib²⟩", "IEEE Std 1293",
     each_axis("in_band_coefficient", "c", ("g/g2", G, MOST_BEYOND * 0.1 / G)),
-    title=("bias that follows vibration power", "加速度计振动整流误差"),
     confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
-    separated_by=(
-        "rests on a shaker or beside a running motor, at several levels of vibration",
-        "静止状态下在振动台上施加若干量级的振动，比较零偏",
-    ),
 )  # fmt: skip
 
 

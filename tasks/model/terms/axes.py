@@ -29,13 +29,7 @@ AXIS_TILT = AxisTilt(
     "axis_tilt", "geometry", "motion", "up′ = up − φ×up, φ = φ_E·East + φ_N·North",
     "IEEE Std 1554; small rotation",
     one("east", "φ_E", ("deg", DEG, 0.02)) + one("north", "φ_N", ("deg", DEG, 0.02)),
-    title=("table's base not level", "转台基座不水平（主轴铅垂度误差）"),
     confused_with=("axis_wobble", "axis_nonorthogonality", "remount_misalignment"),
-    separated_by=(
-        "a level on the table at four angles of the outer axis, or slow turns of the outer axis "
-        "with each accelerometer level",
-        "用水平仪在外轴四个角位置测台面倾角，或加速度计处于水平状态时外轴慢速整周旋转",
-    ),
 )  # fmt: skip
 
 
@@ -63,12 +57,7 @@ def axis_nonorthogonality(joints: tuple[int, ...]) -> AxisNonorthogonality:
         "IEEE Std 1554; small rotation",
         tuple(p for k in joints for p in one(f"angle_{k + 1}", f"δ_{k + 1}", ("deg", DEG, 0.02))),
         joints=joints,
-        title=("table axes not square to each other", "转台轴线垂直度误差"),
         confused_with=("axis_tilt", "axis_wobble", "remount_misalignment"),
-        separated_by=(
-            "the same attitudes reached by two different sets of table angles",
-            "用两组不同的转台角度到达同一姿态，比较加速度计输出",
-        ),
     )  # fmt: skip
 
 
@@ -100,15 +89,7 @@ def axis_wobble(per_turn: int) -> AxisWobble:
             for p in one(f"{side}_{part}", f"φ_{side[0].upper()},{part}", ("deg", DEG, 0.01))
         ),
         (Parameter("per_turn", "m", "1", 1.0, (1.0, 2.0)),), (float(per_turn),),
-        title=(
-            f"rotation axis that wanders {('once', 'twice')[per_turn - 1]} a turn",
-            f"轴系倾角回转误差（每转{per_turn}次）",
-        ),
         confused_with=("encoder_eccentricity", "axis_tilt", "rate_ripple"),
-        separated_by=(
-            "slow whole turns of the first axis, watched with a level or an autocollimator",
-            "第一轴慢速整周旋转，用水平仪或自准直仪监测轴线倾角",
-        ),
     )  # fmt: skip
 
 

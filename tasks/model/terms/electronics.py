@@ -68,13 +68,7 @@ BANDWIDTH = Bandwidth(
     "bandwidth", "electronics", "signal", "Y = X/(1 + √2·s + s²), s = j·2πf·T, corner = 1/(2πT)",
     "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
     (Parameter("time_constant", "T", "s", 1.0, (0.0, 0.05)),),
-    title=("the unit's low-pass", "产品带宽限制（低通滤波）"),
     confused_with=("time_offset", "gyro_angular_acceleration"),
-    separated_by=(
-        "oscillation at several frequencies up to the corner: a low-pass lowers the amplitude, a "
-        "delay does not",
-        "多个频率直至转折频率的角振动试验：低通使幅值下降，纯时延不会",
-    ),
 )  # fmt: skip
 
 

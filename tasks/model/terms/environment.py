@@ -52,45 +52,25 @@ TEMPERATURE_BIAS = FollowsRecorded(
     "temperature_bias", "environment", "sensor", "bᵢ = cᵢ·(T − 25 °C)",
     "IEEE Std 1293; IEEE Std 1431", each_channel("c", *_per("K", 0.01, 0.1)),
     course="temperature", reference=REFERENCE,
-    title=("bias that follows the temperature", "零偏温度系数"),
     confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
-    separated_by=(
-        "rests at three temperatures of the chamber, each soaked until steady and taken both "
-        "warming and cooling",
-        "温箱三个温度点充分保温后静止测试，升温、降温各一次",
-    ),
+    time_course="drift",
 )  # fmt: skip
 TEMPERATURE_SCALE = TemperatureScale(
     "temperature_scale", "environment", "sensor",
     "ω′ᵢ = cᵢ·ωᵢ·(T − 25 °C); a′ᵢ = cᵢ·fᵢ·(T − 25 °C)", "IEEE Std 1293; IEEE Std 1431",
     each_channel("c", ("1/K", 1.0, 2e-3), ("1/K", 1.0, 2e-3)),
-    title=("scale factor that follows the temperature", "标度因数温度系数"),
     confused_with=("temperature_bias", "gyro_scale_nonlinearity", "clock_skew"),
-    separated_by=(
-        "the same rates and positions at three temperatures of the chamber",
-        "在温箱三个温度点重复同样的速率与位置试验",
-    ),
 )  # fmt: skip
 THERMAL_GRADIENT = FollowsRecorded(
     "thermal_gradient", "environment", "sensor", "bᵢ = cᵢ·dT/dt", "IEEE Std 952",
     each_channel("c", *_per("(K/s)", 1.0, 10.0)), course="temperature_rate", reference=0.0,
-    rarity=2.0,
-    title=("bias that follows the rate of temperature change", "温变率（温度梯度）引起的零偏"),
+    rarity=2.0, time_course="drift",
     confused_with=("temperature_bias", "thermal_transient", "bias_random_walk"),
-    separated_by=(
-        "rests through the same temperature while warming and while cooling at a known rate",
-        "以已知温变率升温与降温经过同一温度时的静止测试",
-    ),
 )  # fmt: skip
 SUPPLY_SENSITIVITY = FollowsRecorded(
     "supply_sensitivity", "environment", "sensor", "bᵢ = cᵢ·(V − V̄)", "IEEE Std 1293; IEEE Std 952",
     each_channel("c", *_per("V", 0.1, 1.0)), course="supply_voltage", reference=None,
-    title=("bias that follows the supply voltage", "零偏电源电压灵敏度"),
     confused_with=("temperature_bias", "bias_random_walk"),
-    separated_by=(
-        "rests with the supply stepped to both limits of its range, at steady temperature",
-        "恒温静止状态下将电源电压分别调至允许范围上、下限",
-    ),
 )  # fmt: skip
 
 
@@ -100,12 +80,8 @@ def thermal_transient(seconds: float) -> ThermalTransient:
         "thermal_transient", "environment", "sensor", "bᵢ = cᵢ·e^(−t/τ)", "IEEE Std 1293",
         each_channel("c", ("deg/s", DEG, 0.1), ("m/s2", 1.0, 1.0)),
         (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
-        title=("warm-up", "开机热瞬态（预热漂移）"),
         confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
-        separated_by=(
-            "a rest of an hour from power-on, and the same again with the unit warm",
-            "冷态开机后静止1 h，热态下再重复一次",
-        ),
+        time_course="drift",
     )  # fmt: skip
 
 

@@ -24,13 +24,7 @@ class LeverArm(Term):
 LEVER_ARM = LeverArm(
     "lever_arm", "geometry", "input", "f = f₀ + ω̇×r + ω×(ω×r)", "rigid-body kinematics",
     each_axis("r", "r", ("m", 1.0, 0.3)),
-    title=("lever arm", "杆臂效应"),
     confused_with=("size_effect", "structural_compliance"),
-    separated_by=(
-        "ramps of at least 100 deg/s2 about all three axes, and the unit moved on the payload by "
-        "a known distance",
-        "三轴均含不小于100°/s²的角加速段，并将产品在台面上移动已知距离后重测",
-    ),
 )  # fmt: skip
 
 
@@ -54,13 +48,7 @@ SIZE_EFFECT = SizeEffect(
     "size_effect", "geometry", "input", "fᵢ = f₀ᵢ + [ω̇×rᵢ + ω×(ω×rᵢ)]ᵢ",
     "Titterton and Weston, Strapdown Inertial Navigation Technology, 2004; IEEE Std 836",
     each_pair("r", ("m", 1.0, 0.3)),
-    title=("size effect: each accelerometer at its own place", "尺寸效应（各加速度计内杆臂）"),
     confused_with=("lever_arm", "structural_compliance"),
-    separated_by=(
-        "ramps and steady turns about at least three axes that no common point explains, among "
-        "them one that is not along an axis of the unit",
-        "绕至少三个轴（其中一个不与产品轴重合）的匀速与角加速试验，共同参考点无法解释其结果",
-    ),
 )  # fmt: skip
 
 
@@ -82,13 +70,7 @@ STRUCTURAL_COMPLIANCE = StructuralCompliance(
     "φᵢ = Σⱼ C_ij·ωⱼ², j ≠ i; v′ = v − φ×v for rate and force",
     "small rotation of an elastic fixture; IEEE Std 836",
     each_pair("C", ("rad/(rad/s)2", 1.0, 1e-3), OFF_DIAGONAL),
-    title=("fixture that bends with the square of the rate", "工装随角速率平方的弹性变形"),
     confused_with=("lever_arm", "size_effect", "gyro_scale_nonlinearity"),
-    separated_by=(
-        "the same rates on a stiffer or lighter fixture, and with the unit's centre of mass on "
-        "the axis",
-        "换用刚度更高（或更轻）的工装、并使产品质心落在转轴上，重复同样的速率点",
-    ),
 )  # fmt: skip
 
 
@@ -118,13 +100,7 @@ def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
             Parameter(f"{a}_{number:.0f}", f"φ_{a}{number:.0f}", "deg", DEG, (-0.02, 0.02))
             for number in _later_fixings(fixing) for a in AXES
         ),
-        title=("attitude differs after each re-fixing", "重复装夹的安装角误差"),
         confused_with=("axis_nonorthogonality", "axis_tilt", "bias_step"),
-        separated_by=(
-            "the same positions and rates in one fixing on a multi-axis table, or each fixing "
-            "taken twice",
-            "在多轴转台上一次装夹完成同样的位置与速率试验，或每种装夹重复两次",
-        ),
     )  # fmt: skip
 
 

@@ -36,16 +36,7 @@ def gyro_scale_nonlinearity(order: int, top: float) -> ScaleNonlinearity:
         f"ω′ᵢ = cᵢ·ωᵢ^{order}/ω_top^{order - 1}, ω_top = {DEG * top:.0f} deg/s",
         "IEEE Std 1431; IEEE Std 952",
         each_axis("coefficient", "c", ("1", 1.0, 0.02)), (ORDER,), (float(order),), top=top,
-        title=(
-            f"scale factor that depends on the rate, order {order}",
-            f"陀螺标度因数非线性（{order}次）",
-        ),
         confused_with=("gyro_scale_asymmetry", "gyro_saturation", "structural_compliance"),
-        separated_by=(
-            "at least five rates of each sign on each axis, up to the full range and down to a "
-            "hundredth of it",
-            "每轴正反向各不少于5个速率点，覆盖满量程至其百分之一",
-        ),
     )  # fmt: skip
 
 
@@ -60,12 +51,7 @@ class ScaleAsymmetry(Term):
 GYRO_SCALE_ASYMMETRY = ScaleAsymmetry(
     "gyro_scale_asymmetry", "gyro", "sensor", "ω′ᵢ = hᵢ·|ωᵢ|", "IEEE Std 1431; IEEE Std 952",
     each_axis("half_difference", "h", ("1", 1.0, 0.02)),
-    title=("scale factor that differs by the sign of the rate", "陀螺标度因数不对称性"),
     confused_with=("gyro_scale_nonlinearity", "hysteresis"),
-    separated_by=(
-        "small and large rates of both signs: the step of the slope at zero is the asymmetry's",
-        "正反向的小速率与大速率点：零速率处斜率突变即为不对称性",
-    ),
 )  # fmt: skip
 
 
@@ -80,12 +66,7 @@ class G2Sensitivity(Term):
 GYRO_G2_SENSITIVITY = G2Sensitivity(
     "gyro_g2_sensitivity", "gyro", "sensor", "ω′ᵢ = Σⱼ M_ij·fⱼ²", "IEEE Std 952; IEEE Std 1431",
     each_pair("M", ("(deg/s)/g2", G2, 0.1 / G2)),
-    title=("bias that follows acceleration squared", "陀螺加速度平方灵敏度（g²项）"),
     confused_with=("gyro_scale_g_dependence", "magnetic_sensitivity", "earth_rotation"),
-    separated_by=(
-        "rests with each axis up, down and at 45 deg, at two headings; or a centrifuge",
-        "各轴朝上、朝下及45°的静止位置并取两个航向，或离心机试验",
-    ),
 )  # fmt: skip
 
 
@@ -101,12 +82,7 @@ class ScaleGDependence(Term):
 GYRO_SCALE_G_DEPENDENCE = ScaleGDependence(
     "gyro_scale_g_dependence", "gyro", "sensor", "ω′ᵢ = ωᵢ·Σⱼ S_ij·fⱼ", "IEEE Std 1431",
     each_pair("S", ("1/g", G, 0.02 / G)),
-    title=("scale factor that depends on acceleration", "陀螺标度因数的加速度敏感性"),
     confused_with=("gyro_g2_sensitivity", "gyro_scale_asymmetry"),
-    separated_by=(
-        "the same rates with the turned axis up, down and level",
-        "被测轴分别朝上、朝下与水平时重复同样的速率点",
-    ),
 )  # fmt: skip
 
 
@@ -121,13 +97,7 @@ class AngularAcceleration(Term):
 GYRO_ANGULAR_ACCELERATION = AngularAcceleration(
     "gyro_angular_acceleration", "gyro", "sensor", "ω′ᵢ = Σⱼ A_ij·ω̇ⱼ", "IEEE Std 952",
     each_pair("A", ("s", 1.0, 0.05)),
-    title=("output that follows angular acceleration", "陀螺角加速度灵敏度"),
     confused_with=("time_offset", "bandwidth"),
-    separated_by=(
-        "ramps about each axis with a common trigger for both clocks: a delay is alike on all "
-        "axes, and the accelerometers share it",
-        "两套时钟共用触发信号，绕各轴做角加速试验：时延对各轴相同且加速度计同样存在",
-    ),
 )  # fmt: skip
 
 

@@ -50,12 +50,7 @@ def magnetic_sensitivity(latitude: float | None, azimuth: float = 0.0) -> Magnet
         "IEEE Std 952; Earth's field as a dipole", each_pair("M", ("(deg/s)/mT", DEG / 1e3, 20.0)),
         (Parameter("azimuth", "ψ", "deg", DEG, (-np.pi, np.pi)),), (azimuth,),
         latitude=float(taken),
-        title=("bias that follows attitude in Earth's magnetic field", "陀螺磁场灵敏度"),
         confused_with=("earth_rotation", "gyro_g2_sensitivity"),
-        separated_by=(
-            "rests with a magnet or a coil of known field near the unit, or in a magnetic shield",
-            "静止状态下用亥姆霍兹线圈施加已知磁场，或置于磁屏蔽内重测",
-        ),
     )  # fmt: skip
 
 

@@ -52,12 +52,7 @@ def hysteresis(angle: float) -> Hysteresis:
         "hysteresis", "memory", "sensor", "ω′ᵢ = hᵢ·sᵢ, dsᵢ/dψ = (sign ωᵢ − sᵢ)/ψ₀, ψ = ∫|ωᵢ|dt",
         "IEEE Std 528", each_axis("amplitude", "h", ("deg/s", DEG, 0.02)),
         (Parameter("angle", "ψ₀", "rad", 1.0, (0.01, 1.0)),), (angle,),
-        title=("bias that remembers the last motion", "零偏滞环（对前一次转动方向的记忆）"),
         confused_with=("gyro_scale_asymmetry", "bias_step", "bias_random_walk"),
-        separated_by=(
-            "the same rest reached from both directions of turning, several times in turn",
-            "从正、反两个转动方向交替多次到达同一静止位置",
-        ),
     )  # fmt: skip
 
 
@@ -77,26 +72,15 @@ def bias_step(first: int, time: float) -> BiasStep:
     return BiasStep(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
         both[first : first + 3], (TIME,), (time,), channels=tuple(range(first, first + 3)),
-        rarity=WANDER,
-        title=("bias that jumps once", "零偏突变"),
+        rarity=WANDER, time_course="jump",
         confused_with=("bias_random_walk", "thermal_transient", "remount_misalignment"),
-        separated_by=(
-            "the same rest before and after, and the run again: a jump does not come again at "
-            "the same time",
-            "突变前后在同一位置静止比对，并重复整个试验：突变不会在同一时刻再现",
-        ),
     )  # fmt: skip
 
 
 BIAS_RANDOM_WALK = Term(
     "bias_random_walk", "memory", "sensor", "db = q·dW, variance q²·t", "IEEE Std 952", (),
-    title=("bias that wanders beyond the stated noise", "零偏随机游走（超出标称噪声）"),
     confused_with=("thermal_transient", "bias_step", "temperature_bias"),
-    separated_by=(
-        "a rest of several hours at steady temperature: the Allan deviation rises as the root of "
-        "time",
-        "恒温静止数小时：Allan标准差随√τ上升",
-    ),
+    time_course="random walk",
 )  # fmt: skip
 
 

@@ -51,13 +51,7 @@ def earth_rotation(latitude: float) -> EarthRotation:
     return EarthRotation(
         "earth_rotation", "site", "input", "ω = ω_table + ωe·(cos φ·north + sin φ·up)",
         "WGS 84; JJF 2003-2022 is silent", (), latitude=latitude,
-        title=("Earth's rotation", "地球自转角速度"),
         confused_with=("magnetic_sensitivity", "gyro_g2_sensitivity"),
-        separated_by=(
-            "the twelve positions again at two headings of the table 90 deg apart: Earth's rate "
-            "keeps its size and follows true north",
-            "转台基座转过90°前后各做一次十二位置试验：地球自转分量大小已知且随真北方向变化",
-        ),
     )  # fmt: skip
 
 
@@ -72,13 +66,7 @@ class GravityValue(Term):
 GRAVITY_VALUE = GravityValue(
     "gravity_value", "site", "input", "f = (g + δg)·up",
     "definition of specific force; IEEE Std 1293", one("difference", "δg", ("m/s2", 1.0, 0.05)),
-    title=("local gravity differs from the value told", "当地重力加速度值与给定值不符"),
     confused_with=("temperature_scale", "accel_nonlinearity"),
-    separated_by=(
-        "local gravity by a gravimeter or a gravity map; or turns on a known lever arm, whose "
-        "acceleration does not depend on gravity",
-        "用重力仪或重力图给出当地重力加速度；或在已知半径上匀速旋转，其向心加速度与重力无关",
-    ),
 )  # fmt: skip
 
 

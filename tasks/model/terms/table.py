@@ -55,16 +55,7 @@ def rate_ripple(per_turn: int, axis: int) -> RateRipple:
         one("depth_sin", "s", ("1", 1.0, 0.02)) + one("depth_cos", "c", ("1", 1.0, 0.02)),
         (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MOST_PER_TURN))), AXIS),
         (float(per_turn), float(axis)),
-        title=(
-            f"rate ripple of table axis {axis}, {per_turn} times a turn",
-            f"转台第{axis}轴速率波动（每转{per_turn}次）",
-        ),
         confused_with=("encoder_eccentricity", "axis_wobble", "mains_pickup"),
-        separated_by=(
-            "steady turns at two rates that are no multiple of each other: the ripple keeps its "
-            "place on the turn, and the accelerometers feel no tilt",
-            "以互不成倍数的两个速率匀速旋转：波动在圆周上的位置不变，且加速度计无倾角变化",
-        ),
     )  # fmt: skip
 
 
@@ -76,16 +67,7 @@ def encoder_eccentricity(axis: int) -> EncoderEccentricity:
         one("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
         + one("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
         (AXIS,), (float(axis),),
-        title=(
-            f"encoder error of table axis {axis}, once a turn",
-            f"转台第{axis}轴测角编码器偏心误差（每转一次）",
-        ),
         confused_with=("axis_wobble", "rate_ripple"),
-        separated_by=(
-            "the encoder against a polygon and an autocollimator over a whole turn, or the unit "
-            "turned by 90 deg on the payload: what follows the shaft is the table's",
-            "用多面棱体与自准直仪检定编码器整周误差，或产品在台面上转过90°后重测",
-        ),
     )  # fmt: skip
 
 
@@ -125,12 +107,7 @@ def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.nd
 TABLE_SCALE = TableScale(
     "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
     one("scale", "κ", ("1", 1.0, 0.03)),
-    title=("table or encoder scale wrong", "转台角度（速率）标度误差"),
     confused_with=("clock_skew", "temperature_scale"),
-    separated_by=(
-        "many whole turns from one mark to the same mark: gravity tells whether the angle closes",
-        "从同一标记起转多个整周再回到该标记：由重力方向判断转角是否闭合",
-    ),
 )  # fmt: skip
 
 

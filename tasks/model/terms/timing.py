@@ -54,12 +54,7 @@ TIME_OFFSET = TimeOffset(
     "time_offset", "time", "signal", "y′(t) = y(t − τ)",
     "definition of a time stamp; IEEE Std 1554",
     one("seconds", "τ", ("s", 1.0, 0.1)),
-    title=("clocks of table and unit shifted", "转台与产品时间不同步（固定时延）"),
     confused_with=("bandwidth", "gyro_angular_acceleration", "clock_skew"),
-    separated_by=(
-        "oscillation at several frequencies: a delay keeps the amplitude, a low-pass does not",
-        "多个频率的角振动试验：纯时延不改变幅值，低通滤波会使幅值下降",
-    ),
 )  # fmt: skip
 
 
@@ -78,12 +73,7 @@ CLOCK_SKEW = ClockSkew(
     "clock_skew", "time", "signal", "y′(t) = y(t/(1 + ε))",
     "definition of a time stamp; IEEE Std 1139",
     one("share", "ε", ("1", 1.0, 1e-3)),
-    title=("one clock runs fast", "时钟频率偏差"),
     confused_with=("time_offset", "dropped_samples", "table_scale"),
-    separated_by=(
-        "the same short ramp at the beginning and at the end of the run, an hour apart",
-        "在试验开始与结束（相隔约1 h）各做一次相同的短时角加速段",
-    ),
 )  # fmt: skip
 
 
@@ -105,13 +95,7 @@ class AccelAxisSkew(Term):
 ACCEL_AXIS_SKEW = AccelAxisSkew(
     "accel_axis_skew", "time", "signal", "a′_y(t) = a_y(t + δ), a′_z(t) = a_z(t + 2δ)",
     "sequential sampling; IEEE Std 1293", one("step", "δ", ("s", 1.0, 0.01)),
-    title=("accelerometer axes sampled one after another", "加速度计各轴采样时刻不一致"),
     confused_with=("size_effect", "time_offset"),
-    separated_by=(
-        "turns about a level axis at several rates: a time step turns gravity by an angle that "
-        "follows the rate",
-        "绕水平轴以多个速率旋转：采样时差使重力分量的相位差与速率成正比",
-    ),
 )  # fmt: skip
 
 

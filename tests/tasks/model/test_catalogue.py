@@ -11,14 +11,16 @@ from table_run import T, motion, recording
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
-from tasks.model.events import EVENT_TEXTS
+from tasks.model.effect import Effect, effect_name
+from tasks.model.events import EVENTS
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.words import say
 from tests.shared import shared_path
 
 TERMS = catalogue(recording(), motion())
-NAMES = {term.name for term in TERMS} | set(EVENT_TEXTS)
+NAMES = {term.name for term in TERMS} | set(EVENTS)
 FAMILIES = {
     "site", "geometry", "table", "time", "gyro", "accelerometer", "environment", "electronics",
     "memory",
@@ -43,27 +45,42 @@ def contract() -> dict[str, str]:
 
 def test_terms_and_events_are_the_contracts_names_and_families() -> None:
     told = {term.name: term.family for term in TERMS}
-    told |= {event.name: event.family for event in EVENT_TEXTS.values()}
+    told |= {event.name: event.family for event in EVENTS.values()}
     expected = contract()
     assert len(expected) == 38
     assert told == {name: family for name, family in expected.items() if name != "unnamed"}
 
 
 def test_no_event_is_a_term() -> None:
-    assert not {term.name for term in TERMS} & set(EVENT_TEXTS)
+    assert not {term.name for term in TERMS} & set(EVENTS)
 
 
-@pytest.mark.parametrize("said", [*of_each_name(), *EVENT_TEXTS.values()], ids=lambda s: s.name)
-def test_an_effect_says_itself_in_both_languages(said: Term) -> None:
-    for text in (said.title, said.separated_by):
-        english, chinese = text
-        assert english.isascii()
-        assert re.search("[\u4e00-\u9fff]", chinese)
-    assert said.equation
-    assert said.source
-    assert said.family in FAMILIES
-    assert set(said.confused_with) <= NAMES - {said.name}
-    assert said.confused_with
+@pytest.mark.parametrize("effect", [*of_each_name(), *EVENTS.values()], ids=lambda e: e.name)
+def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
+    assert effect.separated_by is not None
+    for said in (effect.title, effect.separated_by, effect_name(effect.name)):
+        assert say(said, "en").replace("²", "").isascii()
+        assert re.search("[\u4e00-\u9fff]", say(said, "zh"))
+    assert effect.equation
+    assert effect.source
+    assert effect.family in FAMILIES
+    assert set(effect.confused_with) <= NAMES - {effect.name}
+    assert effect.confused_with
+
+
+def test_an_effect_without_an_entry_is_spelled_out() -> None:
+    toy = Effect("toy_effect", "site", "event", "y = x", "a test")
+    assert (toy.title, toy.separated_by, effect_name(toy.name)) == (
+        "toy effect",
+        None,
+        "toy effect",
+    )
+
+
+def test_variants_of_one_effect_have_titles_of_their_own() -> None:
+    titles = [say(t.title, "en") for t in TERMS if t.name in ("rate_ripple", "axis_wobble")]
+    assert len(set(titles)) == len(titles)
+    assert "rotation axis that wanders twice a turn" in titles
 
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda t: f"{t.name}{t.at}")

@@ -7,8 +7,8 @@ from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unname
 from schemas.discrepancy import Discrepancy, FoundParameter, Statement, VerdictChange
 from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.report import discrepancy_of
-from tasks.explain.report.names import effect_title
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
+from tasks.model.effect import effect_name
 from tasks.words import say
 from tasks.words import texts as in_languages
 from tasks.words.quantities import probability, quantity
@@ -61,7 +61,7 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
         separated_by=Statement(en="the outer axis turned by 90°", zh="外轴转 90°"),
     )
     en, zh = texts(answer(explanation(pair)))
-    wobble = in_languages(effect_title("axis_wobble"))
+    wobble = in_languages(effect_name("axis_wobble"))
     assert f"cannot tell it from {wobble['en']} or not yet in the list." in en
     assert "To be sure, record: the outer axis turned by 90°." in en
     assert f"{wobble['zh']}或not yet in the list。" in zh

@@ -27,7 +27,6 @@ INPUTS = Inputs(RUN.rate, RUN.force)
 
 
 def title(term: Term) -> Mapping[str, str]:
-    assert not isinstance(term.title, tuple)
     return texts(term.title)
 
 

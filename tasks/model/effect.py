@@ -1,0 +1,65 @@
+"""What is said of an effect, whether a term models it or it is found as an event in the samples."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from tasks.words import Sayable, known, message
+
+Stage = Literal["motion", "input", "sensor", "signal", "event"]
+TimeCourse = Literal["drift", "jump", "random walk"]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A piece of physics that readings may show and the standard's model leaves out.
+
+    stage: where it acts; an event is found by looking at the samples and is no term of a model.
+    confused_with: names of effects that look much the same. rarity: chi-squared that it must gain
+    beyond a more usual effect that looks the same. time_course: how a bias changes, if that is
+    what it is. own_title: its title where the catalogue of words has no entry of its name.
+    """
+
+    name: str
+    family: str
+    stage: Stage
+    equation: str
+    source: str
+    confused_with: tuple[str, ...] = field(default=(), kw_only=True)
+    rarity: float = field(default=0.0, kw_only=True)
+    time_course: TimeCourse | None = field(default=None, kw_only=True)
+    own_title: Sayable | None = field(default=None, kw_only=True)
+
+    @property
+    def title(self) -> Sayable:
+        """What an engineer calls it, with the order or axis of its variant."""
+        if self.own_title is not None:
+            return self.own_title
+        return self._message("title") or _spelled(self.name)
+
+    @property
+    def separated_by(self) -> Sayable | None:
+        """The recording that would tell it from what it is confused with."""
+        return self._message("separated-by")
+
+    @property
+    def word_arguments(self) -> dict[str, int]:
+        """What tells several variants of one name apart, as arguments of their words."""
+        return {}
+
+    def _message(self, attribute: str) -> Sayable | None:
+        id_ = f"{_message_id(self.name)}.{attribute}"
+        return message(id_, **self.word_arguments) if known(id_) else None
+
+
+def effect_name(name: str) -> Sayable:
+    """What an effect is called within a sentence; its name spelled out where it has no entry."""
+    id_ = _message_id(name)
+    return message(id_) if known(id_) else _spelled(name)
+
+
+def _message_id(name: str) -> str:
+    return "effect-" + name.replace("_", "-")
+
+
+def _spelled(name: str) -> str:
+    return name.replace("_", " ")
