@@ -9,11 +9,9 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
-from flows import explain, keeping, options
-from flows.ending import as_ctrl_c
-from flows.ordering import as_flow, ordered
-from schemas.base import Unusable
-from tasks.stages.broken_off import BrokenOff
+from flows import explain_commands, options, store_commands
+from flows.signals import as_ctrl_c
+from schemas.base import BrokenOff, Unusable
 
 INTERRUPTED = 130  # what typer gives for Ctrl-C
 
@@ -25,8 +23,8 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 station = typer.Typer(help="The virtual station.", rich_markup_mode=None)
-app.add_typer(explain.app)
-app.add_typer(keeping.app)
+app.add_typer(explain_commands.app)
+app.add_typer(store_commands.app)
 app.add_typer(station, name="station")
 
 
@@ -90,9 +88,11 @@ def calibrate(
 
     Says which items it cannot give, and why.
     """
-    calibration = ordered(
-        "calibrate", reference=run, method=method, uncertainty=uncertainty, terms=terms
-    )
+    from flows.carry_out import carry_out
+    from schemas.orders import CalibrateOrder, order_of
+
+    order = order_of(CalibrateOrder, run=run, method=method, uncertainty=uncertainty, terms=terms)
+    calibration = carry_out("calibrate", order)
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
@@ -115,19 +115,22 @@ def certify(
     as_json: options.Json = False,
 ) -> None:
     """Decide on a run, and make the certificate."""
-    issued = ordered(
-        "certify",
-        reference=run,
+    from flows.carry_out import carry_out
+    from schemas.orders import CertifyOrder, order_of
+
+    certify_order = order_of(
+        CertifyOrder,
+        run=run,
         method=method,
         uncertainty=uncertainty,
         tolerance=tolerance,
         laboratory=laboratory,
-        order=order,
+        client_order=order,
         calibrated_on=calibrated_on.date() if calibrated_on else None,
         budget=budget,
         terms=terms,
     )
-    _print_issued(issued, as_json)
+    _print_issued(carry_out("certify", certify_order), as_json)
 
 
 @app.command()
@@ -140,12 +143,13 @@ def acquire(
 
     What was recorded survives whatever happens.
     """
-    from flows.orders import check_acquisition
+    from flows.carry_out import as_flow_run
+    from flows.run_orders import check_acquisition
+    from schemas.orders import AcquireOrder
 
-    check_acquisition(station_file, procedure, attended=not as_json)
-    run, acquired = as_flow(
-        "acquire", station=station_file, procedure=procedure, attended=not as_json
-    )
+    order = AcquireOrder(station=station_file, procedure=procedure, attended=not as_json)
+    check_acquisition(order)
+    run, acquired = as_flow_run("acquire", order)
     if as_json:
         warnings = [remark.en for remark in acquired.warnings]
         _json(

@@ -6,12 +6,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from flows import server
-from flows.papers import read_procedure
+from flows.prefect_server import connect
 from flows.printing import print_calibration, print_rows, print_verdict
 from flows.progress import working
+from flows.run_orders import procedure_of
 from flows.station import virtual_station
 from schemas.base import Unusable
+from schemas.orders import ProduceOrder
 from storage.home import Home, home
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
@@ -29,17 +30,18 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     """
     began = time.monotonic()
     folder = home()
-    ahrs = read_procedure(procedure).standard == "JJF 1536-2015"
-    server.prepare(folder)
+    station_file = folder.demo / "station.json"
+    order = ProduceOrder(station=str(station_file), procedure=procedure)
+    ahrs = procedure_of(order).standard == "JJF 1536-2015"
     config = virtual_station(ahrs, seed)
     _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
-        from flows import line
+        connect(folder)
+        from flows import prefect_flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
-        station_file = folder.demo / "station.json"
         _write(station_file, station.model_dump_json(indent=1))
-        issued = line.run_now(
-            line.produce, station=str(station_file), procedure=procedure, **_papers(ahrs)
+        issued = prefect_flows.run_now(
+            prefect_flows.produce, order.model_copy(update=_certificate_files(ahrs))
         )
     made = _made(issued, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
@@ -60,13 +62,13 @@ def _write(path: Path, text: str) -> None:
         ) from error
 
 
-def _papers(ahrs: bool) -> dict[str, str]:
+def _certificate_files(ahrs: bool) -> dict[str, str]:
     papers = files("flows") / "demo_papers"
     own = papers / "ahrs" if ahrs else papers
     return {
         "tolerance": str(own / "tolerance.toml"),
         "laboratory": str(papers / "laboratory.toml"),
-        "order": str(own / "order.toml"),
+        "client_order": str(own / "order.toml"),
     }
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 CONSOLE = Console(stderr=True)
-_told: list[Callable[[str], None]] = []  # by each `working` that is open
+_spinners: list[Callable[[str], None]] = []  # of each `working` that is open
 
 
 @contextmanager
@@ -49,16 +49,16 @@ def working(description: str) -> Iterator[None]:
         disable=not CONSOLE.is_terminal,
     ) as bar:  # fmt: skip
         shown = bar.add_task(description, total=None)
-        _told.append(lambda now: bar.update(shown, description=f"{description}: {now}"))
+        _spinners.append(lambda now: bar.update(shown, description=f"{description}: {now}"))
         try:
             yield
         finally:
-            _told.pop()
+            _spinners.pop()
 
 
-def tell(now: str) -> None:
-    """Says beside the spinner, where one turns, what is being done now."""
-    for show in _told[-1:]:
+def describe(now: str) -> None:
+    """Shows beside the spinner, where one turns, what is being done now."""
+    for show in _spinners[-1:]:
         show(now)
 
 

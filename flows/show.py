@@ -1,15 +1,14 @@
 """One run as a person wants to see it."""
 
-from flows.orders import run_of
 from flows.printing import print_calibration, print_json, print_rows, stdout
 from storage.catalogue import certificates, results, runs
 from storage.home import home
-from tasks.stages import plain
+from tasks.stages.import_recording import run_of
 
 
 def show_run(reference: str, as_json: bool) -> None:
     """Print a run: unit, station, segments, newest result of each method, certificates."""
-    run = run_of(reference, home(), plain)
+    run = run_of(reference, home())
     manifest = runs.load(run, home()).manifest
     kept = results.of_run(run, home())
     entries = [entry for entry in certificates.register(home()) if entry.run == run.id]

@@ -1,4 +1,4 @@
-"""The base of every model, and the error that speaks to the user."""
+"""The base of every model, and the errors that speak to the user."""
 
 from typing import Annotated
 
@@ -19,6 +19,10 @@ class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the pro
     The text is one sentence for the person at the bench: the file, the field, the value and
     the way out. The command line prints it and exits with 2.
     """
+
+
+class BrokenOff(Exception):  # noqa: N818 (nothing is in error)
+    """The operator or the machine ended a run; the sentence says where its recording lies."""
 
 
 def first_fault(error: ValidationError) -> str:

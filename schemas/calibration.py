@@ -6,24 +6,12 @@ from pydantic import Field, computed_field, model_validator
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Axis, Kind, Up
+from schemas.text import Remark
 from schemas.uncertainty import Budget
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 Elements = dict[str, Finite | None]
 UncertaintyKind = Literal["type A", "GUM", "as the specification's example", "Monte Carlo"]
-
-
-class Remark(Frozen):
-    """Something the reader of a result must know, as a sentence in both languages.
-
-    `blocks_pass`: a condition of the specification is not met, so no unit may pass on it.
-    """
-
-    code: str
-    en: str
-    zh: str
-    segments: tuple[str, ...] = ()
-    blocks_pass: bool = False
 
 
 class Item(Frozen):

@@ -4,19 +4,13 @@ from collections.abc import Mapping
 from typing import Literal
 
 from schemas.base import Finite, Frozen
+from schemas.text import Statement
 
 Verdict = Literal["no_mismatch", "explained", "partly_explained", "unexplained"]
 Dimension = Literal[
     "rate", "attitude", "rotation_phase", "frequency", "temperature", "time", "after_moves",
     "ramps", "recorded", "level",
 ]  # fmt: skip
-
-
-class Statement(Frozen):
-    """A sentence or paragraph in both languages."""
-
-    en: str
-    zh: str
 
 
 class Where(Frozen):

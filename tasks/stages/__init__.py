@@ -1,5 +1,5 @@
-"""The stages of the line: acquire, take in, estimate, certify, remind.
+"""The stages of the line: acquire, import, estimate, certify, explain, simulate, remind.
 
-A stage is a plain function; `as_tasks` holds the Prefect task of each. Nothing below knows
-Prefect.
+A stage is a plain function; `stage.py` makes it a task of the Prefect flow that calls it.
+Nothing below knows Prefect.
 """

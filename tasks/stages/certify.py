@@ -9,7 +9,8 @@ from pydantic import BaseModel, ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Order
+from schemas.certificate import Certificate, Laboratory, Order
+from schemas.orders import CertificateOptions
 from schemas.recording import Unit
 from schemas.station import Equipment
 from schemas.tolerance import Tolerance
@@ -19,12 +20,27 @@ from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
-from tasks.stages.papers import Papers
+from tasks.stages.stage import stage
 from tasks.validation import record
 
 MONTHS = {"jjf1536": 24}  # clause 9 of JJF 1536-2015; the others' is that of JJF 2003-2022
 DEFAULT_MONTHS = 12
 DEFAULT_PREFIX = "MIMU"
+
+
+@dataclass(frozen=True)
+class CertificateInputs:
+    """What a certificate needs beside the result; None where the home has to say, or nobody.
+
+    calibrated_on: the day of calibration, for a recording that does not say when it was made.
+    budget: whether the certificate prints the uncertainty budgets.
+    """
+
+    tolerance: Tolerance | None = None
+    laboratory: Laboratory | None = None
+    order: Order | None = None
+    calibrated_on: date | None = None
+    budget: bool = False
 
 
 @dataclass(frozen=True)
@@ -36,14 +52,26 @@ class Issued:
     record: Path
 
 
-class _Said(BaseModel):
+class _ManifestFields(BaseModel):
     """The free fields of a manifest that a certificate prints."""
 
     recorded_at: datetime | date | None = None
     equipment: tuple[Equipment, ...] = ()
 
 
-def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> Issued:
+def read_inputs(options: CertificateOptions) -> CertificateInputs:
+    """Reads the files that an order names; raises Unusable for a bad one."""
+    return CertificateInputs(
+        settings.read_tolerance(Path(options.tolerance)) if options.tolerance else None,
+        settings.read_laboratory(Path(options.laboratory)) if options.laboratory else None,
+        settings.read_order(Path(options.client_order)) if options.client_order else None,
+        options.calibrated_on,
+        options.budget,
+    )
+
+
+@stage("decide and publish")
+def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateInputs) -> Issued:
     """Decide on the unit and publish a draft certificate; the due date enters the catalogue.
 
     Limits and laboratory come from the home where they are not given. The certificate stays a
@@ -51,14 +79,14 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
     reserved when nothing can be refused any more.
     """
     manifest = runs.load(run, home).manifest
-    said = _said(manifest.model_extra or {}, run)
-    tolerance = _tolerance(papers.tolerance, run, manifest.unit, home)
-    laboratory = papers.laboratory or settings.laboratory(home)
+    free = _manifest_fields(manifest.model_extra or {}, run)
+    tolerance = _tolerance(inputs.tolerance, run, manifest.unit, home)
+    laboratory = inputs.laboratory or settings.laboratory(home)
     if laboratory and not laboratory.equipment:
-        laboratory = laboratory.model_copy(update={"equipment": said.equipment})
-    equipment = laboratory.equipment if laboratory else said.equipment
-    order, today = papers.order, date.today()
-    calibrated_on = _calibrated_on(said, papers, run)
+        laboratory = laboratory.model_copy(update={"equipment": free.equipment})
+    equipment = laboratory.equipment if laboratory else free.equipment
+    order, today = inputs.order, date.today()
+    calibrated_on = _calibrated_on(free, inputs, run)
     _check_order(order, calibrated_on)
     expired = conformity.expired(equipment, calibrated_on or today)
     validated = settings.validation(home) or record.shipped()
@@ -78,17 +106,17 @@ def certify(run: Run, calibration: Calibration, home: Home, papers: Papers) -> I
         manifest=manifest,
         calibration=calibration,
         decision=decision,
-        budgets=papers.budget,
+        budgets=inputs.budget,
         validation=record.named(validated, calibration),
     )
     pdf, kept = certificates.save(certificate, render(certificate), home)
     return Issued(certificate, pdf, kept)
 
 
-def _said(free: dict[str, object], run: Run) -> _Said:
+def _manifest_fields(extra: dict[str, object], run: Run) -> _ManifestFields:
     """The free fields, read strictly: a number is no date."""
     try:
-        return _Said.model_validate_json(json.dumps(free), strict=True)
+        return _ManifestFields.model_validate_json(json.dumps(extra), strict=True)
     except ValidationError as error:
         raise Unusable(
             f"the manifest of run {run.id} ({run.recording_id}): {first_fault(error)}; correct it "
@@ -107,11 +135,11 @@ def _tolerance(given: Tolerance | None, run: Run, unit: Unit, home: Home) -> Tol
     return given
 
 
-def _calibrated_on(said: _Said, papers: Papers, run: Run) -> date | None:
-    """The day the station recorded the run, by its own clock; else what the papers say."""
-    ordered = papers.order.calibrated_on if papers.order else None
-    given = papers.calibrated_on or ordered
-    day = said.recorded_at
+def _calibrated_on(free: _ManifestFields, inputs: CertificateInputs, run: Run) -> date | None:
+    """The day the station recorded the run, by its own clock; else what the inputs say."""
+    ordered = inputs.order.calibrated_on if inputs.order else None
+    given = inputs.calibrated_on or ordered
+    day = free.recorded_at
     if isinstance(day, datetime):
         day = day.date()
     if day and given and given != day:

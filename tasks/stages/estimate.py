@@ -1,15 +1,19 @@
 """Stage: every item that a run allows is estimated, and the result is kept."""
 
+from collections.abc import Callable, Sequence
+
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Method, UncertaintyKind
 from schemas.certificate import Laboratory
-from schemas.recording import Standard
+from schemas.orders import Estimation, UncertaintyName
+from schemas.recording import Recording, Standard
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks.specifications import jjf1536, jjf2003, joint
 from tasks.specifications.evaluation import evaluation_for
+from tasks.stages.stage import stage
 from tasks.version import code_version
 
 METHODS = {
@@ -19,55 +23,64 @@ METHODS = {
 }
 BY_STANDARD: dict[Standard, Method] = {"JJF 1536-2015": "jjf1536"}
 
-UNCERTAINTIES: dict[str, UncertaintyKind] = {
+UNCERTAINTIES: dict[UncertaintyName, UncertaintyKind] = {
     "gum": "GUM",
     "montecarlo": "Monte Carlo",
     "example": "as the specification's example",
 }
 
 
-def check_method(method: str | None) -> None:
-    """Raises Unusable for a method that this version does not have."""
-    if method is not None and method not in METHODS:
-        raise Unusable(
-            f"--method {method}: this version estimates by {' or '.join(METHODS)}; choose one"
-        )
-
-
-def check_uncertainty(name: str) -> None:
-    """Raises Unusable for an evaluation of uncertainty that there is not."""
-    if name not in UNCERTAINTIES:
-        raise Unusable(
-            f"--uncertainty {name}: uncertainties are evaluated by "
-            f"{', '.join(UNCERTAINTIES)}; "
-            "choose one"
-        )
-
-
+@stage("estimate")
 def estimate(
-    run: Run,
-    home: Home,
-    method: Method | None = None,
-    uncertainty: str = "gum",
-    laboratory: Laboratory | None = None,
+    run: Run, home: Home, how: Estimation | None = None, laboratory: Laboratory | None = None
 ) -> Calibration:
     """Calibrate a run and keep the result; the same result twice is one.
 
-    method: that of the specification the recording was made for, unless told. uncertainty: gum,
-    montecarlo or example. laboratory: whose limits go before those of the specification's Table 1;
-    that of the home, unless told.
+    laboratory: whose limits go before those of the specification's Table 1; that of the home,
+    unless it is given. With terms, their contributions are taken off the readings first; that
+    result stands beside the one without them and supersedes only one with the same terms.
+    Raises Unusable for a term that this recording cannot have or does not determine.
     """
-    check_method(method)
-    check_uncertainty(uncertainty)
+    how = how or Estimation()
     recording = runs.load(run, home)
-    method = method or BY_STANDARD.get(recording.manifest.standard, "jjf2003")
+    method = how.method or BY_STANDARD.get(recording.manifest.standard, "jjf2003")
     laboratory = laboratory or settings.laboratory(home)
-    own = laboratory.limits if laboratory else None
-    calibration = METHODS[method](
-        recording,
-        run=run.id,
-        code_version=code_version(),
-        evaluation=evaluation_for(recording, UNCERTAINTIES[uncertainty], own),
-    )
+    limits = laboratory.limits if laboratory else None
+    evaluation = evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits)
+
+    def calibrate(read: Recording) -> Calibration:
+        return METHODS[method](read, run=run.id, code_version=code_version(), evaluation=evaluation)
+
+    if how.terms is None:
+        calibration = calibrate(recording)
+    else:
+        calibration = _with_terms(recording, how.terms, calibrate)
     results.save(calibration, home)
     return calibration
+
+
+def _with_terms(
+    recording: Recording, names: Sequence[str], calibrate: Callable[[Recording], Calibration]
+) -> Calibration:
+    """The calibration of a recording from whose readings the named terms were taken off."""
+    # Late: a calibration without terms needs none of it.
+    from tasks.explain.correction.adopt import adopt
+    from tasks.explain.explain import explain
+    from tasks.explain.inputs.observed import full_rate
+    from tasks.model.catalogue import catalogue
+
+    recording_id = recording.manifest.recording_id
+    motion = full_rate(recording).motion
+    terms = catalogue(recording, motion)
+    known = {term.name for term in terms}
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        raise Unusable(
+            f"--terms {', '.join(unknown) or repr('')}: {recording_id} can have "
+            f"{', '.join(sorted(known))}; name some of these with commas between"
+        )
+    findings = {finding.effect: finding for finding in explain(recording, only=names).findings}
+    for name in names:
+        if name not in findings:
+            raise Unusable(f"--terms {name}: {recording_id} does not determine it; leave it out")
+    return adopt(recording, [findings[name] for name in names], calibrate, terms, motion)

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
 from schemas.discrepancy import Discrepancy
+from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.catalogue import results, runs
+from storage.catalogue import runs
 from storage.catalogue.runs import Run
 from storage.home import Home
-from tasks.stages import refuse
+from tasks.stages import import_checks
+from tasks.stages.stage import stage
 from tasks.words import message
 
 if TYPE_CHECKING:
@@ -34,20 +35,13 @@ class Explained:
     files: tuple[Path, ...] = ()
 
 
+@stage("explain")
 def explain_run(
-    run: Run,
-    home: Home,
-    out: Path | None = None,
-    calibration: str | None = None,
-    simulated: Path | None = None,
-    progress: Callable[[str], None] = lambda now: None,
+    run: Run, home: Home, order: ExplainOrder, progress: Callable[[str], None] = lambda now: None
 ) -> Explained:
     """Find where the standard's model and a run differ, and say which physics is missing.
 
-    out: folder of the report; nothing is written without it. calibration: the model's parameters,
-    a result's id or a mimu-calibration/1 file; they are fitted unless it is given. simulated: a
-    recording of the same run by another simulator, in place of the model's prediction. progress:
-    is told what is being done.
+    progress: is called with what is being done.
     Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
@@ -56,9 +50,9 @@ def explain_run(
     from tasks.explain.locate import locate
     from tasks.explain.report import discrepancy_of, write_report
 
-    _check_folder(out)
+    out = _report_folder(order)
     recording = runs.load(run, home)
-    told = _told(recording, home, calibration, simulated)
+    told = _reference(recording, home, order)
     explanation = explain(recording, told=told, progress=progress)
     progress("consequences")
     effects = consequences(recording, explanation, _tolerance(recording, home))
@@ -70,39 +64,23 @@ def explain_run(
     return Explained(discrepancy, files)
 
 
-def _told(
-    recording: Recording, home: Home, calibration: str | None, simulated: Path | None
-) -> "Told | None":
+def _reference(recording: Recording, home: Home, order: ExplainOrder) -> "Told | None":
     """What a calibration or another simulator says the unit should have read; None: neither."""
     from tasks.explain.inputs.reference import Told
 
-    if simulated is not None:
+    if order.simulated is not None:
         said = message("explain-model-simulation")
-        return Told(simulated_readings(recording, simulated), said)
-    if calibration is None:
+        return Told(simulated_readings(recording, Path(order.simulated)), said)
+    if order.calibration is None:
         return None
     from tasks.model.simulate import predict
     from tasks.model.terms.standard import STANDARD_TERMS
     from tasks.motion.whole import whole_motion
-    from tasks.stages.simulate import model_values
+    from tasks.stages.calibration_input import model_values, read_calibration
 
-    values, _ = model_values(calibration_named(calibration, home))
+    values, _ = model_values(read_calibration(order.calibration, home))
     said = message("explain-model-calibration")
     return Told(predict(STANDARD_TERMS, whole_motion(recording), values), said)
-
-
-def calibration_named(reference: str, home: Home) -> Calibration:
-    """A result by its id in the store, or from a mimu-calibration/1 file.
-
-    Raises Unusable for neither.
-    """
-    try:
-        path = Path(reference) if Path(reference).is_file() else None
-    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
-        path = None
-    if path is None:
-        return results.find(reference, home).calibration
-    return settings.read_calibration(path)
 
 
 def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
@@ -111,7 +89,7 @@ def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
     Interpolated linearly where its rows are not the unit's; NaN where it says nothing.
     Raises Unusable for a simulation of another stretch of time, or without gyro and accelerometer.
     """
-    t, other = recording.imu.t, refuse.read(path).imu
+    t, other = recording.imu.t, import_checks.read(path).imu
     readings = np.full((len(t), len(GYRO + ACCEL)), np.nan)
     between = _within(other.t, t)
     for channel, name in enumerate(GYRO + ACCEL):
@@ -142,13 +120,15 @@ def _tolerance(recording: Recording, home: Home) -> Tolerance | None:
     return settings.tolerance_for(unit.manufacturer, unit.model, home)
 
 
-def _check_folder(out: Path | None) -> None:
+def _report_folder(order: ExplainOrder) -> Path | None:
     """Refuses what cannot become a folder before the work begins."""
-    if out is None:
-        return
+    if order.out is None:
+        return None
+    out = Path(order.out)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise Unusable(
             f"{out} cannot be made a folder ({error.strerror}); name another with --out."
         ) from error
+    return out

@@ -6,8 +6,7 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any
 
-from schemas.calibration import Remark
-from schemas.discrepancy import Statement
+from schemas.text import Remark, Statement
 from tasks.words.message import Argument, Message, Sayable
 
 SUFFIX = ".ftl"

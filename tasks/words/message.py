@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from prefect.exceptions import ParameterTypeError
 from prefect.flows import load_flow_from_entrypoint
 
 ROOT = Path(__file__).parents[2]  # the checkout: deploy/README.md says «in the checkout»
@@ -22,7 +23,10 @@ def test_readme_gives_the_order_for_the_folder_from_which_the_entrypoints_resolv
 @pytest.mark.parametrize("deployment", FILE["deployments"], ids=lambda d: d["name"])
 def test_a_deployment_names_a_flow_and_its_parameters(deployment, monkeypatch) -> None:
     monkeypatch.chdir(ROOT)
-    order = load_flow_from_entrypoint(deployment["entrypoint"])
-    asked = set(inspect.signature(order.fn).parameters)
-    assert set(deployment.get("parameters", {})) <= asked
+    named = load_flow_from_entrypoint(deployment["entrypoint"])
+    assert set(inspect.signature(named.fn).parameters) == {"order"}
+    if deployment.get("parameters"):
+        named.validate_parameters(deployment["parameters"])
+    with pytest.raises(ParameterTypeError):
+        named.validate_parameters({"order": {"nonsense": 1}})
     assert deployment["work_pool"]["name"] == "line"

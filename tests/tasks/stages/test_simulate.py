@@ -9,13 +9,15 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
+from schemas.orders import SimulateOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from storage.catalogue import runs
 from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.specifications import jjf2003
+from tasks.stages.calibration_input import model_values
 from tasks.stages.explain import simulated_readings
-from tasks.stages.simulate import model_values, simulate_run, simulated_recording
+from tasks.stages.simulate import simulate_run, simulated_recording
 
 CHANNELS = GYRO + ACCEL
 RNG = np.random.default_rng(3)
@@ -24,6 +26,10 @@ UNIT = {
     "G": 1e-6 * RNG.standard_normal((3, 3)), "Ka": np.eye(3) + 1e-3 * RNG.standard_normal((3, 3)),
     "Ba": 0.01 * RNG.standard_normal(3), "P": 1e-3 * (1 - np.eye(3)) * RNG.standard_normal((3, 3)),
 }  # fmt: skip
+
+
+def order_into(folder: Path) -> SimulateOrder:
+    return SimulateOrder(run="", out=str(folder / "simulated"))
 
 
 def calibrated(recording: Recording) -> Calibration:
@@ -85,20 +91,20 @@ def test_folder_is_a_recording_marked_as_simulated_with_the_same_rows(
 ) -> None:
     recording = ideal_run(dwell=2.0, **UNIT)
     run, _ = runs.add(recording, home)
-    made = simulate_run(run, home, tmp_path / "simulated")
+    made = simulate_run(run, home, order_into(tmp_path))
     written = read_folder(made.folder)
     assert (written.manifest.model_extra or {})["simulated"] is True
     assert written.manifest.recording_id == "ideal_simulated"
     assert (made.rows, made.rows_left_out) == (len(recording.imu), 0)
     np.testing.assert_array_equal(written.imu.t, recording.imu.t)
     with pytest.raises(Unusable, match="name a new folder"):
-        simulate_run(run, home, tmp_path / "simulated")
+        simulate_run(run, home, order_into(tmp_path))
 
 
 def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
     run, _ = runs.add(recording, home)
-    made = simulate_run(run, home, tmp_path / "simulated")
+    made = simulate_run(run, home, order_into(tmp_path))
     readings = simulated_readings(recording, made.folder)
     np.testing.assert_array_equal(readings, read_folder(made.folder).imu.stack(CHANNELS))
 
@@ -106,7 +112,7 @@ def test_a_simulation_is_read_back_at_the_units_rows(ideal_run, home, tmp_path) 
 def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
     run, _ = runs.add(recording, home)
-    made = simulate_run(run, home, tmp_path / "simulated")
+    made = simulate_run(run, home, order_into(tmp_path))
     between = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 0.05))
     readings = simulated_readings(between, made.folder)
     given = read_folder(made.folder).imu.stack(CHANNELS)
@@ -117,7 +123,7 @@ def test_rows_between_those_of_a_simulation_are_interpolated(ideal_run, home, tm
 def test_simulation_of_another_time_is_refused(ideal_run, home, tmp_path) -> None:
     recording = ideal_run(dwell=2.0)
     run, _ = runs.add(recording, home)
-    made = simulate_run(run, home, tmp_path / "simulated")
+    made = simulate_run(run, home, order_into(tmp_path))
     later = replace(recording, imu=replace(recording.imu, t=recording.imu.t + 1e4))
     with pytest.raises(Unusable, match="0 % of the rows"):
         simulated_readings(later, made.folder)

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from schemas.base import Unusable
+from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
-from tasks.stages.broken_off import BrokenOff
-from tasks.stages.record import acquire_run
+from tasks.stages.acquire import acquire_run
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit

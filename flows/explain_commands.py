@@ -5,7 +5,6 @@ import sys
 import typer
 
 from flows import options
-from flows.ordering import ordered
 
 app = typer.Typer()
 
@@ -19,19 +18,22 @@ def explain(
     as_json: options.Json = False,
 ) -> None:
     """Find where model and run differ, and which physics is missing."""
-    explained = ordered(
-        "explain",
-        reference=run,
+    from flows.carry_out import carry_out
+    from schemas.orders import ExplainOrder
+
+    order = ExplainOrder(
+        run=run,
         out=str(out) if out else None,
         calibration=calibration,
         simulated=str(simulated) if simulated else None,
     )
+    explained = carry_out("explain", order)
     if as_json:
         print(explained.discrepancy.model_dump_json(indent=1))
         return
-    from flows.print_explained import print_explained
+    from flows.print_explanation import print_explanation
 
-    print_explained(explained)
+    print_explanation(explained)
 
 
 @app.command()
@@ -45,22 +47,28 @@ def simulate(
 
     The recording is one that `explain --simulated` reads.
     """
-    made = ordered("simulate", reference=run, out=str(out), calibration=calibration)
+    from flows.carry_out import carry_out
+    from schemas.orders import SimulateOrder
+
+    order = SimulateOrder(run=run, out=str(out), calibration=calibration)
+    simulation = carry_out("simulate", order)
     if as_json:
         from flows.printing import print_json
 
         print_json(
             {
                 "format": "mimu-simulate/1",
-                "path": str(made.folder),
-                "rows": made.rows,
-                "rows_left_out": made.rows_left_out,
-                "assumed_ideal": list(made.assumed),
+                "path": str(simulation.folder),
+                "rows": simulation.rows,
+                "rows_left_out": simulation.rows_left_out,
+                "assumed_ideal": list(simulation.assumed),
             }
         )
         return
-    print(made.folder)
-    if made.rows_left_out:
-        print(f"{made.rows_left_out} rows left out: how it moved is not known", file=sys.stderr)
-    if made.assumed:
-        print(f"taken as ideal, not calibrated: {', '.join(made.assumed)}", file=sys.stderr)
+    print(simulation.folder)
+    if simulation.rows_left_out:
+        print(
+            f"{simulation.rows_left_out} rows left out: how it moved is not known", file=sys.stderr
+        )
+    if simulation.assumed:
+        print(f"taken as ideal, not calibrated: {', '.join(simulation.assumed)}", file=sys.stderr)

@@ -24,7 +24,7 @@ NUMERIC = ("value", "U (k = 2)", "ΔBIC")
 MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
-def print_explained(explained: Explained) -> None:
+def print_explanation(explained: Explained) -> None:
     """The verdict, what was found with its parameters, what it matters, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
     verdict = discrepancy.verdict.replace("_", " ")

@@ -1,4 +1,4 @@
-"""The commands about what is kept: taking in, listing, showing, verifying, what is due."""
+"""The commands of the store: import, list, show, verify, remind, and the validation record."""
 
 import sys
 from typing import TYPE_CHECKING, Any
@@ -8,7 +8,7 @@ import typer
 from flows import options
 
 if TYPE_CHECKING:
-    from tasks.stages.record import Taken
+    from tasks.stages.import_recording import Imported
 
 app = typer.Typer()
 
@@ -27,25 +27,25 @@ def import_(
     from flows.printing import print_json
     from flows.progress import working
     from storage.home import home
-    from tasks.stages.record import take_in
+    from tasks.stages.import_recording import import_recording
 
-    taken = []
+    entries = []
     try:
         for path in paths:
             with working(f"importing {path.name}"):
-                done = take_in(path, home(), manifest=manifest, salvage=salvage)
-            taken.append(_entry(done))
+                done = import_recording(path, home(), manifest=manifest, salvage=salvage)
+            entries.append(_entry(done))
             if done.left_out:
                 left_out = ", ".join(done.left_out)
                 print(f"{path}: left out, no stream takes them: {left_out}", file=sys.stderr)
             if not as_json:
                 print(done.run.id if done.is_new else f"{done.run.id} (already there)")
-    finally:  # what was taken in before one that is refused is told, too
-        if as_json and (taken or not sys.exc_info()[0]):
-            print_json({"format": "mimu-import/1", "runs": taken})
+    finally:  # what was imported before one that is refused is listed, too
+        if as_json and (entries or not sys.exc_info()[0]):
+            print_json({"format": "mimu-import/1", "runs": entries})
 
 
-def _entry(done: "Taken") -> dict[str, Any]:
+def _entry(done: "Imported") -> dict[str, Any]:
     run, left_out = done.run, list(done.left_out)
     return {
         "run": run.id,
@@ -62,10 +62,10 @@ def runs(as_json: options.Json = False) -> None:
     from storage.catalogue import runs
     from storage.home import home
 
-    found = runs.all_runs(home())
+    listed = runs.all_runs(home())
     if as_json:
         print_json(
-            {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in found]}
+            {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in listed]}
         )
         return
     print_rows(
@@ -74,7 +74,7 @@ def runs(as_json: options.Json = False) -> None:
         [
             (r.id, r.recording_id, f"{r.manufacturer} {r.model} {r.serial}", r.standard,
              str(r.taken_in_at)[:19], f"{r.seconds:.0f}")
-            for r in found
+            for r in listed
         ],
     )  # fmt: skip
 
@@ -97,7 +97,7 @@ def verify(path: options.Recording = None, as_json: options.Json = False) -> Non
     from flows.progress import counting
     from storage import verify as integrity
     from storage.home import home
-    from tasks.stages.refuse import faults_of
+    from tasks.stages.import_checks import faults_of
 
     if path is not None:
         checked, faults = 1, faults_of(path)

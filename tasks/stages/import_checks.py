@@ -19,7 +19,7 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     What is stored already is never judged again.
     """
     recording = recordings.read(path, manifest=manifest, salvage=salvage)
-    fault = _unserved(recording.manifest, recording.imu) or _wrong_unit(recording)
+    fault = _missing_triad(recording.manifest, recording.imu) or _wrong_unit(recording)
     if fault is not None:
         raise Unusable(f"{path}: {fault}")
     return recording
@@ -35,12 +35,12 @@ def faults_of(path: Path) -> list[Fault]:
 
 
 def _wrong_unit(recording: Recording) -> str | None:
-    held = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
-    segments = summarise_all(recording, held, "label")
+    labels = tuple(s for s in recording.manifest.segments or () if s.kind in ("rate", "static"))
+    segments = summarise_all(recording, labels, "label")
     return wrong_rate_unit(segments) or wrong_accel_unit(segments)
 
 
-def _unserved(manifest: Manifest, imu: Stream) -> str | None:
+def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
     """A sentence where no segment of an item has the triad that the item is measured with.
 
     Rates and turns need the gyro (or an AHRS's angle), rests any triad, rate sensitivity the

@@ -104,10 +104,9 @@ asyncio.run(main())
 def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path, papers) -> None:
     home, (station_file, procedure) = tmp_path / "home", papers
     order = (
-        "from flows import server; from storage.home import home; server.prepare(home())\n"
-        "from flows import line\n"
-        f"issued = line.run_now(line.produce, station={str(station_file)!r}, "
-        f"procedure={str(procedure)!r})\n"
+        "from flows.carry_out import as_flow_run; from schemas.orders import ProduceOrder\n"
+        f"order = ProduceOrder(station={str(station_file)!r}, procedure={str(procedure)!r})\n"
+        "issued = as_flow_run('produce', order)\n"
         "print('VERDICT', issued.certificate.decision.verdict)\n" + ARTIFACTS
     )
     done = subprocess.run(
@@ -160,6 +159,7 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
             assert time.monotonic() < deadline
             assert started.poll() is None
             time.sleep(0.1)
+        assert servers_of(home)
         os.killpg(started.pid, how)
         _, said = started.communicate(timeout=30)
         while servers_of(home):  # the kernel ends it after its parent
@@ -171,7 +171,7 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
 
 
 def servers_of(home: Path) -> list[int]:
-    """The processes of embedded servers whose database is in the home."""
+    """The processes of Prefect servers that a command started for this home."""
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         try:
@@ -179,7 +179,7 @@ def servers_of(home: Path) -> list[int]:
             owned = str(home).encode() in (place / "environ").read_bytes()
         except OSError:  # ended meanwhile, or of another user
             continue
-        if owned and b"prefect.server" in command:
+        if owned and b"prefect_server" in command:
             found.append(int(place.name))
     return found
 
@@ -223,12 +223,11 @@ def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
 RETRIED = """
 import sqlite3, sys
 from pathlib import Path
-from flows import server
+from flows.carry_out import as_flow_run
+from schemas.orders import CalibrateOrder
 from storage.catalogue import database
 from storage.catalogue.connection import Busy
 from storage.home import home
-server.prepare(home())
-from flows import line
 database.BUSY_S = 0.2
 database.engine(home())
 lock = sqlite3.connect(home().path / "catalog.sqlite", check_same_thread=False)
@@ -239,7 +238,7 @@ def released(self, *sentence):
     busy.append(sentence)
     Exception.__init__(self, *sentence)
 Busy.__init__ = released
-calibration = line.run_now(line.calibrate, reference=sys.argv[1])
+calibration = as_flow_run("calibrate", CalibrateOrder(run=sys.argv[1]))
 print("BUSY", len(busy), calibration.run)
 """
 

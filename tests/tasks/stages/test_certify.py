@@ -1,4 +1,4 @@
-"""A certificate's papers and dates: what is refused costs no number, and no day is invented."""
+"""A certificate's inputs and dates: what is refused costs no number, and no day is invented."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,9 +16,9 @@ from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, runs
 from storage.catalogue.runs import Run
 from storage.home import Home
+from tasks.stages.certify import CertificateInputs as Inputs
 from tasks.stages.certify import certify
 from tasks.stages.estimate import estimate
-from tasks.stages.papers import Papers
 from tasks.validation import record
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
@@ -55,7 +55,7 @@ def order(received: date, **more: Any) -> Order:
 
 def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep) -> None:
     given = kept(recorded_at="2026-05-02T00:30:00+08:00")
-    certificate = certify(*given, Papers()).certificate
+    certificate = certify(*given, Inputs()).certificate
     assert certificate.calibrated_on == date(2026, 5, 2)
     assert certificate.due == date(2027, 5, 2)
 
@@ -64,7 +64,7 @@ def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificat
     kept: Keep,
 ) -> None:
     given = kept()
-    certificate = certify(*given, Papers()).certificate
+    certificate = certify(*given, Inputs()).certificate
     assert certificate.calibrated_on is None
     assert certificate.issued_on == date.today()
     assert (certificate.due.year, certificate.due.month) == (
@@ -76,60 +76,68 @@ def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificat
 
 
 @pytest.mark.parametrize(
-    "papers",
+    "inputs",
     [
-        Papers(calibrated_on=date(2026, 5, 2)),
-        Papers(order=order(date(2026, 5, 1), calibrated_on=date(2026, 5, 2))),
+        Inputs(calibrated_on=date(2026, 5, 2)),
+        Inputs(order=order(date(2026, 5, 1), calibrated_on=date(2026, 5, 2))),
     ],
 )
-def test_papers_may_tell_the_day(kept: Keep, papers: Papers) -> None:
-    assert certify(*kept(), papers).certificate.calibrated_on == date(2026, 5, 2)
+def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
+    assert certify(*kept(), inputs).certificate.calibrated_on == date(2026, 5, 2)
 
 
 @pytest.mark.parametrize(
-    ("said", "papers", "says"),
+    ("said", "inputs", "says"),
     [
-        ({}, Papers(tolerance=tolerance(model="other")), "test other"),
+        ({}, Inputs(tolerance=tolerance(model="other")), "test other"),
         (
             {},
-            Papers(tolerance=tolerance(limits=(Limit(item="gyro_x", unit="1", magnitude=1),))),
+            Inputs(tolerance=tolerance(limits=(Limit(item="gyro_x", unit="1", magnitude=1),))),
             "gyro_x",
         ),
-        ({"equipment": "table"}, Papers(), "equipment"),
-        ({"equipment": [STANDARD | {"serial": 7}]}, Papers(), "serial"),
-        ({"recorded_at": 5}, Papers(), "recorded_at"),
-        ({"recorded_at": "last week"}, Papers(), "recorded_at"),
-        ({"recorded_at": "2026-05-02"}, Papers(calibrated_on=date(2026, 5, 3)), "2026-05-03"),
-        ({"recorded_at": "2026-05-02"}, Papers(order=order(date(2026, 5, 3))), "received"),
+        ({"equipment": "table"}, Inputs(), "equipment"),
+        ({"equipment": [STANDARD | {"serial": 7}]}, Inputs(), "serial"),
+        ({"recorded_at": 5}, Inputs(), "recorded_at"),
+        ({"recorded_at": "last week"}, Inputs(), "recorded_at"),
+        (
+            {"recorded_at": "2026-05-02"},
+            Inputs(calibrated_on=date(2026, 5, 3)),
+            "2026-05-03",
+        ),
+        (
+            {"recorded_at": "2026-05-02"},
+            Inputs(order=order(date(2026, 5, 3))),
+            "received",
+        ),
     ],
 )
 def test_what_is_refused_costs_no_number(
-    kept: Keep, said: dict[str, Any], papers: Papers, says: str
+    kept: Keep, said: dict[str, Any], inputs: Inputs, says: str
 ) -> None:
     given = kept(**said)
     with pytest.raises(Unusable, match=says) as refusal:
-        certify(*given, papers)
+        certify(*given, inputs)
     assert "\n" not in str(refusal.value)
     year = date.today().year
     assert certificates.reserve_number(given[2], "MIMU", year) == f"MIMU-{year}-0001"
 
 
 def test_names_of_limits_match_without_case_and_space(kept: Keep) -> None:
-    papers = Papers(tolerance=tolerance(manufacturer=" TEST ", model="Ideal"))
-    assert certify(*kept(), papers).certificate.decision.limits
+    inputs = Inputs(tolerance=tolerance(manufacturer=" TEST ", model="Ideal"))
+    assert certify(*kept(), inputs).certificate.decision.limits
 
 
 def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, validated) -> None:
     """Missing, then there; a record in the home goes before the one that is shipped."""
     given = kept()
     monkeypatch.setattr(record, "shipped", lambda: None)
-    without = certify(*given, Papers(tolerance=tolerance())).certificate
+    without = certify(*given, Inputs(tolerance=tolerance())).certificate
     assert without.decision.verdict == "inconclusive"
     assert any("run mimucal validate" in reason for reason in without.decision.reasons)
     assert without.validation is not None
     assert without.validation[0].startswith("No validation record")
     given[2].path.joinpath("validation.json").write_text(validated.model_dump_json(), "utf-8")
-    with_it = certify(*given, Papers(tolerance=tolerance())).certificate
+    with_it = certify(*given, Inputs(tolerance=tolerance())).certificate
     assert not any("mimucal validate" in reason for reason in with_it.decision.reasons)
     assert with_it.validation == (
         "Estimation validated by the record of 2026-11-21, test: 9 of 9 items",
@@ -139,8 +147,8 @@ def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, vali
 
 def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) -> None:
     given = kept(recorded_at="2026-04-01", equipment=[STANDARD])
-    papers = Papers(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))
-    certificate = certify(*given, papers).certificate
+    inputs = Inputs(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))
+    certificate = certify(*given, inputs).certificate
     assert certificate.laboratory is not None
     assert certificate.laboratory.equipment[0].name == "Table"
     assert any("2026-03-31" in reason for reason in certificate.decision.reasons)

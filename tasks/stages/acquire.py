@@ -1,12 +1,11 @@
-"""Stage: a recording comes into the store, from a station or from elsewhere."""
+"""Stage: a run on a station; raw is written as it comes, then kept as a run."""
 
 import secrets
 from collections.abc import Callable
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from schemas.base import Unusable
+from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
@@ -14,47 +13,12 @@ from storage.catalogue.runs import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
-from tasks.stages import refuse
-from tasks.stages.broken_off import BrokenOff
+from tasks.stages.stage import stage
 from tasks.station.fixture import Ask
 from tasks.station.sequence import Acquired, Progress, acquire
 
 
-@dataclass(frozen=True)
-class Taken:
-    """A recording in the store: its run, whether it is new, topics of a bag left out of it."""
-
-    run: Run
-    is_new: bool
-    left_out: tuple[str, ...] = ()
-
-
-def take_in(
-    path: Path, home: Home, *, manifest: Path | None = None, salvage: bool = False
-) -> Taken:
-    """A recording from elsewhere: read, check, keep.
-
-    Raises Unusable, with the store unchanged, where the recording cannot be used. What was left
-    out is told of a recording that is read, not of one whose bytes are known already.
-    """
-    known = None if manifest else runs.imported_before(path, home)
-    if known is not None:
-        return Taken(known, is_new=False)
-    recording = refuse.read(path, manifest=manifest, salvage=salvage)
-    run, is_new = runs.add(recording, home, source=None if manifest or salvage else path)
-    return Taken(run, is_new, recording.extra.get("left_out", ()))
-
-
-def path_of(reference: str) -> Path | None:
-    """The path that a command names, or None where it is a run's id. Raises Unusable for ''."""
-    if not reference.strip():
-        raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
-    try:
-        return Path(reference) if Path(reference).exists() else None
-    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
-        return None
-
-
+@stage("acquire", again=False)
 def acquire_run(
     station: StationFile,
     procedure: Procedure,
@@ -62,7 +26,7 @@ def acquire_run(
     report: Callable[[Progress], None],
     ask: Ask | None = None,
 ) -> tuple[Run, Acquired]:
-    """A run on a station: raw is written as it comes, then kept as a run.
+    """Acquire a run, with its recording in the home from the first sample on.
 
     ask: has a person turn the unit over, where the station cannot.
 
@@ -79,10 +43,10 @@ def acquire_run(
             acquired = acquire(station, procedure, sink, report, recording_id=recording_id, ask=ask)
         run, _ = runs.add(read_mcap(raw), home)
     except Unusable as fault:
-        raise Unusable(_told(fault, sink, raw)) from fault
+        raise Unusable(_with_what_is_left(fault, sink, raw)) from fault
     except OSError as fault:
-        said = f"the recording could not be written ({fault.strerror or fault})"
-        raise BrokenOff(f"{said}{_left(sink, raw)}") from fault
+        why = fault.strerror or fault
+        raise BrokenOff(f"the recording could not be written ({why}){_left(sink, raw)}") from fault
     except KeyboardInterrupt as stop:
         raise BrokenOff(f"stopped by the operator{_left(sink, raw)}") from stop
     raw.unlink()
@@ -100,7 +64,7 @@ def _open(raw: Path) -> RawWriter:
         ) from error
 
 
-def _told(fault: Unusable, sink: RawWriter, raw: Path) -> str:
+def _with_what_is_left(fault: Unusable, sink: RawWriter, raw: Path) -> str:
     """The fault and what is left; where nothing is, only why the run stopped."""
     left = _left(sink, raw)
     plain = fault.__cause__ if not left and isinstance(fault.__cause__, Unusable) else fault

@@ -1,4 +1,4 @@
-"""A command that is told to end by SIGTERM ends as by Ctrl-C."""
+"""SIGTERM ends a command as Ctrl-C does."""
 
 import signal
 import threading
@@ -14,7 +14,7 @@ def as_ctrl_c(_: int, frame: FrameType | None) -> None:
 
 
 @contextmanager
-def ending_as_by_ctrl_c() -> Iterator[None]:
+def sigterm_as_ctrl_c() -> Iterator[None]:
     """SIGTERM as Ctrl-C within a flow, whose own handler would lose where the recording lies."""
     if threading.current_thread() is not threading.main_thread():  # no signal comes here
         yield

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from flows import operator
+from flows import refix_prompt
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
 from tasks.station import procedures
@@ -30,7 +30,7 @@ def keyboard(monkeypatch) -> Iterator[int]:
 async def asked(keys: int, *, after_s: float) -> float:
     """How long a question waited (s) when Enter is pressed so long after it was asked."""
     loop = asyncio.get_running_loop()
-    ask, began = operator.at_terminal(), loop.time()
+    ask, began = refix_prompt.at_terminal(), loop.time()
     assert ask is not None
     loop.call_later(after_s, os.write, keys, b"\n")
     await asyncio.wait_for(ask(REFIX), 10.0)
@@ -52,7 +52,7 @@ def test_an_enter_pressed_before_it_was_asked_does_not_count(keyboard):
 def test_a_terminal_that_closes_ends_the_run_with_a_sentence(keyboard):
     async def close() -> None:
         asyncio.get_running_loop().call_later(0.05, os.write, keyboard, b"\x04")
-        ask = operator.at_terminal()
+        ask = refix_prompt.at_terminal()
         assert ask is not None
         await asyncio.wait_for(ask(REFIX), 10.0)
 
@@ -63,4 +63,4 @@ def test_a_terminal_that_closes_ends_the_run_with_a_sentence(keyboard):
 def test_where_standard_input_is_no_terminal_there_is_nobody(monkeypatch, tmp_path):
     with (tmp_path / "empty").open("w+") as file:
         monkeypatch.setattr(sys, "stdin", file)
-        assert operator.at_terminal() is None
+        assert refix_prompt.at_terminal() is None

@@ -12,7 +12,7 @@ from storage.catalogue import runs
 from storage.formats import recordings
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from tasks.stages.refuse import faults_of, read
+from tasks.stages.import_checks import faults_of, read
 
 ROWS = 40
 RATE = {"kind": "rate", "axis": "x", "rate_deg_s": 10.0}

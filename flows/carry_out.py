@@ -1,0 +1,32 @@
+"""Where an order of the command line is carried out: as a Prefect flow run, or right here."""
+
+from typing import Any
+
+from schemas.orders import OrderModel
+
+
+def carry_out(name: str, order: Any) -> Any:
+    """Carry out an order on a run: as a flow run where a Prefect server is named, else right here.
+
+    name: of the flow in `prefect_flows`, and of the function in `run_orders`.
+    """
+    from flows.prefect_server import server_named
+
+    if server_named():
+        return as_flow_run(name, order)
+    from flows import run_orders
+    from flows.progress import working
+
+    with working(f"{name} {order.run}"):
+        return getattr(run_orders, name)(order)
+
+
+def as_flow_run(name: str, order: OrderModel) -> Any:
+    """Carry out an order as a flow run, on a server of our own where none is named."""
+    from flows.prefect_server import connect
+    from flows.run_orders import home_of
+
+    connect(home_of(order))
+    from flows import prefect_flows
+
+    return prefect_flows.run_now(getattr(prefect_flows, name), order)

@@ -1,0 +1,137 @@
+"""The orders as Prefect flows, whose results and certificates are artifacts.
+
+A deployment takes the order as its parameter, which Prefect validates. Import this module only
+after `flows.prefect_server.connect`.
+"""
+
+from typing import Any
+
+from prefect import Flow, flow
+from prefect.artifacts import create_markdown_artifact, create_table_artifact
+from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
+
+from flows import run_orders
+from schemas.calibration import Calibration
+from schemas.orders import (
+    AcquireOrder,
+    CalibrateOrder,
+    CertifyOrder,
+    ExplainOrder,
+    OrderModel,
+    ProduceOrder,
+    RemindOrder,
+    SimulateOrder,
+)
+from storage.catalogue.certificates import Due
+from storage.catalogue.runs import Run
+from tasks.certificate.names import verdict_words
+from tasks.stages.certify import Issued, read_inputs
+from tasks.stages.explain import Explained
+from tasks.stages.remind import due_within
+from tasks.stages.simulate import Simulated
+from tasks.station.sequence import Acquired
+
+
+def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
+    """Run a flow in this process, from its main thread, and return what it returns.
+
+    Without its heartbeat, whose thread makes every synchronous flow run wait for a second
+    (prefect 3.8).
+    """
+    with temporary_settings({PREFECT_FLOWS_HEARTBEAT_FREQUENCY: None}):
+        return named(order)
+
+
+@flow(name="acquire", flow_run_name="acquire on {order.station}")
+def acquire(order: AcquireOrder) -> tuple[Run, Acquired]:
+    """Acquire a run from the station of a station file."""
+    return run_orders.acquire(order)
+
+
+@flow(name="produce", flow_run_name="produce on {order.station}")
+def produce(order: ProduceOrder) -> Issued:
+    """Acquire a run from a station, estimate every item, decide, publish the certificate."""
+    read_inputs(order)  # bad files are refused before it turns
+    run, _ = acquire(order)
+    return certify(order.certify(run.id))
+
+
+@flow(name="calibrate", flow_run_name="calibrate {order.run}")
+def calibrate(order: CalibrateOrder) -> Calibration:
+    """Estimate every item that a run (an id, or a path imported on the fly) allows."""
+    calibration = run_orders.calibrate(order)
+    _show_items(calibration)
+    return calibration
+
+
+@flow(name="explain", flow_run_name="explain {order.run}")
+def explain(order: ExplainOrder) -> Explained:
+    """Say where model and run differ, which physics was left out, and what it matters."""
+    explained = run_orders.explain(order)
+    _show_discrepancy(explained)
+    return explained
+
+
+@flow(name="simulate", flow_run_name="simulate {order.run}")
+def simulate(order: SimulateOrder) -> Simulated:
+    """Write what a unit with a calibration would have read on a run's motion."""
+    return run_orders.simulate(order)
+
+
+@flow(name="certify", flow_run_name="certify {order.run}")
+def certify(order: CertifyOrder) -> Issued:
+    """Estimate, decide and publish the certificate of a run."""
+    issued = run_orders.certify(order)
+    _show_items(issued.certificate.calibration)
+    _show_certificate(issued)
+    return issued
+
+
+@flow(name="remind")
+def remind(order: RemindOrder) -> list[Due]:
+    """List the units whose recalibration is due within so many days."""
+    due = due_within(run_orders.home_of(order), order.within_days)
+    create_table_artifact(
+        key="recalibration-due",
+        table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],
+        description=f"Recalibration due within {order.within_days} days",
+    )
+    return due
+
+
+def _show_certificate(issued: Issued) -> None:
+    """The verdict, why, and where the certificate lies, as a Prefect artifact."""
+    certificate = issued.certificate
+    verdict = verdict_words(certificate.decision)[1]
+    reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
+    create_markdown_artifact(
+        key="certificate",
+        markdown=f"# {certificate.number}: {verdict}\n\n{reasons}\n\n"
+        f"Recalibration due {certificate.due}. PDF: `{issued.pdf}`",
+        description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
+    )
+
+
+def _show_discrepancy(explained: Explained) -> None:
+    """The verdict and the findings as a Prefect artifact."""
+    discrepancy = explained.discrepancy
+    sentences = [discrepancy.statement.en, *(f.statement.en for f in discrepancy.findings)]
+    create_markdown_artifact(
+        key="discrepancy",
+        markdown=f"# {discrepancy.verdict}\n\n" + "\n\n".join(sentences),
+        description=f"Where model and recording {discrepancy.recording_id} differ",
+    )
+
+
+def _show_items(calibration: Calibration) -> None:
+    """The values and uncertainties as a Prefect artifact."""
+    rows = [
+        {"item": name, "element": element, "value": value, "U": item.U[element], "unit": item.unit}
+        for name, item in calibration.items.items()
+        for element, value in item.value.items()
+    ]
+    create_table_artifact(
+        key="calibration-items",
+        table=rows,
+        description=f"{calibration.recording_id}, {calibration.procedure}",
+    )

@@ -1,0 +1,114 @@
+"""Where Prefect runs: on the server that PREFECT_API_URL names, or on one that a command starts.
+
+A command's own server keeps its database in the home, outlives no command and hears no Ctrl-C.
+Prefect's temporary server would not do: it runs in the command's process group, where Ctrl-C ends
+it before the command has reported how its flow ended, and a killed command leaves it behind.
+"""
+
+import atexit
+import ctypes
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from schemas.base import Unusable
+from storage.home import Home
+
+LOG = "server.log"
+START_UP_S = 120.0
+TERMINATION_S = 5.0
+_SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
+
+# What is set here must be in the environment before Prefect is imported for the first time.
+QUIET = {
+    # The sentence of Unusable is for us to print; a server of one's own still gets the logs.
+    "PREFECT_LOGGING_HANDLERS_CONSOLE_LEVEL": "CRITICAL",
+    "PREFECT_INTERNAL_LOGGING_LEVEL": "CRITICAL",
+    "DO_NOT_TRACK": "1",
+    "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
+    "PREFECT_CLI_WRAP_LINES": "false",
+}
+OWN_SERVER = {"PREFECT_LOGGING_LEVEL": "CRITICAL", "PREFECT_LOGGING_TO_API_ENABLED": "false"}
+
+
+def server_named() -> bool:
+    """Whether the operator named a Prefect server; then every order is a flow run on it."""
+    return bool(os.environ.get("PREFECT_API_URL"))
+
+
+def connect(home: Home) -> None:
+    """Point Prefect at its server, before it is imported; start one where none is named.
+
+    What the operator set in the environment stays. To be called from the main thread: Linux ends
+    the server with the thread that started it.
+    """
+    settings = QUIET if server_named() else QUIET | OWN_SERVER
+    for name, value in settings.items():
+        os.environ.setdefault(name, value)
+    if not server_named():
+        _start(home.prefect.absolute())
+        # Runs before the server is ended, which a second Ctrl-C would break off with a traceback.
+        atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+
+
+def _start(folder: Path) -> None:
+    """Start a server whose database is in the folder, and wait until it answers."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Unusable(
+            f"{folder} cannot be made ({error.strerror}); name another folder in MIMUCAL_HOME"
+        ) from error
+    os.environ.setdefault("PREFECT_HOME", str(folder))
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
+        with (folder / LOG).open("ab") as log:
+            server = subprocess.Popen(
+                [sys.executable, "-m", __name__, str(listener.fileno())],
+                pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                start_new_session=True, preexec_fn=_DIE_WITH_PARENT,
+            )  # fmt: skip
+    atexit.register(_end, server)
+    os.environ["PREFECT_API_URL"] = url
+    import httpx
+    import prefect  # noqa: F401 (takes seconds, as the server does)
+
+    try:  # the socket listens already: the answer comes once the server is there
+        httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
+    except httpx.HTTPError as error:
+        raise RuntimeError(f"Prefect's server did not start, see {folder / LOG}") from error
+
+
+def _end(server: "subprocess.Popen[bytes]") -> None:
+    server.terminate()
+    try:
+        server.wait(TERMINATION_S)
+    except subprocess.TimeoutExpired:
+        server.kill()
+        server.wait()
+
+
+def _die_with_parent() -> Callable[[], object]:
+    """What a child does between fork and exec; the library is opened before the fork."""
+    prctl = ctypes.CDLL(None).prctl
+    return lambda: prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
+
+
+_DIE_WITH_PARENT = _die_with_parent() if sys.platform == "linux" else None
+
+
+def serve(listener: socket.socket) -> None:
+    """Be the server, on a socket that listens."""
+    import uvicorn
+    from prefect.server.api.server import create_app
+
+    app = create_app(ephemeral=True, final=True)
+    uvicorn.Server(uvicorn.Config(app, log_level="error")).run(sockets=[listener])
+
+
+if __name__ == "__main__":
+    serve(socket.socket(fileno=int(sys.argv[1])))

@@ -1,0 +1,108 @@
+"""How each order is carried out, stage by stage, within a Prefect flow as well as outside of one.
+
+The stages are imported when an order needs them: `calibrate` starts without those of the
+certificate.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from flows import refix_prompt
+from flows.progress import acquisition_progress, describe
+from flows.signals import sigterm_as_ctrl_c
+from schemas.orders import (
+    AcquireOrder,
+    CalibrateOrder,
+    CertifyOrder,
+    ExplainOrder,
+    OrderModel,
+    SimulateOrder,
+)
+from schemas.procedure import Procedure
+from storage import settings
+from storage.home import Home, home
+
+if TYPE_CHECKING:
+    from schemas.calibration import Calibration
+    from storage.catalogue.runs import Run
+    from tasks.stages.certify import Issued
+    from tasks.stages.explain import Explained
+    from tasks.stages.simulate import Simulated
+    from tasks.station.sequence import Acquired
+
+
+def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
+    """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
+    from tasks.stages.acquire import acquire_run
+
+    station, procedure = settings.read_station(Path(order.station)), procedure_of(order)
+    ask = refix_prompt.at_terminal() if order.attended else None
+    with sigterm_as_ctrl_c(), acquisition_progress() as report:
+        return acquire_run(station, procedure, home_of(order), report, ask)
+
+
+def check_acquisition(order: AcquireOrder) -> None:
+    """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
+    from tasks.station.fixture import check_attended
+    from tasks.station.suits import check_suits
+
+    station, procedure = settings.read_station(Path(order.station)), procedure_of(order)
+    check_suits(procedure, station)
+    check_attended(procedure, station, refix_prompt.at_terminal() if order.attended else None)
+
+
+def calibrate(order: CalibrateOrder) -> "Calibration":
+    """Estimate every item that a run allows."""
+    from tasks.stages.estimate import estimate
+    from tasks.stages.import_recording import run_of
+
+    place = home_of(order)
+    return estimate(run_of(order.run, place), place, order)
+
+
+def explain(order: ExplainOrder) -> "Explained":
+    """Say which physics the standard's model leaves out of a run."""
+    from tasks.stages.explain import explain_run
+    from tasks.stages.import_recording import run_of
+
+    place = home_of(order)
+    return explain_run(run_of(order.run, place), place, order, describe)
+
+
+def simulate(order: SimulateOrder) -> "Simulated":
+    """Write what a unit with a calibration would have read on a run's motion."""
+    from tasks.stages.import_recording import run_of
+    from tasks.stages.simulate import simulate_run
+
+    place = home_of(order)
+    return simulate_run(run_of(order.run, place), place, order)
+
+
+def certify(order: CertifyOrder) -> "Issued":
+    """Estimate, decide and publish the certificate of a run. Bad files are refused first.
+
+    A result with terms taken off comes on a certificate only if they are ordered here.
+    """
+    from tasks.stages import certify as stage
+    from tasks.stages.estimate import estimate
+    from tasks.stages.import_recording import run_of
+
+    place = home_of(order)
+    inputs = stage.read_inputs(order)
+    run = run_of(order.run, place)
+    calibration = estimate(run, place, order, inputs.laboratory)
+    return stage.certify(run, calibration, place, inputs)
+
+
+def home_of(order: OrderModel) -> Home:
+    """The home that an order names, else the one of this process."""
+    return Home(Path(order.home)) if order.home else home()
+
+
+def procedure_of(order: AcquireOrder) -> Procedure:
+    """A procedure by its name, or from a file where the name is that of a file."""
+    from tasks.station import procedures
+
+    if Path(order.procedure).suffix in (".toml", ".json"):
+        return settings.read_procedure(Path(order.procedure))
+    return procedures.load(order.procedure)

@@ -1,0 +1,155 @@
+"""Orders: what the command line, the Prefect flows and a schedule ask for, each a typed model.
+
+Files, folders and runs are plain text, so that an order can be written down in JSON or YAML:
+counted from the working folder of whoever carries it out. `home`: the folder that holds
+everything; null is the one that MIMUCAL_HOME names.
+"""
+
+from datetime import date
+from typing import Any, Literal, Self, TypeVar
+
+from pydantic import Field, ValidationError, field_validator, model_validator
+
+from schemas.base import Frozen, Unusable
+from schemas.calibration import Method
+
+UncertaintyName = Literal["gum", "montecarlo", "example"]
+
+
+class OrderModel(Frozen):
+    """What every order has."""
+
+    home: str | None = None
+
+
+class Estimation(OrderModel):
+    """How a run is estimated.
+
+    method: null is that of the specification for which the recording was made. terms: physics
+    that `explain` found, by catalogue name, taken off the readings first; as a text, the names
+    stand with commas between.
+    """
+
+    method: Method | None = None
+    uncertainty: UncertaintyName = "gum"
+    terms: tuple[str, ...] | None = None
+
+    @field_validator("terms", mode="before")
+    @classmethod
+    def _names(cls, given: Any) -> Any:
+        """Each name once, in alphabetical order."""
+        names = given.split(",") if isinstance(given, str) else given
+        return names and tuple(sorted({str(name).strip() for name in names} - {""}))
+
+    @model_validator(mode="after")
+    def _terms_go_with_the_clauses(self) -> Self:
+        if self.terms is not None and self.method == "joint":
+            raise ValueError(
+                "--terms goes with the clauses of the specification; the joint method has Earth's "
+                "rotation in its own model: leave --method joint or --terms out"
+            )
+        if self.terms is not None and self.uncertainty != "gum":
+            raise ValueError(
+                "--terms carries the uncertainty of the terms by the law of propagation; leave "
+                f"--uncertainty {self.uncertainty} out"
+            )
+        return self
+
+
+class CertificateOptions(OrderModel):
+    """What a certificate needs beside the result; null leaves it to the home.
+
+    tolerance, laboratory and client_order are files; client_order says who ordered the
+    calibration (`mimu-order/1`). calibrated_on: for a recording that does not say when it was
+    made. budget: whether the certificate prints the uncertainty budgets.
+    """
+
+    tolerance: str | None = None
+    laboratory: str | None = None
+    client_order: str | None = None
+    calibrated_on: date | None = None
+    budget: bool = False
+
+
+class AcquireOrder(OrderModel):
+    """A run from the station of a station file.
+
+    procedure: a name, or a file. attended: whether a person at the terminal, if there is one,
+    may be asked to turn the unit over.
+    """
+
+    station: str
+    procedure: str = "jjf2003"
+    attended: bool = True
+
+
+class CalibrateOrder(Estimation):
+    """Every item that a run (an id, or the path of a recording) allows."""
+
+    run: str
+
+
+class CertifyOrder(CalibrateOrder, CertificateOptions):
+    """The result, the verdict and the certificate of a run."""
+
+
+class ProduceOrder(AcquireOrder, CertificateOptions):
+    """A run from a station, and its certificate."""
+
+    def certify(self, run: str) -> CertifyOrder:
+        """The order of the certificate, once the run is there."""
+        shared = CertificateOptions.model_fields
+        return CertifyOrder(run=run, **{name: getattr(self, name) for name in shared})
+
+
+class ExplainOrder(OrderModel):
+    """Which physics the model leaves out of a run.
+
+    out: folder of the report; none is written without it. calibration: the model's parameters, a
+    result's id or a mimu-calibration/1 file; they are fitted unless it is given. simulated: a
+    recording of the same run by another simulator, in place of the model's prediction.
+    """
+
+    run: str
+    out: str | None = None
+    calibration: str | None = None
+    simulated: str | None = None
+
+
+class SimulateOrder(OrderModel):
+    """What a unit with a calibration would have read on a run's motion, as a new folder.
+
+    calibration: a result's id or a mimu-calibration/1 file; the run's own unless it is given.
+    """
+
+    run: str
+    out: str
+    calibration: str | None = None
+
+
+class RemindOrder(OrderModel):
+    """The units whose recalibration is due within so many days."""
+
+    within_days: int = Field(default=30, ge=0)
+
+
+AnyOrder = TypeVar("AnyOrder", bound=OrderModel)
+
+
+def order_of(kind: type[AnyOrder], **fields: Any) -> AnyOrder:
+    """The order with these fields; raises Unusable, named by the option, for one that is wrong."""
+    try:
+        return kind(**fields)
+    except ValidationError as error:
+        raise Unusable(_sentence(error)) from error
+
+
+def _sentence(error: ValidationError) -> str:
+    fault = error.errors(include_url=False)[0]
+    message = fault["msg"].removeprefix("Value error, ")
+    if not fault["loc"]:
+        return message
+    if fault["type"] == "literal_error":
+        expected = fault["ctx"]["expected"].replace("'", "").replace(" or ", ", ")
+        message = f"choose one of {expected}"
+    return f"--{str(fault['loc'][0]).replace('_', '-')} {fault['input']}: {message}"

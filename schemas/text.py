@@ -1,0 +1,23 @@
+"""Text for people in both languages, as `tasks.words` fills it: `Statement(**texts(message))`."""
+
+from schemas.base import Frozen
+
+
+class Statement(Frozen):
+    """A sentence or paragraph in both languages."""
+
+    en: str
+    zh: str
+
+
+class Remark(Frozen):
+    """Something the reader of a result must know, as a sentence in both languages.
+
+    `blocks_pass`: a condition of the specification is not met, so no unit may pass on it.
+    """
+
+    code: str
+    en: str
+    zh: str
+    segments: tuple[str, ...] = ()
+    blocks_pass: bool = False

@@ -1,0 +1,53 @@
+"""Stage: a recording comes into the store from elsewhere."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from schemas.base import Unusable
+from storage.catalogue import runs
+from storage.catalogue.runs import Run
+from storage.home import Home
+from tasks.stages import import_checks
+from tasks.stages.stage import stage
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A recording in the store: its run, whether it is new, topics of a bag left out of it."""
+
+    run: Run
+    is_new: bool
+    left_out: tuple[str, ...] = ()
+
+
+@stage("import")
+def import_recording(
+    path: Path, home: Home, *, manifest: Path | None = None, salvage: bool = False
+) -> Imported:
+    """Read a recording, check it, keep it.
+
+    Raises Unusable, with the store unchanged, where the recording cannot be used. `left_out` is
+    empty for a recording whose bytes are in the store already, which is not read again.
+    """
+    known = None if manifest else runs.imported_before(path, home)
+    if known is not None:
+        return Imported(known, is_new=False)
+    recording = import_checks.read(path, manifest=manifest, salvage=salvage)
+    run, is_new = runs.add(recording, home, source=None if manifest or salvage else path)
+    return Imported(run, is_new, recording.extra.get("left_out", ()))
+
+
+def run_of(reference: str, home: Home) -> Run:
+    """The run that an order names: an id, or a path that is imported on the fly."""
+    path = _path_of(reference)
+    return runs.find(reference, home) if path is None else import_recording(path, home).run
+
+
+def _path_of(reference: str) -> Path | None:
+    """The path that a command names, or None where it is a run's id. Raises Unusable for ''."""
+    if not reference.strip():
+        raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
+    try:
+        return Path(reference) if Path(reference).exists() else None
+    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
+        return None

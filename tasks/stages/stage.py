@@ -1,0 +1,69 @@
+"""What makes a plain function a stage: within a Prefect flow it runs as a task of that flow.
+
+Everywhere else it is the plain function that it was, and Prefect is not imported. Only this
+module and the flows know Prefect.
+"""
+
+import sys
+from collections.abc import Callable
+from functools import cache, wraps
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, cast
+
+from storage.catalogue.connection import Busy
+
+if TYPE_CHECKING:
+    from prefect.client.schemas.objects import State, TaskRun
+    from prefect.tasks import Task
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+RETRIES = 2
+RETRY_DELAY_S = 1
+
+
+def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Makes a function a stage with the name that Prefect shows.
+
+    again: whether it is tried again, twice, where the catalogue is locked by another process or
+    out of reach. The run on a station is not: a unit that has begun to turn is never turned
+    again by itself.
+    """
+
+    def staged(function: Callable[P, R]) -> Callable[P, R]:
+        @wraps(function)
+        def run(*args: P.args, **kwargs: P.kwargs) -> R:
+            if not _starts_a_task():
+                return function(*args, **kwargs)
+            return cast(R, _task(function, name, again)(*args, **kwargs))
+
+        return run
+
+    return staged
+
+
+def _starts_a_task() -> bool:
+    """Whether a flow is running, and none of its tasks: a stage that calls another is one task."""
+    if "prefect" not in sys.modules:
+        return False
+    from prefect.context import FlowRunContext, TaskRunContext
+
+    return FlowRunContext.get() is not None and TaskRunContext.get() is None
+
+
+@cache
+def _task(function: Callable[P, R], name: str, again: bool) -> "Task[P, R]":
+    from prefect import task
+    from prefect.cache_policies import NO_CACHE
+
+    return task(
+        name=name,
+        cache_policy=NO_CACHE,
+        retries=RETRIES if again else 0,
+        retry_delay_seconds=RETRY_DELAY_S,
+        retry_condition_fn=_is_busy,
+    )(function)
+
+
+def _is_busy(task_: "Task[..., Any]", run: "TaskRun", state: "State[Any]") -> bool:
+    return isinstance(state.result(raise_on_failure=False), Busy)
