@@ -29,7 +29,7 @@ from tasks.stages.certify import Issued, read_inputs
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
-from tasks.station.sequence import Acquired
+from tasks.station.acquisition import Acquired
 
 
 def run_now(named: Flow[..., Any], order: OrderModel) -> Any:

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 if TYPE_CHECKING:
-    from tasks.station.sequence import Progress as StationProgress
+    from tasks.station.progress import Progress as StationProgress
 
 
 CONSOLE = Console(stderr=True)

@@ -8,7 +8,7 @@ import termios
 from flows.progress import CONSOLE
 from schemas.base import Unusable
 from schemas.procedure import Refix
-from tasks.station.fixture import Ask
+from tasks.station.ports import Ask
 
 
 def at_terminal() -> Ask | None:

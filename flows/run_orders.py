@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from tasks.stages.certify import Issued
     from tasks.stages.explain import Explained
     from tasks.stages.simulate import Simulated
-    from tasks.station.sequence import Acquired
+    from tasks.station.acquisition import Acquired
 
 
 def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
@@ -43,11 +43,10 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
-    from tasks.station.fixture import check_attended
-    from tasks.station.suits import check_suits
+    from tasks.station.requirements import check_attended, check_procedure
 
     station, procedure = settings.read_station(Path(order.station)), procedure_of(order)
-    check_suits(procedure, station)
+    check_procedure(procedure, station)
     check_attended(procedure, station, refix_prompt.at_terminal() if order.attended else None)
 
 

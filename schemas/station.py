@@ -45,6 +45,8 @@ def _register(
     )
 
 
+TABLE_IDENT = 0x4D54
+MAP_VERSION = 1
 TABLE_REGISTERS = (
     _register("ident", 0, "uint16", "1", "0x4D54: a mimucal table"),
     _register("map_version", 1, "uint16", "1", "1"),

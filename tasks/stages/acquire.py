@@ -14,8 +14,9 @@ from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
 from tasks.stages.stage import stage
-from tasks.station.fixture import Ask
-from tasks.station.sequence import Acquired, Progress, acquire
+from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.ports import Ask
+from tasks.station.progress import Progress
 
 
 @stage("acquire", again=False)
@@ -40,7 +41,7 @@ def acquire_run(
     sink = _open(raw)
     try:
         with sink:
-            acquired = acquire(station, procedure, sink, report, recording_id=recording_id, ask=ask)
+            acquired = acquire(RunRequest(station, procedure, sink, report, recording_id, ask))
         run, _ = runs.add(read_mcap(raw), home)
     except Unusable as fault:
         raise Unusable(_with_what_is_left(fault, sink, raw)) from fault

@@ -1,12 +1,23 @@
-"""Station time against the wall: how fast the station runs, and what time it is there."""
+"""Wall time, and station time against it: how fast the station runs, and what time it is there.
 
+Wall time is the running event loop's: `wall_s` reads it and `asyncio.sleep` waits for it. Nothing
+in this room asks another clock, so a loop whose time is simulated runs a whole procedure without
+waiting.
+"""
+
+import asyncio
 from collections import deque
 
 WINDOW = 200
 
 
+def wall_s() -> float:
+    """Wall time, s; of a loop that is not simulated, that of `time.monotonic`."""
+    return asyncio.get_running_loop().time()
+
+
 class StationClock:
-    """Readings of the station's time, each with the wall time (time.monotonic) it was taken at.
+    """Readings of the station's time, each with the wall time it was taken at.
 
     The station of a laboratory runs at speed 1; a virtual one may run faster, and not evenly.
     """
@@ -15,7 +26,7 @@ class StationClock:
         self._readings: deque[tuple[float, float]] = deque(maxlen=WINDOW)
         self._moved_wall_s = 0.0
 
-    def seen(self, station_s: float, wall_s: float) -> None:
+    def update(self, station_s: float, wall_s: float) -> None:
         """Take a reading in."""
         if not self._readings or station_s != self.station_s:
             self._moved_wall_s = wall_s
@@ -41,9 +52,9 @@ class StationClock:
         station, wall = self._readings[-1]
         return station + (wall_s - wall) * self.speed
 
-    def wall(self, station_s: float, least: float, most: float) -> float:
-        """How long a stretch of station time takes on the wall, s, kept within least and most."""
-        return min(max(station_s / self.speed, least), most)
+    def wall(self, station_s: float, shortest: float, longest: float) -> float:
+        """How long a span of station time takes on the wall, s, kept within the bounds."""
+        return min(max(station_s / self.speed, shortest), longest)
 
     @property
     def stands_still_s(self) -> float:

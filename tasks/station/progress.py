@@ -1,10 +1,9 @@
 """How far a run has come."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from tasks.station.clock import StationClock
+from tasks.station.clock import StationClock, wall_s
 
 REPORT_EVERY_S = 0.1
 
@@ -20,7 +19,7 @@ class Progress:
 
 
 class Tracker:
-    """Counts planned time: a stretch counts for what was planned, however long it takes."""
+    """Counts planned time: a segment counts for what was planned, however long it takes."""
 
     def __init__(
         self, report: Callable[[Progress], None], clock: StationClock, total_s: float
@@ -35,20 +34,20 @@ class Tracker:
         self._reported_wall_s = 0.0
 
     def begin(self, now: str, planned_s: float) -> None:
-        """A stretch begins; the one before it is done."""
+        """Something begins that is planned to take this long; what came before it is done."""
         self._done_s += self._planned_s
         self._planned_s = planned_s
         self._began_s = self._clock.station_s
         self.now = now
-        self._reported_wall_s = 0.0
+        self._reported_wall_s = -REPORT_EVERY_S
         self.tick()
 
     def tick(self) -> None:
         """Report, unless it was reported just now."""
-        wall_s = time.monotonic()
-        if wall_s - self._reported_wall_s < REPORT_EVERY_S:
+        now_s = wall_s()
+        if now_s - self._reported_wall_s < REPORT_EVERY_S:
             return
-        self._reported_wall_s = wall_s
+        self._reported_wall_s = now_s
         within_s = min(self._clock.station_s - self._began_s, self._planned_s)
         done_s = self._done_s + within_s
         left_s = (self._total_s - done_s) / self._clock.speed

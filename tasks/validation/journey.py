@@ -140,7 +140,7 @@ def accumulated_angles(
     q = attitudes(track, errors)[:, ::2]
     step = 1.0 / unit.rate_hz
     turn = turned(q[:, :-1], q[:, 1:], step, site.latitude)
-    gravity = quaternion.up_seen_from(q) * site.gravity
+    gravity = quaternion.up_in_body(q) * site.gravity
     gravity = 0.5 * (gravity[:, 1:] + gravity[:, :-1])
     slow = np.array(unit.g_sensitivity) @ gravity + np.array([unit.gyro.bias]).T
     if noise is not None:
@@ -163,7 +163,7 @@ def sensed_rates(
     rate = turned(before, halves, step, site.latitude) / step
     rate[:, 0] = rate[:, 1]  # the first has half a step only
     angular = np.gradient(rate, step, axis=1)
-    gravity = quaternion.up_seen_from(q[:, ::2]) * site.gravity
+    gravity = quaternion.up_in_body(q[:, ::2]) * site.gravity
     gyro = np.array(unit.gyro.scale) @ rate + np.array(unit.g_sensitivity) @ gravity
     accel = np.empty_like(gyro)
     for k, (row, place) in enumerate(zip(unit.accel.scale, unit.places_m, strict=True)):

@@ -21,7 +21,7 @@ class Body:
 
     def __init__(self, config: VirtualStation) -> None:
         directions = [np.array(axis.direction) for axis in config.table.axes]
-        self._directions = [each / np.linalg.norm(each) for each in directions]
+        self._directions = [direction / np.linalg.norm(direction) for direction in directions]
         self._base = quaternions.about(-UP, np.radians([config.heading_deg]))
         mount = Rotation.from_quat(config.mount.quaternion_wxyz, scalar_first=True)
         self._mount = mount.as_quat(scalar_first=True)[:, None]
@@ -46,12 +46,12 @@ class Body:
 
     def still(self) -> tuple[np.ndarray, np.ndarray]:
         """Inertial body rate and specific force (3, 1), as long as nothing moves."""
-        return self._rate, quaternions.up_seen_from(self._attitude) * self._gravity
+        return self._rate, quaternions.up_in_body(self._attitude) * self._gravity
 
-    def follow(
+    def move(
         self, angles: np.ndarray, mount: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Takes the angles (n, axes) after the next n steps; tells of the times one step before.
+        """Takes the angles (n, axes) after the next n steps; gives the motion one step before each.
 
         mount: attitude of the unit on the payload, (4, n) or (4, 1); else that of the station.
 
@@ -63,6 +63,6 @@ class Body:
         attitudes = np.hstack([self._attitude, self.attitude(angles, seat)])
         rates = np.hstack([self._rate, self._rates(attitudes)])
         self._attitude, self._rate = attitudes[:, -1:], rates[:, -1:]
-        up = quaternions.up_seen_from(attitudes[:, :-1])
+        up = quaternions.up_in_body(attitudes[:, :-1])
         middle = 0.5 * (rates[:, 1:] + rates[:, :-1])
         return middle, np.diff(rates, axis=1) / STEP_S, up * self._gravity

@@ -1,4 +1,4 @@
-"""A virtual station as settings, and the truth it keeps from the program under test."""
+"""A virtual station as settings, its station file, and the truth that the file does not hold."""
 
 from datetime import date
 from typing import Any
@@ -8,8 +8,9 @@ from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Mount, Station, TableAxis, Unit
-from schemas.station import Equipment
+from schemas.station import AngleLink, AnyLink, Equipment, StationFile, UnitLink
 from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
+from tasks.words import message, say
 
 STEP_S = 1e-3  # of the plant, station time
 STEP_US = 1000
@@ -69,45 +70,54 @@ def ahrs_station(seed: int) -> VirtualStation:
     return VirtualStation(id="VIRTUAL-2", table=table, unit=draw_ahrs(seed))
 
 
-def station_part(config: VirtualStation, speed: float) -> Station:
-    """The manifest's station part; `clock_speed` is station time over wall time."""
-    told = {
-        "id": config.id,
-        "latitude_deg": config.latitude_deg,
-        "gravity_m_s2": config.gravity_m_s2,
-        "heading_deg": config.heading_deg,
-        "table_axes": config.table.axes,
-        "clock_speed": speed,
-    }
-    return Station.model_validate(told)
+def station_file(
+    config: VirtualStation, speed: float, host: str, modbus_port: int, unit_port: int
+) -> StationFile:
+    """What a client needs; `clock_speed` of its station part is station time over wall time."""
+    unit, url = config.unit, f"socket://{host}:{unit_port}"
+    model, letter = ("V-MIMU", "V") if unit.angle_lsb is None else ("V-AHRS", "A")
+    return StationFile(
+        modbus_host=host,
+        modbus_port=modbus_port,
+        unit_link=_unit_link(unit, url),
+        station=Station.model_validate({
+            "id": config.id,
+            "latitude_deg": config.latitude_deg,
+            "gravity_m_s2": config.gravity_m_s2,
+            "heading_deg": config.heading_deg,
+            "table_axes": config.table.axes,
+            "clock_speed": speed,
+        }),
+        mount=config.mount,
+        fixture="commanded",
+        unit=Unit(manufacturer="Virtual", model=model, serial=f"{letter}{unit.seed:05d}"),
+        equipment=_equipment(len(config.table.axes)),
+    )  # fmt: skip
 
 
-def unit_identity(config: VirtualStation) -> Unit:
-    """The name plate of the unit under test."""
-    model, letter = ("V-MIMU", "V") if config.unit.angle_lsb is None else ("V-AHRS", "A")
-    return Unit(manufacturer="Virtual", model=model, serial=f"{letter}{config.unit.seed:05d}")
+def _unit_link(unit: UnitTruth, url: str) -> AnyLink:
+    line = {"url": url, "rate_hz": unit.rate_hz, "accel_lsb_m_s2": unit.accel.lsb}
+    if unit.angle_lsb is None:
+        return UnitLink.model_validate({**line, "gyro_lsb_rad_s": unit.gyro.lsb})
+    return AngleLink.model_validate({**line, "frame": unit.frame, "angle_lsb_rad": unit.angle_lsb})
 
 
-def equipment(config: VirtualStation) -> tuple[Equipment, ...]:
+def _equipment(axes: int) -> tuple[Equipment, ...]:
     """The measurement standards, with made-up numbers that say so."""
-    axes = len(config.table.axes)
-    return (
+    rows = (
+        ("T1", message("station-virtual-turntable", axes=axes), "angle 2″, rate 1×10⁻⁴"),
+        ("C1", message("station-virtual-chamber"), "0.5 °C, 3 %RH"),
+    )
+    return tuple(
         Equipment(
-            name=f"{axes}-axis position and rate turntable (virtual)",
-            name_zh=f"{axes} 轴位置速率转台（虚拟）" if axes > 1 else "单轴位置速率转台（虚拟）",
-            serial="VIRTUAL-T1",
-            accuracy="angle 2″, rate 1×10⁻⁴",
+            name=say(name, "en"),
+            name_zh=say(name, "zh"),
+            serial=f"VIRTUAL-{serial}",
+            accuracy=accuracy,
             certificate="virtual, not traceable",
             valid_until=date(2099, 12, 31),
-        ),
-        Equipment(
-            name="Temperature chamber (virtual)",
-            name_zh="温度试验箱（虚拟）",
-            serial="VIRTUAL-C1",
-            accuracy="0.5 °C, 3 %RH",
-            certificate="virtual, not traceable",
-            valid_until=date(2099, 12, 31),
-        ),
+        )
+        for serial, name, accuracy in rows
     )
 
 

@@ -51,12 +51,12 @@ def running(
         env={**os.environ, "PYTHONPATH": path},
     )
     try:
-        yield _introduce(process, json.dumps(settings))
+        yield _start(process, json.dumps(settings))
     finally:
         _end(process)
 
 
-def _introduce(process: "subprocess.Popen[str]", settings: str) -> StationFile:
+def _start(process: "subprocess.Popen[str]", settings: str) -> StationFile:
     assert process.stdin is not None
     assert process.stdout is not None
     with suppress(BrokenPipeError):
@@ -79,20 +79,20 @@ def _end(process: "subprocess.Popen[str]") -> None:
     process.stdout.close()  # type: ignore[union-attr]
 
 
-def _say(station: StationFile) -> None:
+def _print(station: StationFile) -> None:
     print(station.model_dump_json(), flush=True)
 
 
 async def _serve_until_input_ends(settings: str) -> None:
     from tasks.station.virtual.servers import serve
 
-    told = json.loads(settings)
+    values = json.loads(settings)
     serving = asyncio.ensure_future(
         serve(
-            VirtualStation.model_validate(told["config"]),
-            speed=told["speed"],
-            faults=[Fault.parse(text) for text in told["faults"]],
-            ready=_say,
+            VirtualStation.model_validate(values["config"]),
+            speed=values["speed"],
+            faults=[Fault.parse(text) for text in values["faults"]],
+            ready=_print,
         )
     )
     input_ended = asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
@@ -100,8 +100,8 @@ async def _serve_until_input_ends(settings: str) -> None:
     if serving.done():
         try:
             serving.result()
-        except Unusable as sentence:
-            print(sentence, flush=True)
+        except Unusable as error:
+            print(error, flush=True)
     serving.cancel()
 
 

@@ -31,7 +31,7 @@ def product(p: np.ndarray, q: np.ndarray) -> np.ndarray:
     )
 
 
-def up_seen_from(q: np.ndarray) -> np.ndarray:
+def up_in_body(q: np.ndarray) -> np.ndarray:
     """The outer frame's third axis in the inner frame, R(q)ᵀ·(0, 0, 1): (3, n)."""
     w, x, y, z = q
     return np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)])

@@ -1,4 +1,4 @@
-"""The register map over the virtual table and chamber: words out, orders in."""
+"""The register map over the virtual table, chamber and fixture: values read, writes applied."""
 
 import math
 import struct
@@ -14,18 +14,22 @@ from schemas.station import (
     CAPTURE_VALUES,
     CHAMBER_REGISTERS,
     COMMANDS,
+    FIXTURE_REGISTERS,
+    MAP_VERSION,
     MODES,
+    TABLE_IDENT,
     TABLE_REGISTERS,
     Register,
 )
 from tasks.station.virtual.config import STEP_US
-from tasks.station.virtual.reality import Reality
+from tasks.station.virtual.simulation import Simulation
 from tasks.station.virtual.table import DEGREE
 
 TABLE_WORDS = CAPTURE_REGISTERS[-1].address + 2 * CAPTURE_VALUES
 CHAMBER_WORDS = CHAMBER_REGISTERS[-1].address + CHAMBER_REGISTERS[-1].words
-IDENT = 0x4D54
-MAP_VERSION = 1
+FIXTURE_WORDS = FIXTURE_REGISTERS[-1].address + FIXTURE_REGISTERS[-1].words
+ATTITUDE = ("qw", "qx", "qy", "qz")
+MIN_NORM_SQUARED = 0.1  # a quaternion below it is no attitude
 CODES = {"uint16": ">H", "uint32": ">I", "int32": ">i", "uint64": ">Q", "float32": ">f"}
 
 Value = float | int
@@ -62,10 +66,10 @@ class BadValue(Refused):
     """Of a value that means nothing here."""
 
 
-def orders(
+def writes(
     known: Iterable[Place], address: int, words: list[int]
 ) -> Iterable[tuple[Register, int | None, Value]]:
-    """What words from an address on say to the known places; raises BadAddress."""
+    """The values that words from an address on write to the known places; raises BadAddress."""
     places = {start: (register, axis) for start, register, axis in known}
     offset = 0
     while offset < len(words):
@@ -78,14 +82,14 @@ def orders(
 
 
 class TableRegisters:
-    """What device 1 reads and takes."""
+    """Device 1."""
 
-    def __init__(self, reality: Reality) -> None:
-        self._reality = reality
-        self._table = reality.table
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._table = simulation.table
         self.watchdog_ms = 0
         self._capture_from = 0
-        axes = range(len(reality.table.drives))
+        axes = range(len(simulation.table.drives))
         self._places: tuple[Place, ...] = (
             *((register.address, register, None) for register in TABLE_REGISTERS),
             *((AXIS_BASE + AXIS_STRIDE * axis + register.address, register, axis)
@@ -115,7 +119,7 @@ class TableRegisters:
 
     def _head(self) -> dict[str, Value]:
         return {
-            "ident": IDENT,
+            "ident": TABLE_IDENT,
             "map_version": MAP_VERSION,
             "axes": len(self._table.drives),
             "status": self._table.status(),
@@ -139,8 +143,7 @@ class TableRegisters:
         }
 
     def _block(self) -> tuple[int, np.ndarray]:
-        most = CAPTURE_VALUES // len(self._table.drives)
-        return self._table.capture(self._capture_from, most)
+        return self._table.capture(self._capture_from, CAPTURE_VALUES // len(self._table.drives))
 
     def write(self, address: int, words: list[int]) -> None:
         """Takes words from an address on: whole writable registers, each with a sane value.
@@ -148,10 +151,10 @@ class TableRegisters:
         Raises BadAddress or BadValue, and then nothing has changed. A mode is taken last, so
         that it goes toward the targets of the same write.
         """
-        taken = list(orders(self._places, address, words))
+        taken = list(writes(self._places, address, words))
         for register, axis, value in taken:
             self._check(register.name, axis, value)
-        for register, axis, value in sorted(taken, key=lambda order: order[0].name == "mode"):
+        for register, axis, value in sorted(taken, key=lambda write: write[0].name == "mode"):
             if axis is None:
                 self._take(register.name, int(value))
             else:
@@ -180,22 +183,77 @@ class TableRegisters:
 
     def _take_axis(self, name: str, axis: int, value: Value) -> None:
         if name == "mode":
-            self._table.order(axis, int(value))
+            self._table.command(axis, int(value))
             return
         fields = {"acceleration_limit": "acceleration"}
         setattr(self._table.drives[axis], fields.get(name, name), value * DEGREE)
 
 
-def chamber_words(reality: Reality) -> list[int]:
-    """All words of device 2 as they are now."""
-    air = reality.config.air
-    values: dict[str, Value] = {
-        "temperature": reality.air_degc,
-        "humidity": air.humidity_percent,
-        "supply_voltage": air.supply_v,
-        "pressure": air.pressure_hpa,
-        "station_time": reality.table.steps * STEP_US,
-    }
-    return [
-        word for register in CHAMBER_REGISTERS for word in to_words(register, values[register.name])
-    ]
+class ChamberRegisters:
+    """Device 2."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def words(self) -> list[int]:
+        """All words of the device as they are now."""
+        air = self._simulation.config.air
+        return _image(
+            CHAMBER_REGISTERS,
+            {
+                "temperature": self._simulation.air_degc,
+                "humidity": air.humidity_percent,
+                "supply_voltage": air.supply_v,
+                "pressure": air.pressure_hpa,
+                "station_time": self._simulation.table.steps * STEP_US,
+            },
+        )
+
+    def write(self, address: int, words: list[int]) -> None:
+        """Takes nothing."""
+        raise BadAddress
+
+
+class FixtureRegisters:
+    """Device 3: the fixture and the unit's supply."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+
+    def words(self) -> list[int]:
+        """All words of the device as they are now."""
+        simulation = self._simulation
+        values: dict[str, Value] = dict(zip(ATTITUDE, simulation.fixture.wanted, strict=True))
+        values |= {
+            "turn": 0,
+            "status": simulation.fixture.status(simulation.table.now),
+            "supply": int(simulation.is_supplied),
+            "supply_on_time": simulation.supplied_steps * STEP_US,
+        }
+        return _image(FIXTURE_REGISTERS, values)
+
+    def write(self, address: int, words: list[int]) -> None:
+        """Takes words from an address on; raises BadAddress or BadValue as the table does."""
+        places = ((register.address, register, None) for register in FIXTURE_REGISTERS)
+        taken = [(register.name, value) for register, _, value in writes(places, address, words)]
+        for name, value in taken:
+            if not (abs(value) <= 1.0 if name in ATTITUDE else value in (0, 1)):
+                raise BadValue
+        for name, value in taken:
+            self._take(name, value)
+
+    def _take(self, name: str, value: Value) -> None:
+        simulation = self._simulation
+        if name in ATTITUDE:
+            simulation.fixture.wanted[ATTITUDE.index(name)] = value
+        elif name == "supply":
+            simulation.supply(bool(value))
+        elif value:
+            if (simulation.fixture.wanted**2).sum() < MIN_NORM_SQUARED:
+                raise BadValue
+            simulation.turn_fixture()
+
+
+def _image(registers: Iterable[Register], values: Mapping[str, Value]) -> list[int]:
+    """The words of neighbouring registers with their values."""
+    return [word for register in registers for word in to_words(register, values[register.name])]

@@ -30,8 +30,8 @@ class Noise:
     def __init__(self, unit: UnitTruth) -> None:
         self._rng = np.random.default_rng(np.random.SeedSequence((unit.seed, 1)))
         triads = (unit.gyro, unit.accel)
-        self._white = np.repeat([each.white * np.sqrt(unit.rate_hz) for each in triads], 3)
-        self._flicker = np.repeat([each.flicker for each in triads], 3)
+        self._white = np.repeat([triad.white * np.sqrt(unit.rate_hz) for triad in triads], 3)
+        self._flicker = np.repeat([triad.flicker for triad in triads], 3)
         self._keep = np.exp(-1.0 / (unit.rate_hz * np.array(FLICKER_TIMES_S)))
         self._state = self._rng.standard_normal((len(FLICKER_TIMES_S), 6))
 
@@ -53,21 +53,21 @@ class Thermometer:
 
     def __init__(self, unit: UnitTruth, air_degc: float) -> None:
         self._unit = unit
-        self._seen = (0.0, air_degc)
+        self._last = (0.0, air_degc)
 
     def read(self, t: np.ndarray, air_degc: float) -> np.ndarray:
         """Temperature (n,) degC at station times t (s) behind the last ones, the air held."""
-        since, started = self._seen
+        since, started = self._last
         goal = air_degc + self._unit.self_heating_k
         degc = goal + (started - goal) * np.exp(-(t - since) / self._unit.heating_time_s)
-        self._seen = (float(t[-1]), float(degc[-1]))
+        self._last = (float(t[-1]), float(degc[-1]))
         return degc
 
     def cool(self, t: float, air_degc: float) -> None:
         """It was off, and took on the temperature of the air, until a station time (s)."""
-        since, started = self._seen
+        since, started = self._last
         left = np.exp(-(t - since) / self._unit.heating_time_s)
-        self._seen = (t, air_degc + (started - air_degc) * float(left))
+        self._last = (t, air_degc + (started - air_degc) * float(left))
 
 
 def to_counts(triad: TriadTruth, values: np.ndarray) -> np.ndarray:
@@ -185,3 +185,46 @@ class UnitUnderTest:
         part = np.clip(place - left, 0.0, 1.0)
         self._last = felt[:, -1:]
         return (held[:, left] * (1.0 - part) + held[:, right] * part).T
+
+
+class Ahrs(UnitUnderTest):
+    """A unit that gives angles about its own axes since power-on: it adds up what its gyros feel.
+
+    It has no gyro low-pass.
+    """
+
+    def __init__(self, unit: UnitTruth, air_degc: float) -> None:
+        super().__init__(unit, air_degc)
+        self._begin_angles()
+
+    def switch_on(self, air_degc: float) -> None:
+        """The angles begin anew."""
+        super().switch_on(air_degc)
+        self._begin_angles()
+
+    def _begin_angles(self) -> None:
+        self._angle = np.zeros((3, 1))  # after the last step
+        self._drift = np.zeros(3)  # of noise and bias, up to the last sample
+
+    def _moving(self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray) -> np.ndarray:
+        angle = self._angle + np.cumsum(self._turn(rate, gravity), axis=1) * STEP_S
+        self._angle = angle[:, -1:]
+        return np.vstack([angle, self._accel(self._force(rate, angular, gravity))])
+
+    def _resting(
+        self, t: np.ndarray, steps: int, rate: np.ndarray, gravity: np.ndarray
+    ) -> np.ndarray:
+        turn = self._turn(rate, gravity)
+        angles = self._angle + turn * (t - (self._step - 1) * STEP_S)
+        self._angle = self._angle + turn * (steps * STEP_S)
+        force = self._force(rate, 0.0 * rate, gravity)
+        self._last = np.vstack([self._angle, force])
+        return np.vstack([angles, np.tile(force, len(t))]).T
+
+    def _counts(self, values: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        """errors: of the rates, which add up to errors of the angle."""
+        assert self._unit.angle_lsb is not None
+        drift = self._drift + np.cumsum(errors[:, :3], axis=0) / self._unit.rate_hz
+        self._drift = drift[-1]
+        angle = np.rint((values[:, :3] + drift) / self._unit.angle_lsb).astype(np.int64)
+        return np.hstack([angle, to_counts(self._unit.accel, values[:, 3:] + errors[:, 3:])])

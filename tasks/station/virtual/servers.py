@@ -3,160 +3,139 @@
 import asyncio
 import logging
 from collections.abc import Callable, Iterable
-from typing import Any, cast
+from typing import Any, Protocol, cast
 
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from schemas.base import Unusable
-from schemas.station import (
-    CHAMBER_DEVICE,
-    FIXTURE_DEVICE,
-    TABLE_DEVICE,
-    AngleLink,
-    AnyLink,
-    StationFile,
-    UnitLink,
-)
-from tasks.station.virtual.config import (
-    STEP_S,
-    VirtualStation,
-    equipment,
-    station_part,
-    unit_identity,
-)
+from schemas.station import CHAMBER_DEVICE, FIXTURE_DEVICE, TABLE_DEVICE, StationFile
+from tasks.station.clock import wall_s
+from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
 from tasks.station.virtual.faults import Fault
-from tasks.station.virtual.fixture_registers import FIXTURE_WORDS, FixtureRegisters
-from tasks.station.virtual.reality import Reality
 from tasks.station.virtual.registers import (
     CHAMBER_WORDS,
+    FIXTURE_WORDS,
     TABLE_WORDS,
     BadAddress,
     BadValue,
+    ChamberRegisters,
+    FixtureRegisters,
     TableRegisters,
-    chamber_words,
 )
+from tasks.station.virtual.simulation import Simulation
 
 SLICE_WALL_S = 0.005
-MOST_STEPS = 1000  # in one go: some milliseconds of computing, so that requests are answered
+MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests are answered
 BACKLOG_BYTES = 16_000_000  # a client that reads no more is hung up on
 
 
-class Line(asyncio.Protocol):
-    """One client of the unit's stream; what it says is not heard."""
+class UnitClient(asyncio.Protocol):
+    """One client of the unit's stream; what it sends is ignored."""
 
-    def __init__(self, listeners: set[asyncio.Transport]) -> None:
-        self._listeners = listeners
+    def __init__(self, clients: set[asyncio.Transport]) -> None:
+        self._clients = clients
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """From now on it hears the unit."""
+        """From now on it gets the unit's frames."""
         self._transport = cast(asyncio.Transport, transport)
-        self._listeners.add(self._transport)
+        self._clients.add(self._transport)
 
     def connection_lost(self, _error: Exception | None) -> None:
         """It hung up."""
-        self._listeners.discard(self._transport)
+        self._clients.discard(self._transport)
 
 
-def _send(listeners: Iterable[asyncio.Transport], data: bytes) -> None:
-    for transport in tuple(listeners):
+def _send(clients: Iterable[asyncio.Transport], data: bytes) -> None:
+    for transport in tuple(clients):
         transport.write(data)
         if transport.get_write_buffer_size() > BACKLOG_BYTES:
             transport.abort()
 
 
+class Device(Protocol):
+    """A device of the register map."""
+
+    def words(self) -> list[int]: ...
+
+    def write(self, address: int, words: list[int]) -> None: ...
+
+
 class Controller:
     """Devices 1 to 3 of the register map, and the watchdog over them."""
 
-    def __init__(self, reality: Reality) -> None:
-        self._reality = reality
-        self._registers = TableRegisters(reality)
-        self._fixture_registers = FixtureRegisters(reality)
-        self._heard: float | None = None
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._table = TableRegisters(simulation)
+        self._requested_s: float | None = None  # wall time of the last request
         self._never = asyncio.Event()
 
     def devices(self) -> list[SimDevice]:
         """For pymodbus's server."""
-
-        def plain(count: int) -> list[SimData]:
-            return [SimData(0, count=count, values=0, datatype=DataType.REGISTERS)]
-
+        chamber, fixture = ChamberRegisters(self._simulation), FixtureRegisters(self._simulation)
         return [
-            SimDevice(TABLE_DEVICE, plain(TABLE_WORDS), action=self._table),
-            SimDevice(CHAMBER_DEVICE, plain(CHAMBER_WORDS), action=self._chamber),
-            SimDevice(FIXTURE_DEVICE, plain(FIXTURE_WORDS), action=self._fixture),
+            self._served(TABLE_DEVICE, self._table, TABLE_WORDS),
+            self._served(CHAMBER_DEVICE, chamber, CHAMBER_WORDS),
+            self._served(FIXTURE_DEVICE, fixture, FIXTURE_WORDS),
         ]
 
-    def watch(self) -> None:
-        """Stops the table if nothing was heard for longer than the watchdog allows."""
-        allowed = self._registers.watchdog_ms / 1000.0
-        if not allowed or self._heard is None:
-            return
-        if asyncio.get_running_loop().time() - self._heard > allowed:
-            self._heard = None  # until the next request it has done what it can
-            self._reality.table.trip({"watchdog"})
+    def _served(self, number: int, device: Device, size: int) -> SimDevice:
+        async def action(
+            _code: int, _start: int, address: int, _count: int, words: list[int],
+            written: list[int] | list[bool] | None,
+        ) -> ExcCodes | None:  # fmt: skip
+            if failure := await self._failure():
+                return failure
+            if written is None:
+                words[:size] = device.words()
+                return None
+            try:
+                device.write(address, [int(word) for word in written])
+            except BadAddress:
+                return ExcCodes.ILLEGAL_ADDRESS
+            except BadValue:
+                return ExcCodes.ILLEGAL_VALUE
+            return None
 
-    async def _answers(self) -> ExcCodes | None:
-        modbus = self._reality.condition.modbus
+        zeros = SimData(0, count=size, values=0, datatype=DataType.REGISTERS)
+        return SimDevice(number, [zeros], action=action)
+
+    def watch(self) -> None:
+        """Stops the table if no request came for longer than the watchdog allows."""
+        allowed_s = self._table.watchdog_ms / 1000.0
+        if not allowed_s or self._requested_s is None:
+            return
+        if wall_s() - self._requested_s > allowed_s:
+            self._requested_s = None  # until the next request it has done what it can
+            self._simulation.table.trip({"watchdog"})
+
+    async def _failure(self) -> ExcCodes | None:
+        modbus = self._simulation.condition.modbus
         if modbus == "silent":
             await self._never.wait()
-        self._heard = asyncio.get_running_loop().time()
+        self._requested_s = wall_s()
         return ExcCodes.DEVICE_FAILURE if modbus == "exception" else None
 
-    async def _table(
-        self, _code: int, _start: int, address: int, _count: int, words: list[int],
-        written: list[int] | list[bool] | None,
-    ) -> ExcCodes | None:  # fmt: skip
-        return await self._answer(self._registers, address, words, written)
 
-    async def _fixture(
-        self, _code: int, _start: int, address: int, _count: int, words: list[int],
-        written: list[int] | list[bool] | None,
-    ) -> ExcCodes | None:  # fmt: skip
-        return await self._answer(self._fixture_registers, address, words, written)
-
-    async def _answer(
-        self, device: TableRegisters | FixtureRegisters, address: int, words: list[int],
-        written: list[int] | list[bool] | None,
-    ) -> ExcCodes | None:  # fmt: skip
-        if failure := await self._answers():
-            return failure
-        if written is None:
-            image = device.words()
-            words[: len(image)] = image
-            return None
-        try:
-            device.write(address, [int(word) for word in written])
-        except BadAddress:
-            return ExcCodes.ILLEGAL_ADDRESS
-        except BadValue:
-            return ExcCodes.ILLEGAL_VALUE
-        return None
-
-    async def _chamber(
-        self, _code: int, _start: int, _address: int, _count: int, words: list[int],
-        written: list[int] | list[bool] | None,
-    ) -> ExcCodes | None:  # fmt: skip
-        if failure := await self._answers():
-            return failure
-        words[:CHAMBER_WORDS] = chamber_words(self._reality)
-        return None if written is None else ExcCodes.ILLEGAL_ADDRESS
-
-
-async def _keep_time(
-    reality: Reality, speed: float, controller: Controller, listeners: set[asyncio.Transport]
+async def keep_time(
+    simulation: Simulation,
+    speed: float,
+    send: Callable[[bytes], None],
+    watch: Callable[[], None] = lambda: None,
 ) -> None:
-    """Lets station time pass at speed × wall time, slower where the machine cannot keep up."""
-    loop = asyncio.get_running_loop()
-    origin = loop.time()
+    """Lets station time pass at speed × wall time, slower where the machine cannot keep up.
+
+    send: takes the unit's frames as they come. watch: called in every slice of wall time.
+    """
+    origin_s = wall_s() - simulation.table.steps * STEP_S / speed
     while True:
-        behind = int((loop.time() - origin) * speed / STEP_S) - reality.table.steps
-        steps = min(behind, MOST_STEPS)
-        origin += max(behind - 2 * MOST_STEPS, 0) * STEP_S / speed
-        controller.watch()
-        if steps > 0 and (sent := reality.advance(steps)):
-            _send(listeners, b"".join(sent))
+        behind = int((wall_s() - origin_s) * speed / STEP_S) - simulation.table.steps
+        steps = min(behind, MAX_STEPS)
+        origin_s += max(behind - 2 * MAX_STEPS, 0) * STEP_S / speed
+        watch()
+        if steps > 0 and (sent := simulation.advance(steps)):
+            send(b"".join(sent))
         await asyncio.sleep(0 if behind > steps else SLICE_WALL_S)
 
 
@@ -180,16 +159,16 @@ async def serve(
             f"the station cannot run at speed {speed}: give a number above 0, as 1 or 20"
         )
     logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # it logs what clients do wrong
-    reality = Reality(config, faults)
-    reality.advance(1)  # so that the faults of second 0 hold for the first request
-    controller = Controller(reality)
-    listeners: set[asyncio.Transport] = set()
+    simulation = Simulation(config, faults)
+    simulation.advance(1)  # so that the faults of second 0 hold for the first request
+    controller = Controller(simulation)
+    clients: set[asyncio.Transport] = set()
     modbus = ModbusTcpServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
     try:
         unit = await asyncio.get_running_loop().create_server(
-            lambda: Line(listeners), host, unit_port
+            lambda: UnitClient(clients), host, unit_port
         )
     except OSError as error:
         modbus.close()
@@ -197,37 +176,16 @@ async def serve(
             f"port {unit_port} of {host} cannot be had for the unit: choose another"
         ) from error
     try:
-        ready(_station_file(config, speed, host, _port(modbus.transport), _port(unit)))
-        await _keep_time(reality, speed, controller, listeners)
+        ready(station_file(config, speed, host, _port(modbus.transport), _port(unit)))
+        await keep_time(
+            simulation, speed, lambda data: _send(clients, data), watch=controller.watch
+        )
     finally:
         modbus.close()
         unit.close()
-        for transport in tuple(listeners):
+        for transport in tuple(clients):
             transport.close()
 
 
 def _port(server: Any) -> int:
     return int(server.sockets[0].getsockname()[1])
-
-
-def _station_file(
-    config: VirtualStation, speed: float, host: str, modbus_port: int, unit_port: int
-) -> StationFile:
-    return StationFile(
-        modbus_host=host,
-        modbus_port=modbus_port,
-        unit_link=_link(config, f"socket://{host}:{unit_port}"),
-        station=station_part(config, speed),
-        mount=config.mount,
-        fixture="commanded",
-        unit=unit_identity(config),
-        equipment=equipment(config),
-    )
-
-
-def _link(config: VirtualStation, url: str) -> AnyLink:
-    unit = config.unit
-    line = {"url": url, "rate_hz": unit.rate_hz, "accel_lsb_m_s2": unit.accel.lsb}
-    if unit.angle_lsb is None:
-        return UnitLink.model_validate({**line, "gyro_lsb_rad_s": unit.gyro.lsb})
-    return AngleLink.model_validate({**line, "frame": unit.frame, "angle_lsb_rad": unit.angle_lsb})

@@ -1,7 +1,7 @@
 """The turntable: drives that follow profiles through a servo, encoders, safety."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import signal
@@ -29,8 +29,8 @@ class Drive:
     target_angle: float = 0.0
     target_rate: float = 10.0 * DEGREE
     acceleration: float = 100.0 * DEGREE
-    goal: float = 0.0
-    off_goal: float = field(default=0.0)  # station time when it was last out of tolerance
+    setpoint: float = 0.0
+    unsettled_s: float = 0.0  # station time when it was last out of tolerance
 
 
 def _standing() -> Profile:
@@ -65,26 +65,26 @@ class Table:
         """Station time, s."""
         return self.steps * STEP_S
 
-    def order(self, axis: int, mode: int) -> None:
+    def command(self, axis: int, mode: int) -> None:
         """Sets an axis going toward its targets; a tripped table only ramps to rest."""
         drive = self.drives[axis]
         drive.mode = MODES["stop"] if self.refuses else mode
-        drive.off_goal = self.now
+        drive.unsettled_s = self.now
         (angle,), (rate,) = drive.profile.at(np.array([self.now]))
         state, limit = (self.now, float(angle), float(rate)), drive.acceleration / OVERSHOOT
         speed = abs(drive.target_rate) * self.rate_factor
         if drive.mode == MODES["angle"] and speed > 0:
-            drive.goal = drive.target_angle
-            drive.profile = to_angle(*state, drive.goal, speed, limit)
+            drive.setpoint = drive.target_angle
+            drive.profile = to_angle(*state, drive.setpoint, speed, limit)
         else:
             turning = drive.mode == MODES["rate"]
-            drive.goal = drive.target_rate * self.rate_factor if turning else 0.0
-            drive.profile = to_rate(*state, drive.goal, limit)
+            drive.setpoint = drive.target_rate * self.rate_factor if turning else 0.0
+            drive.profile = to_rate(*state, drive.setpoint, limit)
 
     def stop(self) -> None:
         """Ramps every axis to rest."""
         for axis in range(len(self.drives)):
-            self.order(axis, MODES["stop"])
+            self.command(axis, MODES["stop"])
 
     def trip(self, names: Iterable[str]) -> None:
         """Latches safety bits and stops; they stay until `reset`."""
@@ -135,10 +135,10 @@ class Table:
             if drive.mode == MODES["angle"]:
                 wrong = np.abs(angle - drive.target_angle) >= ANGLE_TOLERANCE
             else:
-                allowed = RATE_TOLERANCE * max(abs(drive.goal), DEGREE)
-                wrong = np.abs(rate - drive.goal) >= allowed
+                allowed = RATE_TOLERANCE * max(abs(drive.setpoint), DEGREE)
+                wrong = np.abs(rate - drive.setpoint) >= allowed
             if wrong.any():
-                drive.off_goal = float(t[wrong][-1])
+                drive.unsettled_s = float(t[wrong][-1])
 
     def _capture(self, angles: np.ndarray) -> None:
         numbers = np.arange(self.steps + 1, self.steps + 1 + len(angles))
@@ -148,23 +148,23 @@ class Table:
         )
 
     def counts(self, angles: np.ndarray) -> np.ndarray:
-        """What the encoders say at the angles (rad), any shape, int64."""
+        """The encoders' counts at the angles (rad), any shape, int64."""
         return np.rint(angles / (2.0 * np.pi) * self.design.counts_per_turn).astype(np.int64)
 
-    def capture(self, first: int, most: int) -> tuple[int, np.ndarray]:
-        """Up to `most` captured samples from number `first` on, or from the oldest kept.
+    def capture(self, first: int, count: int) -> tuple[int, np.ndarray]:
+        """Up to `count` captured samples from number `first` on, or from the oldest kept.
 
         Returns the number of the first one and the counts (n, axes).
         """
         newest = self.steps // self.design.capture_ms
         first = max(first, newest - self.design.capture_kept + 1)
-        numbers = np.arange(first, min(first + most, newest + 1))
+        numbers = np.arange(first, min(first + count, newest + 1))
         return first, self.captured[numbers % self.design.capture_kept]
 
     def axis_status(self, axis: int) -> int:
         """Bits of AXIS_STATUS."""
         drive = self.drives[axis]
-        holds = drive.mode != MODES["off"] and self.now - drive.off_goal >= SETTLED_AFTER_S
+        holds = drive.mode != MODES["off"] and self.now - drive.unsettled_s >= SETTLED_AFTER_S
         bits = {
             "ready": not self.refuses,
             "moving": abs(self.rate[axis]) > MOVING,

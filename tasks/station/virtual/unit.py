@@ -1,4 +1,4 @@
-"""What a unit under test truly is: drawn from a seed, frozen, and told only afterwards."""
+"""What a unit under test truly is: drawn from a seed, and not shown to what calibrates it."""
 
 from typing import Any, Literal
 
@@ -77,14 +77,14 @@ def draw_ahrs(seed: int) -> UnitTruth:
         "flicker": 5e-7,
     }
     level = {"bias": rng.normal(0.0, 3e-3 * G, 3).tolist()}
-    told = unit.model_dump() | {
+    values = unit.model_dump() | {
         "gyro": unit.gyro.model_dump() | better,
         "accel": unit.accel.model_dump() | level,
         "g_sensitivity": np.zeros((3, 3)).tolist(),
         "angle_lsb": 1e-5 * DEGREE,
         "rate_hz": 10.0,
     }
-    return UnitTruth.model_validate(told)
+    return UnitTruth.model_validate(values)
 
 
 def draw_unit(seed: int) -> UnitTruth:

@@ -1,8 +1,6 @@
-"""A sink that keeps everything, and a procedure that is over in half a minute."""
+"""A sink that keeps everything, and a procedure that is over in half a minute of the station."""
 
-import sys
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +8,6 @@ import pytest
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Stream
 from tasks.station import procedures
-
-sys.path.insert(0, str(Path(__file__).parent))  # for short_ahrs.py
 
 
 @dataclass
@@ -62,8 +58,8 @@ def kept() -> Kept:
 @pytest.fixture(scope="session")
 def short() -> Procedure:
     """Two positions and two rates of JJF 2003, 2 s each."""
-    told = procedures.load("jjf2003").model_dump()
-    first, third, run = (told["steps"][place] | {"dwell_s": 2.0} for place in (0, 2, 13))
+    values = procedures.load("jjf2003").model_dump()
+    first, third, run = (values["steps"][place] | {"dwell_s": 2.0} for place in (0, 2, 13))
     run["rates_deg_s"] = (-50, 100)
-    told |= {"steps": (first, third, run), "warm_up_s": 1.0}
-    return Procedure.model_validate(told)
+    values |= {"steps": (first, third, run), "warm_up_s": 1.0}
+    return Procedure.model_validate(values)

@@ -1,4 +1,4 @@
-"""JJF 1536 in seconds on the virtual single-axis station: procedures, runs, and their truth."""
+"""JJF 1536 in simulated time on the virtual single-axis station: procedures, runs, truth."""
 
 import json
 from dataclasses import dataclass, replace
@@ -8,38 +8,27 @@ import numpy as np
 
 from schemas.procedure import Procedure
 from schemas.recording import Mount, Recording
-from schemas.station import AngleLink, StationFile
+from schemas.station import StationFile
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from tasks.specifications import jjf1536
 from tasks.station import procedures
-from tasks.station.sequence import Acquired, acquire
-from tasks.station.virtual.config import (
-    VirtualStation,
-    ahrs_station,
-    station_part,
-    truth,
-    unit_identity,
-)
+from tasks.station.acquisition import Acquired
+from tasks.station.virtual.config import VirtualStation, ahrs_station, station_file, truth
 from tasks.station.virtual.faults import Fault
-from tasks.station.virtual.process import running
+from tests.tasks.station.in_memory import InMemoryStation
 
-SPEED = 200.0
 AXES = "xyz"
-
-
-def ignore(progress: object) -> None:
-    pass
 
 
 def shortened(name: str, seconds: float, **changes: Any) -> Procedure:
     """A procedure of the program with every dwell this short, and a short warm-up."""
-    told = procedures.load(name).model_dump()
+    values = procedures.load(name).model_dump()
     steps = [
         step | ({"dwell_s": min(step["dwell_s"], seconds)} if "dwell_s" in step else {})
-        for step in told["steps"]
+        for step in values["steps"]
     ]
-    return Procedure.model_validate(told | {"steps": steps, "warm_up_s": 5.0} | changes)
+    return Procedure.model_validate(values | {"steps": steps, "warm_up_s": 5.0} | changes)
 
 
 def settled() -> VirtualStation:
@@ -51,16 +40,9 @@ def settled() -> VirtualStation:
 
 
 def bench(fixture: Any, mount: Mount | None = None) -> StationFile:
-    """A station file of a single-axis table that nobody listens for."""
-    link = AngleLink(
-        url="socket://nowhere:1", frame="angles", angle_lsb_rad=1e-7, accel_lsb_m_s2=1e-5,
-        rate_hz=10,
-    )  # fmt: skip
-    station = ahrs_station(1)
-    return StationFile(
-        modbus_host="nowhere", modbus_port=502, unit_link=link, fixture=fixture,
-        mount=mount or Mount(), station=station_part(station, 1.0), unit=unit_identity(station),
-    )  # fmt: skip
+    """The station file of a single-axis table that nobody listens for."""
+    file = station_file(ahrs_station(1), 1.0, "nowhere", 502, 1)
+    return file.model_copy(update={"fixture": fixture, "mount": mount or Mount()})
 
 
 @dataclass(frozen=True)
@@ -72,11 +54,11 @@ class Run:
 
 def run_of(folder: Any, procedure: Procedure, faults: tuple[Fault, ...] = ()) -> Run:
     """A run by way of a raw file, as the line makes it."""
-    path, station = folder / "run.mcap", settled()
-    with running(station, SPEED, faults) as found, RawWriter(path) as sink:
-        acquired = acquire(found, procedure, sink, ignore, recording_id="ahrs")
-    told = json.loads(json.dumps(truth(station)))
-    return Run(acquired, replace(read_mcap(path), digest="0" * 64), told)
+    path, config = folder / "run.mcap", settled()
+    with RawWriter(path) as sink:
+        acquired = InMemoryStation(config, speed=200.0, faults=faults).acquire(procedure, sink)
+    true = json.loads(json.dumps(truth(config)))
+    return Run(acquired, replace(read_mcap(path), digest="0" * 64), true)
 
 
 def errors(run: Run) -> dict[str, dict[str, tuple[float, float]]]:

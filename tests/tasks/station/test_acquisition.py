@@ -1,7 +1,8 @@
-"""A run on the virtual station: real sockets, another process, 20 times the wall's speed."""
+"""A run on the virtual station: in simulated time, and the few real ones over sockets."""
 
 import asyncio
 import signal
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -12,13 +13,15 @@ import pytest
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.station import TABLE_DEVICE, TABLE_REGISTERS, StationFile
-from tasks.station.modbus import Link
+from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.drivers.modbus import ModbusLink
+from tasks.station.drivers.modbus_table import ModbusTable
+from tasks.station.ports import TableState
 from tasks.station.progress import Progress
-from tasks.station.sequence import Acquired, acquire
-from tasks.station.table import Table, TableState
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.process import running
+from tests.tasks.station.in_memory import InMemoryStation
 
 SPEED = 20.0
 WATCHDOG = next(register for register in TABLE_REGISTERS if register.name == "watchdog")
@@ -31,36 +34,74 @@ class Run:
     kept: Any
     progress: list[Progress]
     station: StationFile
+    left: tuple[TableState, int] | None = None
 
 
 def ignore(progress: Progress) -> None:
     pass
 
 
+def over_sockets(
+    station: StationFile,
+    procedure: Procedure,
+    sink: Any,
+    report: Callable[[Progress], None] = ignore,
+) -> Acquired:
+    return acquire(RunRequest(station, procedure, sink, report, "over sockets"))
+
+
 def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:
-    """What the table does, by a connection of its own."""
+    """The table's state once it is at rest, and its watchdog, by a connection of its own."""
 
     async def read() -> tuple[TableState, int]:
-        link = Link(station.modbus_host, station.modbus_port)
+        link = ModbusLink(station.modbus_host, station.modbus_port)
         try:
             head = await link.read(TABLE_DEVICE, TABLE_REGISTERS)
-            axes = tuple(axis.name for axis in station.station.table_axes)
-            table = Table(link, axes, (3_600_000,) * len(axes), 10_000)
-            await asyncio.sleep(0.3)  # 6 station seconds, for the ramp
-            return await table.state(), head["watchdog"]
+            table = await ModbusTable.find(link, tuple(a.name for a in station.station.table_axes))
+            for _ in range(1000):
+                state = await table.state()
+                if not any(axis.is_moving for axis in state.axes):
+                    break
+                await asyncio.sleep(0.02)
+            return state, head["watchdog"]
         finally:
             link.close()
 
     return asyncio.run(read())
 
 
+async def _let_the_watchdog_bite(station: StationFile) -> None:
+    """As a run does that is killed: polls for a while, then no more."""
+    link = ModbusLink(station.modbus_host, station.modbus_port)
+    try:
+        await link.write(TABLE_DEVICE, WATCHDOG, 50)
+        await asyncio.sleep(0.3)
+    finally:
+        link.close()
+
+
 @pytest.fixture(scope="module")
-def run(short: Procedure, new_sink: Any) -> Run:
-    """A run on a sound station."""
+def exact(short: Procedure, new_sink: Any) -> Run:
+    """A run on a sound station in simulated time."""
+    sink, progress = new_sink(), []
+    station = InMemoryStation(VirtualStation())
+    acquired = station.acquire(short, sink, progress.append)
+    return Run(acquired, sink, progress, station.file)
+
+
+@pytest.fixture(scope="module")
+def real(short: Procedure, new_sink: Any) -> Run:
+    """A run over sockets on a sound station in another process, after one that was killed."""
     sink, progress = new_sink(), []
     with running(VirtualStation(), SPEED) as station:
-        acquired = acquire(station, short, sink, progress.append, recording_id="sound")
-    return Run(acquired, sink, progress, station)
+        asyncio.run(_let_the_watchdog_bite(station))
+        acquired = over_sockets(station, short, sink, progress.append)
+        return Run(acquired, sink, progress, station, table_and_watchdog(station))
+
+
+@pytest.fixture(params=["exact", pytest.param("real", marks=pytest.mark.real_time)])
+def run(request: pytest.FixtureRequest) -> Run:
+    return request.getfixturevalue(request.param)
 
 
 def test_sound_station_gives_no_warning(run):
@@ -71,7 +112,10 @@ def test_sound_station_gives_no_warning(run):
 def test_streams_have_no_gap(run):
     for name in ("imu", "table"):
         assert np.diff(run.kept.stream(name).t) == pytest.approx(0.01, abs=1e-9)
-    assert np.diff(run.kept.stream("environment").t).max() < 20.0  # one wall second
+
+
+def test_the_chamber_is_read_about_once_a_station_second(exact):
+    assert np.diff(exact.kept.stream("environment").t).max() < 2.0
 
 
 def test_streams_have_the_columns_of_the_format(run):
@@ -87,10 +131,16 @@ def test_labels_cover_the_run_without_holes(run):
     for one, other in pairwise(segments):
         assert other.t_start == one.t_end
     assert [s.name for s in segments if s.kind in ("static", "rate")] == MEASURED
-    for name in ("imu", "table", "environment"):
+    for name in ("imu", "table"):
         t = run.kept.stream(name).t
         assert t[0] < segments[0].t_end
-        assert t[-1] >= segments[-1].t_end - 1.0
+        assert t[-1] >= segments[-1].t_end - 0.02
+
+
+def test_the_chamber_is_read_from_the_beginning_to_the_end(exact):
+    segments, t = exact.acquired.manifest.segments, exact.kept.stream("environment").t
+    assert t[0] < segments[0].t_end
+    assert t[-1] >= segments[-1].t_end - 1.0
 
 
 def test_manifest_is_written_after_every_measured_segment(run):
@@ -104,13 +154,16 @@ def test_manifest_is_written_after_every_measured_segment(run):
 
 def test_manifest_tells_unit_station_procedure_and_equipment(run):
     manifest = run.acquired.manifest
-    assert manifest.recording_id == "sound"
+    assert manifest.recording_id in ("in memory", "over sockets")
     assert manifest.standard == "JJF 2003-2022"
     assert manifest.unit == run.station.unit
     assert manifest.station == run.station.station
     assert manifest.model_extra["procedure"] == "jjf2003"
     assert len(manifest.model_extra["equipment"]) == len(run.station.equipment)
-    assert "unit_clock_shift_s" not in manifest.model_extra
+
+
+def test_a_unit_on_the_stations_clock_is_not_moved(exact):
+    assert "unit_clock_shift_s" not in exact.acquired.manifest.model_extra
 
 
 def test_each_label_says_what_unit_and_encoders_did(run):
@@ -136,10 +189,10 @@ def test_gravity_is_on_the_axis_that_a_position_says_is_up(run):
     assert (up - down) / 2 == pytest.approx(9.8, abs=0.1)
 
 
-def test_unit_and_encoders_are_on_one_clock(run):
+def test_unit_and_encoders_are_on_one_clock(exact):
     """While the table moves, the gyros' length is the encoders' rate, at the same time."""
-    imu, table = run.kept.stream("imu"), run.kept.stream("table")
-    ramp = run.acquired.manifest.segments[-3]
+    imu, table = exact.kept.stream("imu"), exact.kept.stream("table")
+    ramp = exact.acquired.manifest.segments[-3]
     rows = imu.rows(ramp.t_start, ramp.t_end)
     rate = np.gradient(table.columns["outer_angle"], table.t)
     expected = np.interp(imu.t[rows], table.t, rate)
@@ -153,10 +206,9 @@ def test_progress_never_runs_back_and_ends_at_its_total(run):
     assert {"warm-up", "position +x 000", "rate x +100 deg/s"} <= {p.now for p in run.progress}
 
 
-def test_table_is_left_at_rest_with_the_watchdog_off(short, kept):
-    with running(VirtualStation(), SPEED) as station:
-        acquire(station, short, kept, ignore, recording_id="left")
-        state, watchdog = table_and_watchdog(station)
+@pytest.mark.real_time
+def test_table_is_left_at_rest_with_the_watchdog_off(real):
+    state, watchdog = real.left
     assert [axis.rate_deg_s for axis in state.axes] == pytest.approx([0.0] * 3, abs=1e-6)
     assert watchdog == 0
 
@@ -166,32 +218,51 @@ STOPS = {
     "emergency_stop": "axis outer of the table reports emergency_stop: .* release",
     "interlock": "axis outer of the table reports interlock: close the guard",
     "never_settles": r"axis \w+ of the table has not settled at -?\d+ deg(/s)? within \d+ s",
+    "unit_silent": r"the unit on socket://in-memory:1 has sent nothing for 3 s",
+}
+LINK_STOPS = {
     "modbus_silent": r"the station at 127\.0\.0\.1:\d+ does not answer",
     "modbus_exception": r"127\.0\.0\.1:\d+ refused .* exception 4 \(device failure\)",
-    "unit_silent": r"the unit on socket://127\.0\.0\.1:\d+ has sent nothing for 3 s",
 }
 
 
-@pytest.mark.parametrize("name", STOPS)
-def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, short, kept):
-    long = short.model_copy(update={"steps": (*short.steps[:2], _long(short.steps[2]))})
-    with (
-        running(VirtualStation(), SPEED, (Fault(name, 60.0),)) as station,
-        pytest.raises(Unusable, match=STOPS[name]) as stop,
-    ):
-        acquire(station, long, kept, ignore, recording_id=name)
+@pytest.fixture
+def long(short: Procedure) -> Procedure:
+    """Still in its rates at 60 s of station time."""
+    update = {"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0}
+    return short.model_copy(
+        update={"steps": (*short.steps[:2], short.steps[2].model_copy(update=update))}
+    )
+
+
+def kept_until(stop: pytest.ExceptionInfo[Unusable], kept: Any, seconds: float) -> None:
     sentence = str(stop.value)
     assert "the run stopped during «rate x " in sentence
     assert f"is kept (finished segments: {len(kept.measured())})" in sentence
     assert kept.measured()[:2] == MEASURED[:2]
     for stream in ("imu", "table", "environment"):
-        # The fault came at 60 s of station time; the recording counts from when the run began,
-        # which on a busy machine is some seconds after the station was switched on.
-        assert kept.stream(stream).t[-1] > 45.0
+        assert kept.stream(stream).t[-1] > seconds
 
 
-def _long(step: Any) -> Any:
-    return step.model_copy(update={"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0})
+@pytest.mark.parametrize("name", STOPS)
+def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, long, kept):
+    station = InMemoryStation(VirtualStation(), faults=[Fault(name, 60.0)])
+    with pytest.raises(Unusable, match=STOPS[name]) as stop:
+        station.acquire(long, kept)
+    kept_until(stop, kept, 56.0)  # 60 s of the station, which began with the run; a flush is 4 s
+    assert station.table.has_been_left
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("name", LINK_STOPS)
+def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
+    with (
+        running(VirtualStation(), SPEED, (Fault(name, 40.0),)) as station,
+        pytest.raises(Unusable, match=LINK_STOPS[name]) as stop,
+    ):
+        over_sockets(station, long, kept)
+    # On a busy machine the run begins some seconds after the station was switched on.
+    kept_until(stop, kept, 10.0)
 
 
 WARNS = {
@@ -208,8 +279,7 @@ WARNS = {
 def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
     steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
     patient = short.model_copy(update={"steps": tuple(steps)})
-    with running(VirtualStation(), SPEED, (Fault(name),)) as station:
-        acquired = acquire(station, patient, kept, ignore, recording_id=name)
+    acquired = InMemoryStation(VirtualStation(), faults=[Fault(name)]).acquire(patient, kept)
     assert {remark.code for remark in acquired.warnings} == set(WARNS[name])
     rates = {"rate_x_-50", "rate_x_+100"}
     for remark in acquired.warnings:
@@ -221,6 +291,7 @@ def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short,
     assert (acquired.bad_frames > 0) == (name == "unit_garbage")
 
 
+@pytest.mark.real_time
 def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
     def interrupt(progress: Progress) -> None:
         if progress.now.startswith("rate"):
@@ -228,10 +299,23 @@ def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
 
     with running(VirtualStation(), SPEED) as station:
         with pytest.raises(KeyboardInterrupt):
-            acquire(station, short, kept, interrupt, recording_id="interrupted")
+            over_sockets(station, short, kept, interrupt)
         state, watchdog = table_and_watchdog(station)
     assert [axis.rate_deg_s for axis in state.axes] == pytest.approx([0.0] * 3, abs=1e-6)
     assert watchdog == 0
+    assert kept.measured() == MEASURED[:2]
+    assert len(kept.stream("imu"))
+
+
+def test_what_is_on_the_line_when_a_run_is_interrupted_is_kept(short, kept):
+    def interrupt(progress: Progress) -> None:
+        if progress.now.startswith("rate"):
+            raise KeyboardInterrupt
+
+    station = InMemoryStation(VirtualStation())
+    with pytest.raises(KeyboardInterrupt):
+        station.acquire(short, kept, interrupt)
+    assert station.table.has_been_left
     assert kept.measured() == MEASURED[:2]
     assert kept.stream("imu").t[-1] >= kept.manifests[-1].segments[-1].t_end - 0.5
 
@@ -239,36 +323,25 @@ def test_interrupt_stops_the_table_and_keeps_what_was_recorded(short, kept):
 def test_unit_with_a_clock_of_its_own_is_put_on_station_time(short, kept):
     sound = VirtualStation()
     late = sound.unit.model_copy(update={"clock_offset_s": 4.0})
-    with running(sound.model_copy(update={"unit": late}), SPEED) as station:
-        acquired = acquire(station, short, kept, ignore, recording_id="late")
+    station = InMemoryStation(sound.model_copy(update={"unit": late}))
+    acquired = station.acquire(short, kept)
     shift = acquired.manifest.model_extra["unit_clock_shift_s"]
     assert shift == pytest.approx(4.0, abs=1.0)
     assert kept.stream("imu").t[-1] >= acquired.manifest.segments[-1].t_end
 
 
-async def _let_the_watchdog_bite(station: StationFile) -> None:
-    """As a run does that is killed: polls for a while, then no more."""
-    link = Link(station.modbus_host, station.modbus_port)
-    try:
-        await link.write(TABLE_DEVICE, WATCHDOG, 50)
-        await asyncio.sleep(0.3)
-    finally:
-        link.close()
+@pytest.mark.real_time
+def test_run_after_one_that_was_killed_needs_no_reset(real):
+    assert real.kept.measured() == MEASURED
 
 
-def test_run_after_one_that_was_killed_needs_no_reset(short, kept):
-    with running(VirtualStation(), SPEED) as station:
-        asyncio.run(_let_the_watchdog_bite(station))
-        acquire(station, short, kept, ignore, recording_id="after")
-    assert kept.measured() == MEASURED
-
-
+@pytest.mark.real_time
 def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
     with running(VirtualStation(), SPEED, (Fault("emergency_stop"),)) as station:
         asyncio.run(_let_the_watchdog_bite(station))
         for _ in range(2):
             with pytest.raises(Unusable, match="reports emergency_stop"):
-                acquire(station, short, kept, ignore, recording_id="unsafe")
+                over_sockets(station, short, kept)
     assert kept.manifests == []
 
 
@@ -277,28 +350,24 @@ def test_failing_sink_stops_the_table(short, kept):
         raise OSError(28, "No space left on device")
 
     kept.imu = full
-    with running(VirtualStation(), SPEED) as station:
-        with pytest.raises(OSError, match="No space"):
-            acquire(station, short, kept, ignore, recording_id="full")
-        assert table_and_watchdog(station)[1] == 0
+    station = InMemoryStation(VirtualStation())
+    with pytest.raises(OSError, match="No space"):
+        station.acquire(short, kept)
+    assert station.table.has_been_left
 
 
-def test_station_that_is_not_there_is_named(short, kept, run):
-    with pytest.raises(Unusable, match=f"127.0.0.1:{run.station.modbus_port} does not answer"):
-        acquire(run.station, short, kept, ignore, recording_id="none")
+@pytest.mark.real_time
+def test_station_that_is_not_there_is_named(short, kept, real):
+    with pytest.raises(Unusable, match=f"127.0.0.1:{real.station.modbus_port} does not answer"):
+        over_sockets(real.station, short, kept)
     assert kept.pieces == {}
     assert kept.manifests == []
 
 
+@pytest.mark.real_time
 def test_unit_line_that_is_not_there_is_named(short, kept):
     with running(VirtualStation(), SPEED) as station:
         link = station.unit_link.model_copy(update={"url": "socket://127.0.0.1:1"})
         with pytest.raises(Unusable, match=r"socket://127\.0\.0\.1:1 cannot be opened"):
-            acquire(
-                station.model_copy(update={"unit_link": link}),
-                short,
-                kept,
-                ignore,
-                recording_id="no line",
-            )
+            over_sockets(station.model_copy(update={"unit_link": link}), short, kept)
     assert kept.manifests == []

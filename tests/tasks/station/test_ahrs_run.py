@@ -1,13 +1,13 @@
-"""JJF 1536 on the virtual single-axis station: real sockets, another process, short dwells."""
+"""JJF 1536 on the virtual single-axis station, short dwells."""
 
 import numpy as np
 import pytest
-from short_ahrs import Run, errors, run_of, shortened
 
 from schemas.procedure import RateRun, Sweep, Turns
 from schemas.recording import ANGLE
 from tasks.specifications import jjf1536
 from tasks.station import procedures
+from tests.tasks.station.short_ahrs import Run, errors, run_of, shortened
 
 AXES = "xyz"
 

@@ -6,7 +6,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.procedure import Position, RateRun
 from tasks.station import procedures
-from tasks.station.legs import legs_of
+from tasks.station.plan import plan
 
 JJF2003 = procedures.load("jjf2003")
 POSITIONS = [step for step in JJF2003.steps if isinstance(step, Position)]
@@ -76,7 +76,7 @@ def test_limits_are_those_of_clause_6():
 
 
 def test_names_are_those_of_existing_recordings():
-    names = [leg.name for leg in legs_of(JJF2003)]
+    names = [segment.name for segment in plan(JJF2003)]
     assert len(set(names)) == len(names) == 12 + 3 * 12
     assert names[:2] == ["position_+x_000", "position_+x_180"]
     assert names[12:15] == ["rest_x", "rate_x_-300", "rate_x_-200"]

@@ -3,7 +3,6 @@
 import asyncio
 
 import pytest
-from short_ahrs import SPEED, bench, ignore, part, run_of, settled
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
@@ -11,13 +10,17 @@ from schemas.recording import Mount
 from schemas.station import StationFile
 from tasks.specifications import jjf1536
 from tasks.station import procedures
-from tasks.station.fixture import Commanded
-from tasks.station.modbus import Link
-from tasks.station.sequence import acquire
-from tasks.station.suits import check_suits
+from tasks.station.acquisition import RunRequest, acquire
+from tasks.station.requirements import check_procedure
 from tasks.station.virtual.config import ahrs_station
 from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.process import running
+from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.short_ahrs import bench, part, run_of, settled
+
+
+def ignore(progress: object) -> None:
+    pass
 
 
 def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_path):
@@ -31,39 +34,37 @@ def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_
 
 
 def test_frames_of_the_wrong_kind_are_said_in_one_sentence(new_sink):
-    with running(ahrs_station(1), SPEED) as station:
-        told = station.model_dump(mode="json")
-        told["unit_link"] = {
-            "url": station.unit_link.url, "rate_hz": 10, "gyro_lsb_rad_s": 1e-6,
-            "accel_lsb_m_s2": 1e-5,
-        }  # fmt: skip
-        wrong = StationFile.model_validate(told)
-        slow = part("fix_x_up", "rest_x").model_copy(update={"warm_up_s": 3600.0})
-        with pytest.raises(Unusable) as stop:
-            acquire(wrong, slow, new_sink(), ignore, recording_id="wrong")
+    station = InMemoryStation(ahrs_station(1))
+    values = station.file.model_dump(mode="json")
+    values["unit_link"] = {
+        "url": station.file.unit_link.url, "rate_hz": 10, "gyro_lsb_rad_s": 1e-6,
+        "accel_lsb_m_s2": 1e-5,
+    }  # fmt: skip
+    wrong = StationFile.model_validate(values)
+    slow = part("fix_x_up", "rest_x").model_copy(update={"warm_up_s": 3600.0})
+    with pytest.raises(Unusable) as stop:
+        station.acquire(slow, new_sink(), file=wrong)
     assert "sends frames of angles where unit_link.frame of the station file says rates" in str(
         stop.value
     )
     assert "\n" not in str(stop.value)
 
 
+def by_hand(station: InMemoryStation) -> StationFile:
+    return station.file.model_copy(update={"fixture": "by_hand"})
+
+
 def test_a_person_is_asked_once_for_each_refixing_and_the_unit_may_restart(new_sink):
-    """The person turns the virtual fixture through a line of their own."""
+    """The person turns the virtual fixture."""
     procedure, asked = part("fix_x_up", "rest_x", "fix_y_up", "rest_y"), []
-    with running(settled(), 20.0) as station:
+    station, sink = InMemoryStation(settled()), new_sink()
 
-        async def person(refix: Refix) -> None:
-            asked.append(refix.instruction)
-            link = Link(station.modbus_host, station.modbus_port)
-            try:
-                await Commanded(link).turn(refix)
-                await asyncio.sleep(0.2)
-            finally:
-                link.close()
+    async def person(refix: Refix) -> None:
+        asked.append(refix.instruction)
+        await station.fixture.turn(refix)
+        await asyncio.sleep(0.2)
 
-        by_hand = station.model_copy(update={"fixture": "by_hand"})
-        sink = new_sink()
-        acquired = acquire(by_hand, procedure, sink, ignore, recording_id="hand", ask=person)
+    acquired = station.acquire(procedure, sink, file=by_hand(station), ask=person)
     assert asked == [step.instruction for step in procedure.steps if isinstance(step, Refix)]
     imu = sink.stream("imu")
     for segment in acquired.manifest.segments:
@@ -73,11 +74,26 @@ def test_a_person_is_asked_once_for_each_refixing_and_the_unit_may_restart(new_s
             assert rows.stop - rows.start == pytest.approx(100, abs=1)
 
 
-def test_nobody_to_ask_is_said_before_anything_moves(new_sink):
+@pytest.mark.real_time
+def test_a_fixture_is_turned_and_the_supply_switched_through_its_registers(new_sink):
     sink = new_sink()
+    with running(settled(), 200.0) as station:
+        acquired = acquire(
+            RunRequest(
+                station, part("fix_x_up", "rest_x", "fix_y_up", "rest_y"), sink, ignore, "turned"
+            )
+        )
+    imu = sink.stream("imu")
+    for segment in acquired.manifest.segments:
+        if segment.kind == "static":
+            rows = imu.rows(segment.t_start, segment.t_end)
+            assert imu.columns[f"accel_{segment.up[1]}"][rows].mean() == pytest.approx(9.8, abs=0.5)
+    assert len(acquired.manifest.model_extra["unit_power_on_s"]) == 1
+
+
+def test_nobody_to_ask_is_said_before_anything_moves(new_sink):
     with pytest.raises(Unusable, match=r"turned over by hand 8 times, and nobody is at a"):
-        acquire(bench("by_hand"), procedures.load("jjf1536"), sink, ignore, recording_id="alone")
-    assert sink.manifests == []
+        RunRequest(bench("by_hand"), procedures.load("jjf1536"), new_sink(), ignore, "alone")
 
 
 def test_a_refix_with_nothing_behind_it_is_refused():
@@ -91,20 +107,14 @@ def test_the_units_seat_in_the_fixture_turns_with_it():
     half = 0.5**0.5
     seat = Mount(quaternion_wxyz=(half, 0.0, 0.0, half))
     with pytest.raises(Unusable, match=r"rest_x .* says \+x up, .* bring -y up"):
-        check_suits(part("fix_x_up", "rest_x"), bench("commanded", seat))
+        check_procedure(part("fix_x_up", "rest_x"), bench("commanded", seat))
 
 
 def test_a_unit_that_was_switched_off_where_it_should_not_be_is_said(new_sink):
-    procedure = part("fix_x_up", "rest_x")
-    with running(settled(), 20.0) as station:
+    procedure, station = part("fix_x_up", "rest_x"), InMemoryStation(settled())
 
-        async def careless(refix: Refix) -> None:
-            link = Link(station.modbus_host, station.modbus_port)
-            try:
-                await Commanded(link).turn(refix.model_copy(update={"power_off": True}))
-            finally:
-                link.close()
+    async def careless(refix: Refix) -> None:
+        await station.fixture.turn(refix.model_copy(update={"power_off": True}))
 
-        by_hand = station.model_copy(update={"fixture": "by_hand"})
-        with pytest.raises(Unusable, match=r"stamp went back .* as after a restart: check its"):
-            acquire(by_hand, procedure, new_sink(), ignore, recording_id="cut", ask=careless)
+    with pytest.raises(Unusable, match=r"stamp went back .* as after a restart: check its"):
+        station.acquire(procedure, new_sink(), file=by_hand(station), ask=careless)

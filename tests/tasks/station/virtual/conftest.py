@@ -1,13 +1,15 @@
-"""A real client for the virtual station: pymodbus, by the register map."""
+"""Clients for the virtual station, by the register map: over pymodbus, and in memory."""
 
 import binascii
 import struct
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 import serial
 from pymodbus.client import ModbusTcpClient
+from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
 from schemas.station import (
     AXIS_BASE,
@@ -22,6 +24,10 @@ from schemas.station import (
     Register,
     StationFile,
 )
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.registers import ChamberRegisters, TableRegisters
+from tasks.station.virtual.simulation import Simulation
 
 TABLE = {each.name: each for each in (*TABLE_REGISTERS, *CAPTURE_REGISTERS)}
 AXIS = {each.name: each for each in AXIS_REGISTERS}
@@ -31,43 +37,44 @@ CHAMBER = {each.name: each for each in CHAMBER_REGISTERS}
 class Console:
     """Reads and writes registers by name; axis None means the table itself."""
 
-    def __init__(self, station: StationFile) -> None:
-        self.client = ModbusTcpClient(
-            station.modbus_host, port=station.modbus_port, timeout=1, retries=0
-        )
-        self.client.connect()
+    def words(self, device: int, address: int, count: int) -> list[int]:
+        raise NotImplementedError
+
+    def write_words(self, address: int, words: list[int]) -> Any:
+        raise NotImplementedError
+
+    def tick(self) -> None:
+        """What happens between two looks."""
 
     def _place(self, name: str, axis: int | None) -> tuple[int, Register]:
         register = TABLE[name] if axis is None else AXIS[name]
         return register.address + (0 if axis is None else AXIS_BASE + AXIS_STRIDE * axis), register
 
     def read(self, name: str, axis: int | None = None) -> float:
-        address, register = self._place(name, axis)
-        return self._read(TABLE_DEVICE, address, register)
+        return self._read(TABLE_DEVICE, *self._place(name, axis))
 
     def read_chamber(self, name: str) -> float:
         return self._read(CHAMBER_DEVICE, CHAMBER[name].address, CHAMBER[name])
 
     def _read(self, device: int, address: int, register: Register) -> float:
-        answer = self.client.read_holding_registers(address, count=register.words, device_id=device)
-        assert not answer.isError()
-        kind = self.client.DATATYPE[register.type.upper()]
-        return self.client.convert_from_registers(answer.registers, kind)
+        words = self.words(device, address, register.words)
+        return Mixin.convert_from_registers(words, Mixin.DATATYPE[register.type.upper()])
 
-    def write(self, name: str, value: float, axis: int | None = None):
+    def write(self, name: str, value: float, axis: int | None = None) -> Any:
         address, register = self._place(name, axis)
-        words = self.client.convert_to_registers(value, self.client.DATATYPE[register.type.upper()])
-        return self.client.write_registers(address, words, device_id=TABLE_DEVICE)
+        kind = Mixin.DATATYPE[register.type.upper()]
+        return self.write_words(address, Mixin.convert_to_registers(value, kind))
 
     def go(self, mode: str, axis: int, angle: float = 0.0, rate: float = 100.0) -> None:
-        for name, value in (("target_angle", angle), ("target_rate", rate)):
-            assert not self.write(name, value, axis).isError()
-        assert not self.write("mode", MODES[mode], axis).isError()
+        self.write("target_angle", angle, axis)
+        self.write("target_rate", rate, axis)
+        self.write("mode", MODES[mode], axis)
 
     def until(self, holds: Callable[[], bool]) -> None:
         for _ in range(20_000):
             if holds():
                 return
+            self.tick()
         raise AssertionError("it did not come about")
 
     def wait(self, seconds: float) -> None:
@@ -79,17 +86,61 @@ class Console:
         return bool(int(self.read("status", axis)) & bit)
 
 
-@pytest.fixture
-def consoles() -> Iterator[Callable[[StationFile], Console]]:
-    opened: list[Console] = []
+class SocketConsole(Console):
+    """A real client, of a station in another process."""
 
-    def connect(station: StationFile) -> Console:
-        opened.append(Console(station))
+    def __init__(self, station: StationFile, timeout: float) -> None:
+        self.client = ModbusTcpClient(
+            station.modbus_host, port=station.modbus_port, timeout=timeout, retries=0
+        )
+        self.client.connect()
+
+    def words(self, device: int, address: int, count: int) -> list[int]:
+        answer = self.client.read_holding_registers(address, count=count, device_id=device)
+        assert not answer.isError()
+        return answer.registers
+
+    def write_words(self, address: int, words: list[int]) -> Any:
+        return self.client.write_registers(address, words, device_id=TABLE_DEVICE)
+
+
+class InMemoryConsole(Console):
+    """The registers of a station in this process, whose time passes by 10 ms from look to look."""
+
+    def __init__(self, *faults: Fault) -> None:
+        self.simulation = Simulation(VirtualStation(), faults)
+        self.sent = [*self.simulation.advance(1)]  # the unit's frames so far
+        self._devices = {
+            TABLE_DEVICE: TableRegisters(self.simulation),
+            CHAMBER_DEVICE: ChamberRegisters(self.simulation),
+        }
+
+    def words(self, device: int, address: int, count: int) -> list[int]:
+        return self._devices[device].words()[address : address + count]
+
+    def write_words(self, address: int, words: list[int]) -> None:
+        self._devices[TABLE_DEVICE].write(address, words)
+
+    def tick(self) -> None:
+        self.sent += self.simulation.advance(10)
+
+
+@pytest.fixture
+def consoles() -> Iterator[Callable[..., SocketConsole]]:
+    opened: list[SocketConsole] = []
+
+    def connect(station: StationFile, timeout: float = 10.0) -> SocketConsole:
+        opened.append(SocketConsole(station, timeout))
         return opened[-1]
 
     yield connect
     for console in opened:
         console.client.close()
+
+
+@pytest.fixture
+def in_memory() -> Callable[[str], InMemoryConsole]:
+    return lambda fault: InMemoryConsole(Fault.parse(fault))
 
 
 FRAME = struct.Struct("<HIQ3i3ihH")  # written here once more, to judge what comes

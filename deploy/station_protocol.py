@@ -1,0 +1,171 @@
+"""The station's protocol as a document: `python -m deploy.station_protocol > deploy/station.md`."""
+
+import struct
+from collections.abc import Iterable
+
+from schemas.station import (
+    AXIS_BASE,
+    AXIS_REGISTERS,
+    AXIS_STATUS,
+    AXIS_STRIDE,
+    CAPTURE_REGISTERS,
+    CAPTURE_VALUES,
+    CHAMBER_DEVICE,
+    CHAMBER_REGISTERS,
+    COMMANDS,
+    FIXTURE_DEVICE,
+    FIXTURE_REGISTERS,
+    FIXTURE_STATUS,
+    FRAMES,
+    MODES,
+    TABLE_DEVICE,
+    TABLE_REGISTERS,
+    TABLE_STATUS,
+    Frame,
+    Register,
+)
+from tasks.station.virtual.faults import FAULTS
+
+KINDS = {
+    "H": "uint16",
+    "I": "uint32",
+    "Q": "uint64",
+    "i": "int32",
+    "q": "int64",
+    "h": "int16",
+}
+TRIADS = {
+    "gyro": ("gyro x, y, z", "counts of `unit_link.gyro_lsb_rad_s`"),
+    "accel": ("accelerometer x, y, z", "counts of `unit_link.accel_lsb_m_s2`"),
+    "angle": (
+        "angle x, y, z",
+        "accumulated about each axis of the unit since power-on, counts of "
+        "`unit_link.angle_lsb_rad`",
+    ),
+}
+
+
+def frame_fields(frame: Frame) -> list[tuple[str, str, str]]:
+    """Code for the module struct, name and content of each field of a frame."""
+    return [
+        ("H", "sync", f"{frame.sync:#06x}"),
+        ("I", "counter", "counts frames from 0 and turns over at 2³²"),
+        ("Q", "time stamp", "µs since the unit's power-on, on the unit's own clock"),
+        *((f"3{code}", *TRIADS[name]) for name, code in frame.triads),
+        ("h", "temperature", "0.01 °C, the unit's own sensor"),
+        ("H", "check", "CRC-16/XMODEM (polynomial 0x1021, start 0) over all bytes before it"),
+    ]
+
+
+HEAD = """\
+# The station's protocol
+
+Printed by `python -m deploy.station_protocol` from `schemas/station.py`; do not edit.
+The virtual station speaks it, and a controller that speaks it can be used as it is.
+"""
+
+BEHAVIOUR = """\
+## How the table behaves
+
+- Writing `mode` takes the targets as they stand and sets the axis going; a target written alone
+  waits for the next `mode`. A write covers whole writable registers: one that does not, or that
+  touches another address, is refused with exception 2, a value that means nothing with
+  exception 3, and then nothing of it is taken.
+- Addresses of the table that no register takes read as 0, so that its state and all axes can be
+  read in one request. What one request reads is of one moment.
+- `settled` is set when the axis has been within 2″ of its target angle, or within 1e-4 of its
+  target rate, for 0.5 s of station time. In mode `off` it is never set.
+- `fault`, `emergency_stop` and `interlock` ramp every axis to rest. Until command `reset` a new
+  `mode` is accepted, falls back to `stop`, and the bit stays.
+- `watchdog`: when no request came for that long (wall time), every axis ramps to rest and the bit
+  is set until `reset`. It does not forbid a new motion. Any request to either device counts.
+- The encoders are captured at whole multiples of `capture_period` and kept for at least 60 s of
+  station time. Write `capture_from`, then read the block from `capture_count` on (or both at once
+  with function 23).
+- The encoder count turns over at ±2³¹.
+- Station time is the time of everything here but the watchdog. The virtual station runs it at
+  `station.clock_speed` × wall time, or slower where the machine cannot keep up.
+"""
+
+FIXTURE = """\
+Writing 1 to `turn` turns the unit over, to the attitude of `qw` to `qz` on the payload (the
+quaternion's length does not count); `ready` is set when it is there. Switching the `supply` off
+ends the unit's frames; switching it on starts its clock, its counter and the angles it accumulates
+anew. Without this device a person turns the unit over: `fixture = "by_hand"` in the station file,
+and the acquisition asks at the terminal.
+"""
+
+
+def _rows(registers: Iterable[Register]) -> list[str]:
+    lines = [
+        "| address | words | name | type | unit | access | meaning |",
+        "|---:|---:|---|---|---|---|---|",
+    ]
+    for each in registers:
+        access = "read, write" if each.writable else "read"
+        lines.append(
+            f"| {each.address} | {each.words} | `{each.name}` | {each.type} | {each.unit} "
+            f"| {access} | {each.meaning} |"
+        )
+    return lines
+
+
+def _bits(title: str, values: dict[str, int]) -> str:
+    return f"{title}: " + ", ".join(f"{value} `{name}`" for name, value in values.items()) + "."
+
+
+def _frame_rows(kind: str) -> list[str]:
+    frame = FRAMES[kind]
+    lines = [
+        f"## The unit's frame of {kind}: `{frame.format}`, little-endian, {frame.size} bytes\n",
+        "| byte | field | type | content |",
+        "|---:|---|---|---|",
+    ]
+    offset = 0
+    for code, name, content in frame_fields(frame):
+        many = f"{code[:-1]} × " if len(code) > 1 else ""
+        lines.append(f"| {offset} | {name} | {many}{KINDS[code[-1]]} | {content} |")
+        offset += struct.calcsize(f"<{code}")
+    return [*lines, ""]
+
+
+def text() -> str:
+    """The whole document, Markdown."""
+    last = CAPTURE_REGISTERS[-1].address + 2 * CAPTURE_VALUES - 1
+    lines = [
+        HEAD,
+        f"## Device {TABLE_DEVICE}, the table (Modbus/TCP, holding registers, high word first)\n",
+        *_rows(TABLE_REGISTERS),
+        "",
+        _bits("Bits of `status`", TABLE_STATUS),
+        _bits("Values of `command`", COMMANDS),
+        "",
+        f"### Axis i, outer first: address {AXIS_BASE} + {AXIS_STRIDE}·i + offset\n",
+        *_rows(AXIS_REGISTERS),
+        "",
+        _bits("Values of `mode`", MODES),
+        _bits("Bits of an axis's `status`", AXIS_STATUS),
+        "",
+        f"### Captured encoders: addresses {CAPTURE_REGISTERS[0].address} to {last}\n",
+        *_rows(CAPTURE_REGISTERS),
+        "",
+        f"## Device {CHAMBER_DEVICE}, the chamber\n",
+        *_rows(CHAMBER_REGISTERS),
+        "",
+        f"## Device {FIXTURE_DEVICE}, the fixture and the unit's supply\n",
+        *_rows(FIXTURE_REGISTERS),
+        "",
+        _bits("Bits of `status`", FIXTURE_STATUS),
+        "",
+        FIXTURE,
+        BEHAVIOUR,
+        "The station file names the frame in `unit_link.frame`: `rates`, or `angles` of an AHRS.\n",
+        *(row for kind in FRAMES for row in _frame_rows(kind)),
+        "## Faults of the virtual station\n",
+        "`NAME` or `NAME@SECONDS` of station time: " + ", ".join(f"`{n}`" for n in FAULTS) + ".",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    print(text(), end="")

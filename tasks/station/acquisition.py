@@ -1,0 +1,165 @@
+"""A run of a procedure on a station, real or virtual, from start to end."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+from schemas.base import Unusable
+from schemas.calibration import Remark
+from schemas.procedure import Procedure
+from schemas.recording import Manifest
+from schemas.station import StationFile
+from tasks.station.anomalies import MEASURED, remarks_on
+from tasks.station.clock import StationClock
+from tasks.station.drivers import connected
+from tasks.station.manifest import ManifestBuilder
+from tasks.station.plan import plan
+from tasks.station.ports import Ask, Bench, Table
+from tasks.station.progress import Progress, Tracker
+from tasks.station.recorder import Recorder, Sink
+from tasks.station.requirements import check_attended, check_procedure
+from tasks.station.sequencer import Sequencer
+
+LEAVE_TIMEOUT_S = 3.0
+CLOCK_INTERVAL_S = 0.1
+CANCEL_AGAIN_S = 0.1
+
+
+@dataclass(frozen=True)
+class Acquired:
+    """What a run gave beside the streams, which are in the sink."""
+
+    manifest: Manifest
+    warnings: tuple[Remark, ...]
+    bad_frames: int
+    lost_samples: int
+
+
+@dataclass(frozen=True)
+class RunRequest:
+    """A procedure to run on a station, and where the recording and the progress go.
+
+    `ask` has a person turn the unit over, where the station cannot. Raises Unusable, with one
+    sentence, where procedure and station do not suit each other.
+    """
+
+    station: StationFile
+    procedure: Procedure
+    sink: Sink
+    report: Callable[[Progress], None]
+    recording_id: str
+    ask: Ask | None = None
+
+    def __post_init__(self) -> None:
+        check_procedure(self.procedure, self.station)
+        check_attended(self.procedure, self.station, self.ask)
+
+
+def acquire(request: RunRequest) -> Acquired:
+    """Run a procedure on a station and write what it gives to the sink as it comes.
+
+    Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles
+    (rad, `<axis>_angle`) and environment over station time. The manifest is written after
+    every finished segment.
+
+    Raises Unusable, with one sentence, where the station does not answer, and where something
+    fails on the way; what was recorded until then is in the sink. Whatever ends the run, the
+    table is told to stop.
+    """
+    return asyncio.run(_acquire(request))
+
+
+async def _acquire(request: RunRequest) -> Acquired:
+    async with connected(request.station, request.ask) as bench:
+        return await run(request, bench)
+
+
+async def run(request: RunRequest, bench: Bench) -> Acquired:
+    """A run on a bench that is connected; raises as `acquire` does."""
+    await bench.table.home()
+    await bench.chamber.climate()
+    clock = await _station_clock(bench.table)
+    procedure, planned = request.procedure, plan(request.procedure)
+    manifest = ManifestBuilder(request.station, procedure, request.recording_id, clock.station_s)
+    total_s = procedure.warm_up_s + sum(segment.planned_s for segment in planned)
+    tracker = Tracker(request.report, clock, total_s)
+    recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
+    recorder.write_manifest()
+    sequencer = Sequencer(bench, request.station.mount, clock, procedure, recorder, tracker)
+    try:
+        await _until_the_first_ends(
+            sequencer.run(planned),
+            recorder.encoders.run(),
+            recorder.climate.run(),
+            recorder.run(),
+        )
+        await bench.table.leave()
+    except BaseException as cause:
+        await _stop_if_reachable(bench.table)
+        if isinstance(cause, Unusable):
+            raise Unusable(_stopped(tracker.now, cause, manifest)) from cause
+        raise
+    finally:
+        bench.unit.end()
+        _write_rest(recorder)
+    return Acquired(
+        manifest=manifest.build(),
+        warnings=remarks_on(recorder.anomalies, manifest.segments, procedure.environment),
+        bad_frames=bench.unit.bad_frames,
+        lost_samples=recorder.unit.lost_samples,
+    )
+
+
+async def _station_clock(table: Table) -> StationClock:
+    """A clock with two readings, so that it has an idea of the station's speed."""
+    clock = StationClock()
+    for pause_s in (CLOCK_INTERVAL_S, 0.0):
+        state = await table.state()
+        clock.update(state.station_s, state.wall_s)
+        await asyncio.sleep(pause_s)
+    return clock
+
+
+async def _until_the_first_ends(*work: Coroutine[Any, Any, None]) -> None:
+    """Run all side by side until one ends or fails; then the others are cancelled."""
+    tasks = {asyncio.ensure_future(coroutine) for coroutine in work}
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in done:
+            task.result()
+    finally:
+        await _cancel(tasks)
+
+
+async def _cancel(tasks: set[asyncio.Task[None]]) -> None:
+    """Cancel until all have ended: in Python 3.11 asyncio.wait_for, in which pymodbus waits,
+    swallows a cancellation that arrives together with the answer."""
+    running = tasks
+    while running:
+        for task in running:
+            task.cancel()
+        _, running = await asyncio.wait(running, timeout=CANCEL_AGAIN_S)
+    await asyncio.gather(*tasks, return_exceptions=True)  # none goes unread
+
+
+async def _stop_if_reachable(table: Table) -> None:
+    """Stop the table as well as it can be; if it cannot be reached, its watchdog stops it."""
+    with suppress(Unusable, OSError, TimeoutError):
+        await asyncio.wait_for(table.leave(), LEAVE_TIMEOUT_S)
+
+
+def _write_rest(recorder: Recorder) -> None:
+    """Write what is still on its way; the unit may be what failed."""
+    with suppress(Unusable):
+        recorder.flush(final=True)
+    recorder.write_manifest()
+
+
+def _stopped(now: str, cause: Unusable, manifest: ManifestBuilder) -> str:
+    measured = sum(segment.kind in MEASURED for segment in manifest.segments)
+    return (
+        f"the run stopped during «{now}»: {cause}; what was recorded until then is kept "
+        f"(finished segments: {measured})"
+    )

@@ -1,0 +1,88 @@
+"""What was noticed during a run, and the remarks it becomes."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from schemas.calibration import Remark
+from schemas.procedure import EnvironmentLimits
+from schemas.recording import Segment
+from tasks.words import Message, message, texts
+
+MEASURED = ("static", "rate", "rotation")
+MAX_NAMED = 3
+CONDITIONS = ("air_temperature", "air_humidity")  # of the specification: clause 6
+DECIMALS = {"air_temperature": ".1f", "air_humidity": ".0f", "table_rate": "+.3f"}
+
+
+@dataclass(frozen=True)
+class Anomaly:
+    """Something noticed between two times (s): `amount` counts it or is the value read.
+
+    code: one of the messages `station-…` of the catalogues. subject: an axis or a channel.
+    """
+
+    code: str
+    t_start: float
+    t_end: float
+    amount: float = 1.0
+    subject: str = ""
+
+
+def remarks_on(
+    anomalies: Iterable[Anomaly], segments: Sequence[Segment], limits: EnvironmentLimits
+) -> tuple[Remark, ...]:
+    """One remark for each kind of anomaly and subject, with the measured segments it touches.
+
+    A condition of the specification that was broken only between measured segments does not
+    stop a unit from passing.
+    """
+
+    def key(anomaly: Anomaly) -> tuple[str, str]:
+        return anomaly.code, anomaly.subject
+
+    groups = groupby(sorted(anomalies, key=key), key=key)
+    return tuple(_remark(tuple(group), segments, limits) for _, group in groups)
+
+
+def _remark(
+    anomalies: tuple[Anomaly, ...], segments: Sequence[Segment], limits: EnvironmentLimits
+) -> Remark:
+    code = anomalies[0].code
+    touched = tuple(
+        segment.name
+        for segment in segments
+        if segment.kind in MEASURED
+        and any(a.t_start < segment.t_end and a.t_end >= segment.t_start for a in anomalies)
+    )
+    amounts = [anomaly.amount for anomaly in anomalies]
+    decimals = DECIMALS.get(code, ".0f")
+    sentence = message(
+        f"station-{code.replace('_', '-')}",
+        subject=anomalies[0].subject,
+        total=f"{sum(amounts):.0f}",
+        low=format(min(amounts), decimals),
+        high=format(max(amounts), decimals),
+        limits=_limits(code, limits),
+        place=_place(touched),
+    )
+    return Remark(
+        code=code,
+        **texts(sentence),
+        segments=touched,
+        blocks_pass=code in CONDITIONS and bool(touched),
+    )
+
+
+def _limits(code: str, limits: EnvironmentLimits) -> str:
+    low, high = limits.humidity_percent if code == "air_humidity" else limits.temperature_degc
+    return f"{low:g}–{high:g}"
+
+
+def _place(touched: tuple[str, ...]) -> Message:
+    if not touched:
+        return message("station-between-segments")
+    if len(touched) <= MAX_NAMED:
+        return message("station-in-segments", names=touched)
+    named, count = touched[:MAX_NAMED], len(touched)
+    return message("station-in-many-segments", names=named, count=count, more=count - MAX_NAMED)

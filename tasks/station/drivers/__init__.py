@@ -1,0 +1,32 @@
+"""The drivers that there are, and the bench that a station file describes."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from schemas.station import StationFile
+from tasks.station.drivers.by_hand import ByHand
+from tasks.station.drivers.modbus import ModbusLink
+from tasks.station.drivers.modbus_devices import ModbusChamber, ModbusFixture
+from tasks.station.drivers.modbus_table import ModbusTable
+from tasks.station.drivers.serial_line import SerialLine
+from tasks.station.drivers.unit import Unit
+from tasks.station.ports import Ask, Bench, Fixture
+
+
+@asynccontextmanager
+async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Bench]:
+    """The bench of a station file, for the length of the block.
+
+    Raises Unusable where the table or the unit's line cannot be reached.
+    """
+    link = ModbusLink(station.modbus_host, station.modbus_port)
+    names = tuple(axis.name for axis in station.station.table_axes or ())
+    fixture: Fixture | None = ByHand(ask) if ask is not None else None
+    if station.fixture == "commanded":
+        fixture = ModbusFixture(link)
+    try:
+        table = await ModbusTable.find(link, names)
+        with SerialLine(station.unit_link) as line:
+            yield Bench(table, ModbusChamber(link), fixture, Unit(station.unit_link, line))
+    finally:
+        link.close()

@@ -1,0 +1,71 @@
+"""The manifest of a run as it grows: its segments, and what it says of station and unit."""
+
+import math
+from datetime import datetime
+from typing import Literal
+
+import numpy as np
+
+from schemas.procedure import Procedure
+from schemas.recording import Manifest, Mount, Segment, Stream
+from schemas.station import StationFile
+
+
+class ManifestBuilder:
+    """Segments without holes between them, from the beginning of the run on.
+
+    `segments` are over station time; the manifest and the streams of the recording count from
+    `origin_s`, the whole second of station time in which the run began. Every segment carries
+    `mount`, where the unit was turned over in its fixture.
+    """
+
+    def __init__(
+        self, station: StationFile, procedure: Procedure, recording_id: str, t_start: float
+    ) -> None:
+        self.origin_s = math.floor(t_start)
+        self.segments: list[Segment] = []
+        self.mount: Mount | None = None
+        self.extra: dict[str, object] = {
+            "procedure": procedure.name,
+            "recorded_at": datetime.now().astimezone().isoformat(timespec="seconds"),
+            "equipment": [item.model_dump(mode="json") for item in station.equipment],
+            "unit_link": station.unit_link.model_dump(mode="json", exclude={"url", "baudrate"}),
+        }
+        self._station = station
+        self._procedure = procedure
+        self._recording_id = recording_id
+        self._until = t_start
+
+    def fill(self, name: str, kind: Literal["settle", "transition"], t_end: float) -> None:
+        """Label what lies between the last segment and a time (s)."""
+        if t_end > self._until:
+            numbered = f"{name}{len(self.segments):03d}"
+            self.add(Segment(name=numbered, kind=kind, t_start=self._until, t_end=t_end))
+
+    def add(self, segment: Segment) -> None:
+        self.segments.append(segment.model_copy(update={"mount": self.mount}))
+        self._until = segment.t_end
+
+    def build(self) -> Manifest:
+        """The manifest with the segments finished so far."""
+        return Manifest(
+            format="mimu-recording/1",
+            recording_id=self._recording_id,
+            standard=self._procedure.standard,
+            unit=self._station.unit,
+            station=self._station.station,
+            mount=self._station.mount,
+            segments=tuple(map(self._since_start, self.segments)),
+            **self.extra,  # type: ignore[arg-type]
+        )
+
+    def since_start(self, stream: Stream) -> Stream:
+        """A stream over station time as the recording has it; rows before the run are dropped."""
+        t = np.round(stream.t - self.origin_s, 9)
+        kept = t >= 0
+        return Stream(t[kept], {name: values[kept] for name, values in stream.columns.items()})
+
+    def _since_start(self, segment: Segment) -> Segment:
+        moved = {name: round(getattr(segment, name) - self.origin_s, 9)
+                 for name in ("t_start", "t_end")}  # fmt: skip
+        return segment.model_copy(update=moved)

@@ -1,0 +1,119 @@
+"""Finished segments checked while the run goes on, so that the bench hears of it at once."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from schemas.recording import ANGLE, Segment, Stream
+from schemas.station import AnyLink
+from tasks.station.anomalies import Anomaly
+
+RATE_TOLERANCE = 5e-4  # JJF 2003 table 1: rates are steady to 0.05 %
+SPIKE_SIGMAS = 20.0
+SPIKE_COUNTS = 20.0
+TO_SIGMA = 1.4826  # from the median absolute deviation, normal noise
+
+
+def check_unit(segment: Segment, imu: Stream, link: AnyLink) -> list[Anomaly]:
+    """Channels that stand still, and samples far outside their channel's own noise.
+
+    Of an accumulated angle the increments are looked at; at rest it may stand still. A turn from
+    rest to rest has no noise of its own to judge by.
+    """
+    if segment.kind == "rotation":
+        return []
+    rows = imu.rows(segment.t_start, segment.t_end)
+    anomalies = []
+    for name, count in link.counts.items():
+        values = imu.columns[name][rows]
+        if name in ANGLE:
+            values = np.diff(values)
+        if len(values) < 2:
+            continue
+        deviation = np.abs(values - np.median(values))
+        if not deviation.any() and not (name in ANGLE and segment.kind == "static"):
+            anomalies.append(_anomaly("stuck_channel", segment, name))
+        limit = SPIKE_SIGMAS * TO_SIGMA * float(np.median(deviation)) + SPIKE_COUNTS * count
+        spikes = int(np.count_nonzero(deviation > limit))
+        if spikes:
+            anomalies.append(_anomaly("spikes", segment, name, spikes))
+    return anomalies
+
+
+def check_rate(segment: Segment, axis: str, table: Stream) -> list[Anomaly]:
+    """The mean rate of a table axis by its encoder against the rate asked for."""
+    rows = table.rows(segment.t_start, segment.t_end)
+    t, angle = table.t[rows], table.columns[f"{axis}_angle"][rows]
+    if segment.kind != "rate" or segment.rate_deg_s is None or len(t) < 2:
+        return []
+    rate = np.degrees((angle[-1] - angle[0]) / (t[-1] - t[0]))
+    error = float(rate / segment.rate_deg_s - 1.0)
+    if abs(error) <= RATE_TOLERANCE:
+        return []
+    return [_anomaly("table_rate", segment, axis, 100.0 * error)]
+
+
+class StreamTail:
+    """The end of a stream: as much of it as a segment that is still to be checked needs."""
+
+    def __init__(self) -> None:
+        self._pieces: list[Stream] = []
+
+    @property
+    def until(self) -> float:
+        """The last time there is, s; minus infinity while there is none."""
+        return float(self._pieces[-1].t[-1]) if self._pieces else -np.inf
+
+    def append(self, stream: Stream) -> None:
+        if len(stream):
+            self._pieces.append(stream)
+
+    def drop_before(self, t: float) -> None:
+        self._pieces = [piece for piece in self._pieces if piece.t[-1] >= t]
+
+    def stream(self) -> Stream:
+        """All of it in one piece."""
+        columns = self._pieces[0].columns if self._pieces else {}
+        return Stream(
+            t=_joined([piece.t for piece in self._pieces]),
+            columns={n: _joined([piece.columns[n] for piece in self._pieces]) for n in columns},
+        )
+
+
+class SegmentMonitor:
+    """Segments waiting until the streams have passed them."""
+
+    def __init__(self, link: AnyLink) -> None:
+        self.imu = StreamTail()
+        self.table = StreamTail()
+        self._link = link
+        self._waiting: list[tuple[Segment, str | None]] = []
+
+    def add(self, segment: Segment, spin_axis: str | None) -> None:
+        """Check this segment once its data are there; `spin_axis` is the table axis turning."""
+        self._waiting.append((segment, spin_axis))
+
+    def has_passed(self, t: float) -> bool:
+        """Whether both streams have passed a time."""
+        return min(self.imu.until, self.table.until) >= t
+
+    def run(self, note: Callable[[Anomaly], None]) -> None:
+        """Check every segment whose data are there, and let go of what is no longer needed."""
+        while self._waiting and self.has_passed(self._waiting[0][0].t_end):
+            segment, spin_axis = self._waiting.pop(0)
+            anomalies = check_unit(segment, self.imu.stream(), self._link)
+            if spin_axis is not None:
+                anomalies += check_rate(segment, spin_axis, self.table.stream())
+            for anomaly in anomalies:
+                note(anomaly)
+            self.imu.drop_before(segment.t_end)
+            self.table.drop_before(segment.t_end)
+
+
+def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> Anomaly:
+    inside = (segment.t_start + segment.t_end) / 2
+    return Anomaly(code, inside, inside, amount, subject)
+
+
+def _joined(arrays: list[np.ndarray]) -> np.ndarray:
+    return np.concatenate(arrays) if arrays else np.empty(0)

@@ -1,0 +1,148 @@
+"""A procedure as the list of segments that are measured one after another."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from schemas.procedure import Position, Procedure, RateRun, Refix, Sweep, Turns
+from schemas.recording import Axis, Mount, Segment, Up
+from tasks.station.setpoints import move_s, rate_change_s
+
+# For the estimate of duration only: what a servo takes to settle, a fixture to be turned over.
+SERVO_S = 1.0
+REFIX_S = 60.0
+
+
+@dataclass(frozen=True)
+class PlannedSegment:
+    """Bring the table to angles (deg), perhaps spin an axis, then dwell.
+
+    planned_s: what all of that is expected to take, from the end of the segment before. refix: the
+    unit is turned over before. fixture: the attitude of the fixture, None as long as it is that of
+    the station file. turn_by_deg: whole turns in place of a dwell.
+    """
+
+    name: str
+    item: str
+    up: Up
+    angles_deg: tuple[float, ...]
+    dwell_s: float
+    planned_s: float
+    turn_deg: float | None = None
+    axis: Axis | None = None
+    spin_axis: int | None = None
+    rate_deg_s: float = 0.0
+    turn_by_deg: float | None = None
+    refix: Refix | None = None
+    fixture: Mount | None = None
+
+    @property
+    def kind(self) -> Literal["static", "rate", "rotation"]:
+        if self.turn_by_deg is not None:
+            return "rotation"
+        return "static" if self.spin_axis is None else "rate"
+
+    @property
+    def text(self) -> str:
+        """What happens, for the person at the bench: «rate x +200 deg/s»."""
+        words = self.name.replace("_", " ")
+        return f"{words} deg/s" if self.kind == "rate" else words
+
+    def segment(self, t_start: float, t_end: float) -> Segment:
+        """The label of this segment between two times (s)."""
+        return Segment(
+            name=self.name,
+            kind=self.kind,
+            t_start=t_start,
+            t_end=t_end,
+            item=self.item,
+            up=self.up,
+            turn_deg=self.turn_deg,
+            axis=self.axis,
+            rate_deg_s=None if self.spin_axis is None else self.rate_deg_s,
+            angle_deg=self.turn_by_deg,
+        )
+
+
+def plan(procedure: Procedure) -> tuple[PlannedSegment, ...]:
+    """The segments of a procedure that are measured, with the time that each is to take."""
+    return tuple(_timed(procedure))
+
+
+def _timed(procedure: Procedure) -> Iterator[PlannedSegment]:
+    first = next(step for step in procedure.steps if not isinstance(step, Refix))
+    angles = (0.0,) * len(first.angles_deg)
+    rate, refix, fixture = 0.0, None, None
+    for step in procedure.steps:
+        if isinstance(step, Refix):
+            refix, fixture = step, step.mount
+            continue
+        before_s = rate_change_s(rate, procedure.acceleration_deg_s2)
+        before_s += _refix_s(procedure, refix)
+        rate = 0.0
+        for planned in _segments_of(procedure, step):
+            angles_s = _move_s(procedure, angles, planned.angles_deg)
+            change_s = 0.0
+            if planned.kind == "rate":
+                change_s = rate_change_s(planned.rate_deg_s - rate, procedure.acceleration_deg_s2)
+                rate = planned.rate_deg_s
+            moving_s = before_s + angles_s + change_s + SERVO_S + procedure.settle_s
+            planned_s = moving_s + planned.dwell_s
+            yield replace(planned, planned_s=planned_s, refix=refix, fixture=fixture)
+            before_s, refix, angles = 0.0, None, planned.angles_deg
+
+
+def _refix_s(procedure: Procedure, refix: Refix | None) -> float:
+    if refix is None:
+        return 0.0
+    return REFIX_S + (procedure.warm_up_s if refix.power_off else 0.0)
+
+
+def _segments_of(
+    procedure: Procedure, step: Position | Sweep | RateRun | Turns
+) -> Iterator[PlannedSegment]:
+    """The segments of one step, without what comes before each."""
+    common = PlannedSegment(
+        step.name, step.item, step.up, step.angles_deg, 0.0, 0.0, axis=step.axis
+    )
+    match step:
+        case Position():
+            yield replace(common, dwell_s=step.dwell_s, turn_deg=step.turn_deg)
+        case Sweep():
+            for stop in step.stops_deg:
+                angles = list(step.angles_deg)
+                angles[step.table_axis] = stop
+                yield replace(
+                    common,
+                    name=f"{step.name}_{stop:03g}",
+                    angles_deg=tuple(angles),
+                    turn_deg=stop,
+                    dwell_s=step.dwell_s,
+                )
+        case RateRun():
+            for rate in step.rates_deg_s:
+                yield replace(
+                    common,
+                    name=f"{step.name}_{rate:+g}",
+                    spin_axis=step.spin_axis,
+                    rate_deg_s=rate,
+                    dwell_s=step.dwell_s,
+                )
+        case Turns():
+            turn, rate = 360.0 * step.turns, step.rate_deg_s
+            turning_s = move_s(turn, rate, procedure.acceleration_deg_s2)
+            for sign, mark in ((1.0, "+"), (-1.0, "-")):
+                yield replace(
+                    common,
+                    name=f"{step.name}_{mark}",
+                    spin_axis=step.spin_axis,
+                    rate_deg_s=sign * rate,
+                    turn_by_deg=sign * turn,
+                    dwell_s=turning_s + SERVO_S,
+                )
+
+
+def _move_s(procedure: Procedure, start: tuple[float, ...], stop: tuple[float, ...]) -> float:
+    distances = (abs(b - a) for a, b in zip(start, stop, strict=False))
+    farthest = max((min(distance, abs(360 - distance)) for distance in distances), default=0.0)
+    return move_s(farthest, procedure.move_rate_deg_s, procedure.acceleration_deg_s2)

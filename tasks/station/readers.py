@@ -1,0 +1,202 @@
+"""The stream readers of a run: they gather what comes, and give it as a stream when asked."""
+
+import asyncio
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from schemas.procedure import EnvironmentLimits
+from schemas.recording import Stream
+from tasks.station.anomalies import Anomaly
+from tasks.station.clock import StationClock
+from tasks.station.drivers.frames import RECORDS, lost_between, to_stream
+from tasks.station.drivers.unit import Unit
+from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
+
+Note = Callable[[Anomaly], None]
+CLIMATE_COLUMNS = ("temperature", "humidity", "supply_voltage", "pressure")
+SHIFT_THRESHOLD_S = 0.5
+LINE_DELAY_WALL_S = 0.1  # what a busy machine may delay a frame by, on the wall
+SHIFT_TAKES = 3
+
+
+class EncoderReader:
+    """Encoder angles, contiguous: a gap in the sample numbers is noted and never bridged."""
+
+    def __init__(self, table: Table, clock: StationClock, note: Note) -> None:
+        self._table = table
+        self._clock = clock
+        self._note = note
+        self._blocks: list[EncoderBlock] = []
+
+    async def run(self) -> None:
+        """Fetch blocks for ever, as fast as they fill."""
+        period_s = self._table.period_us / 1e6
+        wanted = math.floor(self._clock.station_s / period_s)
+        while True:
+            block = await self._table.encoder(wanted)
+            count = len(block.angles)
+            if count:
+                if block.first > wanted:
+                    gap = (wanted * period_s, block.first * period_s)
+                    self._note(Anomaly("encoder_gap", *gap, amount=block.first - wanted))
+                self._blocks.append(block)
+                wanted = block.first + count
+            if count < self._table.block_samples:
+                fill_s = period_s * (self._table.block_samples - 4)
+                await asyncio.sleep(self._clock.wall(fill_s, 0.001, 0.2))
+
+    def take(self) -> Stream:
+        """Angles in rad, columns <axis>_angle, over station time."""
+        blocks, self._blocks = self._blocks, []
+        numbers = [np.arange(len(block.angles)) + block.first for block in blocks]
+        t = np.concatenate([np.empty(0, np.int64), *numbers]) * self._table.period_us / 1e6
+        empty = np.empty((0, len(self._table.names)))
+        angles = np.concatenate([empty, *(block.angles for block in blocks)])
+        columns = (f"{name}_angle" for name in self._table.names)
+        return Stream(t, dict(zip(columns, angles.T, strict=True)))
+
+
+class ClimateReader:
+    """The chamber, about once a station second, held against the procedure's limits."""
+
+    def __init__(
+        self, chamber: Chamber, clock: StationClock, limits: EnvironmentLimits, note: Note
+    ) -> None:
+        self._chamber = chamber
+        self._clock = clock
+        self._limits = limits
+        self._note = note
+        self._last_s = -math.inf
+        self._readings: list[Climate] = []
+
+    async def run(self) -> None:
+        """Read for ever."""
+        while True:
+            climate = await self._chamber.climate()
+            if climate.station_s > self._last_s:
+                self._last_s = climate.station_s
+                self._readings.append(climate)
+                self._compare(climate)
+            await asyncio.sleep(self._clock.wall(1.0, 0.01, 1.0))
+
+    def take(self) -> Stream:
+        """Temperature, humidity, supply voltage and pressure over station time."""
+        readings, self._readings = self._readings, []
+        columns = {
+            name: np.array([getattr(reading, name) for reading in readings])
+            for name in CLIMATE_COLUMNS
+        }
+        return Stream(np.array([reading.station_s for reading in readings]), columns)
+
+    def _compare(self, climate: Climate) -> None:
+        ranges = (
+            ("air_temperature", climate.temperature, self._limits.temperature_degc),
+            ("air_humidity", climate.humidity, self._limits.humidity_percent),
+        )
+        for code, value, (low, high) in ranges:
+            if not low <= value <= high:
+                self._note(Anomaly(code, climate.station_s, climate.station_s, value))
+
+
+class UnitReader:
+    """The unit's samples over its own time stamps, moved only if its clock is not the station's.
+
+    `shifts_s` is by how much they were moved, for each time the unit was switched on: first 0,
+    unless the first stamps disagree with station time by more than SHIFT_THRESHOLD_S (and by more
+    than the delay of the line can explain).
+    """
+
+    def __init__(self, unit: Unit, clock: StationClock, note: Note) -> None:
+        self.shifts_s = [0.0]
+        self.lost_samples = 0
+        self._unit = unit
+        self._clock = clock
+        self._note = note
+        self._taken_s = clock.station_s
+        self._is_off = False
+        self._on_s: float | None = None
+        self._begin()
+
+    def _begin(self) -> None:
+        none = np.empty(0, RECORDS[self._unit.link.frame])
+        self._differences: list[float] = []
+        self._is_shift_known = False
+        self._held = self._last = none
+
+    def switched_off(self) -> None:
+        """The unit is to be switched off: it may be silent now."""
+        self._is_off = True
+        self._unit.switched_off()
+
+    def switched_on(self, station_s: float | None) -> None:
+        """It was switched on again, at a station time (s) where that is known."""
+        self._is_off, self._on_s = False, station_s
+        self._unit.switched_on()
+
+    def take(self, final: bool = False) -> Stream:
+        """What came since; nothing while the first stamps are still being compared."""
+        bad_before = self._unit.bad_frames
+        before, after = self._unit.take()
+        self._note_bad(self._unit.bad_frames - bad_before)
+        stream = self._timed(before, final)
+        if not len(after):
+            return stream
+        self._begin()
+        self.shifts_s.append(0.0)
+        return _joined(stream, self._timed(after, final))
+
+    def _timed(self, frames: np.ndarray, final: bool) -> Stream:
+        link = self._unit.link
+        if not self._is_shift_known:
+            self._compare(frames)
+            frames = self._held = np.concatenate([self._held, frames])
+            on_s = self._on_s if len(self.shifts_s) > 1 else None
+            enough = on_s is not None or len(self._differences) >= SHIFT_TAKES
+            self._is_shift_known = final or (enough and not self._is_off)
+            if not self._is_shift_known:
+                return to_stream(frames[:0], link)
+            self._settle_shift(on_s)
+        stream = to_stream(frames, link, round(self.shifts_s[-1] * 1e6))
+        self._note_lost(np.concatenate([self._last, frames]))
+        if len(frames):
+            self._last = frames[-1:]
+        return stream
+
+    def _compare(self, frames: np.ndarray) -> None:
+        if len(frames):
+            station_s = self._clock.at(self._unit.arrived_s)
+            self._differences.append(station_s - frames["stamp"][-1] / 1e6)
+
+    def _settle_shift(self, on_s: float | None) -> None:
+        """The delay of the line makes every difference too large, so the least is the best."""
+        if on_s is not None:
+            self.shifts_s[-1] = on_s
+        elif self._differences:
+            best = min(self._differences)
+            if abs(best) > SHIFT_THRESHOLD_S + LINE_DELAY_WALL_S * self._clock.speed:
+                self.shifts_s[-1] = round(best, 6)
+
+    def _note_lost(self, frames: np.ndarray) -> None:
+        lost = lost_between(frames["counter"])
+        for place in np.flatnonzero(lost):
+            before, after = frames["stamp"][place : place + 2] / 1e6 + self.shifts_s[-1]
+            self.lost_samples += int(lost[place])
+            self._note(Anomaly("unit_lost_samples", before, after, int(lost[place])))
+
+    def _note_bad(self, bad: int) -> None:
+        now_s = self._clock.station_s
+        if bad:
+            self._note(Anomaly("unit_bad_frames", self._taken_s, now_s, bad))
+        self._taken_s = now_s
+
+
+def _joined(first: Stream, second: Stream) -> Stream:
+    return Stream(
+        np.concatenate([first.t, second.t]),
+        {
+            name: np.concatenate([first.columns[name], second.columns[name]])
+            for name in second.columns
+        },
+    )

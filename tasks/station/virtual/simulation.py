@@ -1,0 +1,100 @@
+"""Table, fixture, chamber and unit on one clock."""
+
+import struct
+from binascii import crc_hqx
+from collections.abc import Iterable
+
+import numpy as np
+
+from schemas.station import FRAMES
+from tasks.station.virtual.body import Body
+from tasks.station.virtual.config import STEP_S, VirtualStation
+from tasks.station.virtual.faults import Condition, Fault, condition
+from tasks.station.virtual.fixture import Fixture
+from tasks.station.virtual.sensors import Ahrs, UnitUnderTest
+from tasks.station.virtual.table import Table
+
+STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e-15
+
+
+class Simulation:
+    """Moves on in steps of a millisecond of station time."""
+
+    def __init__(self, config: VirtualStation, faults: Iterable[Fault] = ()) -> None:
+        self.config = config
+        self.faults = tuple(faults)
+        self.table = Table(config.table)
+        self.condition = Condition()
+        self.fixture = Fixture(config.mount)
+        self.is_supplied = True
+        self.supplied_steps = 0  # when the supply was last switched on
+        self._body = Body(config)
+        unit_type = UnitUnderTest if config.unit.angle_lsb is None else Ahrs
+        self._unit = unit_type(config.unit, config.air.temperature_degc)
+
+    @property
+    def air_degc(self) -> float:
+        """Temperature of the chamber's air."""
+        hot = self.condition.air_degc
+        return self.config.air.temperature_degc if hot is None else hot
+
+    def advance(self, steps: int) -> list[bytes]:
+        """Lets time pass and returns the frames that the unit sent meanwhile."""
+        self._apply_faults()
+        still_since = max(self.table.still_since(), self.fixture.still_since())
+        if self.table.now > still_since + STILL_AFTER_S:
+            self.table.rest(steps)
+            return self._send(*self._unit.rest(*self._body.still(), steps, self.air_degc))
+        mount = self.fixture.mount((self.table.steps + np.arange(1, steps + 1)) * STEP_S)
+        motion = self._body.move(self.table.advance(steps), mount)
+        return self._send(*self._unit.sense(*motion, self.air_degc))
+
+    def turn_fixture(self) -> None:
+        """Sets the fixture going, where its drive obeys."""
+        if not self.condition.fixture_stays:
+            self.fixture.turn(self.table.now)
+
+    def supply(self, on: bool) -> None:
+        """Switches the unit's supply."""
+        if on and not self.is_supplied:
+            self._unit.switch_on(self.air_degc)
+            self.supplied_steps = self.table.steps
+        elif not on:
+            self._unit.switch_off()
+        self.is_supplied = on
+
+    def _apply_faults(self) -> None:
+        before, self.condition = self.condition, condition(self.faults, self.table.now)
+        self.table.hunting_rad = self.condition.hunting_rad
+        self.table.rate_factor = self.condition.rate_factor
+        if self.condition.trips - before.trips:
+            self.table.trip(self.condition.trips - before.trips)
+
+    def _send(
+        self, numbers: np.ndarray, stamps: np.ndarray, counts: np.ndarray, degc: np.ndarray
+    ) -> list[bytes]:
+        for change in self.condition.counts:
+            counts = change(numbers, counts)
+        sent = frames(self.config.unit.frame, numbers, stamps, counts, degc)
+        for transmit in self.condition.wire:
+            sent = transmit(numbers, sent)
+        return sent
+
+
+def frames(
+    kind: str, numbers: np.ndarray, stamps_us: np.ndarray, counts: np.ndarray, degc: np.ndarray
+) -> list[bytes]:
+    """One frame of a kind of FRAMES for each sample.
+
+    numbers (n,), unit time stamps_us (n,), counts (n, 6), temperature degc (n,).
+    """
+    frame = FRAMES[kind]
+    body_of, crc = struct.Struct(frame.format[:-1]), struct.Struct("<H")
+    counters = (numbers % 2**32).tolist()
+    centi = np.rint(np.clip(degc, -300.0, 300.0) * 100.0).astype(int).tolist()
+    packed = []
+    for row in zip(counters, stamps_us.tolist(), counts.tolist(), centi, strict=True):
+        counter, stamp, values, temperature = row
+        body = body_of.pack(frame.sync, counter, stamp, *values, temperature)
+        packed.append(body + crc.pack(crc_hqx(body, 0)))
+    return packed

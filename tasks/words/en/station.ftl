@@ -1,0 +1,26 @@
+## What was noticed during a run. $place is one of the three messages at the end.
+
+station-unit-lost-samples = The unit's counter shows { $total } lost samples ({ $place }).
+station-unit-bad-frames = { $total } frames of the unit had a wrong check sum and were left out ({ $place }).
+station-encoder-gap = { $total } captured encoder samples are missing ({ $place }).
+station-air-temperature = The air was at { $low } to { $high } °C where the procedure allows { $limits } °C ({ $place }).
+station-air-humidity = The air was at { $low } to { $high } %RH where the procedure allows { $limits } %RH ({ $place }).
+station-table-unsettled = Axis { $subject } of the table was not settled while data were taken ({ $place }).
+station-table-rate = The encoders show axis { $subject } turning { $low } % to { $high } % off the rate asked ({ $place }).
+station-stuck-channel = Channel { $subject } of the unit did not change by one count ({ $place }).
+station-spikes = Channel { $subject } of the unit has { $total } spikes ({ $place }).
+
+station-between-segments = between the measured segments
+station-in-segments = in { $names }
+station-in-many-segments =
+    { $count ->
+       *[other] in { $names } and { $more } more { $more ->
+            [one] segment
+           *[other] segments
+        }
+    }
+
+## The equipment of the virtual station.
+
+station-virtual-turntable = { $axes }-axis position and rate turntable (virtual)
+station-virtual-chamber = Temperature chamber (virtual)

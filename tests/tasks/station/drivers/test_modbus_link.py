@@ -1,0 +1,127 @@
+"""The link against small real servers of this test's own."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymodbus.constants import ExcCodes
+from pymodbus.server import ModbusTcpServer
+from pymodbus.simulator import DataType, SimData, SimDevice
+
+from schemas.base import Unusable
+from schemas.station import CAPTURE_REGISTERS, TABLE_DEVICE, TABLE_REGISTERS, WORDS
+from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
+from tasks.station.setpoints import move_s, nearest_turn
+
+WATCHDOG = next(register for register in TABLE_REGISTERS if register.name == "watchdog")
+CAPTURE_FROM = CAPTURE_REGISTERS[0]
+READ_AND_WRITE = 23
+
+
+async def serve(refused: tuple[int, ...] = (), port: int = 0) -> ModbusTcpServer:
+    async def action(code: int, *_: Any) -> ExcCodes | None:
+        return ExcCodes.ILLEGAL_FUNCTION if code in refused else None
+
+    words = SimData(0, count=300, values=0, datatype=DataType.REGISTERS)
+    server = ModbusTcpServer([SimDevice(1, [words], action=action)], address=("127.0.0.1", port))
+    assert await server.listen()
+    return server
+
+
+def on_a_server(
+    use: Callable[[ModbusLink, ModbusTcpServer], Awaitable[None]], refused: tuple[int, ...] = ()
+) -> None:
+    async def run() -> None:
+        server = await serve(refused)
+        link = ModbusLink("127.0.0.1", server.transport.sockets[0].getsockname()[1])
+        try:
+            await use(link, server)
+        finally:
+            link.close()
+            server.close()
+
+    asyncio.run(run())
+
+
+@given(st.sampled_from(["uint16", "uint32", "int32", "uint64"]), st.data())
+def test_whole_numbers_survive_their_words(kind, data):
+    bits = 16 * WORDS[kind]
+    low, high = (-(2 ** (bits - 1)), 2 ** (bits - 1)) if kind == "int32" else (0, 2**bits)
+    value = data.draw(st.integers(low, high - 1))
+    assert len(encode(value, kind)) == WORDS[kind]
+    assert decode(encode(value, kind), kind) == value
+
+
+def test_high_word_comes_first():
+    assert encode(1, "uint32") == [0, 1]
+    assert encode(1.0, "float32") == [0x3F80, 0]
+
+
+def test_what_is_written_is_read():
+    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
+        await link.write(TABLE_DEVICE, WATCHDOG, 1234)
+        head = await link.read(TABLE_DEVICE, TABLE_REGISTERS)
+        assert head["watchdog"] == 1234
+        assert set(head) == {register.name for register in TABLE_REGISTERS}
+
+    on_a_server(use)
+
+
+@pytest.mark.parametrize("refused", [(), (READ_AND_WRITE,)], ids=["combined", "one after another"])
+def test_capture_works_with_and_without_the_combined_function(refused):
+    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
+        for number in (70_000, 70_019):
+            words = await link.write_then_read(
+                TABLE_DEVICE, CAPTURE_FROM, number, CAPTURE_FROM.address, 2
+            )
+            assert decode(words, "uint32") == number
+
+    on_a_server(use, refused)
+
+
+def test_exception_answer_is_refused_at_once_with_its_meaning():
+    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
+        with pytest.raises(Refused, match=r"reading 2 registers from 900 .* 2 \(illegal address\)"):
+            await link.read_words(TABLE_DEVICE, 900, 2)
+
+    on_a_server(use)
+
+
+def test_link_connects_again_when_the_server_comes_back():
+    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
+        await link.read_words(TABLE_DEVICE, 0, 1)
+        server.close()
+        await asyncio.sleep(0.05)
+        again = await serve(port=link.port)
+        try:
+            assert len(await link.read_words(TABLE_DEVICE, 0, 1)) == 1
+        finally:
+            link.close()
+            again.close()
+
+    on_a_server(use)
+
+
+def test_lost_connection_names_host_port_and_the_way_out():
+    async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
+        await link.read_words(TABLE_DEVICE, 0, 1)
+        server.close()
+        with pytest.raises(Unusable, match=f"127.0.0.1:{link.port} does not answer .* check that"):
+            await link.read_words(TABLE_DEVICE, 0, 1)
+
+    on_a_server(use)
+
+
+@given(st.floats(-1e5, 1e5), st.floats(-360, 360))
+def test_nearest_turn_is_the_same_attitude_at_most_half_a_turn_away(angle, target):
+    found = nearest_turn(angle, target)
+    assert abs(found - angle) <= 180 + 1e-6
+    assert (found - target) / 360 == pytest.approx(round((found - target) / 360), abs=1e-9)
+
+
+def test_duration_of_a_move_is_that_of_the_trapezoid():
+    assert move_s(90, 90, 120) == pytest.approx(90 / 90 + 90 / 120)
+    assert move_s(-30, 90, 120) == pytest.approx(2 * (30 / 120) ** 0.5)

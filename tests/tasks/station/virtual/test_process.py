@@ -1,0 +1,70 @@
+"""The virtual station in its own process: it starts, tells its truth, and ends in any case."""
+
+import json
+import socket
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from pymodbus.exceptions import ModbusIOException
+
+from schemas.base import Unusable
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.process import running
+from tasks.station.virtual.unit import draw_unit
+
+pytestmark = pytest.mark.real_time
+
+
+def test_the_truth_is_written_where_asked(tmp_path):
+    path = tmp_path / "truth.json"
+    with running(VirtualStation(unit=draw_unit(8)), 1.0, truth_path=path):
+        told = json.loads(path.read_text(encoding="utf-8"))
+    assert np.array(told["Kg"]) == pytest.approx(np.array(draw_unit(8).gyro.scale))
+    assert told["station"]["latitude_deg"] == 39.9
+
+
+def test_a_station_ends_with_its_block(consoles):
+    with running(VirtualStation(), 1.0) as found:
+        assert consoles(found).read("ident") == 0x4D54
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection((found.modbus_host, found.modbus_port), timeout=1)
+
+
+def test_a_station_ends_when_its_starter_dies(tmp_path):
+    script = (
+        "import os\n"
+        "from tasks.station.virtual.config import VirtualStation\n"
+        "from tasks.station.virtual.process import running\n"
+        "with running(VirtualStation(), 1.0) as found:\n"
+        "    print(found.modbus_port, flush=True)\n"
+        "    os._exit(3)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    port = int(done.stdout)
+    for _ in range(100):
+        try:
+            socket.create_connection(("127.0.0.1", port), timeout=1).close()
+        except ConnectionRefusedError:
+            return
+        time.sleep(0.05)
+    raise AssertionError("the station went on without its starter")
+
+
+def test_a_speed_that_is_none_is_refused_in_one_sentence():
+    with pytest.raises(Unusable, match="cannot run at speed 0"), running(VirtualStation(), 0.0):
+        pass
+
+
+def test_a_station_ends_quietly_with_clients_on_the_line(consoles, capfd):
+    with running(VirtualStation(), 20.0, [Fault("modbus_silent", 2.0)]) as found:
+        host, port = found.unit_link.url.removeprefix("socket://").split(":")
+        with socket.create_connection((host, int(port))) as line:
+            assert line.recv(42)
+            console = consoles(found, timeout=1.0)
+            with pytest.raises(ModbusIOException):
+                console.wait(5.0)
+    assert capfd.readouterr().err == ""

@@ -1,0 +1,205 @@
+"""The running virtual station as a client finds it: registers, ring, frames, clock, watchdog."""
+
+import socket
+import time
+
+import numpy as np
+import pytest
+
+from schemas.station import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.process import running
+
+SETTLED, MOVING, WATCHDOG = 4, 2, 64
+
+pytestmark = pytest.mark.real_time
+
+
+@pytest.fixture(scope="module")
+def station():
+    with running(VirtualStation(), 20.0) as found:
+        yield found
+
+
+@pytest.fixture
+def console(station, consoles):
+    found = consoles(station)
+    found.write("command", 1)
+    found.write("watchdog", 0)
+    found.write("command", 2)
+    return found
+
+
+def block(console, first, count_axes=3):
+    """capture_from written and the block read in one exchange."""
+    words = console.client.convert_to_registers(first, console.client.DATATYPE.UINT32)
+    answer = console.client.readwrite_registers(
+        read_address=102, read_count=117, write_address=100, values=words, device_id=TABLE_DEVICE
+    )
+    assert not answer.isError()
+    count = answer.registers[0]
+    start = console.client.convert_from_registers(
+        answer.registers[1:3], console.client.DATATYPE.UINT32
+    )
+    raw = np.array(answer.registers[3 : 3 + 2 * count * count_axes], dtype=">u2")
+    return start, raw.tobytes(), np.frombuffer(raw.tobytes(), ">i4").reshape(count, count_axes)
+
+
+def test_the_table_says_what_it_is(console):
+    assert console.read("ident") == 0x4D54
+    assert console.read("map_version") == 1
+    assert console.read("axes") == 3
+    assert console.read("capture_period") == 10_000
+    assert console.read("counts_per_turn", 2) == 3_600_000
+
+
+def test_the_whole_map_reads_in_two_requests(console):
+    for start, count in ((0, 100), (100, 119)):
+        answer = console.client.read_holding_registers(start, count=count, device_id=TABLE_DEVICE)
+        assert not answer.isError()
+        assert len(answer.registers) == count
+    beyond = console.client.read_holding_registers(219, count=1, device_id=TABLE_DEVICE)
+    assert beyond.exception_code == 2
+
+
+def test_an_axis_goes_to_its_angle_and_says_so(console):
+    console.go("angle", 1, angle=-45.0, rate=60.0)
+    console.until(lambda: console.has(MOVING, 1))
+    console.until(lambda: console.has(SETTLED, 1))
+    assert console.read("angle", 1) == pytest.approx(-45.0 / 360.0 * 3_600_000, abs=6)
+    assert console.read("mode", 1) == MODES["angle"]
+
+
+def test_an_axis_holds_its_rate_and_stops(console):
+    console.go("rate", 2, rate=120.0)
+    console.until(lambda: console.has(SETTLED, 2))
+    assert console.read("rate", 2) == pytest.approx(120.0, rel=1e-4)
+    assert not console.write("mode", MODES["stop"], 2).isError()
+    console.until(lambda: not console.has(MOVING, 2))
+    assert console.read("rate", 2) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_target_waits_for_the_mode(console):
+    console.go("rate", 2, rate=10.0)
+    console.write("target_rate", 20.0, 2)
+    console.wait(3.0)
+    assert console.read("rate", 2) == pytest.approx(10.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "axis", "code"),
+    [
+        ("mode", 7, 0, 3),
+        ("acceleration_limit", 0.0, 0, 3),
+        ("acceleration_limit", float("nan"), 0, 3),
+        ("target_rate", 1e6, 0, 3),
+        ("target_angle", float("inf"), 0, 3),
+        ("command", 9, None, 3),
+        ("angle", 5, 0, 2),
+        ("ident", 5, None, 2),
+    ],
+)
+def test_a_write_that_means_nothing_is_refused(console, name, value, axis, code):
+    assert console.write(name, value, axis).exception_code == code
+
+
+def test_a_write_is_taken_whole_or_not_at_all(console):
+    client = console.client
+    words = client.convert_to_registers(33.0, client.DATATYPE.FLOAT32)
+    wrong = client.convert_to_registers(-1.0, client.DATATYPE.FLOAT32)
+    before = console.read("target_rate", 0)
+    # target_rate and acceleration_limit of axis 0
+    answer = client.write_registers(20, words + wrong, device_id=TABLE_DEVICE)
+    assert answer.exception_code == 3
+    assert client.write_registers(20, words[:1], device_id=TABLE_DEVICE).exception_code == 2
+    assert console.read("target_rate", 0) == before
+
+
+def test_the_chamber_can_be_read_and_not_written(console):
+    assert console.read_chamber("temperature") == pytest.approx(20.0)
+    assert console.read_chamber("humidity") == pytest.approx(45.0)
+    assert console.client.write_registers(0, [1, 2], device_id=2).exception_code == 2
+
+
+def test_the_capture_ring_has_no_gaps_and_its_times_are_right(console):
+    console.go("rate", 0, rate=36.0)
+    console.until(lambda: console.has(SETTLED, 0))
+    first = int(console.read("station_time")) // 10_000
+    rows, wanted = [], first
+    while wanted < first + 300:
+        start, _, counts = block(console, wanted)
+        assert start == wanted
+        assert len(counts) <= 19
+        rows.extend(counts[:, 0].tolist())
+        wanted += len(counts)
+    # 36 °/s are 3600 counts in 10 ms; rounding leaves a count at either end.
+    assert set(np.diff(rows)) <= {3599, 3600, 3601}
+    answer = console.client.read_holding_registers(0, count=100, device_id=TABLE_DEVICE).registers
+    now_us = int.from_bytes(b"".join(word.to_bytes(2, "big") for word in answer[4:8]), "big")
+    counts = console.client.convert_from_registers(answer[24:26], console.client.DATATYPE.INT32)
+    told = rows[0] + 3600 * (now_us / 10_000 - first)
+    assert counts == pytest.approx(told, abs=5)
+
+
+def test_a_sample_that_is_not_yet_there_is_not_given(console):
+    ahead = int(console.read("station_time")) // 10_000 + 50_000
+    assert len(block(console, ahead)[2]) == 0
+
+
+def test_frames_come_whole_in_order_and_on_time(station, console, hear, whole):
+    heard = hear(station, 0.5)
+    frames = whole(heard)
+    assert len(heard) // 42 - len(frames) <= 1  # the last may be cut off
+    counters = np.array([frame[1] for frame in frames])
+    stamps = np.array([frame[2] for frame in frames])
+    assert len(frames) > 100
+    assert (np.diff(counters) == 1).all()
+    np.testing.assert_array_equal(stamps, counters * 10_000)
+    # The stamps are near the table's time: both are station time here.
+    assert console.read("station_time") >= stamps[-1]
+
+
+def test_two_clients_hear_the_same_unit(station, hear, whole):
+    one = {frame[1]: frame for frame in whole(hear(station, 0.2))}
+    line = socket.create_connection(station.unit_link.url.removeprefix("socket://").split(":"))
+    with line:
+        two = whole(line.recv(42))
+    assert two[0][1] > max(one)
+
+
+def test_station_time_runs_at_its_speed(console):
+    wall, begin = time.monotonic(), console.read("station_time")
+    time.sleep(0.6)
+    passed = (console.read("station_time") - begin) / 1e6
+    # Never faster than stated, but for what it makes up after a pause (2 s at most); slower
+    # only where the machine is busy.
+    assert passed <= 20.0 * (time.monotonic() - wall) + 2.1
+    assert passed > 0.0
+
+
+def test_the_watchdog_stops_a_table_that_hears_nothing(console):
+    console.go("rate", 0, rate=30.0)
+    console.until(lambda: console.has(SETTLED, 0))
+    console.write("watchdog", 200)
+    time.sleep(1.0)
+    assert console.has(WATCHDOG)
+    assert console.read("mode", 0) == MODES["stop"]
+    console.until(lambda: not console.has(MOVING, 0))
+    console.write("watchdog", 0)
+    console.write("command", 1)
+    assert not console.has(WATCHDOG)
+
+
+def test_a_map_register_lies_where_no_other_does():
+    places = [
+        word
+        for each in (*TABLE_REGISTERS, *CAPTURE_REGISTERS)
+        for word in range(each.address, each.address + each.words)
+    ]
+    assert len(places) == len(set(places))
+
+
+def test_the_station_file_says_what_a_certificate_needs(station):
+    assert station.station.model_extra["clock_speed"] == 20.0
+    assert station.unit.model == "V-MIMU"
+    assert all("virtual" in each.name and "虚拟" in each.name_zh for each in station.equipment)
