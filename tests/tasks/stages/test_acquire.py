@@ -1,7 +1,6 @@
-"""A run on a real virtual station: its name, and what is left when it breaks off."""
+"""A run on a virtual station: its name, and what is left when it breaks off."""
 
 import resource
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,10 +11,11 @@ from schemas.station import StationFile
 from storage.catalogue import runs
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
+from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
+from tests.tasks.station.in_memory import InMemoryStation
 
 POSITION = {"kind": "position", "item": "twelve_position", "turn_deg": 0, "dwell_s": 6.0}
 PROCEDURE = Procedure.model_validate({
@@ -30,10 +30,12 @@ PROCEDURE = Procedure.model_validate({
 })  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def station() -> Iterator[StationFile]:
-    with running(VirtualStation(unit=draw_unit(7)), speed=30.0) as found:
-        yield found
+@pytest.fixture
+def station(monkeypatch: pytest.MonkeyPatch) -> StationFile:
+    """A station in this process, acquired from in simulated time."""
+    station = InMemoryStation(VirtualStation(unit=draw_unit(7)))
+    monkeypatch.setattr(acquire, "acquire", station.run)
+    return station.file
 
 
 @pytest.fixture
@@ -59,9 +61,10 @@ def test_serial_is_in_the_recordings_name_and_in_no_files_name(
 
 
 def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
-    station: StationFile, fresh: Home
+    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    closed = station.model_copy(update={"modbus_port": 1})
+    monkeypatch.undo()  # it is looked for on the network
+    closed = station.model_copy(update={"modbus_host": "127.0.0.1"})
     with pytest.raises(Unusable) as refusal:
         acquire_run(closed, PROCEDURE, fresh, lambda _: None)
     assert "recorded so far" not in str(refusal.value)

@@ -169,7 +169,10 @@ class InMemoryStation:
         ask: Any = None,
     ) -> Acquired:
         """The run of a procedure. Raises as `tasks.station.acquisition.acquire` does."""
-        request = RunRequest(file or self.file, procedure, sink, report, "in memory", ask)
+        return self.run(RunRequest(file or self.file, procedure, sink, report, "in memory", ask))
+
+    def run(self, request: RunRequest) -> Acquired:
+        """In the place of `tasks.station.acquisition.acquire`."""
         return run_simulated(self._run(request))
 
     async def _run(self, request: RunRequest) -> Acquired:
