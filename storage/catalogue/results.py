@@ -69,16 +69,18 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
 
 def of_run(run: Run, home: Home) -> list[Result]:
     """Every result of a run, the oldest first."""
-    table = tables.results.c
-    statement = sql.select(tables.results).where(table.run == run.id).order_by(table.made_at)
-    return [_result(row) for row in database.rows(home, statement)]
+    return _results(home, tables.results.c.run == run.id)
+
+
+def all_results(home: Home) -> list[Result]:
+    """Every result of every run, the oldest first."""
+    return _results(home, sql.true())
 
 
 def find(reference: str, home: Home) -> Result:
     """The result with this id, of whatever run; raises Unusable where there is none."""
-    statement = sql.select(tables.results).where(tables.results.c.id == reference)
-    for row in database.rows(home, statement):
-        return _result(row)
+    for result in _results(home, tables.results.c.id == reference):
+        return result
     raise Unusable(
         f"There is no result {reference!r} in {home.path} and no such file; give a file that "
         "`mimucal calibrate RUN --json` printed, or a result's id, as `mimucal show RUN --json` "
@@ -122,10 +124,13 @@ def _terms_of(row: sql.Row) -> list[str]:
         return []
 
 
-def _result(row: sql.Row) -> Result:
-    names = [name for name in Result.model_fields if name in tables.results.c]
-    said = {name: row._mapping[name] for name in names}
-    return Result(calibration=calibration_of(row), **said)
+def _results(home: Home, which: sql.ColumnElement[bool]) -> list[Result]:
+    statement = sql.select(tables.results).where(which).order_by(tables.results.c.made_at)
+    columns = [name for name in Result.model_fields if name in tables.results.c]
+    return [
+        Result(calibration=calibration_of(row), **{name: row._mapping[name] for name in columns})
+        for row in database.rows(home, statement)
+    ]
 
 
 def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:

@@ -1,0 +1,64 @@
+"""The store as DataFrames: one row for each thing, columns even where there is nothing."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+
+import numpy as np
+
+from schemas.calibration import Calibration
+from schemas.recording import Recording
+from storage import dataframes
+from storage.catalogue import results, runs
+from storage.home import Home
+from tasks.specifications import jjf2003
+
+
+def test_each_run_is_a_row(fresh: Home, small: Callable[..., Recording]) -> None:
+    kept = [runs.add(small(start), fresh)[0] for start in (0.0, 1.0)]
+    table = dataframes.runs(fresh)
+    assert list(table["id"]) == [run.id for run in kept]
+    assert list(table["rows"]) == [300, 300]
+
+
+def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(
+    fresh: Home, small: Callable[..., Recording], calibrated: Callable[..., Calibration]
+) -> None:
+    run = runs.add(small(), fresh)[0]
+    first, second = (results.save(calibrated(run, value), fresh) for value in (0.25, 0.5))
+    table = dataframes.results(fresh).set_index("result")
+    assert list(table.index.unique()) == [first, second]
+    assert not table.loc[[first], "newest"].any()
+    assert table.loc[[second], "newest"].all()
+    assert set(table["serial"]) == {"1"}
+    assert set(table.loc[[second], "value"].dropna()) == {0.5}
+
+
+def test_segments_and_budgets_of_a_calibration(
+    fresh: Home, ideal_run: Callable[..., Recording]
+) -> None:
+    recording = ideal_run(dwell=1.0)
+    run = runs.add(recording, fresh)[0]
+    calibration = jjf2003.calibrate(runs.load(run, fresh), run=run.id, code_version="v")
+    results.save(calibration, fresh)
+    used = dataframes.segments(fresh)
+    assert list(used["name"]) == [segment.name for segment in calibration.segments]
+    assert set(used["recording_id"]) == {"ideal"}
+    budgets = dataframes.budgets(calibration)
+    for (name, element), lines in budgets.groupby(["item", "element"]):
+        budget = calibration.items[str(name)].budgets[str(element)]
+        assert len(lines) == len(budget.inputs)
+        np.testing.assert_allclose(lines["u_c"], budget.u_c)
+
+
+def test_an_empty_home_gives_empty_tables_with_their_columns(fresh: Home) -> None:
+    for table in (dataframes.runs(fresh), dataframes.results(fresh), dataframes.segments(fresh)):
+        assert table.empty
+        assert len(table.columns) > 5
+    assert not fresh.path.exists()
+
+
+def test_pandas_is_imported_when_a_table_is_asked_for() -> None:
+    code = "import sys; from storage import dataframes; print('pandas' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
