@@ -19,6 +19,7 @@ from schemas.orders import (
     SimulateOrder,
 )
 from schemas.procedure import Procedure
+from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 
@@ -35,7 +36,7 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
     """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
     from tasks.stages.acquire import acquire_run
 
-    station, procedure = settings.read_station(Path(order.station)), procedure_of(order)
+    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
     ask = refix_prompt.at_terminal() if order.attended else None
     with sigterm_as_ctrl_c(), acquisition_progress() as report:
         return acquire_run(station, procedure, home_of(order), report, ask)
@@ -45,7 +46,7 @@ def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
     from tasks.station.requirements import check_attended, check_procedure
 
-    station, procedure = settings.read_station(Path(order.station)), procedure_of(order)
+    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
     check_procedure(procedure, station)
     check_attended(procedure, station, refix_prompt.at_terminal() if order.attended else None)
 
@@ -103,5 +104,5 @@ def procedure_of(order: AcquireOrder) -> Procedure:
     from tasks.station import procedures
 
     if Path(order.procedure).suffix in (".toml", ".json"):
-        return settings.read_procedure(Path(order.procedure))
+        return settings.read(Path(order.procedure), Procedure)
     return procedures.load(order.procedure)

@@ -14,7 +14,8 @@ from schemas.tolerance import Verdict
 from storage.catalogue import database, tables
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
-from storage.home import Home, write_once
+from storage.home import Home
+from storage.whole_files import write_once
 
 
 class Entry(Frozen):

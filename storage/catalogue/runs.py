@@ -16,7 +16,8 @@ from storage.formats.columns import read_columns, write_columns
 from storage.formats.content import as_raw, fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
-from storage.home import Home, writing_to
+from storage.home import Home
+from storage.whole_files import writing_to
 
 SHORT = 12  # hex digits of the digest in a run's id
 

@@ -4,9 +4,6 @@ The folder is a `mimu-recording/1` folder, laid out to be read fast: float64 as 
 compressed nor nullable, in one row group.
 """
 
-import os
-import shutil
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +15,7 @@ from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.formats.content import digest, together
 from storage.formats.manifest import manifest_of
+from storage.whole_files import drafted
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -31,20 +29,16 @@ def write_columns(recording: Recording, folder: Path) -> None:
 
     The folder appears whole or not at all. Raises FileExistsError for one that is not empty.
     """
-    said = recording.digest or digest(recording)
+    content_digest = recording.digest or digest(recording)
     streams = recording.streams()
     files = {name: f"{name}.parquet" for name in streams}
     manifest = recording.manifest.model_copy(update={"streams": files})
     folder.parent.mkdir(parents=True, exist_ok=True)
-    draft = folder.with_name(f".{folder.name}.{os.getpid()}.{time.monotonic_ns()}")
-    draft.mkdir()
-    try:
+    with drafted(folder) as draft:
+        draft.mkdir()
         for name, stream in streams.items():
-            _write(stream, draft / files[name], said)
+            _write(stream, draft / files[name], content_digest)
         (draft / MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
-        _move(draft, folder)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
 
 
 def read_columns(folder: Path) -> Recording:
@@ -60,29 +54,22 @@ def read_columns(folder: Path) -> Recording:
         manifest = manifest_of((folder / MANIFEST).read_bytes(), where)
         read = {name: _read(folder / file) for name, file in manifest.streams.items()}
     except (OSError, pa.ArrowException) as error:
-        said = str(error).splitlines()[0]
-        raise Unusable(f"{folder} is not whole ({said}); make the columns again.") from error
-    digests = {said for _, said in read.values()}
+        reason = str(error).splitlines()[0]
+        raise Unusable(f"{folder} is not whole ({reason}); make the columns again.") from error
+    digests = {content_digest for _, content_digest in read.values()}
     if "imu" not in read or len(digests) != 1:
         raise Unusable(f"{folder} holds files of different recordings; make the columns again.")
     recording = together(manifest, {name: stream for name, (stream, _) in read.items()})
     return replace(recording, digest=digests.pop())
 
 
-def _move(draft: Path, folder: Path) -> None:
-    try:
-        draft.rename(folder)
-    except OSError as error:
-        raise FileExistsError(f"{folder} is already there") from error
-
-
-def _write(stream: Stream, path: Path, said: str) -> None:
+def _write(stream: Stream, path: Path, content_digest: str) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
     schema = pa.schema(
-        [pa.field(name, pa.float64(), nullable=False) for name in columns], {DIGEST: said}
+        [pa.field(name, pa.float64(), nullable=False) for name in columns], {DIGEST: content_digest}
     )
     table = pa.table([pa.array(np.asarray(v, float)) for v in columns.values()], schema=schema)
     pq.write_table(
@@ -101,8 +88,8 @@ def _read(path: Path) -> tuple[Stream, str]:
 
     table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
     columns = {name: _array(table.column(name)) for name in table.column_names}
-    said = (table.schema.metadata or {}).get(DIGEST, b"").decode()
-    return Stream(columns.pop("t"), columns), said
+    content_digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
+    return Stream(columns.pop("t"), columns), content_digest
 
 
 def _array(column: "pa.ChunkedArray") -> np.ndarray:

@@ -31,7 +31,7 @@ def read_calibration(reference: str, home: Home) -> Calibration:
         path = None
     if path is None:
         return results.find(reference, home).calibration
-    return settings.read_calibration(path)
+    return settings.read(path, Calibration)
 
 
 def model_values(calibration: Calibration) -> tuple[np.ndarray, tuple[str, ...]]:

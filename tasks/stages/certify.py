@@ -62,12 +62,16 @@ class _ManifestFields(BaseModel):
 def read_inputs(options: CertificateOptions) -> CertificateInputs:
     """Reads the files that an order names; raises Unusable for a bad one."""
     return CertificateInputs(
-        settings.read_tolerance(Path(options.tolerance)) if options.tolerance else None,
-        settings.read_laboratory(Path(options.laboratory)) if options.laboratory else None,
-        settings.read_order(Path(options.client_order)) if options.client_order else None,
+        _read(options.tolerance, Tolerance),
+        _read(options.laboratory, Laboratory),
+        _read(options.client_order, Order),
         options.calibrated_on,
         options.budget,
     )
+
+
+def _read(path: str | None, model: type[settings.Model]) -> settings.Model | None:
+    return settings.read(Path(path), model) if path else None
 
 
 @stage("decide and publish")

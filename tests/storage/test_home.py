@@ -9,7 +9,8 @@ import pytest
 from schemas.base import Unusable
 from storage import verify
 from storage.catalogue import certificates, runs
-from storage.home import Home, home, write_once, writing_to
+from storage.home import Home, home
+from storage.whole_files import write_once, writing_to
 
 
 def test_home_is_where_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 from schemas.base import Unusable
+from schemas.certificate import Laboratory, Order
+from schemas.procedure import Procedure
 from schemas.station import StationFile, UnitLink
+from schemas.tolerance import Tolerance
 from storage import settings
 from storage.home import Home
 
@@ -29,15 +32,15 @@ def write(path: Path, text: str) -> Path:
 
 
 def test_tolerance_is_read_from_toml_and_from_json(tmp_path: Path) -> None:
-    tolerance = settings.read_tolerance(write(tmp_path / "limits.toml", TOLERANCE))
+    tolerance = settings.read(write(tmp_path / "limits.toml", TOLERANCE), Tolerance)
     assert tolerance.limits[0].upper == 0.1
     json = write(tmp_path / "limits.json", "\ufeff" + tolerance.model_dump_json())
-    assert settings.read_tolerance(json) == tolerance
+    assert settings.read(json, Tolerance) == tolerance
 
 
 def test_order_and_laboratory_are_read(fresh: Home) -> None:
     order = write(fresh.path / "order.toml", f"client = {PARTY}\nreceived = 2026-11-01\n")
-    assert settings.read_order(order).received == date(2026, 11, 1)
+    assert settings.read(order, Order).received == date(2026, 11, 1)
     assert settings.laboratory(fresh) is None
     write(fresh.path / "laboratory.toml", f'party = {PARTY}\ncertificate_prefix = "LAB"\n')
     laboratory = settings.laboratory(fresh)
@@ -59,11 +62,11 @@ def test_station_is_read(tmp_path: Path) -> None:
         }
     )
     path = write(tmp_path / "station.json", station.model_dump_json())
-    assert settings.read_station(path) == station
+    assert settings.read(path, StationFile) == station
 
 
 def test_procedure_is_read() -> None:
-    procedure = settings.read_procedure(Path("tasks/station/procedures/jjf2003.toml"))
+    procedure = settings.read(Path("tasks/station/procedures/jjf2003.toml"), Procedure)
     assert procedure.standard == "JJF 2003-2022"
 
 
@@ -87,17 +90,17 @@ def test_bad_file_is_one_sentence_naming_file_field_and_value(
 ) -> None:
     path = write(tmp_path / name, change(TOLERANCE))
     with pytest.raises(Unusable, match=says) as caught:
-        settings.read_tolerance(path)
+        settings.read(path, Tolerance)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
 
 
 def test_file_that_is_missing_or_not_text_is_one_sentence(tmp_path: Path) -> None:
     with pytest.raises(Unusable, match=r"none\.toml cannot be read"):
-        settings.read_tolerance(tmp_path / "none.toml")
+        settings.read(tmp_path / "none.toml", Tolerance)
     (tmp_path / "bytes.toml").write_bytes(b"a = '\xff'")
     with pytest.raises(Unusable, match="is not UTF-8"):
-        settings.read_tolerance(tmp_path / "bytes.toml")
+        settings.read(tmp_path / "bytes.toml", Tolerance)
 
 
 def test_limits_of_a_model_are_found_whatever_the_file_is_called(fresh: Home) -> None:
@@ -129,11 +132,11 @@ def test_file_that_cannot_be_read_is_not_passed_over(fresh: Home) -> None:
 def test_a_laboratory_tells_its_own_limits_by_name(fresh: Home) -> None:
     path = fresh.path / "laboratory.toml"
     own = '[limits.rate]\nhalf_width = 2e-6\ndistribution = "normal"\nsource = "certificate 7"\n'
-    laboratory = settings.read_laboratory(write(path, f"party = {PARTY}\n{own}"))
+    laboratory = settings.read(write(path, f"party = {PARTY}\n{own}"), Laboratory)
     assert laboratory.limits["rate"].half_width == 2e-6
     write(path, f"party = {PARTY}\n{own.replace('limits.rate', 'limits.colour')}")
     with pytest.raises(Unusable, match=r"limits\.colour"):
-        settings.read_laboratory(path)
+        settings.read(path, Laboratory)
     write(path, f"party = {PARTY}\n{own.replace('2e-6', '-2e-6')}")
     with pytest.raises(Unusable, match=r"limits\.rate\.half_width"):
-        settings.read_laboratory(path)
+        settings.read(path, Laboratory)

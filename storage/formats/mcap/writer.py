@@ -1,10 +1,7 @@
 """Writing raw recordings: a ROS 2 bag in MCAP that Foxglove and PlotJuggler open as it is."""
 
-import os
 import threading
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from types import TracebackType
@@ -18,6 +15,7 @@ from storage.formats.content import NANO, as_raw, nanoseconds
 from storage.formats.mcap.cdr import encode
 from storage.formats.mcap.chunk_writer import ChunkWriter
 from storage.formats.mcap.topics import MESSAGES
+from storage.whole_files import drafted
 
 BLOCK = 60.0  # s, so far apart the chunks of different topics may lie in time
 PERIOD = 0.5  # s, after which rows that were given are on the disk
@@ -28,7 +26,7 @@ def write_mcap(recording: Recording, path: Path) -> None:
     streams = as_raw(recording).streams()
     first = min(float(stream.t[0]) for stream in streams.values())
     origin = max(0, int(np.ceil(-first))) * NANO  # MCAP knows no time before zero
-    with _appears_whole(path) as out:
+    with drafted(path) as draft, draft.open("xb") as out:
         chunks = ChunkWriter(out)
         _put_manifest(chunks, recording.manifest, origin)
         for name, part in _in_blocks(streams):
@@ -176,14 +174,3 @@ def _joined(given: list[tuple[str, Stream]]) -> Iterator[tuple[str, Stream]]:
         t = np.concatenate([part.t for part in parts])
         joined = {n: np.concatenate([part.columns[n] for part in parts]) for n in columns}
         yield name, Stream(t, joined)
-
-
-@contextmanager
-def _appears_whole(path: Path) -> Iterator:
-    draft = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}")
-    try:
-        with draft.open("xb") as out:
-            yield out
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)

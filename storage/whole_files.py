@@ -1,0 +1,92 @@
+"""How files get into the home: whole or not at all, once, read-only."""
+
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from schemas.base import Unusable
+
+
+@contextmanager
+def drafted(path: Path) -> Iterator[Path]:
+    """Gives a hidden name beside `path` for a file or folder; on success it gets the name `path`.
+
+    Whatever goes wrong, nothing half stays. Raises FileExistsError for a folder whose name is
+    taken; a file is replaced.
+    """
+    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        yield draft
+        _rename(draft, path)
+    finally:
+        if draft.is_dir():
+            shutil.rmtree(draft, ignore_errors=True)
+        elif os.path.lexists(draft):
+            draft.unlink()
+
+
+@contextmanager
+def writing_to(path: Path) -> Iterator[Path]:
+    """Gives a draft to write; on success it is on the disk, read-only, under `path`.
+
+    Makes the folder first. A disk that refuses raises Unusable.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with drafted(path) as draft:
+            yield draft
+            draft.chmod(0o444)
+            _to_disk(draft)
+        _to_disk(path.parent)
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be written ({error.strerror or error}); make room or give rights "
+            "there, or let MIMUCAL_HOME name a folder that can be written."
+        ) from error
+
+
+def write_once(path: Path, data: bytes) -> None:
+    """Writes a file that stays as it is: whole, on the disk, read-only.
+
+    The same content again is no fault; other content raises Unusable.
+    """
+    if _is_there(path, data):
+        return
+    with writing_to(path) as draft:
+        draft.write_bytes(data)
+
+
+def _is_there(path: Path, data: bytes) -> bool:
+    """Whether the file is there with this content; raises Unusable for other content."""
+    try:
+        content = path.read_bytes()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError as error:
+        raise Unusable(f"{path} cannot be read ({error.strerror}); give rights there.") from error
+    if content != data:
+        raise Unusable(
+            f"{path} is already there with other content, and what is kept is never overwritten; "
+            "move that file away, or store this under another name."
+        )
+    return True
+
+
+def _rename(draft: Path, path: Path) -> None:
+    try:
+        draft.replace(path)
+    except OSError as error:
+        if draft.is_dir():
+            raise FileExistsError(f"{path} is already there") from error
+        raise
+
+
+def _to_disk(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
