@@ -97,7 +97,7 @@ def _made(issued: Issued, folder: Home) -> dict[str, Any]:
 def _print(issued: Issued, made: dict[str, Any]) -> None:
     print_calibration(issued.certificate.calibration)
     print_verdict(issued)
-    reminders = [(each["unit"], each["due"]) for each in made["reminders"]]
+    reminders = [(due["unit"], due["due"]) for due in made["reminders"]]
     print_rows("Recalibration", ("unit", "due"), reminders)
     for name, path in made["paths"].items():
         print(f"{name:<12} {path}")

@@ -104,8 +104,8 @@ def print_verdict(issued: "Issued") -> None:
     """The verdict, a line for what fails, is open or conditional, the due date, the files."""
     certificate, console = issued.certificate, stdout()
     decision = certificate.decision
-    said = f"[bold {COLOURS[decision.verdict]}]{verdict_words(decision)[1]}[/]"
-    console.print(f"{certificate.number}: {said} ({certificate.state})")
+    verdict = f"[bold {COLOURS[decision.verdict]}]{verdict_words(decision)[1]}[/]"
+    console.print(f"{certificate.number}: {verdict} ({certificate.state})")
     for reason in (*decision.reasons, *(en for en, _ in conditional(decision))):
         console.print(f"  {reason}", markup=False)
     console.print(f"recalibration due {certificate.due}")

@@ -29,13 +29,13 @@ def serve_station(
 
     Raises Unusable for an unknown fault, a port that is taken, a file that cannot be written.
     """
-    troubles = tuple(Fault.parse(each) for each in faults)
+    injected = tuple(Fault.parse(fault) for fault in faults)
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))
 
-    def ready(found: StationFile) -> None:
-        _write(station_file, found.model_dump_json(indent=1))
-        print(f"Modbus/TCP {found.modbus_host}:{found.modbus_port}, unit {found.unit_link.url}")
+    def ready(file: StationFile) -> None:
+        _write(station_file, file.model_dump_json(indent=1))
+        print(f"Modbus/TCP {file.modbus_host}:{file.modbus_port}, unit {file.unit_link.url}")
         print(f"station file {station_file}; Ctrl-C stops the station", flush=True)
 
     try:
@@ -46,7 +46,7 @@ def serve_station(
                 modbus_port=port,
                 unit_port=port + 1 if port else 0,
                 speed=speed,
-                faults=troubles,
+                faults=injected,
                 ready=ready,
             )
         )

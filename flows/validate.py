@@ -52,8 +52,8 @@ def _print(record: ValidationRecord, record_file: Path) -> None:
             f"{item.coverage.rms_z:.2f}" if item.coverage else "-",
             "yes" if item.valid else ", ".join(k for k, c in item.checks.items() if not c.passed),
         )
-        for method, found in record.methods.items()
-        for name, item in found.items.items()
+        for method, validation in record.methods.items()
+        for name, item in validation.items.items()
     ]
     print_rows("Validation", ("method", "item", "inside 95 %", "rms z", "valid"), rows)
     console = stdout(markup=False)

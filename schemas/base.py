@@ -32,6 +32,6 @@ def first_fault(error: ValidationError) -> str:
     if fault["type"] == "missing":
         return f"{place} is missing"
     message = fault["msg"].removeprefix("Value error, ")
-    found = fault.get("input")
-    shown = "" if isinstance(found, dict) else f" (found {found!r})"[:80]
+    value = fault.get("input")
+    shown = "" if isinstance(value, dict) else f" (found {value!r})"[:80]
     return f"{place}: {message}{shown}"

@@ -78,14 +78,14 @@ def _raw(run: Run, home: Home) -> Iterator[Fault]:
         yield Fault(what=str(path), why=f"the raw recording of run {run.id} is missing; {again}")
         return
     try:
-        found = read_mcap(path).digest
+        digest = read_mcap(path).digest
     except Unusable as error:
         yield Fault(what=str(path), why=f"{error} Move the file away and {again}.")
         return
-    if found != run.digest:
+    if digest != run.digest:
         yield Fault(
             what=str(path),
-            why=f"the content has the digest {found}, not that of run {run.id}; move the file "
+            why=f"the content has the digest {digest}, not that of run {run.id}; move the file "
             f"away and {again}",
         )
 
@@ -124,11 +124,11 @@ def _untouched(row: sql.Row) -> bool:
 def _unchanged(path: Path, expected: str) -> Iterator[Fault]:
     try:
         with path.open("rb") as opened:
-            found = hashlib.file_digest(opened, "sha256").hexdigest()
+            sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
     except OSError as error:
         yield Fault(what=str(path), why=f"{error.strerror}; bring it back from a backup")
         return
-    if found != expected:
+    if sha256 != expected:
         yield Fault(
             what=str(path), why="it was changed after it was kept; bring it back from a backup"
         )
@@ -141,8 +141,8 @@ def _record(entry: Entry, home: Home) -> Iterator[Fault]:
     except Unusable as error:
         yield Fault(what=f"certificate {entry.number}", why=str(error))
         return
-    said = (record.number, record.state, record.decision.verdict, record.due)
-    if said != (entry.number, entry.state, entry.verdict, entry.due):
+    of_record = (record.number, record.state, record.decision.verdict, record.due)
+    if of_record != (entry.number, entry.state, entry.verdict, entry.due):
         yield Fault(
             what=f"certificate {entry.number}",
             why="the register and the record differ in number, state, verdict or due date; "
@@ -154,13 +154,13 @@ def _record(entry: Entry, home: Home) -> Iterator[Fault]:
 def _printed(entry: Entry, record: Certificate, home: Home) -> Iterator[Fault]:
     """Whether the result that a certificate prints is still there and says the same."""
     what, table = f"certificate {entry.number}", tables.results
-    found = database.rows(home, sql.select(table).where(table.c.id == entry.result))
-    if not found:
+    rows = database.rows(home, sql.select(table).where(table.c.id == entry.result))
+    if not rows:
         yield Fault(what=what, why=f"its result {entry.result} is gone; {RESTORE}")
         return
-    (row,) = found
+    (row,) = rows
     if not _untouched(row):
-        return  # said of the result itself
+        return  # a fault of the result itself
     if calibration_of(row).model_dump_json() != record.calibration.model_dump_json():
         yield Fault(
             what=what,

@@ -111,10 +111,10 @@ def register(home: Home) -> list[Entry]:
 
 def find(number: str, home: Home) -> Certificate:
     """The record of a certificate; raises Unusable when there is none or it was damaged."""
-    found = _register(home, tables.certificates.c.number == number)
-    if not found:
+    entries = _register(home, tables.certificates.c.number == number)
+    if not entries:
         raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
-    return record_of(found[0], home)
+    return record_of(entries[0], home)
 
 
 def record_of(entry: Entry, home: Home) -> Certificate:
@@ -142,12 +142,12 @@ def due(home: Home, until: date) -> list[Due]:
     for entry in sorted(entries, key=_age):
         if entry.number not in superseded and entry.state != "withdrawn":
             newest[entry.manufacturer, entry.model, entry.serial] = entry
-    found = [
+    lines = [
         Due(unit=" ".join(unit), certificate=entry.number, due=entry.due, state=entry.state)
         for unit, entry in newest.items()
         if entry.due <= until
     ]
-    return sorted(found, key=lambda line: (line.due, line.unit))
+    return sorted(lines, key=lambda line: (line.due, line.unit))
 
 
 def _age(entry: Entry) -> tuple[date, date]:
@@ -196,5 +196,5 @@ def _result(connection: sql.Connection, certificate: Certificate) -> str:
     same = sql.select(table.id).where(
         table.run == certificate.calibration.run, table.document == document
     )
-    found = connection.scalars(same.order_by(table.made_at.desc())).first()
-    return found or add_result(connection, certificate.calibration, None)
+    kept = connection.scalars(same.order_by(table.made_at.desc())).first()
+    return kept or add_result(connection, certificate.calibration, None)

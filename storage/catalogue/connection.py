@@ -71,9 +71,9 @@ def explained(made: sql.Engine) -> Iterator[None]:
     except sql.exc.DatabaseError as error:
         if type(error) not in (sql.exc.OperationalError, sql.exc.DatabaseError):
             raise  # a fault of the program, not of the place
-        said = str(error.orig).splitlines()[0].rstrip(".")
+        reason = str(error.orig).splitlines()[0].rstrip(".")
         raise (Busy if _may_pass(error) else Unusable)(
-            f"The catalogue {made.url!r} cannot be used ({said}); see that it can be reached and "
+            f"The catalogue {made.url!r} cannot be used ({reason}); see that it can be reached and "
             "written, or let MIMUCAL_HOME or MIMUCAL_DATABASE name another."
         ) from error
 

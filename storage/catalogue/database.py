@@ -90,10 +90,10 @@ def _read_only(file: Path) -> sql.Engine:
     url = sql.URL.create("sqlite", database=f"file:{quote(str(file))}", query=query)
     made = engine_of(url, BUSY_S)
     with explained(made), made.connect() as connection:
-        found = _revision(connection)
-    if found != HEAD:
+        revision = _revision(connection)
+    if revision != HEAD:
         raise Unusable(
-            f"{file} has revision {found}, this program needs {HEAD}, and it cannot be written; "
+            f"{file} has revision {revision}, this program needs {HEAD}, and it cannot be written; "
             "copy the home to where it can be written."
         )
     return made

@@ -65,10 +65,10 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
 def imported_before(path: Path, home: Home) -> Run | None:
     """The run that a source became, if its bytes were taken in before; else None."""
     same_bytes = tables.sources.c.fingerprint == recordings.fingerprint(path)
-    found = database.rows(home, sql.select(tables.sources.c.run).where(same_bytes))
-    if not found:
+    rows = database.rows(home, sql.select(tables.sources.c.run).where(same_bytes))
+    if not rows:
         return None
-    run = find(found[0].run, home)
+    run = find(rows[0].run, home)
     return run if raw_path(run.digest, home).exists() else None
 
 
@@ -108,16 +108,20 @@ def find(reference: str, home: Home) -> Run:
         table.recording_id == reference,
         sql.or_(*begins),
     ):
-        found = _runs(home, meant) if reference else []
-        if len(found) > 1:
+        matching = _runs(home, meant) if reference else []
+        if len(matching) > 1:
             raise Unusable(
-                f"{reference!r} means {len(found)} runs ({', '.join(run.id for run in found[:4])}"
-                f"{', …' if len(found) > 4 else ''}); give the id of one, as `mimucal runs` "
-                "lists them."
+                f"{reference!r} means {len(matching)} runs ({_listed(matching)}); give the id of "
+                "one, as `mimucal runs` lists them."
             )
-        if found:
-            return found[0]
+        if matching:
+            return matching[0]
     raise Unusable(f"There is no run {reference!r} in {home.path}; `mimucal runs` lists them.")
+
+
+def _listed(several: list[Run]) -> str:
+    ids = [run.id for run in several]
+    return ", ".join(ids if len(ids) <= 4 else [*ids[:4], "…"])
 
 
 def all_runs(home: Home) -> list[Run]:

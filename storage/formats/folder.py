@@ -59,10 +59,10 @@ def _manifest(folder: Path) -> Manifest:
 
 def _path(folder: Path, manifest: Manifest, name: str) -> Path:
     """The file of a stream, which must lie in the folder."""
-    said = manifest.streams[name]
-    where = f"{folder / MANIFEST}: streams.{name} is {_short(said)}"
-    given = PurePosixPath(said)
-    if "\0" in said or given.is_absolute() or ".." in given.parts:
+    file = manifest.streams[name]
+    where = f"{folder / MANIFEST}: streams.{name} is {_short(file)}"
+    given = PurePosixPath(file)
+    if "\0" in file or given.is_absolute() or ".." in given.parts:
         raise Unusable(f"{where}, a path that leaves the folder; put the file beside the manifest.")
     path = folder / given
     try:
@@ -80,8 +80,8 @@ def _path(folder: Path, manifest: Manifest, name: str) -> Path:
     return path
 
 
-def _short(said: str) -> str:
-    return repr(said if len(said) <= LONG else f"{said[:LONG]}…")
+def _short(file: str) -> str:
+    return repr(file if len(file) <= LONG else f"{file[:LONG]}…")
 
 
 def _stream(path: Path, name: str, manifest: Manifest) -> Stream:

@@ -27,8 +27,8 @@ def manifest_of(text: bytes | str, where: str) -> Manifest:
     if not isinstance(fields, dict):
         raise Unusable(f"{where} holds a {type(fields).__name__}, not a JSON object in braces.")
     if fields.get("format") != FORMAT:
-        found = fields.get("format")
-        raise Unusable(f"{where}: format is {found!r}; this program reads {FORMAT!r}.")
+        form = fields.get("format")
+        raise Unusable(f"{where}: format is {form!r}; this program reads {FORMAT!r}.")
     try:
         return Manifest.model_validate(fields)
     except ValidationError as error:

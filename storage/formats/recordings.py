@@ -24,8 +24,8 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     what is whole of an MCAP file that is cut off. Raises Unusable for anything else.
     """
     recording = _read(path, manifest, salvage)
-    said = recording.manifest.model_dump(mode="json")
-    check_controls(said, f"The manifest of {path}" if manifest is None else str(manifest))
+    fields = recording.manifest.model_dump(mode="json")
+    check_controls(fields, f"The manifest of {path}" if manifest is None else str(manifest))
     return recording
 
 

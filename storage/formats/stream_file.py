@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
 
-OTHERS = {";": "semicolons", "\t": "tabs", "|": "bars"}  # separators that are not CSV's
+OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}  # separators that are not CSV's
 PARQUET = b"PAR1"
 HEAD = 2**20  # bytes in which a header ends
 
@@ -79,9 +79,9 @@ def read_table(path: Path) -> Table:
     try:
         table = _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
     except (pa.ArrowException, OSError, ValueError) as error:
-        said = str(error).splitlines()[0].rstrip(".")
+        reason = str(error).splitlines()[0].rstrip(".")
         kind = path.suffix[1:]
-        raise Unusable(f"{path} cannot be read as {kind} ({said}); export it again.") from error
+        raise Unusable(f"{path} cannot be read as {kind} ({reason}); export it again.") from error
     if not table.num_rows:
         raise Unusable(f"{path} has no row of data; export it again, or take its stream out.")
     return Table(path, table)
@@ -119,11 +119,11 @@ def _header(path: Path) -> list[str]:
     line = next((line for line in begins.splitlines() if line.strip()), b"")
     _check_text(path, line, 1)
     names: list[str] = csv.read_csv(BytesIO(line + b"\n")).column_names
-    for sign, said in OTHERS.items():
+    for sign, separators in OTHER_SEPARATORS.items():
         if len(names) == 1 and sign in names[0]:
             raise Unusable(
-                f"{path}: the header {names[0][:60]!r} has {said} between its names; separate "
-                "fields with commas, and write numbers with a decimal point."
+                f"{path}: the header {names[0][:60]!r} has {separators} between its names; "
+                "separate fields with commas, and write numbers with a decimal point."
             )
     return names
 
@@ -148,17 +148,17 @@ def _uneven_row(path: Path) -> Unusable | None:
     with path.open("rb") as file:
         for number, line in enumerate(file, start=1):
             _check_text(path, line, number)
-    found: list[csv.InvalidRow] = []
+    uneven: list[csv.InvalidRow] = []
 
     def note(row: csv.InvalidRow) -> str:
-        found.append(row)
+        uneven.append(row)
         return "skip"
 
-    one_by_one = csv.ReadOptions(use_threads=False)  # or rows have no number
-    csv.read_csv(path, one_by_one, csv.ParseOptions(invalid_row_handler=note))
-    if not found:
+    in_order = csv.ReadOptions(use_threads=False)  # or rows have no number
+    csv.read_csv(path, in_order, csv.ParseOptions(invalid_row_handler=note))
+    if not uneven:
         return None
-    row = found[0]
+    row = uneven[0]
     return Unusable(
         f"{path}: row {row.number - 1}: {row.actual_columns} fields where the header has "
         f"{row.expected_columns}; correct the row {row.text[:60]!r}."

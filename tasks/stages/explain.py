@@ -23,8 +23,8 @@ from tasks.words import message
 if TYPE_CHECKING:
     from tasks.explain.inputs.reference import Told
 
-WIDEST_STEP = 1.5  # steps of the unit between which another simulator's rows are interpolated
-FEWEST_ROWS = 0.5  # of the unit's rows that a simulation must have
+MAX_STEPS = 1.5  # steps of the unit between which another simulator's rows are interpolated
+MIN_SHARE_OF_ROWS = 0.5  # of the unit's rows that a simulation must have
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ def _reference(recording: Recording, home: Home, order: ExplainOrder) -> "Told |
     from tasks.explain.inputs.reference import Told
 
     if order.simulated is not None:
-        said = message("explain-model-simulation")
-        return Told(simulated_readings(recording, Path(order.simulated)), said)
+        model = message("explain-model-simulation")
+        return Told(simulated_readings(recording, Path(order.simulated)), model)
     if order.calibration is None:
         return None
     from tasks.model.simulate import predict
@@ -79,8 +79,8 @@ def _reference(recording: Recording, home: Home, order: ExplainOrder) -> "Told |
     from tasks.stages.calibration_input import model_values, read_calibration
 
     values, _ = model_values(read_calibration(order.calibration, home))
-    said = message("explain-model-calibration")
-    return Told(predict(STANDARD_TERMS, whole_motion(recording), values), said)
+    model = message("explain-model-calibration")
+    return Told(predict(STANDARD_TERMS, whole_motion(recording), values), model)
 
 
 def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
@@ -96,10 +96,11 @@ def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
         if name in other.columns:
             values = np.interp(t, other.t, other.columns[name])
             readings[between, channel] = values[between]
-    said = np.isfinite(readings).any(axis=1)
-    if said.mean() < FEWEST_ROWS:
+    simulated = np.isfinite(readings).any(axis=1)
+    if simulated.mean() < MIN_SHARE_OF_ROWS:
+        percent = f"{100.0 * simulated.mean():.0f} %"
         raise Unusable(
-            f"{path}: it says what the unit reads in {100.0 * said.mean():.0f} % of the rows of "
+            f"{path}: it says what the unit reads in {percent} of the rows of "
             f"{recording.manifest.recording_id} only, whose {len(t)} rows go from {t[0]:g} s to "
             f"{t[-1]:g} s; give gyro_* and accel_* at the times of the unit's own stream."
         )
@@ -108,11 +109,11 @@ def simulated_readings(recording: Recording, path: Path) -> np.ndarray:
 
 def _within(known: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(n,) bool: which times t fall on a known one or between two that are near each other."""
-    step = WIDEST_STEP * float(np.median(np.diff(t))) if len(t) > 1 else np.inf
+    longest = MAX_STEPS * float(np.median(np.diff(t))) if len(t) > 1 else np.inf
     after = np.clip(np.searchsorted(known, t), 0, len(known) - 1)
     before = np.clip(after - 1, 0, None)
     inside = (t > known[before]) & (t < known[after])
-    return (known[after] == t) | (inside & (known[after] - known[before] <= step))
+    return (known[after] == t) | (inside & (known[after] - known[before] <= longest))
 
 
 def _tolerance(recording: Recording, home: Home) -> Tolerance | None:

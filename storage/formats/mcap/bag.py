@@ -73,8 +73,8 @@ class Bag:
     def described(self) -> str:
         """The topics in the file with their types, for a sentence."""
         channels = self.contents.channels.values()
-        found = {f"{c.topic} ({_kind(self.contents, c.schema_id)})" for c in channels}
-        return ", ".join(sorted(found)) or "no topic"
+        topics = {f"{c.topic} ({_kind(self.contents, c.schema_id)})" for c in channels}
+        return ", ".join(sorted(topics)) or "no topic"
 
     def topic(self, name: str) -> Topic:
         """A topic whole; raises Unusable for messages that do not fit together."""

@@ -135,14 +135,14 @@ def _word(order: str, message: bytes, at: int) -> tuple[int, int]:
 
 
 def _texts(order: str, message: bytes, at: int, count: int) -> tuple[tuple[str, ...], int]:
-    found = []
+    texts = []
     for _ in range(count):
         length, at = _word(order, message, at)
         if at + length > len(message):
             raise MalformedError("a text that is longer than its message")
-        found.append(message[at : at + max(length - 1, 0)].decode())
+        texts.append(message[at : at + max(length - 1, 0)].decode())
         at += length
-    return tuple(found), at
+    return tuple(texts), at
 
 
 def decode(kind: str, block: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, Texts]]:

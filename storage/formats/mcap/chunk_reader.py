@@ -25,7 +25,7 @@ RUN = 2**24  # bytes of messages outside of chunks that are taken together
 AHEAD = 16  # chunks that are open at the same time
 CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
-TOLD = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
+DESCRIPTIONS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
 
 Piece = TypeVar("Piece")
@@ -49,7 +49,7 @@ class Contents:
     metadata: list[Metadata] = field(default_factory=list)
     damage: str = ""
 
-    def learn(self, opcode: int, body: bytes) -> None:
+    def add(self, opcode: int, body: bytes) -> None:
         """Takes up a schema, channel or metadata record."""
         stream = ReadDataStream(BytesIO(body))
         if opcode == Opcode.SCHEMA:
@@ -95,7 +95,7 @@ def scan(
         def pieces(place: tuple[int, int]) -> tuple[str, list[Piece]]:
             opened = _open(data, *place)
             for opcode, body in opened.introduced:
-                _learn(contents, opcode, body)
+                _describe(contents, opcode, body)
             return opened.fault, [decode(contents, batch) for batch in opened.batches]
 
         # Without a summary, a channel is known only after the chunk that introduces it.
@@ -114,14 +114,14 @@ def _chunks(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int]]:
     for opcode, start, stop in _records(data, contents):
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             chunks.append((start, stop))
-        elif opcode in TOLD:
-            _learn(contents, opcode, data[start + RECORD.size : stop])
+        elif opcode in DESCRIPTIONS:
+            _describe(contents, opcode, data[start + RECORD.size : stop])
     return _merged(data, chunks)
 
 
-def _learn(contents: Contents, opcode: int, body: bytes) -> None:
+def _describe(contents: Contents, opcode: int, body: bytes) -> None:
     try:
-        contents.learn(opcode, body)
+        contents.add(opcode, body)
     except FAULTS:
         contents.damage = contents.damage or "a damaged record"
 

@@ -44,12 +44,12 @@ def schema_text(kind: str) -> str:
 
 
 def _used_by(root: str) -> list[str]:
-    found: list[str] = []
+    used: list[str] = []
     queue = [root]
     while queue:
         for line in DEFINITIONS[queue.pop(0)].splitlines():
             name = line.split()[0]
-            if name in DEFINITIONS and name not in found:
-                found.append(name)
+            if name in DEFINITIONS and name not in used:
+                used.append(name)
                 queue.append(name)
-    return found
+    return used

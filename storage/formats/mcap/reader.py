@@ -43,16 +43,16 @@ def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = F
     file = Bag(path)
     imu_topic = _imu_topic(file)
     imu = file.topic(imu_topic)
-    said = _said(file)
+    own = _own_metadata(file)
     if file.damage and not salvage:
-        raise Unusable(_cut_off(file, imu.stamps - _origin(said, [imu.stamps])))
-    manifest = manifest or _manifest(file, said, salvage)
-    if said:
+        raise Unusable(_cut_off(file, imu.stamps - _origin(own, [imu.stamps])))
+    manifest = manifest or _manifest(file, own, salvage)
+    if own:
         timed = _our_streams(file, imu, salvage)
         left_out: tuple[str, ...] = ()
     else:
         timed, left_out = _foreign_streams(file, imu, manifest)
-    origin = _origin(said, [stamps for stamps, _ in timed.values()])
+    origin = _origin(own, [stamps for stamps, _ in timed.values()])
     streams = {
         name: Stream((stamps - origin) / 1e9, columns) for name, (stamps, columns) in timed.items()
     }
@@ -82,14 +82,14 @@ def _imu_topic(file: Bag) -> str:
     )
 
 
-def _said(file: Bag) -> list[dict[str, str]]:
-    """What this program wrote into the file about the recording; nothing in a foreign bag."""
+def _own_metadata(file: Bag) -> list[dict[str, str]]:
+    """What this program wrote into the file beside the messages; nothing in a foreign bag."""
     return [record.metadata for record in file.contents.metadata if record.name == FORMAT]
 
 
-def _manifest(file: Bag, said: list[dict[str, str]], salvage: bool) -> Manifest:
+def _manifest(file: Bag, own: list[dict[str, str]], salvage: bool) -> Manifest:
     """The last manifest in the file; in a damaged file the last that is whole."""
-    for metadata in reversed(said):
+    for metadata in reversed(own):
         try:
             return manifest_of(metadata.get("manifest", ""), f"{file.path}, metadata {FORMAT}")
         except Unusable:
@@ -100,10 +100,10 @@ def _manifest(file: Bag, said: list[dict[str, str]], salvage: bool) -> Manifest:
     return Manifest(format=FORMAT, recording_id=file.path.stem, unit=unit, station=station)
 
 
-def _origin(said: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
+def _origin(own: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
     """The stamp in ns of time zero: as the file says, or the earliest if stamps are epochs."""
-    if said:
-        origin = said[-1].get("origin_ns", "0")
+    if own:
+        origin = own[-1].get("origin_ns", "0")
         return int(origin) if origin.isdecimal() else 0
     earliest = min(int(times[0]) for times in stamps)
     return earliest if earliest > LONGEST * NANO else 0
