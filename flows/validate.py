@@ -1,5 +1,6 @@
 """`mimucal validate`: show that what the methods state holds, and keep the record of it."""
 
+from functools import partial
 from pathlib import Path
 
 from flows.printing import print_rows, stdout
@@ -8,8 +9,9 @@ from schemas.base import Unusable
 from schemas.validation import ValidationRecord
 from storage.home import home
 from storage.settings import VALIDATION
-from tasks.stages.estimate import METHODS
-from tasks.validation.coverage import FEWEST_UNITS
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.register import SPECIFICATIONS
+from tasks.validation.coverage import FEWEST_UNITS, Calibrate
 from tasks.validation.make import make_record
 from tasks.validation.page import validation_html
 from tasks.version import code_version
@@ -28,8 +30,11 @@ def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None
     record_file = out or home().path / VALIDATION
     if record_file.suffix != ".json":
         raise Unusable(f"--out {record_file}: the record is a .json file; name it so")
-    with counting(f"validate {len(METHODS)} methods") as report:
-        record = make_record(METHODS, units, seed, code_version(), report)
+    with counting(f"validate {len(SPECIFICATIONS)} methods") as report:
+        methods: dict[str, Calibrate] = {
+            name: partial(calibrate, spec) for name, spec in SPECIFICATIONS.items()
+        }
+        record = make_record(methods, units, seed, code_version(), report)
     text = record.model_dump_json(indent=1) + "\n"
     try:
         record_file.parent.mkdir(parents=True, exist_ok=True)

@@ -8,9 +8,9 @@ from schemas.tolerance import Decision
 from tasks.certificate.appendix import TABLE_ITEMS
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, listed
-from tasks.certificate.names import Pair, item_name
+from tasks.certificate.names import Pair, item_name, pair_of
 from tasks.certificate.typography import clause, pair
-from tasks.specifications.parts import K_FACTOR
+from tasks.words.rounding import USUAL_K
 
 FOLLOWED = ("本次校准依据 {}", "Calibrated according to {}")
 DEVIATED = (
@@ -162,7 +162,7 @@ def _coverages(values: list[Item]) -> list[Pair]:
     largest = max(item.k for item in values)
     if all(item.uncertainty_kind == "Monte Carlo" for item in values):
         return [(f"k ≤ {largest:g}", f"k up to {largest:g}")]
-    if largest > K_FACTOR and all(item.uncertainty_kind == "GUM" for item in values):
+    if largest > USUAL_K and all(item.uncertainty_kind == "GUM" for item in values):
         zh, en = COVERAGE_BY_T
         return [(zh.format(k=largest), en.format(k=largest))]
     return [_coverage(k) for k in dict.fromkeys(item.k for item in values)]
@@ -208,7 +208,7 @@ def readings(calibration: Calibration) -> tuple[tuple[str, Pair, Pair], ...]:
     rows = []
     for identifier, short in identifiers(calibration).items():
         known = READINGS.get(identifier)
-        said = (known.zh, known.en) if known else UNREGISTERED
+        said = pair_of(known.text) if known else UNREGISTERED
         rows.append((short, clause(known.clause) if known else (identifier,) * 2, said))
     return tuple(rows)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tasks.motion.nudge import nudged
+from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 
 
@@ -18,7 +18,7 @@ def turned_by(
     """
     still = np.zeros(len(motion.t))
     carried = np.zeros_like(turn) if outside is None else outside
-    moved = nudged(motion, turn, still + 1.0, still, carried)
+    moved = with_small_rotation(motion, turn, still + 1.0, still, carried)
     return moved if change is None else replace(moved, rate=moved.rate + change)
 
 

@@ -1,4 +1,4 @@
-"""What a specification asks of every point and of the room while it is measured."""
+"""What a specification asks of every point and of the environment while it is measured."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ class Conditions:
     """Numbers of a specification and the clauses they come from.
 
     dwell_s: least time at each point, s. steadiness: relative change of a held rate.
-    temperature_degc, humidity_percent: lowest and highest value of the room.
+    temperature_degc, humidity_percent: lowest and highest value of the air.
     """
 
     dwell_s: float
@@ -17,4 +17,4 @@ class Conditions:
     steadiness_clause: str
     temperature_degc: tuple[float, float]
     humidity_percent: tuple[float, float]
-    room_clause: str
+    environment_clause: str

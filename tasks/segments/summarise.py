@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
+from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
 
 CHANNELS = GYRO + ACCEL
 GYRO_COLUMNS = slice(0, 3)
@@ -16,6 +16,7 @@ FAR = 10.0  # robust standard deviations beyond which a row is not this segment'
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
 BLOCKS = 32  # finest blocks of the Allan variances
+MIN_ROWS = 4  # a segment with fewer has no mean to speak of
 LONGEST_BURST = 3  # rows: a corrupted frame or two; anything longer moved
 
 
@@ -58,6 +59,12 @@ class SegmentMean:
     @property
     def has_accel(self) -> bool:
         return bool(np.isfinite(self.mean[ACCEL_COLUMNS]).all())
+
+
+def rows_of(recording: Recording, segment: Segment) -> int:
+    """How many rows of the unit's stream a segment has."""
+    rows = recording.imu.rows(segment.t_start, segment.t_end)
+    return rows.stop - rows.start
 
 
 def coarsely_quantised(segment: SegmentMean) -> np.ndarray:
@@ -111,9 +118,9 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
     burst = longest_run(corrupt)
     if burst <= LONGEST_BURST:
         return corrupt
-    seen = np.concatenate(([0], np.cumsum(corrupt)))
+    count = np.concatenate(([0], np.cumsum(corrupt)))
     row = np.arange(len(corrupt))
-    return seen[np.minimum(row + burst + 1, len(corrupt))] > seen[np.maximum(row - burst, 0)]
+    return count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
 
 
 def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
@@ -199,7 +206,7 @@ def summarise_all(
     recording: Recording, segments: tuple[Segment, ...], origin: Literal["label", "found"]
 ) -> tuple[SegmentMean, ...]:
     """Summaries of every static, rate and rotation segment that the recording has rows of."""
-    measured = (s for s in segments if s.kind in ("static", "rate", "rotation"))
+    measured = (s for s in segments if s.kind in MEASURED)
     step = steps(recording.imu)
     summaries = (summarise(recording.imu, segment, origin, step) for segment in measured)
     return tuple(summary for summary in summaries if summary is not None)

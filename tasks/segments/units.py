@@ -6,11 +6,14 @@ from schemas.recording import AXES
 from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
 
 
-def wrong_rate_unit(segments: tuple[SegmentMean, ...]) -> str | None:
+def wrong_rate_unit(
+    segments: tuple[SegmentMean, ...], columns: str = "gyro columns", unit: str = "rad/s"
+) -> str | None:
     """What is wrong with the unit of the rates, as a sentence, or None.
 
     If in most rate segments the gyro reads 57.3 times more or less than the label, either the
-    labels are not in °/s or the gyro columns are not in rad/s: nothing may be computed.
+    labels are not in °/s or the columns are not in their unit: nothing may be computed.
+    columns, unit: what the rates come from.
     """
     ratios = []
     for segment in segments:
@@ -24,8 +27,8 @@ def wrong_rate_unit(segments: tuple[SegmentMean, ...]) -> str | None:
             _, name, read, label_rate = off[0]
             return (
                 f"rate_deg_s of {len(off)} segments is in the wrong unit: {name} says "
-                f"{label_rate:g} deg/s and the gyro columns read {read:.4g} deg/s, a factor of "
-                "57.3; write rate_deg_s in deg/s and the gyro columns in rad/s"
+                f"{label_rate:g} deg/s and the {columns} read {read:.4g} deg/s, a factor of 57.3; "
+                f"write rate_deg_s in deg/s and the {columns} in {unit}"
             )
     return None
 

@@ -1,37 +1,39 @@
-"""What a recording offers to the items of JJF 2003: positions, rate points, turns, rests."""
+"""What a recording offers to the items: its segments as positions, rate points, turns, rests."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from schemas.recording import AXES, Axis, Recording, Segment, Up
-from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
-from tasks.segments.rates import turning_points
-from tasks.segments.summarise import (
-    ACCEL_COLUMNS,
-    SegmentMean,
-    coarsely_quantised,
-    summarise_all,
-)
-from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means, fit_noise
+from schemas.recording import Axis, Kind, Recording, Up
+from tasks.segments.rates import TurningPoint
+from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
+from tasks.specifications.earth_rotation import EarthRotationGain
+from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
 UPS: tuple[Up, ...] = ("+x", "-x", "+y", "-y", "+z", "-z")
-FEWEST_ROWS = 4  # a segment with fewer has no mean worth the name
+NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is not known
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Evidence:
     """The segment means of one recording, sorted by what they serve.
 
+    recording: with the columns that the means were taken of.
     segments: all of them; every other field holds indices into it.
     up: for each segment, the axis that points up, as gravity shows it where it can.
     positions: indices by axis up, the rests of 7.2.2.1.
     points: indices of the rate runs about each axis, with `rate` (segments,) rad/s about it.
     turns: indices of the turns by a known angle about each axis.
     rests: indices of the rests beside the rate runs, by axis up.
+    turning_points: what encoders or gyro say of each held rate, by index.
+    earth: the gain of Earth's rotation in the rests; None where it was not looked for, or where
+    neither latitude nor rests are known.
+    channel_names: (6,) columns as they were recorded. may_stand_still: whether their resolution
+    hides their noise at rest.
     """
 
+    recording: Recording
     segments: tuple[SegmentMean, ...]
     means: np.ndarray
     noise: ChannelNoise
@@ -41,6 +43,29 @@ class Evidence:
     rate: np.ndarray
     turns: dict[Axis, tuple[int, ...]]
     rests: dict[str, tuple[int, ...]]
+    turning_points: dict[int, TurningPoint]
+    earth: EarthRotationGain | None = None
+    channel_names: tuple[str, ...] = CHANNELS
+    may_stand_still: bool = False
+
+    @property
+    def gravity(self) -> float | None:
+        """Local gravity (m/s²), None where the recording does not state it."""
+        return self.recording.manifest.station.gravity_m_s2
+
+    @property
+    def latitude_deg(self) -> float | None:
+        """Latitude of the station, None where the recording does not state it."""
+        return self.recording.manifest.station.latitude_deg
+
+    @property
+    def has_table(self) -> bool:
+        """Whether the table's encoders were recorded."""
+        return self.recording.table is not None
+
+    def of_kind(self, kind: Kind) -> list[int]:
+        """Indices of the segments of one kind."""
+        return [i for i, s in enumerate(self.segments) if s.segment.kind == kind]
 
     @cached_property
     def coarse_channels(self) -> np.ndarray:
@@ -50,7 +75,7 @@ class Evidence:
 
     @property
     def mounted_once(self) -> bool:
-        """Whether one mounting held all segments: none tells of a mounting of its own."""
+        """Whether one mounting held all segments: none has a mounting of its own."""
         return len({repr(segment.segment.mount) for segment in self.segments}) < 2
 
     def covariance(self, channel: int) -> np.ndarray:
@@ -73,67 +98,7 @@ class Evidence:
         step = max(segment.step[channel] for segment in self.segments)
         labels = [segment.segment for segment in self.segments]
         place = [(u, s.kind, s.axis, s.rate_deg_s) for u, s in zip(self.up, labels, strict=True)]
-        for each in set(place):
-            held = [i for i, other in enumerate(place) if other == each]
+        for one in set(place):
+            held = [i for i, other in enumerate(place) if other == one]
             shared[np.ix_(held, held)] = step**2 / 12.0
         return shared
-
-
-def gather(recording: Recording) -> Evidence:
-    """Summarise a recording's segments, labelled or found, and sort them."""
-    labels = recording.manifest.segments
-    if labels:
-        long_enough = tuple(s for s in labels if rows_of(recording, s) >= FEWEST_ROWS)
-        segments = summarise_all(recording, long_enough, "label")
-    else:
-        segments = summarise_all(recording, find_segments(recording), "found")
-    known = turning_points(recording, segments)
-    rate = np.array([known[i].rate if i in known else np.nan for i in range(len(segments))])
-    up = tuple(_up(segment) for segment in segments)
-    everything = range(len(segments))
-    rests = [i for i in everything if segments[i].segment.kind == "static"]
-    return Evidence(
-        segments=segments,
-        means=np.array([segment.mean for segment in segments]).reshape(-1, 6),
-        noise=fit_noise(segments, up, rate),
-        up=up,
-        positions={u: tuple(i for i in rests if up[i] == u and _is_position(segments[i].segment))
-                   for u in UPS},
-        points={axis: tuple(i for i in everything if segments[i].segment.kind == "rate"
-                            and segments[i].segment.axis == axis and np.isfinite(rate[i]))
-                for axis in AXES},
-        rate=rate,
-        turns={axis: tuple(i for i in everything if segments[i].segment.kind == "rotation"
-                           and segments[i].segment.axis == axis) for axis in AXES},
-        rests={u: tuple(i for i in rests if up[i] == u) for u in UPS},
-    )  # fmt: skip
-
-
-def rows_of(recording: Recording, segment: Segment) -> int:
-    """How many rows of the unit's stream a segment has."""
-    rows = recording.imu.rows(segment.t_start, segment.t_end)
-    return rows.stop - rows.start
-
-
-def _is_position(segment: Segment) -> bool:
-    """Whether a rest belongs to 7.2.2.1: everything but the rests beside the rate runs."""
-    return segment.item != "rate_sensitivity"
-
-
-def _up(segment: SegmentMean) -> Up | None:
-    """The axis up: what gravity shows, else the label; None where gravity shows no axis.
-
-    While turning, only what is felt along the spin axis is gravity: a lever arm adds its own
-    acceleration across it.
-    """
-    label = segment.segment
-    found_rest = segment.origin == "found" and label.kind == "static"
-    if found_rest or not segment.has_accel or label.kind == "rotation":
-        return label.up
-    accel = segment.mean[ACCEL_COLUMNS]
-    if label.kind != "rate" or label.axis is None:
-        return up_of(accel)
-    along = accel[AXES.index(label.axis)]
-    if not GRAVITY_LIKE[0] < abs(along) < GRAVITY_LIKE[1]:
-        return None
-    return f"{'+' if along > 0 else '-'}{label.axis}"  # type: ignore[return-value]

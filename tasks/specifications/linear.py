@@ -1,10 +1,14 @@
 """Least squares as the clauses write it, kept as a linear operator so that u can follow."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtrc
 
 RANK_TOLERANCE = 1e-9
+EXCESS_LEVEL = 0.01  # scatter that noise alone would give in one case of a hundred
+BLOCKING_EXCESS = 10.0  # beyond it no larger uncertainty makes up for what is wrong
 
 
 @dataclass(frozen=True)
@@ -36,3 +40,47 @@ def solve(design: np.ndarray) -> Solution:
     operator = np.linalg.pinv(design / scale, rcond=RANK_TOLERANCE) / scale[:, None]
     resolution = np.diag(operator @ design)
     return Solution(operator=operator, estimable=np.abs(resolution - 1.0) < 1e-6)
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Residuals (n,) of a fit, their covariance (n, n) by that of the readings, and χ²."""
+
+    values: np.ndarray
+    covariance: np.ndarray
+    chi2: float
+
+
+def residuals_of(
+    solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
+) -> Residuals:
+    """What the fit leaves of the readings."""
+    maker = np.eye(len(readings)) - design @ solution.operator
+    values, spread = maker @ readings, maker @ covariance @ maker.T
+    inverse = np.linalg.pinv(spread, rcond=1e-6, hermitian=True)
+    return Residuals(values, spread, float(values @ inverse @ values))
+
+
+@dataclass(frozen=True)
+class BirgeRatio:
+    """By how much residuals exceed what the noise explains, 1 if they do not, and their dof."""
+
+    factor: float = 1.0
+    dof: float = math.inf
+
+
+def birge_ratio(
+    solution: Solution, design: np.ndarray, readings: np.ndarray, covariance: np.ndarray
+) -> BirgeRatio:
+    """√(χ²/dof) of the residuals where noise alone would reach it in fewer than 1 case of 100.
+
+    The residuals' own covariance follows from the readings' covariance. The degrees of freedom
+    are n − p.
+    """
+    degrees = len(readings) - np.linalg.matrix_rank(design)
+    if degrees < 1 or not np.isfinite(readings).all():
+        return BirgeRatio()
+    chi2 = residuals_of(solution, design, readings, covariance).chi2
+    if chdtrc(degrees, chi2) < EXCESS_LEVEL:
+        return BirgeRatio(float(np.sqrt(chi2 / degrees)), float(degrees))
+    return BirgeRatio()

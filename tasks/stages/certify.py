@@ -20,11 +20,10 @@ from storage.catalogue.runs import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
+from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.stage import stage
 from tasks.validation import record
 
-MONTHS = {"jjf1536": 24}  # clause 9 of JJF 1536-2015; the others' is that of JJF 2003-2022
-DEFAULT_MONTHS = 12
 DEFAULT_PREFIX = "MIMU"
 
 
@@ -96,7 +95,7 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
     validated = settings.validation(home) or record.shipped()
     doubts = {name: (why,) for name, why in record.doubts_of(validated, calibration).items()}
     decision = conformity.decide(calibration, tolerance, expired, doubts)
-    usual = MONTHS.get(calibration.method, DEFAULT_MONTHS)
+    usual = SPECIFICATIONS[calibration.method].interval_months
     months = (order.interval_months if order else None) or usual
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
     certificate = Certificate(

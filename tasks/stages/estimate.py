@@ -3,25 +3,19 @@
 from collections.abc import Callable, Sequence
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Method, UncertaintyKind
+from schemas.calibration import Calibration, UncertaintyKind
 from schemas.certificate import Laboratory
 from schemas.orders import Estimation, UncertaintyName
-from schemas.recording import Recording, Standard
+from schemas.recording import Recording
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.runs import Run
 from storage.home import Home
-from tasks.specifications import jjf1536, jjf2003, joint
-from tasks.specifications.evaluation import evaluation_for
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.register import specification_for
 from tasks.stages.stage import stage
 from tasks.version import code_version
-
-METHODS = {
-    "jjf2003": jjf2003.calibrate,
-    "joint": joint.calibrate,
-    "jjf1536": jjf1536.calibrate,
-}
-BY_STANDARD: dict[Standard, Method] = {"JJF 1536-2015": "jjf1536"}
 
 UNCERTAINTIES: dict[UncertaintyName, UncertaintyKind] = {
     "gum": "GUM",
@@ -43,18 +37,21 @@ def estimate(
     """
     how = how or Estimation()
     recording = runs.load(run, home)
-    method = how.method or BY_STANDARD.get(recording.manifest.standard, "jjf2003")
+    specification = specification_for(recording.manifest.standard, how.method)
     laboratory = laboratory or settings.laboratory(home)
     limits = laboratory.limits if laboratory else None
     evaluation = evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits)
 
-    def calibrate(read: Recording) -> Calibration:
-        return METHODS[method](read, run=run.id, code_version=code_version(), evaluation=evaluation)
+    def calibrated(read: Recording) -> Calibration:
+        version = code_version()
+        return calibrate(
+            specification, read, run=run.id, code_version=version, evaluation=evaluation
+        )
 
     if how.terms is None:
-        calibration = calibrate(recording)
+        calibration = calibrated(recording)
     else:
-        calibration = _with_terms(recording, how.terms, calibrate)
+        calibration = _with_terms(recording, how.terms, calibrated)
     results.save(calibration, home)
     return calibration
 

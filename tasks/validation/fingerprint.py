@@ -8,8 +8,9 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 # What is said beside the results, and stands in no result of an item.
 BESIDE = (
-    "tasks.specifications.information",
+    "tasks.calibrate.information",
     "tasks.specifications.readings",
+    "tasks.specifications.register",  # which specifications there are
     "tasks.version",
     "tasks.words",
 )
@@ -43,7 +44,7 @@ def code(text: str) -> str:
 def sources(method: str) -> list[Path]:
     """The files, sorted."""
     known: set[Path] = set()
-    waiting = [f"tasks.specifications.{method}"]
+    waiting = [f"tasks.specifications.{method}", "tasks.calibrate.calibrate"]
     while waiting:
         path = _file(waiting.pop())
         if path is not None and path not in known:

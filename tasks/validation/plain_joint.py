@@ -9,8 +9,8 @@ from scipy.linalg import cholesky, qr, solve_triangular
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.specifications.evaluation import evaluation_for
-from tasks.specifications.evidence import gather
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.gather import gather
 from tasks.specifications.joint.solution import solve_jointly
 from tasks.specifications.joint.stretches import stretches
 from tasks.validation.run2003 import matrix, vector
@@ -112,5 +112,5 @@ def _seen(
 
 def _weights(recording: Recording) -> np.ndarray:
     evidence = gather(recording)
-    taken = stretches(recording, evidence)
-    return solve_jointly(recording, evidence, taken, evaluation_for(recording).equipment).covariance
+    equipment = evaluation_for(recording).equipment
+    return solve_jointly(evidence, stretches(evidence), equipment).covariance

@@ -4,7 +4,8 @@ import pytest
 
 from flows.printing import print_calibration
 from schemas.calibration import Information
-from tasks.specifications.jjf2003 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 
 def test_information_is_a_second_table_with_its_sentences(
@@ -20,7 +21,7 @@ def test_information_is_a_second_table_with_its_sentences(
             value={"x": None}, en="No floor.", zh="未见最小值。",
         ),
     }  # fmt: skip
-    made = calibrate(ideal_run(), run="r", code_version="v")
+    made = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
     print_calibration(made.model_copy(update={"information": shown}))
     first, second = capsys.readouterr().out.split("for information, not decided on")
     assert "Gyro scale factor" in first
@@ -34,6 +35,6 @@ def test_information_is_a_second_table_with_its_sentences(
 def test_without_information_there_is_one_table(
     ideal_run, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    made = calibrate(ideal_run(), run="r", code_version="v")
+    made = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
     print_calibration(made.model_copy(update={"information": {}}))
     assert "for information" not in capsys.readouterr().out

@@ -9,7 +9,8 @@ from schemas.calibration import Calibration
 from schemas.publish import FOLDER, PUBLISHED, schema_text
 from schemas.recording import Manifest, Mount, Segment, Station
 from schemas.tolerance import Limit, bounds
-from tasks.specifications.jjf2003 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
@@ -23,7 +24,7 @@ def test_every_published_file_belongs_to_a_model() -> None:
 
 
 def test_a_calibration_survives_being_written_and_read(ideal_run) -> None:
-    calibration = calibrate(ideal_run(), run="r", code_version="v")
+    calibration = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
     text = calibration.model_dump_json()
     again = Calibration.model_validate_json(text)
     assert again == calibration

@@ -11,7 +11,8 @@ from schemas.recording import Recording
 from storage import dataframes
 from storage.catalogue import results, runs
 from storage.home import Home
-from tasks.specifications import jjf2003
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 
 def test_each_run_is_a_row(fresh: Home, small: Callable[..., Recording]) -> None:
@@ -39,7 +40,7 @@ def test_segments_and_budgets_of_a_calibration(
 ) -> None:
     recording = ideal_run(dwell=1.0)
     run = runs.add(recording, fresh)[0]
-    calibration = jjf2003.calibrate(runs.load(run, fresh), run=run.id, code_version="v")
+    calibration = calibrate(JJF2003, runs.load(run, fresh), run=run.id, code_version="v")
     results.save(calibration, fresh)
     used = dataframes.segments(fresh)
     assert list(used["name"]) == [segment.name for segment in calibration.segments]

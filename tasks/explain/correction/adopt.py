@@ -8,13 +8,13 @@ import numpy as np
 from schemas.calibration import AdoptedParameter, AdoptedTerm, Calibration, Elements, Item, Remark
 from schemas.recording import Recording
 from schemas.uncertainty import Budget, BudgetInput
+from tasks.calibrate.evaluation import common_factor, expanded
 from tasks.explain.correction.consequences import without
 from tasks.explain.correction.spread import Spread, spreads_of
 from tasks.explain.explanation import Finding
 from tasks.model.term import Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.motion.whole import Motion
-from tasks.specifications.evaluation import common_factor, expanded
 from tasks.uncertainty.coverage import half_width
 from tasks.uncertainty.propagation import coverage_factor
 from tasks.words import Message, clauses, message, remark, say

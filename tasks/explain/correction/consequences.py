@@ -11,9 +11,10 @@ from schemas.discrepancy import Consequence, VerdictChange
 from schemas.recording import ANGLE, Recording, Stream
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
+from tasks.calibrate.calibrate import calibrate
 from tasks.explain.explanation import CHANNELS, Explanation
-from tasks.specifications import jjf1536, jjf2003
 from tasks.specifications.items import ITEMS
+from tasks.specifications.register import specification_for
 from tasks.words import Sayable, clauses, message
 from tasks.words.rounding import column
 from tasks.words.units import unit_text
@@ -108,9 +109,8 @@ def moved_by(seen: Consequence) -> float:
 
 def _calibrated(recording: Recording) -> Calibration:
     """All items by the clause method that the recording was made for; nothing is kept."""
-    ahrs = recording.manifest.standard == "JJF 1536-2015"
-    calibrate = jjf1536.calibrate if ahrs else jjf2003.calibrate
-    return calibrate(recording, run="", code_version="")
+    specification = specification_for(recording.manifest.standard)
+    return calibrate(specification, recording, run="", code_version="")
 
 
 def _judge(

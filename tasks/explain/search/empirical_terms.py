@@ -7,7 +7,7 @@ import numpy as np
 
 from tasks.explain.channels import EVERY
 from tasks.model.term import Column, Inputs, Parameter, Term
-from tasks.motion.nudge import nudged
+from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
@@ -49,7 +49,7 @@ class EmpiricalTilt(Term):
         for axis in range(3):
             if values[axis]:
                 angle, speed = values[axis] * regressor, values[axis] * slope
-                motion = nudged(motion, np.eye(3)[axis], angle, speed, motion.rate)
+                motion = with_small_rotation(motion, np.eye(3)[axis], angle, speed, motion.rate)
         return motion
 
 

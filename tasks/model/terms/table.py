@@ -7,7 +7,7 @@ import numpy as np
 from schemas.recording import Recording
 from tasks.model.parameters import DEG, one
 from tasks.model.term import Parameter, Term
-from tasks.motion.nudge import nudged
+from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 
 MOST_PER_TURN = 24
@@ -45,7 +45,7 @@ def _off_encoder(motion: Motion, axis: int, per_turn: float, amplitudes: np.ndar
     sin, cos = np.sin(angle), np.cos(angle)
     change = (s * cos - c * sin) * per_turn * axes.speeds[:, axis]
     direction = axes.directions[:, axis]
-    return nudged(motion, direction, s * sin + c * cos, change, axes.outside(axis))
+    return with_small_rotation(motion, direction, s * sin + c * cos, change, axes.outside(axis))
 
 
 def rate_ripple(per_turn: int, axis: int) -> RateRipple:

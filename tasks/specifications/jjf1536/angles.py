@@ -23,21 +23,22 @@ from tasks.specifications.jjf1536.noise import AngleNoise, fit_angle_noise, slow
 
 Origin = Literal["label", "found"]
 
+AS_LONG = 0.9  # of the longest rest: rests that show noise as slow as it does
 STEP_ROWS = 8000  # rows that the resolution of an angle is looked for in
-WILD = 5.0  # times nearly the largest increment of a turn: no increment of that turn
+OUTLYING = 5.0  # times the 90 % quantile of a turn's increments: no increment of that turn
 
 
 @dataclass(frozen=True)
-class Gained:
+class Increments:
     """Increments of the accumulated angles over one segment.
 
     increment: (3, n) rad, those that jumped replaced by what lies beside them.
-    wild: (3, n), which ones those are.
+    outlying: (3, n), which ones those are.
     t_start, t_end: s, the first and the last reading.
     """
 
     increment: np.ndarray
-    wild: np.ndarray
+    outlying: np.ndarray
     t_start: float
     t_end: float
 
@@ -68,7 +69,7 @@ def resolution(imu: Stream) -> np.ndarray:
     return np.where(np.isfinite(smallest), smallest, 0.0)
 
 
-def gained(imu: Stream, segment: Segment, step: np.ndarray) -> Gained | None:
+def angle_increments(imu: Stream, segment: Segment, step: np.ndarray) -> Increments | None:
     """The increments of a segment, None with fewer than two readings.
 
     The reading at the segment's end closes its last increment; where angles began anew there,
@@ -85,22 +86,22 @@ def gained(imu: Stream, segment: Segment, step: np.ndarray) -> Gained | None:
     t = imu.t[within]
     increment = np.diff(imu.channels(ANGLE, within), axis=1)
     share = interval / np.diff(t)
-    jumped = np.zeros(increment.shape, bool)
+    replaced = np.zeros(increment.shape, bool)
     row = np.arange(len(share))
     for channel, values in enumerate(increment * share):
-        wild = _wild(values, step[channel], segment)
-        if wild is not None and not wild.all():
-            calm = np.interp(row[wild], row[~wild], values[~wild])
-            increment[channel, wild] = calm / share[wild]
-            jumped[channel] = wild
-    return Gained(increment, jumped, float(t[0]), float(t[-1]))
+        outlying = _outlying_rows(values, step[channel], segment)
+        if outlying is not None and not outlying.all():
+            calm = np.interp(row[outlying], row[~outlying], values[~outlying])
+            increment[channel, outlying] = calm / share[outlying]
+            replaced[channel] = outlying
+    return Increments(increment, replaced, float(t[0]), float(t[-1]))
 
 
-def _wild(values: np.ndarray, step: float, segment: Segment) -> np.ndarray | None:
+def _outlying_rows(values: np.ndarray, step: float, segment: Segment) -> np.ndarray | None:
     """Which increments (n,) are a spike's or a restart's; in a turn they may differ a lot."""
     if segment.kind != "rotation":
         return far_rows(values, step)
-    return np.abs(values) > WILD * np.quantile(np.abs(values), 0.9) + 4.5 * step
+    return np.abs(values) > OUTLYING * np.quantile(np.abs(values), 0.9) + 4.5 * step
 
 
 def is_coarse(rests: list[np.ndarray], step: np.ndarray) -> bool:
@@ -132,7 +133,7 @@ def summarise_angles(
     kept = []
     for segment in segments:
         base = summarise(rates.imu, segment, origin, every_step)
-        gain = gained(recording.imu, segment, step)
+        gain = angle_increments(recording.imu, segment, step)
         if base is not None and gain is not None:
             kept.append((base, gain))
     rests = [gain.increment for base, gain in kept if base.segment.kind == "static"]
@@ -141,26 +142,26 @@ def summarise_angles(
     return _with_slow_noise(means, noise), noise, is_coarse(rests, step)
 
 
-def _with_angles(base: SegmentMean, gain: Gained) -> SegmentMean:
+def _with_angles(base: SegmentMean, gain: Increments) -> SegmentMean:
     """The summary with the angle gained over the time as its rates, and their Allan variances."""
     seconds = gain.t_end - gain.t_start
     mean, step = base.mean.copy(), base.step.copy()
     mean[GYRO_COLUMNS] = gain.increment.sum(axis=1) / seconds
     step[GYRO_COLUMNS] = 0.0  # the rounding of the angle is counted once, as its noise
     rate = gain.increment * gain.increment.shape[1] / seconds
-    seen, tau = allan_variances(rate, seconds)
+    variances, tau = allan_variances(rate, seconds)
     allan = np.zeros((len(tau), len(mean)))
-    allan[:, GYRO_COLUMNS] = seen
+    allan[:, GYRO_COLUMNS] = variances
     far = base.far_rows.copy()
-    far[GYRO_COLUMNS] = gain.wild.sum(axis=1)
-    any_wild = np.asarray(gain.wild.any(axis=0))
+    far[GYRO_COLUMNS] = gain.outlying.sum(axis=1)
+    any_outlying = np.asarray(gain.outlying.any(axis=0))
     base = replace(
         base,
         t_start=gain.t_start,
         t_end=gain.t_end,
-        left_out=int(any_wild.sum()),
+        left_out=int(any_outlying.sum()),
         far_rows=far,
-        longest_burst=longest_run(any_wild),
+        longest_burst=longest_run(any_outlying),
     )
     return replace(base, mean=mean, step=step, allan=allan, tau=tau)
 
@@ -171,16 +172,19 @@ def _with_slow_noise(means: tuple[SegmentMean, ...], noise: AngleNoise) -> tuple
     The longest rests keep what they show, the mean over all of them; the others, and whatever
     turns, have the white noise of the rate.
     """
-    rests = [m for m in means if m.segment.kind == "static"]
-    levels = max((len(m.tau) for m in rests), default=0)
-    longest = max((m.seconds for m in rests), default=0.0)
-    long = [m for m in rests if m.seconds > 0.9 * longest and len(m.tau) == levels]
+    rests = {i: m for i, m in enumerate(means) if m.segment.kind == "static"}
+    levels = max((len(m.tau) for m in rests.values()), default=0)
+    longest = max((m.seconds for m in rests.values()), default=0.0)
+    long = {
+        i: m.allan[:, GYRO_COLUMNS]
+        for i, m in rests.items()
+        if m.seconds > AS_LONG * longest and len(m.tau) == levels
+    }
     changed = []
-    for m in means:
+    for i, m in enumerate(means):
         allan = np.zeros_like(m.allan)
         allan[:, GYRO_COLUMNS] = noise.walk / m.tau[:, None]
-        if any(m is each for each in long):
-            seen = [each.allan[:, GYRO_COLUMNS] for each in long]
-            allan[:, GYRO_COLUMNS] = slow_allan(seen, m.tau, noise)
+        if i in long:
+            allan[:, GYRO_COLUMNS] = slow_allan(list(long.values()), m.tau, noise)
         changed.append(replace(m, allan=allan))
     return tuple(changed)

@@ -1,14 +1,14 @@
-"""Where the axes of the unit point during a rest: by the table, else by the label.
+"""The attitude of the unit during a rest: by the table, else by the label.
 
-A pointing is (3, 15): for each axis of the unit its components along East, North, Up, and twelve
-more for labels of the axis up with a turn about the vertical. Nobody says from where such a turn
-is counted, so the level directions of each axis up are a plane of their own.
+An attitude vector is (3, 15): for each axis of the unit its components along East, North, Up, and
+twelve more for labels of the axis up with a turn about the vertical. From where such a turn is
+counted is not recorded, so the level directions of each axis up are a plane of their own.
 """
 
 import numpy as np
 
 from schemas.recording import AXES, Recording, Segment, Up
-from tasks.motion.table import mount_of, rotation
+from tasks.motion.table import mount_of, payload_attitude, table_angles
 from tasks.specifications.evidence import UPS
 
 VERTICAL = 2
@@ -20,8 +20,8 @@ POINTS = {
 UPRIGHT = np.cos(np.radians(10.0))
 
 
-def pointing(recording: Recording, segment: Segment) -> np.ndarray | None:
-    """Pointing (3, 15) of a rest; None where neither a table nor the label tells.
+def attitude_vector(recording: Recording, segment: Segment) -> np.ndarray | None:
+    """Attitude vector (3, 15) of a rest; None where neither table nor label gives it.
 
     By the table's encoders and the mount; where the station has no table, by the segment's own
     mount; else by the label: `points`, or `up` with `turn_deg`. An unknown heading of the station
@@ -43,11 +43,10 @@ def _mounted(recording: Recording, segment: Segment) -> np.ndarray | None:
     """R_n_body (3, 3) by table and mount, or by the mount alone where there is no table."""
     axes = recording.manifest.station.table_axes
     if axes and recording.table is not None:
-        rows = recording.table.rows(segment.t_start, segment.t_end)
-        if rows.stop > rows.start:
-            names = tuple(f"{axis.name}_angle" for axis in axes)
-            angles = np.unwrap(recording.table.stack_rows(names, rows), axis=0).mean(axis=0)
-            return _payload(recording, angles) @ mount_of(recording.manifest, segment)
+        angles = table_angles(recording, segment)
+        if len(angles):
+            payload = payload_attitude(recording.manifest.station, angles.mean(axis=0))
+            return payload @ mount_of(recording.manifest, segment)
     if not axes and segment.mount is not None:
         return mount_of(recording.manifest, segment)
     return None
@@ -61,26 +60,16 @@ def _pointed(segment: Segment) -> np.ndarray | None:
     return None
 
 
-def points_contradicted(recording: Recording, segment: Segment) -> bool:
+def attitude_contradicted(recording: Recording, segment: Segment) -> bool:
     """Whether table and mount say that the axes point elsewhere than `points` says, by over 10°."""
-    known, said = _mounted(recording, segment), _pointed(segment)
-    if known is None or said is None or recording.manifest.station.heading_deg is None:
+    known, label = _mounted(recording, segment), _pointed(segment)
+    if known is None or label is None or recording.manifest.station.heading_deg is None:
         return False
-    return bool((known * said).sum(axis=0).min() < UPRIGHT)
-
-
-def _payload(recording: Recording, angles: np.ndarray) -> np.ndarray:
-    """R_n_payload (3, 3) at the table's angles (rad)."""
-    station = recording.manifest.station
-    turned = rotation(np.array([0.0, 0.0, 1.0]), -np.radians(station.heading_deg or 0.0))
-    for axis, angle in zip(station.table_axes or (), angles, strict=True):
-        direction = np.array(axis.direction)
-        turned = turned @ rotation(direction / np.linalg.norm(direction), float(angle))
-    return turned
+    return bool((known * label).sum(axis=0).min() < UPRIGHT)
 
 
 def _turned(segment: Segment) -> np.ndarray | None:
-    """Pointing by the axis up and the turn about the vertical."""
+    """Attitude vector by the axis up and the turn about the vertical."""
     if segment.up is None or segment.turn_deg is None:
         return None
     sign, axis = (1.0 if segment.up[0] == "+" else -1.0), AXES.index(segment.up[1])
@@ -93,14 +82,14 @@ def _turned(segment: Segment) -> np.ndarray | None:
     return points
 
 
-def placed(segment: Segment, points: np.ndarray | None) -> Segment:
+def with_attitude(segment: Segment, vector: np.ndarray | None) -> Segment:
     """The segment with `up` and `turn_deg` as its attitude has them, where an axis is upright."""
-    if points is None or (segment.up and segment.turn_deg is not None):
+    if vector is None or (segment.up and segment.turn_deg is not None):
         return segment
-    axis = int(np.abs(points[:, VERTICAL]).argmax())
-    if abs(points[axis, VERTICAL]) < UPRIGHT:
+    axis = int(np.abs(vector[:, VERTICAL]).argmax())
+    if abs(vector[axis, VERTICAL]) < UPRIGHT:
         return segment
-    up: Up = f"{'+' if points[axis, VERTICAL] > 0 else '-'}{AXES[axis]}"  # type: ignore[assignment]
-    east, north = points[(axis + 1) % 3, :2]
+    up: Up = f"{'+' if vector[axis, VERTICAL] > 0 else '-'}{AXES[axis]}"  # type: ignore[assignment]
+    east, north = vector[(axis + 1) % 3, :2]
     turn = float(np.degrees(np.arctan2(north, east)))
     return segment.model_copy(update={"up": up, "turn_deg": round(turn, 3)})

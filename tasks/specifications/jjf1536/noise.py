@@ -85,11 +85,11 @@ def _not_negative(design: np.ndarray, target: np.ndarray) -> np.ndarray:
     return best
 
 
-def slow_allan(seen: list[np.ndarray], tau: np.ndarray, noise: AngleNoise) -> np.ndarray:
+def slow_allan(variances: list[np.ndarray], tau: np.ndarray, noise: AngleNoise) -> np.ndarray:
     """Mean Allan variance (levels, 3) of equally long rests, without the part of the angle.
 
-    seen: (levels, 3) of each rest at block lengths tau (levels,). Never less than a part of what
-    the white rate noise gives.
+    variances: (levels, 3) of each rest at block lengths tau (levels,). Never less than a part of
+    what the white rate noise gives.
     """
-    slow = np.mean(seen, axis=0) - 3.0 * noise.angle / tau[:, None] ** 2
+    slow = np.mean(variances, axis=0) - 3.0 * noise.angle / tau[:, None] ** 2
     return np.maximum(slow, FAINT * noise.walk / tau[:, None])

@@ -1,18 +1,19 @@
-"""JJF 2003-2022, clause 7: every item that a recording allows."""
+"""JJF 2003-2022, clause 7: every item that a recording allows, clause by clause."""
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
-from tasks.specifications.assemble import assemble
-from tasks.specifications.evaluation import Evaluation, evaluation_for
-from tasks.specifications.evidence import gather
+from tasks.specifications.estimate import ClauseResult, merged
+from tasks.specifications.evidence import Evidence
+from tasks.specifications.gather import gather
+from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.rate_sensitivity import rate_sensitivity_item
 from tasks.specifications.jjf2003.tumble import tumble_items
 from tasks.specifications.jjf2003.turning import gyro_matrix, turning_items
-from tasks.specifications.parts import NOMINAL_GRAVITY, joined
+from tasks.specifications.specification import Section, Specification
+from tasks.uncertainty.equipment import JJF2003 as EQUIPMENT
+from tasks.uncertainty.equipment import Equipment
 
-PROCEDURE = "JJF 2003-2022, 7.2"
 CONDITIONS = Conditions(
     dwell_s=30.0,
     dwell_clause="7.2",
@@ -20,49 +21,51 @@ CONDITIONS = Conditions(
     steadiness_clause="7.2.1.1 d)",
     temperature_degc=(15.0, 25.0),
     humidity_percent=(20.0, 85.0),
-    room_clause="6.1",
+    environment_clause="6.1",
 )
-ORDER = (
-    "gyro_scale_factor",
-    "gyro_cross_coupling",
-    "gyro_fit_offset",
-    "gyro_bias",
-    "gyro_g_sensitivity",
-    "accel_scale_factor",
-    "accel_cross_coupling",
-    "accel_bias",
-    "accel_rate_sensitivity",
+LAYOUT = (  # Appendix B
+    Section("scale-factors", ("gyro_scale_factor", "accel_scale_factor", "gyro_fit_offset")),
+    Section("biases", ("gyro_bias", "accel_bias")),
+    Section("gyro-cross-coupling", ("gyro_cross_coupling",)),
+    Section("accel-cross-coupling", ("accel_cross_coupling",)),
+    Section("gyro-g-sensitivity", ("gyro_g_sensitivity",)),
+    Section("accel-rate-sensitivity", ("accel_rate_sensitivity",)),
 )
 
 
-def calibrate(
-    recording: Recording, *, run: str, code_version: str, evaluation: Evaluation | None = None
-) -> Calibration:
-    """Estimate the eight items of JJF 2003-2022 (Table 2) and the fit offset of eq. (4).
-
-    evaluation: of the uncertainties; by the law of propagation with the limits of the recording's
-    specification where it is not given.
-    Raises Unusable where the recording holds neither gyro nor accelerometer readings.
-    """
+def check(recording: Recording) -> None:
+    """Raises Unusable where the recording holds neither gyro nor accelerometer readings."""
     if not any(name in recording.imu.columns for name in GYRO + ACCEL):
         raise Unusable(
             f"{recording.manifest.recording_id}: there are no gyro_* or accel_* columns, which JJF "
             "2003 calibrates; a recording of accumulated angles belongs to JJF 1536"
         )
-    evaluation = evaluation or evaluation_for(recording)
-    evidence = gather(recording)
-    gravity = recording.manifest.station.gravity_m_s2 or NOMINAL_GRAVITY
-    turning = turning_items(recording, evidence, evaluation)
-    tumble = tumble_items(recording, evidence, gyro_matrix(turning), evaluation)
-    return assemble(
-        recording,
-        evidence,
-        joined((turning, tumble, rate_sensitivity_item(evidence, gravity, evaluation))),
-        method="jjf2003",
-        procedure=PROCEDURE,
-        order=ORDER,
-        conditions=CONDITIONS,
-        evaluation=evaluation,
-        run=run,
-        code_version=code_version,
+
+
+def estimate(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+    """The eight items of Table 2 and the fit offset of eq. (4)."""
+    turning = turning_items(evidence, equipment)
+    return merged(
+        (
+            turning,
+            tumble_items(evidence, gyro_matrix(turning), equipment),
+            rate_sensitivity_item(evidence, equipment),
+        )
     )
+
+
+JJF2003 = Specification(
+    method="jjf2003",
+    standard="JJF 2003-2022",
+    procedure="JJF 2003-2022, 7.2",
+    items=MIMU_ITEMS,
+    not_decided_on=("gyro_fit_offset",),
+    conditions=CONDITIONS,
+    interval_months=12,
+    layout=LAYOUT,
+    equipment=EQUIPMENT,
+    equipment_source="JJF 2003-2022, Table 1",
+    check=check,
+    gather=gather,
+    estimate=estimate,
+)

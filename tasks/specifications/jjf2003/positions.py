@@ -1,7 +1,7 @@
 """The positions of 7.2.2.1: which axes were up, at which headings, and their averages U_i."""
 
 from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -9,21 +9,13 @@ from schemas.calibration import Remark
 from schemas.recording import AXES
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.evidence import UPS, Evidence
+from tasks.words import message
+from tasks.words.remark import remark
 
-
-@dataclass(frozen=True)
-class Triad:
-    """Three sensors that are recorded together: their name, and which segments hold them."""
-
-    en: str
-    zh: str
-    serves: Callable[[SegmentMean], bool]
-
-
-TRIADS = (
-    Triad("gyro", "陀螺", lambda segment: segment.has_gyro),
-    Triad("accelerometer", "加速度计", lambda segment: segment.has_accel),
-)
+SERVES: dict[str, Callable[[SegmentMean], bool]] = {
+    "gyro": lambda segment: segment.has_gyro,
+    "accel": lambda segment: segment.has_accel,
+}
 
 
 def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
@@ -36,9 +28,10 @@ def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
 
 
 def usable_positions(
-    evidence: Evidence, serves: Callable[[SegmentMean], bool]
+    evidence: Evidence, triad: Literal["gyro", "accel"]
 ) -> dict[str, tuple[int, ...]]:
-    """The positions with at least one usable rest, by axis up, in the order of the clause."""
+    """The positions with at least one rest of the triad, by axis up, in the clause's order."""
+    serves = SERVES[triad]
     usable = {
         up: tuple(i for i in evidence.positions[up] if serves(evidence.segments[i])) for up in UPS
     }
@@ -87,45 +80,23 @@ def is_paired(evidence: Evidence, indices: tuple[int, ...]) -> bool:
 
 def position_remarks(evidence: Evidence) -> Iterator[Remark]:
     """Conditions of 7.2.2.1 a): six axes up, each at two headings, for each triad recorded."""
-    absent: dict[tuple[str, ...], list[Triad]] = {}
-    single: dict[tuple[str, ...], list[Triad]] = {}
+    absent: dict[tuple[str, ...], list[str]] = {}
+    single: dict[tuple[str, ...], list[str]] = {}
     for triad in _recorded(evidence):
-        positions = usable_positions(evidence, triad.serves)
+        positions = usable_positions(evidence, triad)
         absent.setdefault(tuple(up for up in UPS if up not in positions), []).append(triad)
         alone = (up for up, rests in positions.items() if not is_paired(evidence, rests))
         single.setdefault(tuple(alone), []).append(triad)
-    for ups, triads in absent.items():
-        if ups:
-            yield _missing(", ".join(ups), triads)
-    for ups, triads in single.items():
-        if ups:
-            yield _one_heading(", ".join(ups), triads)
+    for code, by_ups in (("positions_missing", absent), ("one_heading", single)):
+        for ups, triads in by_ups.items():
+            if ups:
+                which = message(f"jjf2003-triad-{'-and-'.join(triads)}")
+                name = f"jjf2003-{code.replace('_', '-')}"
+                text = message(name, ups=", ".join(ups), triads=which)
+                yield remark(code, text, blocks_pass=True)
 
 
-def _recorded(evidence: Evidence) -> tuple[Triad, ...]:
+def _recorded(evidence: Evidence) -> tuple[Literal["gyro", "accel"], ...]:
     """The triads that some segment has; both where there is none."""
-    found = tuple(t for t in TRIADS if any(t.serves(segment) for segment in evidence.segments))
-    return found or TRIADS
-
-
-def _missing(listed: str, triads: list[Triad]) -> Remark:
-    return Remark(
-        code="positions_missing",
-        en=f"No usable rest with {listed} up of the {' and '.join(t.en for t in triads)} triad; "
-        "7.2.2.1 asks for all six.",
-        zh=f"{'和'.join(t.zh for t in triads)}缺少 {listed} 朝天的可用静止位置；"
-        "7.2.2.1 要求六个方向齐全。",
-        blocks_pass=True,
-    )
-
-
-def _one_heading(listed: str, triads: list[Triad]) -> Remark:
-    return Remark(
-        code="one_heading",
-        en=f"{listed} up: {' and '.join(t.en for t in triads)} not recorded at two headings 180° "
-        "apart as 7.2.2.1 asks; the horizontal part of Earth's rotation and of the table's tilt "
-        "does not cancel.",
-        zh=f"{listed} 朝天：{'和'.join(t.zh for t in triads)}未按 7.2.2.1 在相差 180° 的两个方位"
-        "测量，地球自转及转台倾斜的水平分量未抵消。",
-        blocks_pass=True,
-    )
+    known: tuple[Literal["gyro", "accel"], ...] = ("gyro", "accel")
+    return tuple(t for t in known if any(map(SERVES[t], evidence.segments))) or known

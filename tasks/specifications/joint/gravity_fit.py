@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.specifications.linear import Solution
-from tasks.specifications.parts import Excess, excess_scatter
+from tasks.specifications.linear import BirgeRatio, Solution, birge_ratio
 
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 FEWEST_RESTS = 12  # nine parameters, and some rests to contradict them
@@ -35,7 +34,7 @@ class GravityFit:
     misses: np.ndarray
     operator: np.ndarray
     by_gravity: np.ndarray
-    excess: Excess
+    excess: BirgeRatio
 
 
 def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> GravityFit | None:
@@ -72,7 +71,7 @@ def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> Gravity
         misses=misses,
         operator=-follow[:, :, None] * readout[None],
         by_gravity=follow.sum(axis=1),
-        excess=excess_scatter(solution, slopes, misses, np.asarray(spread)),
+        excess=birge_ratio(solution, slopes, misses, np.asarray(spread)),
     )
 
 

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.calibration import Item
-from schemas.recording import AXES, Recording
+from schemas.discrepancy import Statement
+from schemas.recording import AXES
+from tasks.specifications.estimate import ItemEstimate
 from tasks.specifications.evidence import UPS, Evidence
 from tasks.specifications.joint.gravity_fit import FEWEST_RESTS
 from tasks.specifications.joint.stretches import Stretches
 
-Reasons = dict[str, tuple[str, str]]
+Reasons = dict[str, Statement]
 
 
 def level_unknown(taken: Stretches, evidence: Evidence, up: str) -> bool:
@@ -20,7 +21,7 @@ def level_unknown(taken: Stretches, evidence: Evidence, up: str) -> bool:
 
 
 def table_reasons(
-    recording: Recording, items: Mapping[str, Item], taken: Stretches, evidence: Evidence
+    items: Mapping[str, ItemEstimate], taken: Stretches, evidence: Evidence
 ) -> Reasons:
     """Why elements are null: what would determine them."""
     absent = [up for up in UPS if not any(s == up and z for s, z in _rests(evidence, taken.zero))]
@@ -40,13 +41,13 @@ def table_reasons(
         "accel_bias": _not_rested(no_rest, "accel"),
         "accel_rate_sensitivity": _not_turned(unfelt, "accel"),
     }
-    if recording.manifest.station.gravity_m_s2 is None:
+    if evidence.gravity is None:
         why = ("the local gravity is not told", "未给出当地重力加速度")
         causes["accel_scale_factor"] = causes["accel_cross_coupling"] = why
     level = ", ".join(up for up in UPS if level_unknown(taken, evidence, up))
     reasons = {}
     for name, item in items.items():
-        null = [element for element, value in item.value.items() if value is None]
+        null = item.undetermined
         if not null:
             continue
         why_en, why_zh = causes[name]
@@ -60,7 +61,7 @@ def table_reasons(
                 f"非对角元：{level} 仅在一个方位测量且北向未知，地球自转水平分量未知"
             )
         shown = ", ".join(null)
-        reasons[name] = (f"{shown}: {why_en}", f"{shown}：{why_zh}")
+        reasons[name] = Statement(en=f"{shown}: {why_en}", zh=f"{shown}：{why_zh}")
     return reasons
 
 
@@ -103,7 +104,7 @@ def _not_rested(ups: Sequence[str], triad: str) -> tuple[str, str]:
 
 
 def hand_reasons(
-    recording: Recording, items: Mapping[str, Item], rests_fitted: bool, rests: int
+    evidence: Evidence, items: Mapping[str, ItemEstimate], rests_fitted: bool, rests: int
 ) -> Reasons:
     """Why elements are null."""
     causes = dict.fromkeys(items, (
@@ -124,12 +125,13 @@ def hand_reasons(
             "around are needed",
             f"有加速度计数据的静止位置 {rests} 个；需 {FEWEST_RESTS} 个以上、姿态遍布各方向",
         )
-        if recording.manifest.station.gravity_m_s2 is None:
+        if evidence.gravity is None:
             none = ("the local gravity is not told", "未给出当地重力加速度")
         causes = dict.fromkeys(items, none)
     reasons = {}
     for name, item in items.items():
-        null = ", ".join(element for element, value in item.value.items() if value is None)
+        null = ", ".join(item.undetermined)
         if null:
-            reasons[name] = (f"{null}: {causes[name][0]}", f"{null}：{causes[name][1]}")
+            en, zh = causes[name]
+            reasons[name] = Statement(en=f"{null}: {en}", zh=f"{null}：{zh}")
     return reasons

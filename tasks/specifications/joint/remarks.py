@@ -3,14 +3,16 @@
 import numpy as np
 
 from schemas.calibration import Remark
-from schemas.recording import AXES, Recording
+from schemas.recording import AXES
 from tasks.segments.summarise import CHANNELS
-from tasks.specifications.earth_seen import said
+from tasks.specifications.earth_rotation import earth_rotation_message
+from tasks.specifications.evidence import Evidence
 from tasks.specifications.joint.gravity_fit import GravityFit
 from tasks.specifications.joint.moves import MovesFit
 from tasks.specifications.joint.solution import Joint
 from tasks.specifications.joint.stretches import Stretches
-from tasks.specifications.parts import BLOCKING_EXCESS
+from tasks.specifications.linear import BLOCKING_EXCESS
+from tasks.words import texts
 
 EARTH_NOT_REMOVED = Remark(
     code="earth_not_removed",
@@ -20,14 +22,15 @@ EARTH_NOT_REMOVED = Remark(
 )
 
 
-def earth_remarks(recording: Recording, joint: Joint, taken: Stretches) -> list[Remark]:
+def earth_remarks(evidence: Evidence, joint: Joint, taken: Stretches) -> list[Remark]:
     """What was done with Earth's rotation."""
-    latitude = recording.manifest.station.latitude_deg
+    latitude = evidence.latitude_deg
     if not taken.gyro.any():
         return []
     if latitude is None:
         return [EARTH_NOT_REMOVED]
-    en, zh = said(joint.earth)
+    shown = texts(earth_rotation_message(joint.earth))
+    en, zh = shown["en"], shown["zh"]
     if joint.earth and joint.earth.refuted:
         return [
             Remark(
@@ -132,8 +135,8 @@ def fit_remarks(fitted: GravityFit | None, moved: MovesFit | None) -> list[Remar
     return remarks
 
 
-def hand_earth_remark(recording: Recording) -> list[Remark]:
-    if recording.manifest.station.latitude_deg is not None:
+def hand_earth_remark(evidence: Evidence) -> list[Remark]:
+    if evidence.latitude_deg is not None:
         return [
             Remark(
                 code="north_unknown",

@@ -4,25 +4,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.recording import AXES, Recording
+from schemas.recording import AXES
 from tasks.model.simulate import Design, linearise, predict
 from tasks.model.term import Term, nominal_values, places
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import ACCEL_TERMS, GYRO_TERMS, STANDARD_TERMS
-from tasks.specifications.earth_seen import EarthSeen, earth_seen
+from tasks.specifications.earth_rotation import EarthRotationGain
+from tasks.specifications.estimate import UNDETERMINED, Estimate, linear_estimate
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.joint.equipment import Disturbed, disturbed
 from tasks.specifications.joint.north import level_covariance
 from tasks.specifications.joint.stretches import Stretches
 from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
-from tasks.specifications.measured import UNDETERMINED, Measured, measured
-from tasks.specifications.parts import Excess
+from tasks.specifications.linear import BirgeRatio
 from tasks.uncertainty.equipment import Equipment
 
 ROUNDS = 20  # of the zero correction; Earth's rotation settles in three
 SETTLED = 1e-12  # of a parameter, in its own SI unit: nothing changes any more
 
-Found = dict[str, dict[str, Measured]]
+Found = dict[str, dict[str, Estimate]]
 
 
 @dataclass(frozen=True)
@@ -37,15 +37,13 @@ class Joint:
     """
 
     found: Found
-    offset: dict[str, Measured]
+    offset: dict[str, Estimate]
     excess: np.ndarray
     covariance: np.ndarray
-    earth: EarthSeen | None
+    earth: EarthRotationGain | None
 
 
-def solve_jointly(
-    recording: Recording, evidence: Evidence, taken: Stretches, equipment: Equipment
-) -> Joint:
+def solve_jointly(evidence: Evidence, taken: Stretches, equipment: Equipment) -> Joint:
     """Both steps of the method (`zero_correction`), with Earth's rotation taken off, to rest.
 
     The accelerometers need one step: bias, scale factor, cross coupling and rate sensitivity by
@@ -54,7 +52,7 @@ def solve_jointly(
     reads it, so that it is predicted, taken off, and predicted again; where the rests refute it
     nothing is taken off.
     """
-    seen, latitude = earth_seen(recording, evidence), recording.manifest.station.latitude_deg
+    seen, latitude = evidence.earth, evidence.latitude_deg
     taken_off = None if seen and seen.refuted else latitude
 
     def terms_at(moved: float) -> tuple[Term, ...]:
@@ -96,7 +94,7 @@ def _channel(
     """One channel's parameters, in the order of its terms."""
     columns = np.nan_to_num(design.of_channel(channel)[1])
     if not taken.alive[channel]:
-        return Solved(np.full(columns.T.shape, np.nan), (Excess(),) * columns.shape[1])
+        return Solved(np.full(columns.T.shape, np.nan), (BirgeRatio(),) * columns.shape[1])
     if channel >= len(AXES):
         # Turning about its own axis, a misaligned sensor off the centre feels K_ij·r_j·ω_i².
         own = np.nan_to_num(taken.motion.rate[:, channel - len(AXES), None]) ** 2
@@ -144,19 +142,19 @@ def _found(evidence: Evidence, solved: list[Solved], follows: Disturbed) -> Foun
 
 
 def _element(
-    evidence: Evidence, channel: int, weights: np.ndarray, excess: Excess, follows: Disturbed
-) -> Measured:
+    evidence: Evidence, channel: int, weights: np.ndarray, excess: BirgeRatio, follows: Disturbed
+) -> Estimate:
     if not np.isfinite(weights).all() or not weights.any():
         return UNDETERMINED
-    seen = measured(evidence, channel, weights, excess)
+    seen = linear_estimate(evidence, channel, weights, excess)
     return seen.with_lines(*follows.lines(channel, weights))
 
 
 def _offsets(
     evidence: Evidence, taken: Stretches, solved: list[Solved], follows: Disturbed
-) -> dict[str, Measured]:
+) -> dict[str, Estimate]:
     """Mean of reading less K·rate over the rate points about each axis, its own gyro, rad/s."""
-    offsets: dict[str, Measured] = {}
+    offsets: dict[str, Estimate] = {}
     for i, axis in enumerate(AXES):
         points = [k for k in evidence.points[axis] if taken.gyro[k]]
         mean = np.zeros(len(evidence.segments))

@@ -45,14 +45,14 @@ class Stretches:
     level_unknown: np.ndarray
 
 
-def stretches(recording: Recording, evidence: Evidence) -> Stretches:
+def stretches(evidence: Evidence) -> Stretches:
     """The segments of a recording as the joint method takes them.
 
     Rests and rates that labels and witnesses contradict are taken as `gather` took them: the axis
     up by gravity, the rate by the encoders, or left out.
     """
     segments = evidence.segments
-    motion, vertical = _motion(recording, evidence)
+    motion, vertical = _motion(evidence)
     still = np.array([segment.segment.kind == "static" for segment in segments], bool)
     turning = np.array([segment.segment.kind == "rate" for segment in segments], bool)
     moved = np.isfinite(motion.rate).all(axis=1)
@@ -76,9 +76,9 @@ def _alive(evidence: Evidence) -> np.ndarray:
     return np.asarray((steps > 0.0).any(axis=0))
 
 
-def _motion(recording: Recording, evidence: Evidence) -> tuple[Motion, np.ndarray]:
+def _motion(evidence: Evidence) -> tuple[Motion, np.ndarray]:
     """Mean motion of each segment, and (n,) bool where the vertical in it is known."""
-    segments = evidence.segments
+    recording, segments = evidence.recording, evidence.segments
     looked = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in segments]
     whole = whole_motion(recording, np.concatenate([np.zeros(0), *looked]))
     shape = (len(segments), SAMPLES, 3)

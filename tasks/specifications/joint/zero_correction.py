@@ -14,8 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.specifications.linear import Solution, solve
-from tasks.specifications.parts import Excess, excess_scatter
+from tasks.specifications.linear import BirgeRatio, Solution, birge_ratio, solve
 
 QUIETEST = 0.1  # of the median variance
 TINY = 1e-9  # of a variance: keeps a covariance that drift or tilt alone makes invertible
@@ -30,7 +29,7 @@ class Solved:
     """
 
     operator: np.ndarray
-    excess: tuple[Excess, ...]
+    excess: tuple[BirgeRatio, ...]
 
 
 def least_squares(
@@ -43,10 +42,10 @@ def least_squares(
     """
     operator = np.zeros((design.shape[1], len(used)))
     if not used.any():
-        return Solved(operator * np.nan, (Excess(),) * design.shape[1])
+        return Solved(operator * np.nan, (BirgeRatio(),) * design.shape[1])
     block = covariance[np.ix_(used, used)]
     solution = _generalised(design[used], block)
-    excess = excess_scatter(solution, design[used], means[used], block)
+    excess = birge_ratio(solution, design[used], means[used], block)
     operator[:, used] = solution.operator
     operator[~solution.estimable] = np.nan
     return Solved(operator, (excess,) * design.shape[1])
@@ -77,11 +76,11 @@ def zero_corrected(
     offset = bias if np.isfinite(bias).all() else turning.operator[3:] @ felt
     design = np.hstack([rates, ones, forces * np.isfinite(sensitivity).all(axis=1)])
     whole = np.nan_to_num(np.vstack([scale, offset, sensitivity]))
-    excess = Excess()
+    excess = BirgeRatio()
     if used.any():
         solution = Solution(whole[:, used], np.ones(len(whole), bool))
         block = covariance[np.ix_(used, used)]
-        excess = excess_scatter(solution, design[used], means[used], block)
+        excess = birge_ratio(solution, design[used], means[used], block)
     return Solved(np.vstack([scale, bias, sensitivity]), (excess,) * 3 + at_rest.excess)
 
 

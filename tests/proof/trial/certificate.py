@@ -8,11 +8,12 @@ from typing import Any
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.observed import full_rate
 from tasks.model.catalogue import catalogue
-from tasks.specifications import jjf1536, jjf2003
+from tasks.specifications.register import specification_for
 
 CERTIFICATE = "certificate.json"
 UNNAMED = "unnamed"
@@ -48,9 +49,8 @@ def certificate_less(recording: Recording, explanation: Explanation) -> dict[str
 
 
 def _by_clauses(recording: Recording) -> Calibration:
-    ahrs = recording.manifest.standard == "JJF 1536-2015"
-    calibrate = jjf1536.calibrate if ahrs else jjf2003.calibrate
-    return calibrate(recording, run="-", code_version="-")
+    specification = specification_for(recording.manifest.standard)
+    return calibrate(specification, recording, run="-", code_version="-")
 
 
 def _stated(calibration: Calibration) -> dict[str, Any]:

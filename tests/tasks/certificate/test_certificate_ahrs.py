@@ -11,10 +11,11 @@ from sample_certificate import certificate
 
 from schemas.certificate import Certificate
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content, content
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
-from tasks.specifications import jjf1536
+from tasks.specifications.jjf1536 import JJF1536
 
 # Clause 5.6 to 5.8: X turns, Y reads is «X axis to Y axis», L_yx; the order of Appendix C.
 ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),
@@ -24,7 +25,7 @@ ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),
 @pytest.fixture(scope="module")
 def made(plant: Callable[[str], Recording]) -> Certificate:
     recording = plant("ahrs_clean")
-    result = jjf1536.calibrate(recording, run="r1", code_version="test")
+    result = calibrate(JJF1536, recording, run="r1", code_version="test")
     return certificate(result, decide(result, None), manifest=recording.manifest)
 
 

@@ -9,19 +9,19 @@ from sample_certificate import calibration, certificate
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import Figure, budgets, figure
 from tasks.certificate.content import content
 from tasks.certificate.pdf import render
-from tasks.specifications import jjf2003
-from tasks.specifications.evaluation import evaluation_for
-from tasks.specifications.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 EXAMPLE = "as the specification's example"
 
 
 @pytest.fixture(scope="module")
 def made(ideal_run) -> Calibration:
-    return calibrate(ideal_run(noise=1e-4), run="r", code_version="v")
+    return calibrate(JJF2003, ideal_run(noise=1e-4), run="r", code_version="v")
 
 
 def printed(made: Calibration, wanted: bool) -> Certificate:
@@ -83,7 +83,7 @@ def test_type_a_and_type_b_make_up_the_combined_uncertainty(made) -> None:
 def test_as_the_example_it_is_said_how_it_was_done(ideal_run) -> None:
     recording = ideal_run()
     evaluation = evaluation_for(recording, EXAMPLE)
-    made = jjf2003.calibrate(recording, run="r", code_version="v", evaluation=evaluation)
+    made = calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
     words = text_of(render(printed(made, True)))
     assert "As in Appendix A of the specification" in words
     assert "effective bits = 12 (the example's)" in words

@@ -4,10 +4,12 @@ import pytest
 from sample_certificate import calibration, certificate
 
 from schemas.certificate import EquipmentLimit
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import limits_of, whose_limits
-from tasks.specifications import jjf2003, joint
-from tasks.specifications.evaluation import evaluation_for
+from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.joint import JOINT
 
 OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-117")
 
@@ -19,7 +21,7 @@ def made(ideal_run):
     def calibrate(**own: EquipmentLimit):
         recording = ideal_run(noise=1e-4)
         evaluation = evaluation_for(recording, own=own)
-        return jjf2003.calibrate(recording, run="r", code_version="v", evaluation=evaluation)
+        return calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
 
     return calibrate
 
@@ -52,7 +54,7 @@ def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) ->
 
 
 def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -> None:
-    result = joint.calibrate(ideal_run(noise=1e-4), run="r", code_version="v")
+    result = calibrate(JOINT, ideal_run(noise=1e-4), run="r", code_version="v")
     rows = {row.symbol: row for row in budgets(result).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
     assert rows["φ"].half_width == "0.05°"

@@ -8,11 +8,12 @@ from sample_certificate import calibration, certificate
 
 from schemas.calibration import Information
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.information.earth import WITHOUT_EARTH, separated
 from tasks.certificate.content import content
 from tasks.certificate.information import contained, information_rows
 from tasks.certificate.pdf import render
-from tasks.specifications.information.earth import NAME, separated
-from tasks.specifications.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 
 def noise(**changes: Any) -> Information:
@@ -77,10 +78,10 @@ def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
     made = calibration()
     item = made.items["gyro_g_sensitivity"]
     close = {e: v - 0.5 * item.U[e] for e, v in item.value.items()}
-    shown = separated(made.items["gyro_g_sensitivity"], None)[NAME].model_copy(
+    shown = separated(made.items["gyro_g_sensitivity"], None)[WITHOUT_EARTH].model_copy(
         update={"value": close}
     )
-    assert contained(calibration(information={NAME: shown}), "gyro_g_sensitivity") == ()
+    assert contained(calibration(information={WITHOUT_EARTH: shown}), "gyro_g_sensitivity") == ()
 
 
 def test_information_never_enters_the_decision() -> None:
@@ -99,7 +100,7 @@ def test_the_pdf_has_the_section_only_where_there_is_something_to_show() -> None
 def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
     plant: Callable[[str], Recording],
 ) -> None:
-    made = calibrate(plant("plant_earth_rotation"), run="r", code_version="v")
+    made = calibrate(JJF2003, plant("plant_earth_rotation"), run="r", code_version="v")
     text = text_of(render(certificate(made)))
     assert "The value by eq. (7) contains Earth's rotation" in text
     assert "式(7)的值含地球自转" in text
@@ -109,7 +110,7 @@ def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
 def test_on_plant_lever_arm_the_certificate_says_that_p_contains_it_and_shows_it_without(
     plant: Callable[[str], Recording],
 ) -> None:
-    made = calibrate(plant("plant_lever_arm"), run="r", code_version="v")
+    made = calibrate(JJF2003, plant("plant_lever_arm"), run="r", code_version="v")
     text = text_of(render(certificate(made)))
     assert "The value by eq. (12), (13) contains the lever arm" in text
     assert "式(12)、式(13)的值含杆臂" in text

@@ -9,13 +9,14 @@ import pytest
 
 from schemas.calibration import Remark
 from schemas.recording import Recording, Stream
+from tasks.calibrate.calibrate import calibrate
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
-from tasks.specifications.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 
 def remarks(recording: Recording, code: str) -> list[Remark]:
-    calibration = calibrate(recording, run="r", code_version="v")
+    calibration = calibrate(JJF2003, recording, run="r", code_version="v")
     return [remark for remark in calibration.remarks if remark.code == code]
 
 
@@ -35,7 +36,7 @@ def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None])
 
 
 def test_a_clean_run_has_no_remark_that_blocks(ideal_run) -> None:
-    calibration = calibrate(ideal_run(), run="r", code_version="v")
+    calibration = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
     assert [r.en for r in calibration.remarks if r.blocks_pass] == []
 
 
@@ -52,7 +53,7 @@ def test_a_rate_the_gyro_contradicts_is_left_out_where_no_table_tells(ideal_run)
     recording = relabelled(ideal_run(), "rate_y_+100", rate_deg_s=150.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "gyro_y shows +100.0000 deg/s" in remark.en
-    scale = calibrate(recording, run="r", code_version="v").items["gyro_scale_factor"]
+    scale = calibrate(JJF2003, recording, run="r", code_version="v").items["gyro_scale_factor"]
     assert scale.value["y"] == pytest.approx(1.0, abs=1e-6)
 
 
@@ -60,8 +61,8 @@ def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant) -> None:
     recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "the table shows +100.0000 deg/s" in remark.en
-    honest = calibrate(plant("plant_clean"), run="r", code_version="v")
-    told = calibrate(recording, run="r", code_version="v")
+    honest = calibrate(JJF2003, plant("plant_clean"), run="r", code_version="v")
+    told = calibrate(JJF2003, recording, run="r", code_version="v")
     found, known = told.items["gyro_scale_factor"], honest.items["gyro_scale_factor"]
     assert found.value == known.value
     # What comes back once a turn is taken from the noise at the rate of the label.

@@ -7,7 +7,8 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
-from tasks.specifications.jjf2003 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 
 AXES = "xyz"
 OFF = [(i, j) for i in range(3) for j in range(3) if i != j]
@@ -15,7 +16,7 @@ GRAVITY = 9.8
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 def everything(calibration: Calibration) -> dict[str, float]:

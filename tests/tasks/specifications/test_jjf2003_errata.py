@@ -11,12 +11,14 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.notes import CONTENTS_OF_U, readings, uncertainty
 from tasks.motion.table import EARTH_RATE
-from tasks.specifications.jjf2003 import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.readings import READINGS
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.examples import acquisition, combine_as_example
+from tasks.words import say
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
@@ -30,7 +32,7 @@ Build = Callable[..., Recording]
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 def item(recording: Recording, name: str) -> Item:
@@ -172,8 +174,8 @@ def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run: Bui
 def test_the_register_has_the_reading_and_the_certificate_prints_it(
     ideal_run: Build, reading: str, said: str
 ) -> None:
-    assert said in READINGS[reading].en
-    assert READINGS[reading].zh
+    assert said in say(READINGS[reading].text, "en")
+    assert say(READINGS[reading].text, "zh")
     assert said in printed_readings(result(ideal_run()))
 
 
@@ -222,5 +224,5 @@ def test_the_certificate_says_which_evaluation_was_used(ideal_run: Build, kind: 
 
 
 def test_the_register_has_the_symbol_of_a_3_2_3() -> None:
-    assert "U_gx1" in READINGS["jjf2003.u_gx1"].en
-    assert "N_gx1" in READINGS["jjf2003.u_gx1"].zh
+    assert "U_gx1" in say(READINGS["jjf2003.u_gx1"].text, "en")
+    assert "N_gx1" in say(READINGS["jjf2003.u_gx1"].text, "zh")

@@ -8,7 +8,8 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
-from tasks.specifications.jjf2003 import CONDITIONS, calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import CONDITIONS, JJF2003
 from tasks.specifications.readings import READINGS
 from tasks.station import procedures
 
@@ -18,7 +19,7 @@ DWELL = 30.0
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 def codes(calibration: Calibration) -> set[str]:

@@ -14,7 +14,9 @@ from schemas.recording import ACCEL, GYRO, Recording
 from storage.catalogue import runs
 from storage.formats.folder import read_folder
 from storage.home import Home
-from tasks.specifications import jjf2003
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.calibration_input import model_values
 from tasks.stages.explain import simulated_readings
 from tasks.stages.simulate import simulate_run, simulated_recording
@@ -33,7 +35,7 @@ def order_into(folder: Path) -> SimulateOrder:
 
 
 def calibrated(recording: Recording) -> Calibration:
-    return jjf2003.calibrate(recording, run="", code_version="")
+    return calibrate(JJF2003, recording, run="", code_version="")
 
 
 def test_the_units_own_readings_come_back(ideal_run: Callable[..., Recording]) -> None:
@@ -66,9 +68,8 @@ def test_elements_that_were_not_determined_are_ideal_and_named(real) -> None:
 
 
 def test_calibration_of_an_ahrs_cannot_simulate(plant) -> None:
-    from tasks.specifications import jjf1536
 
-    ahrs = jjf1536.calibrate(plant("ahrs_clean"), run="", code_version="")
+    ahrs = calibrate(JJF1536, plant("ahrs_clean"), run="", code_version="")
     with pytest.raises(Unusable, match="models \\(1\\) and \\(2\\)"):
         model_values(ahrs)
 

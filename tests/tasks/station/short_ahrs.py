@@ -11,7 +11,8 @@ from schemas.recording import Mount, Recording
 from schemas.station import StationFile
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
-from tasks.specifications import jjf1536
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import Acquired
 from tasks.station.virtual.config import VirtualStation, ahrs_station, station_file, truth
@@ -63,7 +64,7 @@ def run_of(folder: Any, procedure: Procedure, faults: tuple[Fault, ...] = ()) ->
 
 def errors(run: Run) -> dict[str, dict[str, tuple[float, float]]]:
     """(value − truth, u) of every element that has a value, by item and element."""
-    result = jjf1536.calibrate(run.recording, run="r", code_version="test")
+    result = calibrate(JJF1536, run.recording, run="r", code_version="test")
     true = {
         "ahrs_scale_factor": dict(zip(AXES, run.truth["K"], strict=True)),
         "ahrs_zero_offset": dict(zip(AXES, run.truth["B_deg_s"], strict=True)),

@@ -5,7 +5,8 @@ import pytest
 
 from schemas.procedure import RateRun, Sweep, Turns
 from schemas.recording import ANGLE
-from tasks.specifications import jjf1536
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tests.tasks.station.short_ahrs import Run, errors, run_of, shortened
 
@@ -89,7 +90,7 @@ def test_unit_and_table_are_on_one_clock_after_a_restart(run):
 
 def test_twelve_positions_give_the_zero_offset(tmp_path):
     made = run_of(tmp_path, shortened("jjf1536_twelve", 4.0))
-    result = jjf1536.calibrate(made.recording, run="r", code_version="test")
+    result = calibrate(JJF1536, made.recording, run="r", code_version="test")
     assert None not in result.items["ahrs_zero_offset"].value.values()
     offset = errors(made)["ahrs_zero_offset"]
     assert all(abs(off) < 3.0 * u for off, u in offset.values())

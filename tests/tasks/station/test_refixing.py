@@ -8,7 +8,8 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
 from schemas.recording import Mount
 from schemas.station import StationFile
-from tasks.specifications import jjf1536
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import RunRequest, acquire
 from tasks.station.requirements import check_procedure
@@ -26,7 +27,7 @@ def ignore(progress: object) -> None:
 def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_path):
     procedure = part("fix_x_up", "rest_x", "scale_x", "rest2_x")
     made = run_of(tmp_path, procedure, (Fault("fixture_stays"),))
-    result = jjf1536.calibrate(made.recording, run="r", code_version="test")
+    result = calibrate(JJF1536, made.recording, run="r", code_version="test")
     blocking = {(r.code, *r.segments) for r in result.remarks if r.blocks_pass}
     assert {("position_contradicted", "rest_x"), ("position_contradicted", "rest2_x")} <= blocking
     assert sum(code == "rate_not_read" for code, *_ in blocking) == 10

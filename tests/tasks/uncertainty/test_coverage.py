@@ -11,8 +11,9 @@ from scipy import stats
 
 from schemas.calibration import Calibration
 from schemas.uncertainty import Budget
-from tasks.specifications.jjf1536 import calibrate as calibrate_ahrs
-from tasks.specifications.jjf2003 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.coverage import PROBABILITY, half_width
 from tasks.uncertainty.monte_carlo import (
@@ -132,12 +133,12 @@ def test_a_budget_says_it_and_one_with_correlated_inputs_does_not() -> None:
 
 @pytest.fixture(scope="module")
 def clean(plant) -> Calibration:
-    return calibrate(plant("plant_clean"), run="r", code_version="v")
+    return calibrate(JJF2003, plant("plant_clean"), run="r", code_version="v")
 
 
 @pytest.fixture(scope="module")
 def ahrs(plant) -> Calibration:
-    return calibrate_ahrs(plant("ahrs_clean"), run="r", code_version="v")
+    return calibrate(JJF1536, plant("ahrs_clean"), run="r", code_version="v")
 
 
 def drawn(budget: Budget) -> list[InputQuantity]:

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.specifications.evidence import Evidence, gather
+from tasks.specifications.evidence import Evidence
+from tasks.specifications.gather import gather
 from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.drift import DRIFTS
 

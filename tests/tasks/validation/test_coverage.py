@@ -1,13 +1,17 @@
 """Coverage is counted right, and small studies run through every method."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from tasks.specifications import jjf1536, jjf2003, joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import coverage_check, simulate, study, summarise, wilson
 
-METHODS = {"jjf2003": jjf2003.calibrate, "joint": joint.calibrate, "jjf1536": jjf1536.calibrate}
+METHODS = {name: partial(calibrate, spec) for name, spec in SPECIFICATIONS.items()}
 
 
 def drawn(scale: float, units: int) -> list:
@@ -58,7 +62,7 @@ def test_a_study_counts_every_unit_of_every_method() -> None:
 
 def test_a_method_that_states_too_little_is_found_out() -> None:
     recording, truth = simulate("jjf2003", 3)
-    calibration: Calibration = jjf2003.calibrate(recording, run="r", code_version="v")
+    calibration: Calibration = calibrate(JJF2003, recording, run="r", code_version="v")
     item = calibration.items["gyro_cross_coupling"]
     errors = [abs(item.value[e] - t) for e, t in truth["gyro_cross_coupling"].items()]
     assert max(errors) > 5.0 * 1e-6  # a hundredth of the stated u would not hold it

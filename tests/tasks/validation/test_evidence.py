@@ -1,17 +1,19 @@
 """Worked examples, truth recovery and other programs, and that they notice what is wrong."""
 
+from functools import partial
+
 import pytest
 
-from tasks.specifications import jjf1536, jjf2003, joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import simulate
 from tasks.validation.examples import EXAMPLES, example_check
 from tasks.validation.independent import independent_checks
 from tasks.validation.plain_joint import plain_joint
 from tasks.validation.recovery import recovery_checks
 
-METHODS = {
-    "jjf2003": jjf2003.calibrate, "jjf1536": jjf1536.calibrate, "joint": joint.calibrate,
-}  # fmt: skip
+METHODS = {name: partial(calibrate, spec) for name, spec in SPECIFICATIONS.items()}
 
 
 @pytest.mark.parametrize("item", EXAMPLES)
@@ -36,7 +38,7 @@ def test_other_programs_find_the_same(method: str) -> None:
 def wrong_by(method: str, part: float):
     """A method whose first element of each item is off by a little."""
 
-    def calibrate(*args, **more):
+    def wrong(*args, **more):
         calibration = METHODS[method](*args, **more)
         items = {}
         for name, item in calibration.items.items():
@@ -45,7 +47,7 @@ def wrong_by(method: str, part: float):
             items[name] = item.model_copy(update={"value": value})
         return calibration.model_copy(update={"items": items})
 
-    return calibrate
+    return wrong
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -56,14 +58,14 @@ def test_a_wrong_value_is_noticed(method: str) -> None:
 
 
 def test_a_budget_that_does_not_add_up_is_noticed() -> None:
-    def calibrate(*args, **more):
-        calibration = jjf2003.calibrate(*args, **more)
+    def wrong(*args, **more):
+        calibration = calibrate(JJF2003, *args, **more)
         item = calibration.items["gyro_bias"]
         budgets = {e: b.model_copy(update={"u_c": b.u_c * 1.001}) for e, b in item.budgets.items()}
         changed = item.model_copy(update={"budgets": budgets})
         return calibration.model_copy(update={"items": {"gyro_bias": changed}})
 
-    checks = independent_checks("jjf2003", calibrate, seed=2)
+    checks = independent_checks("jjf2003", wrong, seed=2)
     assert not checks["gyro_bias"].passed
 
 

@@ -11,7 +11,8 @@ from schemas.validation import (
     MethodValidation,
     ValidationRecord,
 )
-from tasks.specifications import jjf2003
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.validation.fingerprint import code, fingerprint, sources
 from tasks.validation.page import validation_html
 from tasks.validation.record import doubts_of, named, shipped
@@ -55,7 +56,7 @@ def test_what_the_code_computes_is_in_its_fingerprint() -> None:
 
 @pytest.fixture(scope="module")
 def calibration(ideal_run):
-    return jjf2003.calibrate(ideal_run(), run="r", code_version="v")
+    return calibrate(JJF2003, ideal_run(), run="r", code_version="v")
 
 
 def record_of(calibration, print_: str, failed: str = "", missing: str = "") -> ValidationRecord:

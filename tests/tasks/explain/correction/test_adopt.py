@@ -10,6 +10,7 @@ from explained import finding, nothing_added
 from schemas.calibration import Calibration
 from schemas.discrepancy import FoundParameter, Statement
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.correction.consequences import without
 from tasks.explain.correction.spread import spreads_of
@@ -20,14 +21,14 @@ from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
-from tasks.specifications import jjf2003
+from tasks.specifications.jjf2003 import JJF2003
 
 TITLE = Statement(en="unit beside the axis", zh="安装偏心")
 ARM, U_ARM = (0.05, -0.03, 0.02), (1e-4, 2e-4, 3e-4)
 
 
-def calibrate(recording: Recording) -> Calibration:
-    return jjf2003.calibrate(recording, run="r", code_version="v")
+def calibrated(recording: Recording) -> Calibration:
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 def added_by(term, recording: Recording, values: tuple[float, ...]) -> np.ndarray:
@@ -62,8 +63,8 @@ def displaced(run: Recording) -> tuple[Recording, Finding]:
 
 def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
-    clean = calibrate(run)
+    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
+    clean = calibrated(run)
     for name, item in clean.items.items():
         for element, value in item.value.items():
             assert adopted.items[name].value[element] == pytest.approx(value, abs=1e-9)
@@ -72,8 +73,8 @@ def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
 def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displaced) -> None:
     """At a steady rate an arm r reads r_i·ω_j² along the axis i: u(p_ij) has u(r_i) in it."""
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
-    before, after = (c.items["accel_rate_sensitivity"] for c in (calibrate(run), adopted))
+    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
+    before, after = (c.items["accel_rate_sensitivity"] for c in (calibrated(run), adopted))
     for element, u in after.u.items():
         along = "xyz".index(element[0])
         own, symbol = U_ARM[along], f"lever_arm.{found.parameters[along].name}"
@@ -86,12 +87,12 @@ def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displa
         assert budget.u_c == u
         assert after.U[element] == pytest.approx(after.k * u)
     same = adopted.items["gyro_scale_factor"]
-    assert same.u == pytest.approx(calibrate(run).items["gyro_scale_factor"].u)
+    assert same.u == pytest.approx(calibrated(run).items["gyro_scale_factor"].u)
 
 
 def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrate, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
     (term,) = adopted.terms
     assert (term.name, term.title_zh) == ("lever_arm", TITLE.zh)
     assert [(p.value, p.u) for p in term.parameters] == list(zip(ARM, U_ARM, strict=True))
@@ -106,7 +107,7 @@ def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
 def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced) -> None:
     recording, found = displaced
     weak = finding(found.contribution, "lever_arm", parameters=found.parameters, delta_bic=-3.0)
-    adopted = adopt(recording, [weak], calibrate, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [weak], calibrated, (LEVER_ARM,), whole_motion(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
     assert "-3.0" in said.en
 
@@ -122,9 +123,9 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     term = earth_rotation(math.pi / 2)
     found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
     on_earth = without(recording, (-found.contribution,))
-    by_clause = calibrate(on_earth).items["gyro_g_sensitivity"]
+    by_clause = calibrated(on_earth).items["gyro_g_sensitivity"]
     assert by_clause.value["xx"] == pytest.approx(math.degrees(7.292115e-5), rel=1e-4)
-    adopted = adopt(on_earth, [found], calibrate, (term,), whole_motion(on_earth))
+    adopted = adopt(on_earth, [found], calibrated, (term,), whole_motion(on_earth))
     item = adopted.items["gyro_g_sensitivity"]
     assert item.value["xx"] == pytest.approx(0.0, abs=1e-9)
     assert item.value_without_earth_rotation == item.value
@@ -166,7 +167,7 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     segment = (recording.manifest.segments or ())[3]
     holed[recording.imu.rows(segment.t_start, segment.t_start + 1.0)] = np.nan
     partly = finding(holed, "lever_arm", parameters=found.parameters)
-    adopted = adopt(recording, [partly], calibrate, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [partly], calibrated, (LEVER_ARM,), whole_motion(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
     assert said.segments == (segment.name,)
 
@@ -176,8 +177,8 @@ def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run) -> No
         1e-4 * np.sin(np.linspace(0.0, 9.0, len(run.imu)))[:, None] * np.ones(6),
         "bias_random_walk", parameters=(),
     )  # fmt: skip
-    plain = calibrate(run)
-    result = adopt(run, [wander], calibrate, (), whole_motion(run))
+    plain = calibrated(run)
+    result = adopt(run, [wander], calibrated, (), whole_motion(run))
     assert result.items == plain.items
     assert result.terms == ()
     assert result.remarks[0].code == "term_not_taken_off"

@@ -8,8 +8,9 @@ from explained import explanation, finding, nothing_added
 
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
+from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.consequences import consequences, without
-from tasks.specifications import jjf2003
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
 
 STEP = 0.01  # deg/s
@@ -45,14 +46,14 @@ def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording
     by_name = {(seen.item, seen.element): seen for seen in moved}
     assert set(by_name) == {("gyro_bias", "x"), ("gyro_fit_offset", "x")}
     bias = by_name["gyro_bias", "x"]
-    certified = jjf2003.calibrate(spoilt, run="", code_version="").items["gyro_bias"]
+    certified = calibrate(JJF2003, spoilt, run="", code_version="").items["gyro_bias"]
     assert bias.before == certified.value["x"] == pytest.approx(STEP, rel=1e-3)
     assert bias.after == pytest.approx(0.0, abs=1e-6)
     assert (bias.U, bias.unit) == (certified.U["x"], "deg/s")
 
 
 def test_what_moves_less_than_a_twentieth_of_u_is_not_listed(run: Recording) -> None:
-    U = jjf2003.calibrate(run, run="", code_version="").items["accel_bias"].U["x"]
+    U = calibrate(JJF2003, run, run="", code_version="").items["accel_bias"].U["x"]
     assert U is not None
     for share, listed in ((0.04, 0), (0.06, 1)):
         added = biased(run, 3, share * U)

@@ -6,7 +6,8 @@ import pytest
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.recording import ANGLE, Recording, Stream
-from tasks.specifications.jjf1536 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.model import sensed_angles
 from tasks.specifications.readings import READINGS
 
@@ -16,7 +17,7 @@ DEG = float(np.degrees(1.0))
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF1536, recording, run="r", code_version="v")
 
 
 def everything(calibration: Calibration) -> dict[str, float | None]:

@@ -11,10 +11,12 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.notes import readings
-from tasks.specifications import jjf1536, jjf2003
+from tasks.specifications.jjf1536 import JJF1536
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.readings import READINGS
-from tasks.stages.certify import DEFAULT_MONTHS, MONTHS
+from tasks.words import say
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
@@ -25,7 +27,7 @@ Build = Callable[..., Recording]
 
 
 def result(recording: Recording) -> Calibration:
-    return jjf1536.calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF1536, recording, run="r", code_version="v")
 
 
 @pytest.mark.parametrize(("i", "j"), OFF)
@@ -63,8 +65,8 @@ def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
 def test_the_register_has_the_reading_and_the_certificate_prints_it(
     ahrs_run: Build, reading: str, said: str
 ) -> None:
-    assert said in READINGS[reading].en
-    assert READINGS[reading].zh
+    assert said in say(READINGS[reading].text, "en")
+    assert say(READINGS[reading].text, "zh")
     assert said in " ".join(en for _, _, (_, en) in readings(result(ahrs_run())))
 
 
@@ -73,17 +75,17 @@ def test_the_register_has_the_reading_and_the_certificate_prints_it(
     [("jjf1536.product", "a product"), ("jjf1536.attitude", "atan2(−T12, T22)")],
 )
 def test_the_register_has_what_no_value_rests_on(reading: str, said: str) -> None:
-    assert said in READINGS[reading].en
-    assert READINGS[reading].zh
+    assert said in say(READINGS[reading].text, "en")
+    assert say(READINGS[reading].text, "zh")
 
 
 def test_the_recalibration_is_due_after_24_months_here_and_12_there() -> None:
-    assert MONTHS.get("jjf1536", DEFAULT_MONTHS) == 24
-    assert MONTHS.get("jjf2003", DEFAULT_MONTHS) == 12
+    assert JJF1536.interval_months == 24
+    assert JJF2003.interval_months == 12
 
 
 def test_room_and_dwell_are_those_of_the_specification_that_is_followed() -> None:
-    here, there = jjf1536.CONDITIONS, jjf2003.CONDITIONS
+    here, there = JJF1536.conditions, JJF2003.conditions
     assert (here.temperature_degc, there.temperature_degc) == ((17.0, 23.0), (15.0, 25.0))
     assert (here.humidity_percent, there.humidity_percent) == ((30.0, 85.0), (20.0, 85.0))
     assert (here.dwell_s, there.dwell_s) == (20.0, 30.0)

@@ -7,7 +7,8 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
-from tasks.specifications.jjf1536 import calibrate
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.noise import fit_angle_noise, pooled_allan
 
 AXES = "xyz"
@@ -17,7 +18,7 @@ RATE_NOISE = np.radians(0.2) / 60  # rad/√s: 0.2 °/√h
 
 
 def result(recording: Recording) -> Calibration:
-    return calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF1536, recording, run="r", code_version="v")
 
 
 def type_a(item: Item, element: str) -> float:

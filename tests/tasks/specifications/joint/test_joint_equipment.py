@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from tasks.specifications import joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.joint import JOINT
 from tasks.uncertainty.equipment import JJF2003, Limit
 from tasks.validation import run2003
 from tasks.validation.draw import Case, draw_case
@@ -37,7 +38,7 @@ class Planted(Case):
 def calibrated(symbol: str = "", axis: int = 0) -> Calibration:
     case = draw_case(4, run2003.RATE_HZ)
     recording, _ = run2003.record(Planted(case.unit, case.random, False, symbol, axis))
-    return joint.calibrate(recording, run="r", code_version="v")
+    return calibrate(JOINT, recording, run="r", code_version="v")
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from test_joint_by_hand import GRAVITY, K_GYRO, by_joint, held_by_hand
+from test_joint_by_gravity import GRAVITY, K_GYRO, by_joint, held_by_hand
 
 from schemas.recording import AXES
 from tasks.motion.table import EARTH_RATE

@@ -8,14 +8,16 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Recording, Segment, Stream
-from tasks.specifications import jjf2003, joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.joint import JOINT
 from tasks.validation.coverage import errors_of, simulate
 
-METHODS = pytest.mark.parametrize("method", [joint, jjf2003])
+METHODS = pytest.mark.parametrize("method", [JOINT, JJF2003])
 
 
 def by(method, recording: Recording) -> Calibration:
-    return method.calibrate(recording, run="r", code_version="v")
+    return calibrate(method, recording, run="r", code_version="v")
 
 
 def joined(calibration: Calibration, code: str) -> str:
@@ -40,14 +42,14 @@ def changed(recording: Recording, **columns: np.ndarray) -> Recording:
 
 def test_rates_at_which_the_gyro_was_not_recorded_are_not_counted(ideal_run) -> None:
     run = without(ideal_run(), GYRO, lambda s: s.kind == "rate" and abs(s.rate_deg_s) > 50.0)
-    assert "+x 2, -x 2, +y 2, -y 2, +z 2, -z 2" in joined(by(joint, run), "number_of_rates")
+    assert "+x 2, -x 2, +y 2, -y 2, +z 2, -z 2" in joined(by(JOINT, run), "number_of_rates")
 
 
 def test_one_rate_that_is_left_gives_no_scale_factor_and_spoils_no_other(ideal_run) -> None:
     scale = np.array([[1.002, 0.001, 0.0], [0.0, 0.997, 0.002], [0.001, 0.0, 1.004]])
     whole = ideal_run(Kg=scale)
     run = without(whole, GYRO, lambda s: s.axis == "z" and s.rate_deg_s != 300.0)
-    found = by(joint, run)
+    found = by(JOINT, run)
     factors = found.items["gyro_scale_factor"].value
     assert factors["z"] is None
     assert factors["x"] == pytest.approx(1.002, abs=1e-8)
@@ -82,7 +84,7 @@ def test_a_unit_without_gyros_is_not_told_that_their_positions_are_missing(
 
 def test_a_gyro_that_reads_one_number_throughout_has_no_parameters(ideal_run) -> None:
     run = ideal_run()
-    found = by(joint, changed(run, gyro_z=np.zeros(len(run.imu))))
+    found = by(JOINT, changed(run, gyro_z=np.zeros(len(run.imu))))
     assert found.items["gyro_scale_factor"].value["z"] is None
     assert found.items["gyro_bias"].value["z"] is None
     assert found.items["gyro_scale_factor"].value["x"] == pytest.approx(1.0, abs=1e-9)
@@ -100,7 +102,7 @@ def test_points_far_beyond_the_noise_pass_no_unit(ideal_run, method) -> None:
 
 def test_an_ideal_run_of_sensors_off_the_centre_gives_the_truth_back() -> None:
     recording, truth = simulate("joint", 3, ideal=True)
-    errors = errors_of(by(joint, recording), truth)
+    errors = errors_of(by(JOINT, recording), truth)
     assert max(abs(e) for item in errors.values() for e, *_ in item.values()) < 1e-9
 
 

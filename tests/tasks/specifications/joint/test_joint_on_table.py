@@ -12,7 +12,9 @@ from imucal import FerrarisCalibration, FerrarisSignalRegions
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
 from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.specifications import jjf2003, joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.joint import JOINT
 
 TRUTH_KEYS = {
     "gyro_scale_factor": "Kg", "gyro_cross_coupling": "Kg", "gyro_bias": "Bg",
@@ -22,11 +24,11 @@ TRUTH_KEYS = {
 
 
 def by_joint(recording: Recording) -> Calibration:
-    return joint.calibrate(recording, run="r", code_version="v")
+    return calibrate(JOINT, recording, run="r", code_version="v")
 
 
 def by_clauses(recording: Recording) -> Calibration:
-    return jjf2003.calibrate(recording, run="r", code_version="v")
+    return calibrate(JJF2003, recording, run="r", code_version="v")
 
 
 def codes(calibration: Calibration) -> set[str]:

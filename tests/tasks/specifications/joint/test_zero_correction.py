@@ -5,7 +5,8 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
-from tasks.specifications import joint
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.joint import JOINT
 from tasks.specifications.joint.zero_correction import least_squares, zero_corrected
 
 GRAVITY = 9.8
@@ -72,7 +73,7 @@ def codes(calibration: Calibration) -> set[str]:
 
 def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() -> None:
     planted = unit()
-    found = joint.calibrate(patent_run(planted), run="r", code_version="v")
+    found = calibrate(JOINT, patent_run(planted), run="r", code_version="v")
     named = {
         "gyro_g_sensitivity": np.degrees(planted["G"]),
         "accel_rate_sensitivity": -planted["P"],
@@ -91,9 +92,9 @@ def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() ->
 
 
 def test_too_few_or_falling_rates_are_remarked() -> None:
-    few = joint.calibrate(patent_run(unit(), (20.0, 300.0)), run="r", code_version="v")
+    few = calibrate(JOINT, patent_run(unit(), (20.0, 300.0)), run="r", code_version="v")
     assert "number_of_rates" in codes(few)
-    falling = joint.calibrate(patent_run(unit(), RATES[::-1]), run="r", code_version="v")
+    falling = calibrate(JOINT, patent_run(unit(), RATES[::-1]), run="r", code_version="v")
     assert "rates_not_rising" in codes(falling)
 
 

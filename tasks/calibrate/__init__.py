@@ -1,0 +1,1 @@
+"""One calibration over a specification: evidence, items, uncertainties, the result."""

@@ -1,0 +1,181 @@
+"""How the uncertainty of every element of a calibration is evaluated, and items made of them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from pydantic import TypeAdapter, ValidationError
+
+from schemas.base import Unusable
+from schemas.calibration import Elements, Item, Remark, UncertaintyKind
+from schemas.certificate import EquipmentLimit, LimitName
+from schemas.recording import Recording
+from schemas.uncertainty import Budget
+from tasks.calibrate.distributions import monte_carlo_budget
+from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
+from tasks.specifications.items import ItemDefinition
+from tasks.specifications.register import BY_STANDARD
+from tasks.uncertainty.budget import combine
+from tasks.uncertainty.equipment import UNKNOWN, Equipment, with_limits
+from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
+from tasks.words import message
+from tasks.words.remark import remark
+from tasks.words.rounding import USUAL_K
+
+ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little
+MAX_BITS = 64.0
+EXAMPLE = "the example's"
+NO_SPECIFICATION = (UNKNOWN, "table and fixture not known")
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """The equipment's limits and which way a budget is made.
+
+    seed: of the draws, where it is made by Monte Carlo. table, bits: u₁ and N of Appendix A.
+    settings, remarks: what a result has to say of it.
+    """
+
+    equipment: Equipment
+    kind: UncertaintyKind = "GUM"
+    seed: str = ""
+    table: float = TABLE
+    bits: float = BITS
+    settings: Mapping[str, str | float] = field(default_factory=dict)
+    remarks: tuple[Remark, ...] = ()
+
+    def budget(self, item: ItemDefinition, element: str, estimate: Estimate) -> Budget:
+        """The budget of one element: propagated, drawn, or as Appendix A does it."""
+        result, unit = f"{item.key}.{element}", item.unit
+        if self.kind == "GUM":
+            return combine(result, unit, estimate.value, estimate.lines_in(unit))
+        if self.kind == "Monte Carlo":
+            return monte_carlo_budget(item, element, estimate, self.seed)
+        data = estimate.lines[0]
+        repeated = estimate.repeated or (data.quantity.u * abs(data.sensitivity),)
+        return combine_as_example(result, unit, estimate.value, repeated, self.table, self.bits)
+
+    def item(self, definition: ItemDefinition, estimate: ItemEstimate) -> Item:
+        """An item with the budget of each element; null where an element is not determined.
+
+        A value whose uncertainty the recording does not show (turns alone, say) has none and no
+        budget. k is 2, or, where an element has fewer than 50 effective degrees of freedom, the
+        largest k of the item's elements rounded up to two decimals; every budget of the item then
+        states it. By Monte Carlo it is always that largest k.
+        """
+        budgets = self._budgets(definition, estimate.elements)
+        k = common_factor(budgets)
+        budgets = {e: expanded(budget, k) for e, budget in budgets.items()}
+        none = dict.fromkeys(estimate.elements)
+        item = Item(
+            unit=definition.unit,
+            clause=estimate.clause,
+            value=_values(estimate.elements),
+            u={**none, **{e: budget.u_c for e, budget in budgets.items()}},
+            U={**none, **{e: budget.U for e, budget in budgets.items()}},
+            k=k,
+            uncertainty_kind=self.kind,
+            budgets=budgets,
+            readings=estimate.readings,
+        )
+        return item.model_copy(update=self._second_value(definition, estimate, item))
+
+    def _budgets(self, definition: ItemDefinition, estimates: Estimates) -> dict[str, Budget]:
+        return {
+            e: self.budget(definition, e, estimate)
+            for e, estimate in estimates.items()
+            if estimate.has_uncertainty
+        }
+
+    def _second_value(
+        self, definition: ItemDefinition, estimate: ItemEstimate, item: Item
+    ) -> dict[str, Elements]:
+        """The fields of the value beside the clause's own; none where an item has one value."""
+        second = estimate.without_earth_rotation
+        if definition.second_value == "value_model":
+            opposite = {e: None if value is None else -value for e, value in item.value.items()}
+            return {"value_model": opposite}
+        if definition.second_value is None or second is None:
+            return {}
+        value, u, U = item.value, item.u, item.U
+        if second != estimate.elements:
+            value, none = _values(second), dict.fromkeys(second)
+            u = {**none, **{e: b.u_c for e, b in self._budgets(definition, second).items()}}
+            U = {e: None if each is None else item.k * each for e, each in u.items()}
+        return {
+            "value_without_earth_rotation": value,
+            "u_without_earth_rotation": u,
+            "U_without_earth_rotation": U,
+        }
+
+
+def _values(estimates: Estimates) -> Elements:
+    return {e: estimate.value if estimate.determined else None for e, estimate in estimates.items()}
+
+
+def evaluation_for(
+    recording: Recording,
+    kind: UncertaintyKind = "GUM",
+    own: Mapping[LimitName, EquipmentLimit] | None = None,
+) -> Evaluation:
+    """The evaluation of a recording with the limits of its specification's Table 1.
+
+    own: a laboratory's limits, which go before them. Of a recording without specification
+    the equipment is not known: then gravity and latitude alone are counted, and the result says so.
+    Raises Unusable where the unit's `effective_bits` are no number of bits.
+    """
+    own = own or {}
+    specification = BY_STANDARD.get(recording.manifest.standard)
+    equipment, named = NO_SPECIFICATION
+    if specification is not None:
+        equipment, named = specification.equipment, specification.equipment_source
+    equipment = with_limits(equipment, own)
+    settings: dict[str, str | float] = {"uncertainty": kind}
+    table, bits = TABLE, _bits(recording)
+    if kind != "as the specification's example":
+        settings["limits"] = named
+        for name, limit in own.items():
+            settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
+        unknown = not equipment.rates or not equipment.angles
+        remarks = (_equipment_unknown(),) if unknown else ()
+        return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
+    if "rate" in own:
+        table = equipment.rates[0][1].u
+    settings["u1 of the table"] = f"{table:g} ({own['rate'].source if 'rate' in own else EXAMPLE})"
+    settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({EXAMPLE})"
+    return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
+
+
+def _equipment_unknown() -> Remark:
+    text = message("specifications-equipment-unknown")
+    return remark("equipment_unknown", text, blocks_pass=True)
+
+
+def common_factor(budgets: Mapping[str, Budget]) -> float:
+    """The coverage factor of an item, see `Evaluation.item`."""
+    drawn = any(budget.evaluation == "Monte Carlo" for budget in budgets.values())
+    if not drawn and all(budget.dof >= ENOUGH_DOF for budget in budgets.values()):
+        return USUAL_K
+    return math.ceil(100.0 * max(budget.k for budget in budgets.values()) - 1e-9) / 100.0
+
+
+def expanded(budget: Budget, k: float) -> Budget:
+    """A budget stated with the coverage factor of its item."""
+    return budget if budget.k == k else budget.model_copy(update={"k": k, "U": k * budget.u_c})
+
+
+def _bits(recording: Recording) -> float | None:
+    """`effective_bits` of the manifest's unit, None where it has none."""
+    stated = (recording.manifest.unit.model_extra or {}).get("effective_bits")
+    if stated is None:
+        return None
+    try:
+        bits = TypeAdapter(float).validate_python(stated, strict=True)
+    except ValidationError:
+        bits = math.nan
+    if not 1.0 <= bits <= MAX_BITS:
+        raise Unusable(
+            f"{recording.manifest.recording_id}: manifest.json says unit.effective_bits = "
+            f"{stated!r}, no number of bits from 1 to {MAX_BITS:.0f}; correct it or leave it out"
+        )
+    return bits

@@ -1,0 +1,27 @@
+"""What the data show beside the clauses' results. Nothing is decided on it."""
+
+from collections.abc import Mapping
+
+from schemas.calibration import Information, Item
+from tasks.calibrate.information.earth import earth_information
+from tasks.calibrate.information.lever_arm import lever_arm_information
+from tasks.calibrate.information.line import line_information
+from tasks.calibrate.information.noise import noise_information
+from tasks.calibrate.information.repeatability import repeatability_information
+from tasks.specifications.evidence import Evidence
+
+
+def information(
+    evidence: Evidence, items: Mapping[str, Item], rate_sensor: str
+) -> dict[str, Information]:
+    """Everything the recording allows, in the order in which it is printed.
+
+    rate_sensor: «gyro» or «ahrs», as the results call what senses the rate.
+    """
+    return {
+        **earth_information(evidence.earth, items),
+        **lever_arm_information(evidence),
+        **line_information(evidence, rate_sensor),
+        **repeatability_information(evidence, rate_sensor),
+        **noise_information(evidence, rate_sensor),
+    }

@@ -1,0 +1,138 @@
+"""Overlapping Allan variance of rests, what noise it is made of, and how well it is known.
+
+Source: IEEE Std 952, annex C (shapes of the noise terms); NIST SP 1065, 5.2.4 and 5.4 (overlapping
+Allan variance and its equivalent degrees of freedom).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+FLICKER = 2.0 * np.log(2.0)  # Allan variance of S(f) = 1/f
+SHARPEST = 0.02  # of a variance: no noise follows the textbook's shapes more closely
+STARTS = 8  # averages begun within one averaging time
+MIN_LEVELS = 5  # averaging times that separate the noise terms
+ROUNDS = 4  # of weighting by the model fitted before
+MISFIT = 1.5  # mean squared deviation, in what is known of each level, above which a fit is refused
+FAINTEST = 0.01  # of a variance: what is expected of a level is never less
+WHITE = 1  # place of the white noise among the terms
+
+
+@dataclass(frozen=True)
+class AllanCurve:
+    """Allan variances over all rests together.
+
+    tau: (levels,) s, doubling. variance: (levels, channels). white_dof, flicker_dof: (levels,)
+    equivalent degrees of freedom where white noise or flicker rules.
+    """
+
+    tau: np.ndarray
+    variance: np.ndarray
+    white_dof: np.ndarray
+    flicker_dof: np.ndarray
+
+
+@dataclass(frozen=True)
+class WhiteNoise:
+    """N² (unit²·s) of white noise and its standard uncertainty."""
+
+    density: float
+    u: float
+
+
+def overlapping_variances(readings: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
+    """Overlapping Allan variances (sizes, channels) of (channels, n) readings.
+
+    sizes: rows averaged over, 2·size ≤ n. Multiples of STARTS begin an average at every
+    (size/STARTS)-th row only: what those between would add is nearly nothing.
+    """
+    from allantools.allantools import calc_adev_phase  # late: it takes half a second
+
+    phase = np.zeros((len(readings), readings.shape[1] + 1))
+    np.cumsum(readings - readings.mean(axis=1, keepdims=True), axis=1, out=phase[:, 1:])
+    stride = {size: 1 if size % STARTS else size // STARTS for size in sizes}
+    return np.array(
+        [[calc_adev_phase(x, 1.0, size, stride[size])[0] ** 2 for x in phase] for size in sizes]
+    ).reshape(len(sizes), len(readings))
+
+
+def allan_curve(rests: Sequence[np.ndarray], interval: float) -> AllanCurve:
+    """The Allan variances of rests (channels, n) sampled every `interval` s, weighted by length.
+
+    Averaging times go up to a quarter of the shortest rest; none where it has fewer than 4 rows.
+    """
+    shortest = min(rest.shape[1] for rest in rests)
+    sizes = [1 << power for power in range(shortest.bit_length()) if 4 << power <= shortest]
+    rows = [rest.shape[1] for rest in rests]
+    variances = [overlapping_variances(rest, sizes) for rest in rests]
+    return AllanCurve(
+        tau=interval * np.array(sizes, float),
+        variance=np.average(variances, axis=0, weights=rows),
+        white_dof=np.array([sum(white_dof(n, size) for n in rows) for size in sizes]),
+        flicker_dof=np.array([sum(flicker_dof(n, size) for n in rows) for size in sizes]),
+    )
+
+
+def white_dof(count: int, size: int) -> float:
+    """Equivalent degrees of freedom of white noise, `count` readings averaged over `size`."""
+    from allantools import edf_simple
+
+    return float(edf_simple(count + 1, size, alpha=0))
+
+
+def flicker_dof(count: int, size: int) -> float:
+    """Equivalent degrees of freedom of flicker, `count` readings averaged over `size`."""
+    from allantools import edf_simple
+
+    if size == 1:  # allantools lacks the square of the numerator that SP 1065 prints
+        return 2.0 * (count - 1) ** 2 / (2.3 * (count + 1) - 4.9)
+    return float(edf_simple(count + 1, size, alpha=-1))
+
+
+def white_noise(curve: AllanCurve, channel: int) -> WhiteNoise | None:
+    """White noise of one channel, by its shape beside angle noise, flicker and random walk.
+
+    The shortest averaging times, where the unit's low-pass rules or a line of the mains, are left
+    off until the shapes fit. None where too few are left, or where white noise does not show.
+    """
+    if not curve.variance[:, channel].all():
+        return None
+    for first in range(len(curve.tau) - MIN_LEVELS + 1):
+        tau, variance = curve.tau[first:], curve.variance[first:, channel]
+        known = np.sqrt(2.0 / curve.white_dof[first:] + SHARPEST**2)
+        density, u, misfit = _fit(tau, variance, known)
+        if misfit < MISFIT:
+            shows = density > 2.0 * u > 0.0
+            return WhiteNoise(density, u) if shows else None
+    return None
+
+
+def _fit(tau: np.ndarray, variance: np.ndarray, known: np.ndarray) -> tuple[float, float, float]:
+    """N², its standard uncertainty and the mean squared misfit.
+
+    known: relative standard uncertainty of each variance. No term is negative but the first: to
+    first order, a low-pass takes from white noise what angle noise of that size would add.
+    """
+    shapes = np.column_stack([3.0 / tau**2, 1.0 / tau, np.full(len(tau), FLICKER), tau / 3.0])
+    expected, terms = variance, np.zeros(shapes.shape[1])
+    used = list(range(shapes.shape[1]))
+    for _ in range(ROUNDS):
+        weight = 1.0 / (known * expected)
+        used = list(range(shapes.shape[1]))
+        while True:  # a negative term is no noise: without it, again
+            design = shapes[:, used] * weight[:, None]
+            scale = np.linalg.norm(design, axis=0)
+            strength = np.linalg.lstsq(design / scale, variance * weight, rcond=None)[0]
+            if strength[1:].min(initial=0.0) >= 0.0:
+                break
+            used.pop(1 + int(strength[1:].argmin()))
+        terms = np.zeros(shapes.shape[1])
+        terms[used] = strength / scale
+        expected = np.maximum(shapes @ terms, FAINTEST * variance)
+    misfit = float(np.mean(((variance - expected) / (known * expected)) ** 2))
+    if WHITE not in used:
+        return 0.0, 0.0, misfit
+    place = used.index(WHITE)
+    spread = np.linalg.pinv((design / scale).T @ (design / scale))[place, place]
+    return float(terms[WHITE]), float(np.sqrt(spread) / scale[place]), misfit

@@ -1,0 +1,58 @@
+"""A motion with a small rotation more somewhere between ground and unit.
+
+To first order in the angle. A rotation by ε about a direction u turns what is fixed in n by
+−ε·u in the body; what turns outside it is seen from the turned body too, and ε̇ is felt.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tasks.motion.whole import Motion
+
+
+def with_small_rotation(
+    motion: Motion,
+    direction: np.ndarray,
+    angle: np.ndarray,
+    change: np.ndarray,
+    outside: np.ndarray,
+) -> Motion:
+    """The motion with a small rotation more.
+
+    direction: (n, 3) or (3,) unit vector in the body. angle, change: (n,) rad and rad/s.
+    outside: (n, 3) rad/s, rate in the body of all that turns outside of where it happens.
+    """
+    turn = angle[:, None] * direction
+    axes = motion.axes
+    if axes is not None:
+        axes = replace(axes, base=axes.base - crossed(turn, axes.base))
+    return replace(
+        motion,
+        up=motion.up - crossed(turn, motion.up),
+        north=motion.north - crossed(turn, motion.north),
+        rate=motion.rate + change[:, None] * direction - crossed(turn, outside),
+        axes=axes,
+    )
+
+
+def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a × b for rows (n, 3); three times as fast as numpy's, which is general."""
+    product = np.empty_like(a)
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    product[:, 0] = ay * bz - az * by
+    product[:, 1] = az * bx - ax * bz
+    product[:, 2] = ax * by - ay * bx
+    return product
+
+
+def slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
+    """Derivative of a course (n,) or (n, k) on nearly even times, of fourth order inside."""
+    first = np.gradient(course, t, axis=0)
+    if len(t) < 7:
+        return first
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    inner = (course[:-4] - 8 * course[1:-3] + 8 * course[3:-1] - course[4:]) / (12 * step)
+    even = np.abs(t[4:] - t[:-4] - 4 * step) < 0.02 * step
+    first[2:-2][even] = inner[even]
+    return first

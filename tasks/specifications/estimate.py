@@ -1,0 +1,184 @@
+"""Estimates before their budgets: of one element, of an item, and what a clause contributes."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from schemas.calibration import Remark
+from schemas.recording import AXES
+from tasks.segments.summarise import CHANNELS
+from tasks.specifications.evidence import Evidence
+from tasks.specifications.linear import BLOCKING_EXCESS, BirgeRatio
+from tasks.uncertainty.budget import Contribution, observed
+from tasks.uncertainty.degrees_of_freedom import type_a_dof
+from tasks.uncertainty.type_b import resolution
+from tasks.words import Sayable, message
+from tasks.words.remark import remark
+
+DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
+MATRIX = tuple((i, j) for i in range(3) for j in range(3))
+OFF_DIAGONAL = tuple((i, j) for i, j in MATRIX if i != j)
+NO_EXCESS = BirgeRatio()
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value, the lines of its budget so far, and what Appendix A adds up to its u₃.
+
+    lines: of the data first (type A, the unit's resolution), then those of the equipment, with
+    sensitivities in the unit of the value per their own; no unit: that of the value.
+    repeated: standard uncertainties, each as if its position alone gave the result; empty: the
+    type A line itself is the repeatability. NaN: not determined.
+    """
+
+    value: float
+    lines: tuple[Contribution, ...] = ()
+    repeated: tuple[float, ...] = ()
+
+    @property
+    def determined(self) -> bool:
+        """Whether there is a value."""
+        return math.isfinite(self.value)
+
+    @property
+    def has_uncertainty(self) -> bool:
+        """Whether there is a value, and every line of its budget is known."""
+        sizes = (line.quantity.u * line.sensitivity for line in self.lines)
+        return self.determined and all(map(math.isfinite, sizes))
+
+    def scaled(self, factor: float) -> "Estimate":
+        """The same in another unit."""
+        return Estimate(
+            self.value * factor,
+            tuple(line.scaled(factor) for line in self.lines),
+            tuple(abs(factor) * u for u in self.repeated),
+        )
+
+    def with_lines(self, *more: Contribution) -> "Estimate":
+        """With further lines in its budget."""
+        return replace(self, lines=(*self.lines, *more))
+
+    def lines_in(self, unit: str) -> tuple[Contribution, ...]:
+        """The lines, those of the data in the value's unit with sensitivity 1."""
+        return tuple(line if line.quantity.unit else _own(line, unit) for line in self.lines)
+
+
+def _own(line: Contribution, unit: str) -> Contribution:
+    u = line.quantity.u * abs(line.sensitivity)
+    return Contribution(replace(line.quantity, u=u, unit=unit), 1.0)
+
+
+UNDETERMINED = Estimate(float("nan"))
+Estimates = dict[str, Estimate]  # by element
+
+
+@dataclass(frozen=True)
+class ItemEstimate:
+    """The estimates of an item's elements, in its printed unit, and what they rest on.
+
+    clause: as the result names it; readings: keys of `tasks.specifications.readings`.
+    without_earth_rotation: the second value of an item that has one.
+    """
+
+    elements: Estimates
+    clause: str
+    readings: tuple[str, ...] = ()
+    without_earth_rotation: Estimates | None = None
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """The elements without a value."""
+        return tuple(e for e, estimate in self.elements.items() if not estimate.determined)
+
+
+@dataclass(frozen=True)
+class ClauseResult:
+    """Items of a clause by their keys, reasons for what is missing, and remarks."""
+
+    items: Mapping[str, ItemEstimate] = field(default_factory=dict)
+    unavailable: Mapping[str, Sayable] = field(default_factory=dict)
+    remarks: tuple[Remark, ...] = ()
+
+
+def merged(results: Iterable[ClauseResult]) -> ClauseResult:
+    """Several clauses as one: their items, their reasons, their remarks in the same order."""
+    every = tuple(results)
+    return ClauseResult(
+        {key: item for result in every for key, item in result.items.items()},
+        {key: reason for result in every for key, reason in result.unavailable.items()},
+        tuple(remark for result in every for remark in result.remarks),
+    )
+
+
+def linear_estimate(
+    evidence: Evidence, channel: int, weights: np.ndarray, excess: BirgeRatio = NO_EXCESS
+) -> Estimate:
+    """o·U for one channel: its value, its type A line and, where the step is coarse, that too.
+
+    weights: o (n,) of all segment means, in the unit of the result per that of the channel. Where
+    the points scatter more than noise and rounding together, both are one line with the scatter
+    observed, and the degrees of freedom of the residuals.
+    """
+    used = np.flatnonzero(weights)
+    o, block = weights[used], np.ix_(used, used)
+    value = float(o @ evidence.means[used, channel])
+    if not math.isfinite(value):
+        return UNDETERMINED
+    noise = float(o @ evidence.noise_covariance(channel)[block] @ o)
+    rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
+    if excess.factor > 1.0:
+        u = excess.factor * np.sqrt(max(noise + rounding, 0.0))
+        return Estimate(value, (observed(float(u), "", excess.dof),))
+    dof = type_a_dof(weights, evidence.segments, evidence.noise, channel, noise)
+    lines: tuple[Contribution, ...] = (observed(float(np.sqrt(max(noise, 0.0))), "", dof),)
+    if rounding > 0.0:
+        lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
+    return Estimate(value, lines)
+
+
+def u_of_means(evidence: Evidence, channel: int, weights: np.ndarray) -> np.ndarray:
+    """Standard uncertainties (m,) of m combinations (m, n) of one channel's means, data only."""
+    variance = np.einsum("mi,ij,mj->m", weights, evidence.covariance(channel), weights)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
+
+
+def scaled(estimates: Mapping[str, Estimate], factor: float) -> Estimates:
+    """The elements in another unit."""
+    return {element: estimate.scaled(factor) for element, estimate in estimates.items()}
+
+
+def diagonal(matrix: Mapping[str, Estimate]) -> Estimates:
+    """The elements xx, yy, zz of a matrix under the names x, y, z."""
+    return {axis: matrix[axis * 2] for axis in AXES}
+
+
+def off_diagonal(matrix: Mapping[str, Estimate]) -> Estimates:
+    """The couplings of a matrix, row by row."""
+    return {AXES[i] + AXES[j]: matrix[AXES[i] + AXES[j]] for i, j in OFF_DIAGONAL}
+
+
+def undetermined_matrix() -> Estimates:
+    """A matrix (3, 3) of which no element is determined."""
+    return {AXES[i] + AXES[j]: UNDETERMINED for i, j in MATRIX}
+
+
+def undetermined_vector() -> Estimates:
+    """A vector (3,) of which no element is determined."""
+    return dict.fromkeys(AXES, UNDETERMINED)
+
+
+def excess_remarks(
+    text: str, factors: Sequence[float], first_channel: int = 0, **arguments: Sayable
+) -> tuple[Remark, ...]:
+    """One remark on the channels that scatter more than their noise explains, if any does.
+
+    text: the message's identifier; factors: of the channels from `first_channel` on.
+    """
+    above = [i for i, factor in enumerate(factors) if factor > 1.0]
+    if not above:
+        return ()
+    channels = ", ".join(f"{CHANNELS[first_channel + i]} {factors[i]:.1f}" for i in above)
+    said = message(text, channels=channels, **arguments)
+    return (remark("excess_scatter", said, blocks_pass=bool(max(factors) > BLOCKING_EXCESS)),)

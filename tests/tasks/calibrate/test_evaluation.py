@@ -1,0 +1,225 @@
+"""Every element of both specifications has a budget; a laboratory may choose how it is made."""
+
+import math
+from collections.abc import Callable
+
+import GTC
+import numpy as np
+import pytest
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.certificate import EquipmentLimit
+from schemas.recording import Recording
+from schemas.uncertainty import Budget
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.register import specification_for
+from tasks.uncertainty.examples import acquisition
+from tasks.uncertainty.type_b import EARTH_RATE
+
+EXAMPLE = "as the specification's example"
+AGREES = 1e-6
+
+
+def calibrated(recording: Recording, **how) -> Calibration:
+    specification = specification_for(recording.manifest.standard)
+    evaluation = evaluation_for(recording, **how)
+    return calibrate(specification, recording, run="r", code_version="v", evaluation=evaluation)
+
+
+def told(recording: Recording, **manifest) -> Recording:
+    """The recording with other fields in its manifest."""
+    changed = recording.manifest.model_copy(update=manifest)
+    return Recording(changed, recording.imu, recording.table, environment=recording.environment,
+                     digest=recording.digest)  # fmt: skip
+
+
+def budgets(calibration: Calibration) -> dict[str, Budget]:
+    return {
+        f"{name}.{element}": budget
+        for name, item in calibration.items.items()
+        for element, budget in item.budgets.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def calibrations(ideal_run, ahrs_noise, plant) -> dict[str, Calibration]:
+    recordings = {
+        "ideal": ideal_run(noise=1e-4),
+        "ahrs": ahrs_noise,
+        "plant_clean": plant("plant_clean"),
+        "ahrs_clean": plant("ahrs_clean"),
+    }
+    return {name: calibrated(recording) for name, recording in recordings.items()}
+
+
+@pytest.fixture(scope="module")
+def ahrs_noise(plant) -> Recording:
+    """An AHRS whose recording tells no latitude."""
+    recording = plant("ahrs_clean")
+    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
+    return told(recording, station=station)
+
+
+def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) -> None:
+    for calibration in calibrations.values():
+        for name, item in calibration.items.items():
+            assert item.uncertainty_kind == "GUM"
+            assert set(item.budgets) == {e for e, value in item.value.items() if value is not None}
+            for element, budget in item.budgets.items():
+                assert budget.result == f"{name}.{element}"
+                assert (budget.value, budget.u_c) == (item.value[element], item.u[element])
+                assert (budget.U, budget.k) == (item.U[element], item.k)
+                assert budget.U / item.k == pytest.approx(budget.u_c)
+                assert budget.unit == item.unit
+                assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
+                kinds = {line.kind for line in budget.inputs}
+                assert kinds == {"A", "B"}
+
+
+def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations) -> None:
+    checked = 0
+    for calibration in calibrations.values():
+        for name, budget in budgets(calibration).items():
+            judge = GTC.ureal(budget.value, 0.0)
+            for line in budget.inputs:
+                judge = judge + line.sensitivity * GTC.ureal(0.0, line.u, line.dof)
+            assert budget.u_c == pytest.approx(GTC.uncertainty(judge), rel=AGREES), name
+            assert budget.dof == pytest.approx(GTC.dof(judge), rel=AGREES), name
+            checked += 1
+    assert checked == 2 * 42 + 2 * 12
+
+
+def test_few_degrees_of_freedom_enlarge_the_coverage_factor_of_the_whole_item(real) -> None:
+    item = calibrated(real("vn200_imu0_rate_table")).items["gyro_scale_factor"]
+    fewest = min(budget.dof for budget in item.budgets.values())
+    assert fewest < 3
+    t = GTC.reporting.k_factor(math.floor(fewest), 100 * math.erf(math.sqrt(2.0)))
+    assert t <= item.k < t + 0.01 + 1e-9
+    assert item.k == round(item.k, 2)
+
+
+def test_many_degrees_of_freedom_leave_the_factor_two(calibrations) -> None:
+    item = calibrations["plant_clean"].items["accel_cross_coupling"]
+    assert all(budget.dof > 50 for budget in item.budgets.values())
+    assert item.k == 2.0
+
+
+def test_the_repeatability_has_the_degrees_of_freedom_of_its_noise(calibrations) -> None:
+    for name, budget in budgets(calibrations["plant_clean"]).items():
+        (line,) = [each for each in budget.inputs if each.kind == "A"]
+        assert 5 < line.dof < 1000, name
+        assert line.distribution == "t"
+
+
+def test_scatter_beyond_the_noise_has_the_degrees_of_freedom_of_the_residuals(real) -> None:
+    calibration = calibrated(real("ferraris_session"))
+    assert "excess_scatter" in {remark.code for remark in calibration.remarks}
+    line = calibration.items["accel_bias"].budgets["x"].inputs[0]
+    assert line.dof == 6 - 4  # six positions, three inputs and a bias
+
+
+def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertainty(plant) -> None:
+    limit = EquipmentLimit(half_width=0.1, distribution="rectangular", source="a map")
+    recording = plant("plant_clean")
+    item = calibrated(recording, own={"latitude": limit}).items["gyro_g_sensitivity"]
+    phi = np.radians(recording.manifest.station.latitude_deg)
+    line = np.degrees(EARTH_RATE * np.cos(phi) * 0.1 / np.sqrt(3.0))
+    for a in "xyz":
+        expected = np.hypot(item.u[a + a], line)
+        assert item.u_without_earth_rotation[a + a] == pytest.approx(expected, rel=0.01)
+        assert item.U_without_earth_rotation[a + a] == pytest.approx(item.k * expected, rel=0.01)
+    assert item.u_without_earth_rotation["xy"] == pytest.approx(item.u["xy"], rel=0.01)
+
+
+def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run) -> None:
+    calibration = calibrated(told(ideal_run(), standard="other"))
+    (remark,) = [r for r in calibration.remarks if r.code == "equipment_unknown"]
+    assert remark.blocks_pass
+    symbols = {line.symbol for b in budgets(calibration).values() for line in b.inputs}
+    assert symbols <= {"u_A", "g", "q"}
+    assert calibration.settings["limits"] == "table and fixture not known"
+
+
+def test_a_laboratory_s_own_limits_are_used_and_named(ideal_run) -> None:
+    own = EquipmentLimit(half_width=1e-3, distribution="rectangular", source="certificate 7")
+    calibration = calibrated(ideal_run(), own={"rate": own})
+    assert calibration.settings["limit of rate"] == "0.001 (certificate 7)"
+    u = calibration.items["gyro_scale_factor"].u["x"]
+    assert u == pytest.approx(1e-3 / math.sqrt(3.0), rel=1e-3)
+
+
+def test_a_coarse_step_is_a_line_of_its_own(ideal_run) -> None:
+    recording = ideal_run(noise=0.004, Ba=np.array([0.004, 0.003, 0.002]))
+    step = 0.01
+    columns = dict(recording.imu.columns)
+    for name in ("accel_x", "accel_y", "accel_z"):
+        columns[name] = step * np.round(columns[name] / step)
+    stream = type(recording.imu)(recording.imu.t, columns)
+    coarse = Recording(recording.manifest, stream, environment=recording.environment, digest="1")
+    budget = calibrated(coarse).items["accel_bias"].budgets["x"]
+    (line,) = [each for each in budget.inputs if each.symbol == "q"]
+    assert (line.kind, line.distribution) == ("B", "rectangular")
+    # Six positions, each rounded by an error of its own.
+    assert line.u == pytest.approx(step / math.sqrt(12.0) / math.sqrt(6.0), rel=1e-6)
+
+
+SUMMED = {  # item: how many positions the appendix adds up, and what each counts
+    "gyro_scale_factor": (1, 1.0), "gyro_bias": (6, 1.0), "gyro_g_sensitivity": (2, 1.0),
+    "accel_bias": (6, 1.0), "accel_rate_sensitivity": (2, 1.0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("item", SUMMED)
+def test_as_the_example_the_positions_are_added_linearly(plant, item: str) -> None:
+    recording = plant("plant_clean")
+    example = calibrated(recording, kind=EXAMPLE).items[item]
+    gum = calibrated(recording).items[item]
+    count, _ = SUMMED[item]
+    assert example.uncertainty_kind == EXAMPLE
+    assert example.k == 2.0
+    for element, budget in example.budgets.items():
+        u1, u2, u3 = budget.inputs
+        assert (u1.u, u2.u) == (1.0e-4, acquisition(12))
+        repeated = gum.budgets[element].inputs[0].u
+        # Summed, they are √n·n times the mean's independent part, and less where drift is common.
+        assert u3.u >= 0.99 * repeated
+        assert (u3.u > 1.3 * repeated) == (count > 1)
+        assert budget.half_width_95 is None
+
+
+def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_run) -> None:
+    recording = ideal_run()
+    plain = calibrated(recording, kind=EXAMPLE)
+    assert plain.settings["effective bits"] == "12 (the example's)"
+    unit = recording.manifest.unit
+    fine = told(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": 16}))
+    calibration = calibrated(fine, kind=EXAMPLE)
+    assert calibration.settings["effective bits"] == "16 (the unit's)"
+    assert calibration.items["gyro_bias"].budgets["x"].inputs[1].u == acquisition(16)
+
+
+@pytest.mark.parametrize("bits", [0, "twelve", True, 1e9])
+def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits) -> None:
+    recording = ideal_run()
+    unit = recording.manifest.unit
+    wrong = told(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": bits}))
+    with pytest.raises(Unusable, match="effective_bits"):
+        evaluation_for(wrong)
+
+
+def test_the_same_recording_gives_the_same_budgets_to_the_last_digit(
+    ideal_run: Callable[..., Recording],
+) -> None:
+    recording = ideal_run(noise=1e-4)
+    assert budgets(calibrated(recording)) == budgets(calibrated(recording))
+
+
+def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run) -> None:
+    old = calibrated(ideal_run()).model_dump(mode="json")
+    for item in old["items"].values():
+        del item["budgets"], item["u_without_earth_rotation"], item["U_without_earth_rotation"]
+        item |= {"uncertainty_kind": "type A", "k": 2.0}
+    old["settings"] = {"gravity_m_s2": 9.8, "latitude_deg": 0.0}
+    assert Calibration.model_validate(old).items["gyro_bias"].budgets == {}
