@@ -90,10 +90,7 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     sequencer = Sequencer(bench, request.station.mount, clock, procedure, recorder, tracker)
     try:
         await _until_the_first_ends(
-            sequencer.run(planned),
-            recorder.encoders.run(),
-            recorder.climate.run(),
-            recorder.run(),
+            sequencer.run(planned), recorder.encoders.run(), recorder.climate.run(), recorder.run()
         )
         await bench.table.leave()
     except BaseException as cause:

@@ -57,27 +57,22 @@ class StreamTail:
     """The end of a stream: as much of it as a segment that is still to be checked needs."""
 
     def __init__(self) -> None:
-        self._pieces: list[Stream] = []
+        self.stream = Stream(np.empty(0), {})
 
     @property
     def until(self) -> float:
         """The last time there is, s; minus infinity while there is none."""
-        return float(self._pieces[-1].t[-1]) if self._pieces else -np.inf
+        return float(self.stream.t[-1]) if len(self.stream) else -np.inf
 
     def append(self, stream: Stream) -> None:
-        if len(stream):
-            self._pieces.append(stream)
+        """What came next; at least one row."""
+        self.stream = joined(self.stream, stream) if len(self.stream) else stream
 
     def drop_before(self, t: float) -> None:
-        self._pieces = [piece for piece in self._pieces if piece.t[-1] >= t]
-
-    def stream(self) -> Stream:
-        """All of it in one piece."""
-        columns = self._pieces[0].columns if self._pieces else {}
-        return Stream(
-            t=_joined([piece.t for piece in self._pieces]),
-            columns={n: _joined([piece.columns[n] for piece in self._pieces]) for n in columns},
-        )
+        """Keep the rows from a time on, s."""
+        kept = self.stream.t >= t
+        columns = {name: values[kept] for name, values in self.stream.columns.items()}
+        self.stream = Stream(self.stream.t[kept], columns)
 
 
 class SegmentMonitor:
@@ -101,9 +96,9 @@ class SegmentMonitor:
         """Check every segment whose data are there, and let go of what is no longer needed."""
         while self._waiting and self.has_passed(self._waiting[0][0].t_end):
             segment, spin_axis = self._waiting.pop(0)
-            anomalies = check_unit(segment, self.imu.stream(), self._link)
+            anomalies = check_unit(segment, self.imu.stream, self._link)
             if spin_axis is not None:
-                anomalies += check_rate(segment, spin_axis, self.table.stream())
+                anomalies += check_rate(segment, spin_axis, self.table.stream)
             for anomaly in anomalies:
                 note(anomaly)
             self.imu.drop_before(segment.t_end)
@@ -115,5 +110,10 @@ def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> 
     return Anomaly(code, inside, inside, amount, subject)
 
 
-def _joined(arrays: list[np.ndarray]) -> np.ndarray:
-    return np.concatenate(arrays) if arrays else np.empty(0)
+def joined(first: Stream, second: Stream) -> Stream:
+    """Two streams of the same columns, one after the other."""
+    columns = {
+        name: np.concatenate([first.columns[name], values])
+        for name, values in second.columns.items()
+    }
+    return Stream(np.concatenate([first.t, second.t]), columns)

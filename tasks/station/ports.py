@@ -72,35 +72,27 @@ class Table(Protocol):
     @property
     def block_samples(self) -> int:
         """How many samples one block of `encoder` holds at most."""
-        ...
 
     async def home(self) -> None:
         """Make it ready to move, its angles known."""
-        ...
 
     async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
         """Send an axis to an angle (deg) at a rate (deg/s) with an acceleration (deg/s²)."""
-        ...
 
     async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
         """Turn an axis at a rate (deg/s)."""
-        ...
 
     async def stop(self, axis: int) -> None:
         """Ramp an axis to rest."""
-        ...
 
     async def state(self) -> TableState:
         """The table and its axes, all of one moment."""
-        ...
 
     async def encoder(self, first: int) -> EncoderBlock:
         """The encoder samples from number `first` on, or from the oldest one kept."""
-        ...
 
     async def leave(self) -> None:
         """Stop every axis and hand the table back, even if the connection had failed."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -125,7 +117,6 @@ class Fixture(Protocol):
 
     async def turn(self, refix: Refix) -> float | None:
         """Do it; the station time (s) at which the unit was switched on again, where known."""
-        ...
 
 
 class Line(Protocol):
@@ -134,15 +125,12 @@ class Line(Protocol):
     @property
     def broken(self) -> str | None:
         """Why nothing more will come, as a sentence; None while the line is sound."""
-        ...
 
     def received(self) -> tuple[bytes, float]:
         """What came since the last call, and the wall time at which the last of it came."""
-        ...
 
     def end(self) -> None:
         """Read what is on the line now, and no more."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock
 from tasks.station.drivers.frames import RECORDS, lost_between, to_stream
 from tasks.station.drivers.unit import Unit
+from tasks.station.monitor import joined
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 Note = Callable[[Anomaly], None]
@@ -145,7 +146,7 @@ class UnitReader:
             return stream
         self._begin()
         self.shifts_s.append(0.0)
-        return _joined(stream, self._timed(after, final))
+        return joined(stream, self._timed(after, final))
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
         link = self._unit.link
@@ -190,13 +191,3 @@ class UnitReader:
         if bad:
             self._note(Anomaly("unit_bad_frames", self._taken_s, now_s, bad))
         self._taken_s = now_s
-
-
-def _joined(first: Stream, second: Stream) -> Stream:
-    return Stream(
-        np.concatenate([first.t, second.t]),
-        {
-            name: np.concatenate([first.columns[name], second.columns[name]])
-            for name in second.columns
-        },
-    )

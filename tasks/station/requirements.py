@@ -86,10 +86,7 @@ def _check_axes(procedure: Procedure, step: Position | Sweep | RateRun | Turns, 
 
 
 def _check_attitude(
-    segment: PlannedSegment,
-    axes: tuple[TableAxis, ...],
-    procedure: Procedure,
-    station: StationFile,
+    segment: PlannedSegment, axes: tuple[TableAxis, ...], procedure: Procedure, station: StationFile
 ) -> None:
     from scipy.spatial.transform import Rotation
 

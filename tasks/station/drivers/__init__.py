@@ -3,8 +3,8 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from schemas.procedure import Refix
 from schemas.station import StationFile
-from tasks.station.drivers.by_hand import ByHand
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_devices import ModbusChamber, ModbusFixture
 from tasks.station.drivers.modbus_table import ModbusTable
@@ -30,3 +30,15 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
             yield Bench(table, ModbusChamber(link), fixture, Unit(station.unit_link, line))
     finally:
         link.close()
+
+
+class ByHand:
+    """A fixture turned by a person, who sees to the supply too and says when it is done."""
+
+    def __init__(self, ask: Ask) -> None:
+        self._ask = ask
+
+    async def turn(self, refix: Refix) -> float | None:
+        """Have it done; when the supply came back is not known."""
+        await self._ask(refix)
+        return None
