@@ -124,6 +124,10 @@ class InMemoryConsole(Console):
     def tick(self) -> None:
         self.sent += self.simulation.advance(10)
 
+    def wait(self, seconds: float) -> None:
+        for _ in range(round(seconds * 10)):
+            self.sent += self.simulation.advance(100)
+
 
 @pytest.fixture
 def consoles() -> Iterator[Callable[..., SocketConsole]]:
