@@ -24,12 +24,13 @@ from schemas.orders import (
 )
 from storage.catalogue.certificates import Due
 from storage.catalogue.runs import Run
-from tasks.certificate.names import verdict_words
+from tasks.conformity.limits import verdict_title
 from tasks.stages.certify import Issued, read_inputs
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
 from tasks.station.acquisition import Acquired
+from tasks.words import say
 
 
 def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
@@ -102,7 +103,7 @@ def remind(order: RemindOrder) -> list[Due]:
 def _show_certificate(issued: Issued) -> None:
     """The verdict, why, and where the certificate lies, as a Prefect artifact."""
     certificate = issued.certificate
-    verdict = verdict_words(certificate.decision)[1]
+    verdict = say(verdict_title(certificate.decision), "en")
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
     create_markdown_artifact(
         key="certificate",

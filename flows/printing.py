@@ -11,8 +11,10 @@ from rich.text import Text
 
 from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
-from tasks.certificate.names import item_name, verdict_words
-from tasks.certificate.reasons import conditional
+from tasks.conformity.limits import verdict_title
+from tasks.conformity.reasons import conditional
+from tasks.specifications.items import item_title
+from tasks.words import say
 from tasks.words.rounding import column
 from tasks.words.units import unit_text
 
@@ -38,12 +40,12 @@ def print_calibration(calibration: Calibration) -> None:
     console = stdout()
     table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
     for name, item in calibration.items.items():
-        _add_item(table, item_name(name)[1], item)
+        _add_item(table, say(item_title(name), "en"), item)
     console.print(table)
     _print_information(console, calibration)
     for name, reason in calibration.unavailable.items():
         console.print("[yellow]not determined[/] ", end="")
-        console.print(f"{item_name(name)[1]}: {reason}", markup=False)
+        console.print(f"{say(item_title(name), 'en')}: {reason}", markup=False)
     for remark in calibration.remarks:
         mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
         console.print(f"{mark} ", end="")
@@ -104,9 +106,12 @@ def print_verdict(issued: "Issued") -> None:
     """The verdict, a line for what fails, is open or conditional, the due date, the files."""
     certificate, console = issued.certificate, stdout()
     decision = certificate.decision
-    verdict = f"[bold {COLOURS[decision.verdict]}]{verdict_words(decision)[1]}[/]"
-    console.print(f"{certificate.number}: {verdict} ({certificate.state})")
-    for reason in (*decision.reasons, *(en for en, _ in conditional(decision))):
+    said = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
+    console.print(f"{certificate.number}: {said} ({certificate.state})")
+    for reason in (
+        *decision.reasons,
+        *(say(condition, "en") for condition in conditional(decision)),
+    ):
         console.print(f"  {reason}", markup=False)
     console.print(f"recalibration due {certificate.due}")
     print(issued.pdf)

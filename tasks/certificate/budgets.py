@@ -1,7 +1,7 @@
 """The uncertainty budgets as rows of tables: JJF 1059.1-2012, 5.3.2 and 6.2.
 
 For each item the lines of the element with the largest uncertainty, and u_c, degrees of freedom
-and U of every element. A pair is (Chinese, English).
+and U of every element.
 """
 
 import math
@@ -11,46 +11,16 @@ from decimal import Decimal
 
 from schemas.calibration import Calibration, Item
 from schemas.uncertainty import Budget, BudgetInput
-from tasks.certificate.equipment import half_width, limits_of, source
-from tasks.certificate.names import KINDS, Pair, item_name, symbol
+from tasks.certificate.equipment import half_width, limits_of, name_of, source
+from tasks.certificate.fields import first_known, slug
+from tasks.specifications.items import item_title, symbol
+from tasks.words import Message, Sayable, message
 from tasks.words.rounding import MINUS, column, text
 from tasks.words.units import unit_text
 
-DISTRIBUTIONS = {
-    "normal": ("正态", "normal"),
-    "rectangular": ("均匀", "rectangular"),
-    "triangular": ("三角", "triangular"),
-    "arcsine": ("反正弦", "arcsine"),
-    "t": ("t", "t"),
-}
-INTRODUCTION = {
-    "GUM": (
-        "各输入量相互独立；灵敏系数的单位为结果单位除以输入量单位。U = k·u；"
-        "有效自由度均不小于 50 时 k = 2，否则取该项各元素中最大的 k。"
-        "95 % 区间半宽由各分布的传播（JJF 1059.2）得到。",
-        "The inputs are independent of each other; a sensitivity is in the unit of the result per "
-        "that of the input. U = k·u with k = 2 where no element has fewer than 50 effective "
-        "degrees of freedom, else with the largest k of the item's elements. The half width of the "
-        "95 % interval follows from the propagation of the distributions (JCGM 101).",
-    ),
-    "as the specification's example": (
-        "按规范附录 A 的示例：u1 和 u2 的灵敏系数取 1；u3 为各位置的标准不确定度之和，"
-        "均以结果的单位表示；U = 2·u。",
-        "As in Appendix A of the specification: u1 and u2 with sensitivity 1; u3 is the sum of the "
-        "standard uncertainties of the positions, each in the unit of the result; U = 2·u.",
-    ),
-    "Monte Carlo": (
-        "各输入量相互独立，按其分布抽样，经该项计算式传播（JJF 1059.2）；灵敏系数和贡献为线性近似。"
-        "U 为概率对称包含区间的半宽，取该项各元素中最大的 k = U/u。",
-        "The inputs are independent of each other, drawn from their distributions and propagated "
-        "through the item's equation (JCGM 101); sensitivities and contributions are those of its "
-        "linear form. U is half the probabilistically symmetric coverage interval, with the "
-        "largest k = U/u of the item's elements.",
-    ),
-}
 DIGITS = 3  # significant digits of a standard uncertainty inside a budget
 PLAIN = (1e-3, 1e4)  # sizes written without a power of ten
-INFINITE, MOST_DOF = "∞", 9999
+INFINITE, MAX_DOF = "∞", 9999
 FINEST_SHARE = 0.1  # %
 
 
@@ -66,10 +36,10 @@ class Figure:
 class Line:
     """An input quantity: what it is, u(x), c = ∂y/∂x, |c|·u(x), share of the variance, dof."""
 
-    name: Pair
+    name: Sayable
     symbol: str
     kind: str
-    distribution: Pair
+    distribution: Message
     unit: str
     u: Figure
     sensitivity: Figure
@@ -93,13 +63,14 @@ class Element:
 
 @dataclass(frozen=True)
 class BudgetTable:
-    """One item: which element its lines are of, and every element's sum."""
+    """One item: which element its lines are of, its heading, and every element's sum."""
 
-    title: Pair
-    kind: Pair
+    title: Sayable
+    kind: Message
     unit: str
     k: str
     of: str
+    heading: Message
     lines: tuple[Line, ...]
     exponent: int
     elements: tuple[Element, ...]
@@ -109,18 +80,18 @@ class BudgetTable:
 class LimitRow:
     """A limit of the equipment: what, symbol, half-width (U for normal), shape, who states it."""
 
-    name: Pair
+    name: Sayable
     symbol: str
     half_width: str
-    distribution: Pair
-    source: Pair
+    distribution: Message
+    source: Sayable
 
 
 @dataclass(frozen=True)
 class Budgets:
     """How the budgets are made, the limits that enter them, and those of every item."""
 
-    said: tuple[Pair, ...]
+    introductions: tuple[Message, ...]
     limits: tuple[LimitRow, ...]
     tables: tuple[BudgetTable, ...]
 
@@ -129,18 +100,20 @@ def budgets(calibration: Calibration) -> Budgets | None:
     """The budgets of every item that has any, in the order of the calibration; None without."""
     items = {name: item for name, item in calibration.items.items() if item.budgets}
     kinds = dict.fromkeys(item.uncertainty_kind for item in items.values())
-    said = tuple(INTRODUCTION[kind] for kind in kinds if kind in INTRODUCTION)
+    introductions = tuple(
+        filter(None, (first_known(f"certificate-budgets.{slug(kind)}") for kind in kinds))
+    )
     tables = tuple(_table(name, item) for name, item in items.items())
     limits = tuple(map(_limit, limits_of(calibration)))
-    return Budgets(said, limits, tables) if tables else None
+    return Budgets(introductions, limits, tables) if tables else None
 
 
 def _limit(line: BudgetInput) -> LimitRow:
     return LimitRow(
-        name=(line.name_zh, line.name),
+        name=name_of(line),
         symbol=line.symbol,
         half_width=half_width(line),
-        distribution=DISTRIBUTIONS[line.distribution],
+        distribution=message(f"certificate-distribution.{line.distribution}"),
         source=source(line),
     )
 
@@ -151,11 +124,12 @@ def _table(name: str, item: Item) -> BudgetTable:
     values = [budget.value for budget in budgets.values()]
     expanded = column(values, [budget.U for budget in budgets.values()], item.k)
     return BudgetTable(
-        title=item_name(name),
-        kind=KINDS[item.uncertainty_kind],
+        title=item_title(name),
+        kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}"),
         unit=unit_text(item.unit),
         k=f"{item.k:g}",
         of=symbol(name, largest),
+        heading=message("certificate-budget-of", symbol=symbol(name, largest)),
         lines=tuple(_line(line) for line in budgets[largest].inputs),
         exponent=expanded.exponent,
         elements=tuple(
@@ -167,10 +141,10 @@ def _table(name: str, item: Item) -> BudgetTable:
 
 def _line(line: BudgetInput) -> Line:
     return Line(
-        name=(line.name_zh, line.name),
+        name=name_of(line),
         symbol=line.symbol,
         kind=line.kind,
-        distribution=DISTRIBUTIONS[line.distribution],
+        distribution=message(f"certificate-distribution.{line.distribution}"),
         unit=unit_text(line.unit),
         u=figure(line.u),
         sensitivity=figure(line.sensitivity),
@@ -218,7 +192,7 @@ def _dof(dof: float) -> str:
     """Whole degrees of freedom, as they are used (GUM G.4.1)."""
     if math.isinf(dof):
         return INFINITE
-    return f"> {MOST_DOF}" if dof > MOST_DOF else f"{math.floor(dof * (1.0 + 1e-9)):d}"
+    return f"> {MAX_DOF}" if dof > MAX_DOF else f"{math.floor(dof * (1.0 + 1e-9)):d}"
 
 
 def _like(half_width: float, U: str | None, exponent: int) -> str:

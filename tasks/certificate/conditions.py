@@ -1,20 +1,17 @@
-"""The conditions of the measurement, as the segments that were used and the manifest tell them."""
+"""The conditions of the measurement, as segments and manifest state them."""
 
 import math
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, SegmentUsed
 from schemas.recording import AXES, Axis, Manifest
-from tasks.certificate.conditions_ahrs import ahrs_fields
-from tasks.certificate.fields import NOT_GIVEN, Field, given, number
-from tasks.certificate.names import Pair
-from tasks.certificate.typography import pair
+from tasks.certificate.fields import NONE, NOT_GIVEN, Field, field, given
+from tasks.certificate.layout import Layout
+from tasks.certificate.positions import positions, turns, zero_positions
+from tasks.words import Message, Sayable, clauses, message
+from tasks.words.rounding import as_given
 
 FULL_SCALE = 0.999  # of the unit's largest input rate counts as that rate
-UNTOLD_RANGE = (
-    "未提供被校对象的最大输入角速率，故未核查速率点是否包括该值。",
-    "The unit's largest input rate is not told, so whether it was included was not checked.",
-)
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,7 @@ class Rates:
     """The turning about one axis: the points (°/s), how many, and ω (°/s) taken for p."""
 
     axis: str
-    points: Pair
+    points: Sayable
     count: str
     largest: str
 
@@ -34,44 +31,30 @@ class Conditions:
     rates: tuple[Rates, ...]
     has_p: bool
     fields: tuple[Field, ...]
-    sentences: tuple[Pair, ...]
+    sentences: tuple[Message, ...]
 
 
-def conditions(calibration: Calibration, manifest: Manifest) -> Conditions:
+def conditions(calibration: Calibration, manifest: Manifest, layout: Layout) -> Conditions:
     """Rate points, dwell, positions, mounting, and whether the largest rate was included."""
-    turning = [each for each in calibration.segments if each.kind in ("rate", "rotation")]
-    rates = tuple(_rates(calibration, axis) for axis in AXES) if turning else ()
-    of_ahrs = calibration.method == "jjf1536"
-    position = (manifest.model_extra or {}).get("mounting_position")
+    turned = any(segment.kind in ("rate", "rotation") for segment in calibration.segments)
     return Conditions(
-        rates=rates,
-        has_p=not of_ahrs,
-        fields=(
-            Field(("采样时间（最短）", "Dwell (shortest)"), _dwell(calibration)),
-            Field(("静止位置", "Positions at rest"), _positions(calibration, manifest)),
-            *(ahrs_fields(calibration, manifest) if of_ahrs else ()),
-            Field(
-                ("安装姿态四元数（w, x, y, z）", "Mounting quaternion (w, x, y, z)"),
-                _attitudes(manifest),
-            ),
-            Field(
-                ("安装位置", "Mounting position"),
-                given(str(position)) if position is not None else NOT_GIVEN,
-            ),
+        rates=tuple(_rates(calibration, axis) for axis in AXES) if turned else (),
+        has_p="accel_rate_sensitivity" in layout.items,
+        fields=tuple(
+            field(name, FIELDS[name](calibration, manifest)) for name in layout.conditions
         ),
-        sentences=(_range(calibration, manifest),) if turning else (),
+        sentences=(_range(calibration, manifest),) if turned else (),
     )
 
 
 def _rates(calibration: Calibration, axis: Axis) -> Rates:
-    held = _held(calibration, axis)
-    points = sorted({each.rate_deg_s for each in held if each.rate_deg_s is not None})
-    turns = sum(each.kind == "rotation" and each.axis == axis for each in calibration.segments)
-    written: Pair = ("—", "—")
+    points = sorted({s.rate_deg_s for s in _held(calibration, axis) if s.rate_deg_s is not None})
+    turned = sum(s.kind == "rotation" and s.axis == axis for s in calibration.segments)
+    written: Sayable = NONE
     if points:
-        written = (_signed(points),) * 2
-    elif turns:
-        written = (f"已知转角 {turns} 段", f"{turns} turns by a known angle")
+        written = given(_signed(points))
+    elif turned:
+        written = message("certificate-turns.known-angle", count=turned)
     return Rates(
         axis=axis.upper(),
         points=written,
@@ -81,7 +64,7 @@ def _rates(calibration: Calibration, axis: Axis) -> Rates:
 
 
 def _held(calibration: Calibration, axis: Axis) -> list[SegmentUsed]:
-    return [each for each in calibration.segments if each.kind == "rate" and each.axis == axis]
+    return [s for s in calibration.segments if s.kind == "rate" and s.axis == axis]
 
 
 def _signed(points: list[float]) -> str:
@@ -90,7 +73,8 @@ def _signed(points: list[float]) -> str:
     for size in sorted({abs(point) for point in points}):
         both = {size, -size} <= there
         sign = "±" if both and size else "+" if size in there and size else ""
-        written.append(f"{sign}{number(size)}" if both or size in there else number(-size))
+        positive = both or size in there
+        written.append(f"{sign}{as_given(size)}" if positive else as_given(-size))
     return ", ".join(written)
 
 
@@ -98,74 +82,60 @@ def _rate_for_p(calibration: Calibration, axis: Axis) -> str:
     """The largest rate about an axis that stood vertical; — where p of that axis has no value."""
     p = calibration.items.get("accel_rate_sensitivity")
     if p is None or all(v is None for element, v in p.value.items() if element[-1] == axis):
-        return "—"
+        return NONE.en
     held = _held(calibration, axis)
-    upright = [each for each in held if (each.up or "")[1:] == axis] or held
-    return number(max(abs(each.rate_deg_s or 0.0) for each in upright)) if upright else "—"
+    upright = [s for s in held if (s.up or "")[1:] == axis] or held
+    return as_given(max(abs(s.rate_deg_s or 0.0) for s in upright)) if upright else NONE.en
 
 
-def _dwell(calibration: Calibration) -> Pair:
+def _dwell(calibration: Calibration, _: Manifest) -> Sayable:
     """The shortest rest and the shortest held rate, rounded down so that none looks longer."""
-    said = []
-    for kind, zh, en in (("static", "静止", "at rest"), ("rate", "恒速转动", "at a held rate")):
-        lasts = [each.t_end - each.t_start for each in calibration.segments if each.kind == kind]
+    parts = []
+    for kind in ("static", "rate"):
+        lasts = [s.t_end - s.t_start for s in calibration.segments if s.kind == kind]
         if lasts:
             seconds = math.floor(min(lasts) * 10 + 1e-6) / 10
-            said.append((f"{zh} {seconds:.1f} s", f"{seconds:.1f} s {en}"))
-    return given("；".join(zh for zh, _ in said), "; ".join(en for _, en in said))
+            parts.append(message(f"certificate-dwell.{kind}", seconds=f"{seconds:.1f}"))
+    return clauses(parts) if parts else NOT_GIVEN
 
 
-def _positions(calibration: Calibration, manifest: Manifest) -> Pair:
-    """How many rests, which axes were up, and at which headings as far as the labels tell."""
-    turned = {each.name: each.turn_deg for each in manifest.segments or ()}
-    rests = [each for each in calibration.segments if each.kind == "static"]
-    seen = {(each.up, turned.get(each.name)) for each in rests if each.up}
-    ups = sorted({up for up, _ in seen}, key=lambda up: (up[1:], up))
-    headings = sorted({turn for _, turn in seen if turn is not None})
-    if not rests:
-        return NOT_GIVEN
-    zh, en = f"静止 {len(rests)} 段", f"{len(rests)} rests"
-    if ups:
-        zh += f"；朝天轴 {len(ups)} 种：{', '.join(ups)}"
-        en += f"; {len(ups)} directions up: {', '.join(ups)}"
-    if headings:
-        written = ", ".join(f"{number(each)}°" for each in headings)
-        every = all((up, turn) in seen for up in ups for turn in headings)
-        zh += f"；方位 {written}" + ("" if every else "（并非每个朝向都有）")
-        en += f"; headings {written}" + ("" if every else " (not each with every axis up)")
-    else:
-        zh, en = f"{zh}；方位未提供", f"{en}; headings not given"
-    return pair(zh, en)
-
-
-def _attitudes(manifest: Manifest) -> Pair:
+def _attitudes(_: Calibration, manifest: Manifest) -> Sayable:
     """Every mounting that a segment names, that of the manifest where one names none."""
     segments = manifest.segments or ()
-    mounts = [each.mount or manifest.mount for each in segments] or [manifest.mount]
+    mounts = [segment.mount or manifest.mount for segment in segments] or [manifest.mount]
     written = dict.fromkeys(
-        f"({', '.join(number(part) for part in mount.quaternion_wxyz)})" for mount in mounts
+        f"({', '.join(map(as_given, mount.quaternion_wxyz))})" for mount in mounts
     )
-    return given("；".join(written), "; ".join(written))
+    return clauses([given(attitude) for attitude in written])
 
 
-def _range(calibration: Calibration, manifest: Manifest) -> Pair:
+def _mounting(_: Calibration, manifest: Manifest) -> Sayable:
+    position = (manifest.model_extra or {}).get("mounting_position")
+    return given(None if position is None else str(position))
+
+
+FIELDS = {
+    "dwell": _dwell,
+    "positions": positions,
+    "zero-positions": zero_positions,
+    "turns": turns,
+    "attitudes": _attitudes,
+    "mounting": _mounting,
+}
+
+
+def _range(calibration: Calibration, manifest: Manifest) -> Message:
     """Whether each axis that was turned was turned at the unit's largest input rate."""
-    told = (manifest.unit.model_extra or {}).get("rate_range_deg_s")
-    if isinstance(told, bool) or not isinstance(told, int | float) or told <= 0:
-        return UNTOLD_RANGE
+    largest = (manifest.unit.model_extra or {}).get("rate_range_deg_s")
+    if isinstance(largest, bool) or not isinstance(largest, int | float) or largest <= 0:
+        return message("certificate-range.not-given")
     short = [
         axis.upper()
         for axis in AXES
         if max((abs(s.rate_deg_s or 0.0) for s in _held(calibration, axis)), default=0.0)
-        < FULL_SCALE * told
+        < FULL_SCALE * largest
     ]
-    largest, axes = number(told), ", ".join(short)
+    written = as_given(largest)
     if short:
-        return (
-            f"被校对象的最大输入角速率为 {largest} °/s；{axes} 轴的速率点未包括该值。",
-            f"The unit's largest input rate is {largest} °/s; about {axes} it was not included.",
-        )
-    return (
-        f"被校对象的最大输入角速率为 {largest} °/s；各轴速率点均包括该值。",
-        f"The unit's largest input rate is {largest} °/s; it was included about every axis.",
-    )
+        return message("certificate-range.missed", largest=written, axes=", ".join(short))
+    return message("certificate-range.included", largest=written)

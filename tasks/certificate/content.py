@@ -1,41 +1,57 @@
-"""What the certificate says, as plain rows: clause 8 a) to l), every label in both languages.
+"""What the certificate says, as plain rows: clause 8 a) to l).
 
-The template lays out only; no sentence and no number is made there. A pair is (Chinese,
-English); a pair whose two texts are the same is printed once.
+Every text is a message or a statement, which `in_languages` turns into texts by language. The
+template lays out only; no sentence and no number is made there.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any
 
 from schemas.certificate import Certificate
+from schemas.discrepancy import Statement
 from tasks.certificate import cover
 from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import Conditions, conditions
 from tasks.certificate.cover import Signature
-from tasks.certificate.decisions import conditions_of_a_pass, conformity
-from tasks.certificate.fields import NOT_GIVEN, Field, given, literal, number
+from tasks.certificate.decisions import conformity
+from tasks.certificate.fields import NOT_GIVEN, Field, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
-from tasks.certificate.names import Pair
-from tasks.certificate.notes import basis, head_of_results, readings, reasons, remarks, uncertainty
+from tasks.certificate.layout import LAYOUTS, Layout
 from tasks.certificate.results import Section, sections
-from tasks.words.rounding import MINUS
+from tasks.certificate.statements import (
+    Reading,
+    basis,
+    readings,
+    reasons,
+    remarks,
+    uncertainty,
+    uncertainty_in_short,
+)
+from tasks.conformity.reasons import conditional
+from tasks.words import Message, Sayable, message, say
+from tasks.words.rounding import MINUS, as_given
+from tasks.words.typography import typeset
 
-# Clause 6 of the one, 6.2.1 of the other: °C, %RH.
-CONDITIONS = {
-    "JJF 2003-2022": ("(20 ± 5) °C", "20 % … 85 %"),
-    "JJF 1536-2015": ("(20 ± 3) °C", "30 % … 85 %"),
-}
-METHODS = {
-    "jjf2003": ("JJF 2003—2022 各条款", "JJF 2003-2022, clause by clause"),
-    "joint": ("联合最小二乘", "joint least squares"),
-    "jjf1536": ("JJF 1536—2015 各条款", "JJF 1536-2015, clause by clause"),
-}
-WATERMARKS = {
-    "draft": ("草稿", "DRAFT"),
-    "checked": ("未签发", "NOT ISSUED"),
-    "issued": None,
-    "amended": ("已更改", "AMENDED"),
-    "withdrawn": ("已撤销", "WITHDRAWN"),
-}
+
+@dataclass(frozen=True)
+class Standard:
+    """Clause 8 h): name, serial number, accuracy, certificate number, valid until."""
+
+    name: Sayable
+    serial: Sayable
+    accuracy: Sayable
+    certificate: Sayable
+    valid_until: Sayable
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Clause 8 i): what was measured during the run, and what the specification asks for."""
+
+    name: Message
+    measured: Sayable
+    required: str
 
 
 @dataclass(frozen=True)
@@ -43,27 +59,27 @@ class Content:
     """The whole certificate in the order in which it is printed."""
 
     number: str
-    title: Pair
-    watermark: Pair | None
-    laboratory: Pair
-    laboratory_address: Pair
+    title: Message
+    watermark: Message | None
+    laboratory: Sayable
+    laboratory_address: Sayable
     front: tuple[Field, ...]
     verdict: str
-    verdict_text: Pair
-    scope: Pair | None
-    uncertainty_in_short: Pair | None
+    verdict_text: Message
+    scope: Message | None
+    uncertainty_in_short: Message | None
     signatures: tuple[Signature, ...]
-    statement: tuple[Pair, ...]
-    standards: tuple[tuple[Pair, str, str, str, str], ...]
-    environment: tuple[tuple[Pair, Pair, str], ...]
+    statement: tuple[Message, ...]
+    standards: tuple[Standard, ...]
+    environment: tuple[Condition, ...]
     conditions: Conditions
     sections: tuple[Section, ...]
     information: tuple[InformationRow, ...]
-    uncertainty: tuple[Pair, ...]
+    uncertainty: tuple[Message, ...]
     conformity: tuple[Field, ...]
-    reasons: tuple[Pair, ...]
-    readings: tuple[tuple[str, Pair, Pair], ...]
-    remarks: tuple[Pair, ...]
+    reasons: tuple[Message, ...]
+    readings: tuple[Reading, ...]
+    remarks: tuple[Message, ...]
     budgets: Budgets | None
     trace: tuple[Field, ...]
 
@@ -71,29 +87,29 @@ class Content:
 def content(certificate: Certificate) -> Content:
     """Everything the certificate prints."""
     calibration, decision = certificate.calibration, certificate.decision
-    laboratory = certificate.laboratory
-    specification = "JJF 1536-2015" if calibration.method == "jjf1536" else "JJF 2003-2022"
+    layout, laboratory = LAYOUTS[calibration.method], certificate.laboratory
+    marked = certificate.state != "issued"
     return Content(
-        number=literal(certificate.number),
-        title=("校准证书", "Calibration Certificate"),
-        watermark=WATERMARKS[certificate.state],
+        number=certificate.number,
+        title=message("certificate-title"),
+        watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
-        front=cover.front(certificate, specification),
+        front=cover.front(certificate, layout),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
-        scope=cover.scope(decision, specification),
-        uncertainty_in_short=head_of_results(calibration),
+        scope=cover.scope(decision, layout),
+        uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
-        statement=basis(calibration, specification),
+        statement=basis(calibration, layout),
         standards=_standards(certificate),
-        environment=_environment(certificate, specification),
-        conditions=conditions(calibration, certificate.manifest),
-        sections=sections(calibration, decision, specification),
+        environment=_environment(certificate, layout),
+        conditions=conditions(calibration, certificate.manifest, layout),
+        sections=sections(calibration, decision, layout),
         information=information_rows(calibration),
-        uncertainty=(*uncertainty(calibration), *_validation(certificate)),
+        uncertainty=(*uncertainty(calibration, layout), *_validation(certificate)),
         conformity=conformity(decision),
-        reasons=(*reasons(calibration, decision), *conditions_of_a_pass(decision)),
+        reasons=(*reasons(calibration, decision), *conditional(decision)),
         readings=readings(calibration),
         remarks=remarks(calibration),
         budgets=budgets(calibration) if certificate.budgets else None,
@@ -101,47 +117,63 @@ def content(certificate: Certificate) -> Content:
     )
 
 
-def _validation(certificate: Certificate) -> tuple[Pair, ...]:
+def in_languages(part: Any, languages: Sequence[str]) -> Any:
+    """A part of the content with every text in the languages, one after the other.
+
+    Messages are set as each language writes them; what the user wrote stands as it is.
+    """
+    if isinstance(part, Message):
+        return tuple(literal(typeset(say(part, each), each)) for each in languages)
+    if isinstance(part, Statement):
+        return tuple(literal(say(part, each)) for each in languages)
+    if isinstance(part, str):
+        return literal(part)
+    if isinstance(part, tuple):
+        return tuple(in_languages(each, languages) for each in part)
+    if is_dataclass(part) and not isinstance(part, type):
+        values = {f.name: in_languages(getattr(part, f.name), languages) for f in fields(part)}
+        return type(part)(**values)
+    return part
+
+
+def _validation(certificate: Certificate) -> tuple[Message, ...]:
     """Which record validates the estimation."""
     if certificate.validation is None:
         return ()
     en, zh = certificate.validation
-    return ((f"{zh}。", f"{en}."),)
+    return (message("certificate-validation", record=Statement(en=en, zh=zh)),)
 
 
-def _standards(certificate: Certificate) -> tuple[tuple[Pair, str, str, str, str], ...]:
-    """Clause 8 h): name, serial number, accuracy, certificate number, valid until."""
-    missing = " ".join(NOT_GIVEN)
+def _standards(certificate: Certificate) -> tuple[Standard, ...]:
     equipment = certificate.laboratory.equipment if certificate.laboratory else ()
     rows = [
-        (
-            given(each.name_zh, each.name),
-            literal(each.serial) or missing,
-            literal(each.accuracy) or missing,
-            literal(each.certificate) or missing,
-            each.valid_until.isoformat() if each.valid_until else missing,
+        Standard(
+            given(standard.name, standard.name_zh),
+            given(standard.serial),
+            given(standard.accuracy),
+            given(standard.certificate),
+            given(standard.valid_until.isoformat() if standard.valid_until else None),
         )
-        for each in equipment
+        for standard in equipment
     ]
-    return tuple(rows) or ((NOT_GIVEN, missing, missing, missing, missing),)
+    return tuple(rows) or (Standard(*[NOT_GIVEN] * len(fields(Standard))),)
 
 
-def _environment(
-    certificate: Certificate, specification: str
-) -> tuple[tuple[Pair, Pair, str], ...]:
-    """Clause 8 i): what was seen during the run, and what clause 6 asks for."""
-    seen = certificate.calibration.environment
-    temperature, humidity = CONDITIONS[specification]
-    return (
-        (("环境温度", "Air temperature"), _range(seen.temperature_degc, "°C"), temperature),
-        (("相对湿度", "Relative humidity"), _range(seen.humidity_percent, "%"), humidity),
+def _environment(certificate: Certificate, layout: Layout) -> tuple[Condition, ...]:
+    air = certificate.calibration.environment
+    return tuple(
+        Condition(message(f"certificate-environment.{name}"), _range(measured, unit), required)
+        for name, measured, unit, required in (
+            ("temperature", air.temperature_degc, "°C", layout.temperature),
+            ("humidity", air.humidity_percent, "%", layout.humidity),
+        )
     )
 
 
-def _range(seen: tuple[float, float] | None, unit: str) -> Pair:
-    if seen is None:
+def _range(measured: tuple[float, float] | None, unit: str) -> Sayable:
+    if measured is None:
         return NOT_GIVEN
-    low, high = (f"{value:.1f}".replace("-", MINUS) for value in seen)
+    low, high = (f"{value:.1f}".replace("-", MINUS) for value in measured)
     return given(f"{low} {unit} … {high} {unit}")
 
 
@@ -151,17 +183,14 @@ def _trace(certificate: Certificate) -> tuple[Field, ...]:
     gravity, latitude = station.gravity_m_s2, station.latitude_deg
     settings = "; ".join(f"{name} = {value}" for name, value in made.settings.items())
     return (
-        Field(("记录", "Recording"), given(made.recording_id)),
-        Field(("运行", "Run"), given(made.run)),
-        Field(("原始数据摘要", "Digest of the raw data"), given(made.digest)),
-        Field(("计算方法", "Method"), METHODS[made.method]),
-        Field(("校准程序", "Procedure"), given(made.procedure)),
-        Field(("软件版本", "Code version"), given(made.code_version)),
-        Field(("设置", "Settings"), given(settings)),
-        Field(("校准装置", "Station"), given(station.id)),
-        Field(
-            ("当地重力", "Local gravity"),
-            given(None if gravity is None else f"{number(gravity)} m/s²"),
-        ),
-        Field(("纬度", "Latitude"), given(None if latitude is None else f"{number(latitude)}°")),
+        field("recording", given(made.recording_id)),
+        field("run", given(made.run)),
+        field("digest", given(made.digest)),
+        field("method", message(f"certificate-method.{made.method}")),
+        field("procedure", given(made.procedure)),
+        field("code-version", given(made.code_version)),
+        field("settings", given(settings)),
+        field("station", given(station.id)),
+        field("gravity", given(None if gravity is None else f"{as_given(gravity)} m/s²")),
+        field("latitude", given(None if latitude is None else f"{as_given(latitude)}°")),
     )

@@ -5,134 +5,109 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Party
 from schemas.tolerance import Decision
-from tasks.certificate.appendix import TABLE_ITEMS
-from tasks.certificate.fields import NOT_GIVEN, Field, day, given
-from tasks.certificate.names import Pair, verdict_words
-from tasks.certificate.notes import deviates
+from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given
+from tasks.certificate.layout import Layout
+from tasks.conformity.limits import verdict_title
 from tasks.specifications.items import ITEMS
-
-OBJECTS = {
-    "JJF 2003-2022": ("微惯性测量组合（MIMU）", "Micro inertial measurement unit (MIMU)"),
-    "JJF 1536-2015": ("捷联式惯性航姿仪", "Strapdown inertial flight attitude unit"),
-}
-SPECIFICATIONS = {
-    "jjf2003": ("JJF 2003—2022", "JJF 2003-2022"),
-    "joint": ("参照 JJF 2003—2022", "after JJF 2003-2022"),
-    "jjf1536": ("JJF 1536—2015", "JJF 1536-2015"),
-}
-DEVIATING = ("参照 {}，有偏离，见“说明”", "{}, with deviations, see Remarks")
-NOT_ISSUED = ("尚未签发", "not yet issued")
-NO_STATEMENT = ("未作符合性判定", "no statement of conformity")
-SCOPES = {
-    "pass": ("所判定项目合格：{total} 项中判定 {n} 项",
-             "pass for the {n} of {total} items that have limits"),
-    "fail": ("{total} 项中 {n} 项有允许限，判定 {decided} 项，其中 {failed} 项不合格",
-             "{n} of {total} items have limits; {decided} were decided on, {failed} of them fail"),
-    "inconclusive": ("{total} 项中 {n} 项有允许限，其中 {decided} 项可逐项判定",
-                     "{n} of {total} items have limits; {decided} of them could be decided on"),
-}  # fmt: skip
-IN_PART = ("（其中 {} 项仅判定部分元素）", " ({} of them in part)")
-NEAR = ("；{} 项有元素距允许限小于 U", "; {} with an element within U of a limit")
+from tasks.words import Message, Sayable, message
 
 
 @dataclass(frozen=True)
 class Signature:
     """A place to sign: the role, the name, the title where there is one, and the date."""
 
-    role: Pair
-    name: Pair
-    title: Pair | None
-    date: Pair | None
+    role: Message
+    name: Sayable
+    title: Sayable | None = None
+    date: Sayable | None = None
 
 
-def party_name(party: Party | None) -> Pair:
-    return given(party.name_zh, party.name) if party else NOT_GIVEN
+def party_name(party: Party | None) -> Sayable:
+    return given(party.name, party.name_zh) if party else NOT_GIVEN
 
 
-def party_address(party: Party | None) -> Pair:
-    return given(party.address_zh, party.address) if party else NOT_GIVEN
+def party_address(party: Party | None) -> Sayable:
+    return given(party.address, party.address_zh) if party else NOT_GIVEN
 
 
-def front(certificate: Certificate, specification: str) -> tuple[Field, ...]:
+def deviates(calibration: Calibration) -> bool:
+    """Whether a condition of the specification was not met."""
+    return any(remark.blocks_pass for remark in calibration.remarks)
+
+
+def by_method(what: str, calibration: Calibration) -> str:
+    """The message of a method, and of a calibration by it with deviations."""
+    return f"certificate-{what}.{calibration.method}" + "-deviating" * deviates(calibration)
+
+
+def front(certificate: Certificate, layout: Layout) -> tuple[Field, ...]:
     """Clause 8 e), f), g) and clause 9."""
     unit, order = certificate.manifest.unit, certificate.order
     client = order.client if order else None
     return (
-        Field(("送校单位", "Client"), party_name(client)),
-        Field(("送校单位地址", "Address of the client"), party_address(client)),
-        Field(("被校对象名称", "Object"), OBJECTS[specification]),
-        Field(("制造厂", "Manufacturer"), given(unit.manufacturer)),
-        Field(("型号规格", "Model"), given(unit.model)),
-        Field(("编号", "Serial number"), given(unit.serial)),
-        Field(("校准规范", "Specification"), _followed(certificate.calibration)),
-        Field(("接收日期", "Date of receipt"), day(order.received if order else None)),
-        Field(("校准日期", "Date of calibration"), day(certificate.calibrated_on)),
-        Field(("建议复校日期", "Recalibration due"), _due(certificate)),
+        field("client", party_name(client)),
+        field("client-address", party_address(client)),
+        field("object", message(f"certificate-object.{layout.key}")),
+        field("manufacturer", given(unit.manufacturer)),
+        field("model", given(unit.model)),
+        field("serial", given(unit.serial)),
+        field("specification", message(by_method("followed", certificate.calibration))),
+        field("received", day(order.received if order else None)),
+        field("calibrated", day(certificate.calibrated_on)),
+        field("due", _due(certificate)),
     )
 
 
-def _followed(calibration: Calibration) -> Pair:
-    zh, en = SPECIFICATIONS[calibration.method]
-    if not deviates(calibration):
-        return zh, en
-    return DEVIATING[0].format(zh.removeprefix("参照 ")), DEVIATING[1].format(en)
-
-
-def _due(certificate: Certificate) -> Pair:
-    when = certificate.due.isoformat()
+def _due(certificate: Certificate) -> Sayable:
     if certificate.calibrated_on:
-        return given(when)
-    return (
-        f"{when}（未提供校准日期，自证书日期起算）",
-        f"{when}, counted from the date of the certificate, as that of the calibration is "
-        "not given",
-    )
+        return day(certificate.due)
+    return message("certificate-due-from-issue", day=certificate.due.isoformat())
 
 
 def signatures(certificate: Certificate) -> tuple[Signature, ...]:
     """Clause 8 k), l)."""
     lab = certificate.laboratory
     waiting = certificate.state in ("draft", "checked")
-    issued = NOT_ISSUED if waiting else day(certificate.issued_on)
-    title = given(lab.issuer_title_zh, lab.issuer_title) if lab else NOT_GIVEN
+    issued = message("certificate-not-issued") if waiting else day(certificate.issued_on)
+    title = given(lab.issuer_title, lab.issuer_title_zh) if lab else NOT_GIVEN
+    operator, checker, issuer = (
+        message(f"certificate-role.{role}") for role in ("operator", "checker", "issuer")
+    )
     return (
-        Signature(("校准员", "Operator"), given(lab.operator if lab else None), None, None),
-        Signature(("核验员", "Checked by"), given(lab.checker if lab else None), None, None),
-        Signature(("签发人", "Issued by"), given(lab.issuer if lab else None), title, issued),
+        Signature(operator, given(lab.operator if lab else None)),
+        Signature(checker, given(lab.checker if lab else None)),
+        Signature(issuer, given(lab.issuer if lab else None), title, issued),
     )
 
 
-def verdict(decision: Decision) -> Pair:
+def verdict(decision: Decision) -> Message:
     """The verdict in words; without any limit there is no statement of conformity."""
-    return verdict_words(decision) if decision.limits else NO_STATEMENT
+    return verdict_title(decision) if decision.limits else message("certificate-no-statement")
 
 
-def scope(decision: Decision, specification: str) -> Pair | None:
+def scope(decision: Decision, layout: Layout) -> Message | None:
     """How many of the items the verdict speaks of; None where it speaks of none."""
     if not decision.limits:
         return None
     limited = dict.fromkeys(made.item for made in decision.limits)
     failed = {made.item for made in decision.limits if made.verdict == "fail"}
-    unsettled = {made.item for made in decision.limits if made.verdict == "inconclusive"}
-    counts = {
-        "n": len(limited),
-        "total": len({*TABLE_ITEMS[specification], *limited}),
-        "failed": len(failed),
-        "decided": len(failed | (limited.keys() - unsettled)),
-    }
-    part = sum(not _whole(decision, item) for item in limited)
-    near = len({made.item for made in decision.limits if made.marginal})
-    said = tuple(
-        text.format(**counts)
-        + (tail.format(part) if part else "")
-        + (close.format(near) if near else "")
-        for text, tail, close in zip(SCOPES[decision.verdict], IN_PART, NEAR, strict=True)
-    )
-    return said[0], said[1]
+    undecided = {made.item for made in decision.limits if made.verdict == "inconclusive"}
+    said = message(
+        f"certificate-scope.{decision.verdict}",
+        limited=len(limited), items=len({*layout.items, *limited}), failed=len(failed),
+        decided=len(failed | (limited.keys() - undecided)),
+    )  # fmt: skip
+    for what, count in (
+        ("in-part", sum(not _whole(decision, item) for item in limited)),
+        ("near", len({made.item for made in decision.limits if made.marginal})),
+    ):
+        if count:
+            said = message(f"certificate-scope.{what}", scope=said, count=count)
+    return said
 
 
 def _whole(decision: Decision, item: str) -> bool:
     """Whether every element that the specification names has a limit."""
     named = ITEMS[item].elements if item in ITEMS else ()
-    seen = {made.element for made in decision.limits if made.item == item}
-    return seen == {"all"} or seen >= set(named)
+    limited = {made.element for made in decision.limits if made.item == item}
+    return limited == {"all"} or limited >= set(named)

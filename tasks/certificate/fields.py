@@ -1,21 +1,26 @@
-"""A label and what stands beside it; texts of the user on one line, and «not given»."""
+"""Texts of the certificate: labels with what stands beside them, and texts of the user."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import date
 
-from tasks.certificate.names import Pair
-from tasks.words.rounding import MINUS
+from schemas.discrepancy import Statement
+from tasks.words import Argument, Message, Sayable, known, message
 
-NOT_GIVEN = ("未提供", "not given")
+NOT_GIVEN = message("certificate-not-given")
+NONE = Statement(en="—", zh="—")
 
 
 @dataclass(frozen=True)
 class Field:
     """A label and what stands beside it."""
 
-    label: Pair
-    value: Pair
+    label: Message
+    value: Sayable
+
+
+def field(label: str, value: Sayable) -> Field:
+    """A field by the name of its label."""
+    return Field(message(f"certificate-field.{label}"), value)
 
 
 def literal(text: str) -> str:
@@ -23,23 +28,27 @@ def literal(text: str) -> str:
     return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
-def given(zh: str | None, en: str | None = None) -> Pair:
-    """Both languages, one for both where only one is there, or «not given»."""
-    first, second = literal(zh or ""), literal(en or "")
-    return (first or second, second or first) if first or second else NOT_GIVEN
+def given(en: str | None, zh: str | None = None) -> Sayable:
+    """A text of the user as it stands, one for every language where only one is there."""
+    first, second = literal(en or ""), literal(zh or "")
+    return Statement(en=first or second, zh=second or first) if first or second else NOT_GIVEN
 
 
-def day(when: date | None) -> Pair:
+def day(when: date | None) -> Sayable:
     """A day, or «not given»."""
     return given(when.isoformat() if when else None)
 
 
-def number(value: float) -> str:
-    """A number as it was given, with a real minus sign."""
-    return f"{value:.10g}".replace("-", MINUS)
+def quoted(en: str, zh: str) -> Message:
+    """A sentence of a result, set as its language writes it."""
+    return message("certificate-quoted", text=Statement(en=en, zh=zh))
 
 
-def listed(parts: Iterable[Pair]) -> Pair:
-    """Names one after the other, as each language lists them."""
-    both = tuple(parts)
-    return "、".join(zh for zh, _ in both), ", ".join(en for _, en in both)
+def first_known(*ids: str, **arguments: Argument) -> Message | None:
+    """The first message that the catalogues have."""
+    return next((message(id_, **arguments) for id_ in ids if known(id_)), None)
+
+
+def slug(key: str) -> str:
+    """A key of the schemas as a catalogue writes it."""
+    return key.replace(" ", "-").replace("_", "-").replace("'", "").lower()

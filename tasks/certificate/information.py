@@ -1,30 +1,24 @@
 """What stands beside the clauses' results, as printed rows. Nothing is decided on it.
 
-A pair is (Chinese, English). Numbers are texts by JJF 1059.1, in units of 10^exponent.
+Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Elements, Information
-from tasks.certificate.names import Pair
-from tasks.certificate.typography import pair
+from schemas.discrepancy import Statement
+from tasks.certificate.fields import first_known, quoted, slug
+from tasks.certificate.layout import Layout
+from tasks.words import Message, Sayable, message
 from tasks.words.rounding import column, round_up, text
 from tasks.words.units import quantity_text, unit_text
 
 # Which value of an item contains what the separated one does not.
 EARTH = "gyro_g_sensitivity_without_earth_rotation"
-# Remarks by which the data do not tell that Earth's rotation is in them.
-UNSEEN = {"earth_rotation_not_visible", "earth_rotation_not_shown", "earth_rotation_odd"}
-CONTAINED = {
-    EARTH: (
-        ("式(7)的值", "The value by eq. (7)"), ("地球自转", "Earth's rotation"),
-    ),
-    "accel_rate_sensitivity_without_lever_arm": (
-        ("式(12)、式(13)的值", "The value by eq. (12), (13)"), ("杆臂", "the lever arm"),
-    ),
-}  # fmt: skip
-BY_NO_EQUATION = ("上述值", "The value")  # of the joint method
+SEPARATED = (EARTH, "accel_rate_sensitivity_without_lever_arm")
+# Remarks by which the data do not show that Earth's rotation is in them.
+EARTH_NOT_SHOWN = {"earth_rotation_not_visible", "earth_rotation_not_shown", "earth_rotation_odd"}
 
 
 @dataclass(frozen=True)
@@ -43,11 +37,11 @@ class InformationRow:
     lines: empty where no element has a value.
     """
 
-    title: Pair
+    title: Sayable
     unit: str
     exponent: int
     lines: tuple[tuple[Cell | None, ...], ...]
-    said: Pair
+    sentences: Message
 
 
 def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
@@ -55,45 +49,39 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
     return tuple(map(_row, calibration.information.values()))
 
 
-def contained(calibration: Calibration, item: str) -> tuple[Pair, ...]:
+def contained(calibration: Calibration, item: str, layout: Layout) -> tuple[Message, ...]:
     """What the clause's value of an item contains, where that is more than its U; how much."""
-    joint = calibration.method == "joint"
-    unseen = UNSEEN & {remark.code for remark in calibration.remarks}
+    not_shown = EARTH_NOT_SHOWN & {remark.code for remark in calibration.remarks}
     return tuple(
-        _contained(BY_NO_EQUATION if joint else CONTAINED[name][0], CONTAINED[name][1], *most)
-        for name, each in calibration.information.items()
-        if name in CONTAINED and each.about == item and not (name == EARTH and unseen)
-        for most in _most(calibration, item, each)
+        statement
+        for name, shown in calibration.information.items()
+        if name in SEPARATED and shown.about == item and not (name == EARTH and not_shown)
+        for statement in _contained(calibration, item, shown, layout, slug(name))
     )
 
 
-def _most(
-    calibration: Calibration, item: str, separated: Information
-) -> Iterator[tuple[str, float, float, str]]:
-    """Element, difference, U and unit where the difference is largest against U, if above U."""
+def _contained(
+    calibration: Calibration, item: str, separated: Information, layout: Layout, name: str
+) -> Iterator[Message]:
+    """The element at which the difference is largest against U, if it is above U."""
     clause = calibration.items[item]
-    apart = {
+    difference = {
         element: value - other
         for element, other in separated.value.items()
         if other is not None and (value := clause.value.get(element)) is not None
     }
-    times = {e: abs(d) / U for e, d in apart.items() if (U := clause.U.get(e))}
-    worst = max(times, key=lambda element: times[element], default=None)
-    if worst is not None and times[worst] > 1.0:
-        yield worst, apart[worst], times[worst], clause.unit
-
-
-def _contained(
-    value: Pair, what: Pair, element: str, difference: float, times: float, unit: str
-) -> Pair:
-    much = quantity_text(str(text(round_up(abs(difference)))), unit)
-    often = f"{float(f'{times:.2g}'):g}"
-    return pair(
-        f"{value[0]}含{what[0]}：{element} 处最显著，为 {much}，即 U 的 {often} 倍；"
-        "分离后的值见“附加信息”。",
-        f"{value[1]} contains {what[1]}: most clearly at {element}, {much}, {often} times U; the "
-        "value without it stands under For information.",
-    )
+    times_U = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
+    worst = max(times_U, key=lambda element: times_U[element], default=None)
+    if worst is not None and times_U[worst] > 1.0:
+        ids = (f"certificate-value-of.{kind}" for kind in (layout.method, name))
+        yield message(
+            "certificate-contained",
+            value=first_known(*ids) or "",
+            part=message(f"certificate-contained.{name}"),
+            element=worst,
+            size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
+            times=f"{float(f'{times_U[worst]:.2g}'):g}",
+        )
 
 
 def _row(shown: Information) -> InformationRow:
@@ -103,11 +91,11 @@ def _row(shown: Information) -> InformationRow:
     cells = {e: Cell(e, made.values[i], made.uncertainties[i]) for i, e in enumerate(elements)}
     known = any(value is not None for value in made.values)
     return InformationRow(
-        title=(shown.title_zh, shown.title),
+        title=Statement(en=shown.title, zh=shown.title_zh),
         unit=unit_text(shown.unit),
         exponent=made.exponent,
         lines=tuple(_lines(cells)) if known else (),
-        said=pair(shown.zh, shown.en),
+        sentences=quoted(shown.en, shown.zh),
     )
 
 

@@ -3,9 +3,14 @@
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from tasks.certificate.appendix import ALIKE
 from tasks.specifications.items import second_value
 from tasks.words.rounding import USUAL_K, column
+
+# Items whose numbers are written in one power of ten, so that they can be compared.
+ALIKE = {
+    "gyro_cross_coupling": "accel_cross_coupling",
+    "accel_cross_coupling": "gyro_cross_coupling",
+}
 
 
 @dataclass(frozen=True)

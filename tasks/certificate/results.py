@@ -1,31 +1,48 @@
-"""The results as rows: Appendix B of JJF 2003-2022, Appendix C of JJF 1536-2015.
+"""The results as rows, in the order of the specification's appendix.
 
-A pair is (Chinese, English). Numbers are texts by JJF 1059.1, in units of 10^exponent.
+Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
-from schemas.tolerance import Decision, LimitDecision
-from tasks.certificate.appendix import (
-    COLUMNS,
-    JOINT_COLUMNS,
-    JOINT_SENTENCES,
-    NOT_DECIDED_ON,
-    ONE_COLUMN,
-    OTHER,
-    SECTIONS,
-    SENTENCES,
-)
+from schemas.discrepancy import Statement
+from schemas.tolerance import Decision, LimitDecision, Verdict
+from tasks.certificate.fields import first_known, given, slug
 from tasks.certificate.information import contained
-from tasks.certificate.limits import Mark, limit_lines, mark, relative_text
-from tasks.certificate.names import KINDS, QUANTITIES, Pair, item_name, pair_of
-from tasks.certificate.notes import determined, identifiers
+from tasks.certificate.layout import Layout
 from tasks.certificate.numbers import Numbers, numbers
-from tasks.certificate.typography import clause, pair
-from tasks.specifications.items import ITEMS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS, second_value
+from tasks.certificate.statements import determined, identifiers
+from tasks.conformity.limits import (
+    accepted_text,
+    limits_text,
+    probability_text,
+    quantity_title,
+    relative_text,
+    verdict_title,
+)
+from tasks.conformity.reasons import unavailable
+from tasks.specifications.items import (
+    ITEMS,
+    MATRIX_ELEMENTS,
+    OFF_DIAGONAL_ELEMENTS,
+    item_title,
+    second_value,
+)
+from tasks.words import Message, Sayable, clauses, message
+from tasks.words.typography import FULL_STOPS, clause
 from tasks.words.units import unit_text
+
+
+@dataclass(frozen=True)
+class Mark:
+    """The verdict on one limit: its key and words, and the probability of conformity."""
+
+    verdict: Verdict
+    conditional: bool
+    words: Message
+    chance: str | None
 
 
 @dataclass(frozen=True)
@@ -36,7 +53,7 @@ class Row:
     limits AL.
     """
 
-    name: Pair
+    name: Sayable
     letter: str
     sub: str
     value: str | None
@@ -52,7 +69,7 @@ class Matrix:
     """A coefficient matrix as Appendix B of JJF 2003-2022 shows it; rows: the axis that reads."""
 
     letter: str
-    caption: Pair | None
+    caption: Sayable
     cells: tuple[tuple[str | None, ...], ...]
 
 
@@ -64,73 +81,81 @@ class Group:
     the second values have a U of their own.
     """
 
-    title: Pair
+    title: Sayable
     determined: bool
-    clause: Pair
+    clause: Statement | None
     k: str
-    kind: Pair | None
+    kind: Message | None
     unit: str
     exponent: int
-    columns: tuple[Pair, ...]
+    columns: tuple[Message, ...]
     U_apart: bool
     rows: tuple[Row, ...]
     matrices: tuple[Matrix, ...]
     readings: tuple[str, ...]
-    sentences: tuple[Pair, ...]
+    sentences: tuple[Message, ...]
 
 
 @dataclass(frozen=True)
 class Section:
     """A numbered section of the appendix."""
 
-    title: Pair
+    title: Message
     groups: tuple[Group, ...]
 
 
-def sections(
-    calibration: Calibration, decision: Decision, specification: str
-) -> tuple[Section, ...]:
+def sections(calibration: Calibration, decision: Decision, layout: Layout) -> tuple[Section, ...]:
     """Every section of the specification's appendix, also where nothing was determined."""
-    order = SECTIONS[specification]
-    known = {item for _, items in order for item in items}
+    known = {item for _, items in layout.sections for item in items}
     others = tuple(name for name in calibration.items if name not in known)
-    every = (*order, (OTHER, others)) if others else order
     return tuple(
-        Section(title, tuple(_group(calibration, decision, name, specification) for name in items))
-        for title, items in every
+        Section(
+            message(f"certificate-section.{title}"),
+            tuple(_group(calibration, decision, name, layout) for name in items),
+        )
+        for title, items in (*layout.sections, ("other", others))
+        if items
     )
 
 
-def _group(calibration: Calibration, decision: Decision, name: str, specification: str) -> Group:
+def _group(calibration: Calibration, decision: Decision, name: str, layout: Layout) -> Group:
     item = calibration.items.get(name)
     elements = _elements(item, name)
-    joint = calibration.method == "joint"
-    columns = (JOINT_COLUMNS if joint else COLUMNS).get(name, ONE_COLUMN)
+    columns = _columns(name, layout)
     two = len(columns) > 1
     made = numbers(calibration, name, elements, two)
-    limits = [made for made in decision.limits if made.item == name]
+    limits = [limit for limit in decision.limits if limit.item == name]
     shorts = identifiers(calibration)
-    rows = tuple(_row(name, element, made, i, limits, two) for i, element in enumerate(elements))
     known = determined(item)
+    at = clause(item.clause, layout.specification) if item else None
     return Group(
-        title=item_name(name),
+        title=item_title(name),
         determined=known,
-        clause=clause(item.clause, specification) if item else ("", ""),
+        clause=at if at and at.en else None,
         k=f"{item.k:g}" if item else "",
-        kind=KINDS[item.uncertainty_kind] if item else None,
+        kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}") if item else None,
         unit=unit_text(item.unit if item else ITEMS[name].unit),
         exponent=made.exponent,
         columns=columns,
         U_apart=made.separate,
-        rows=rows,
+        rows=tuple(_row(name, element, made, i, limits, two) for i, element in enumerate(elements)),
         matrices=_matrices(name, elements, columns, (made.values, made.seconds)),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
-            *(_about(name, limits, joint, two) if known else ()),
-            *(contained(calibration, name) if known else ()),
+            *((*_about(name, limits, layout, two), *contained(calibration, name, layout))
+              if known else ()),
             *_missing(calibration, name, two),
         ),
-    )
+    )  # fmt: skip
+
+
+def _columns(name: str, layout: Layout) -> tuple[Message, ...]:
+    """The headings of the values: one, or those of both values."""
+    if name not in layout.two_values:
+        return (message("certificate-column"),)
+    key = slug(name)
+    first = first_known(f"certificate-column.{key}-{layout.method}", f"certificate-column.{key}")
+    return first or message("certificate-column"), message(f"certificate-column.{key}-second")
 
 
 def _elements(item: Item | None, name: str) -> tuple[str, ...]:
@@ -141,77 +166,92 @@ def _elements(item: Item | None, name: str) -> tuple[str, ...]:
 def _row(
     name: str, element: str, shown: Numbers, i: int, limits: list[LimitDecision], two: bool
 ) -> Row:
-    printed = ITEMS.get(name)
-    mine = [made for made in limits if made.element == element]
+    item = ITEMS.get(name)
+    own = [limit for limit in limits if limit.element == element]
     return Row(
-        name=pair_of(printed.element_title(element)) if printed else (element, element),
-        letter=printed.letter if printed else "",
-        sub=printed.element_subscript(element) if printed else "",
+        name=item.element_title(element) if item else given(element),
+        letter=item.letter if item else "",
+        sub=item.element_subscript(element) if item else "",
         value=shown.values[i],
         second=shown.seconds[i],
         U=shown.U[i],
         U_second=shown.U_second[i],
-        limits=tuple(line for made in mine for line in limit_lines(made, shown.exponent, two)),
-        marks=tuple(map(mark, mine)),
+        limits=tuple(line for limit in own for line in _limit_lines(limit, shown.exponent, two)),
+        marks=tuple(map(_mark, own)),
     )
 
 
-def _about(name: str, limits: list[LimitDecision], joint: bool, two: bool) -> tuple[Pair, ...]:
+def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[str, ...]:
+    """The limits and, where they differ, the acceptance limits AL, without a unit.
+
+    two: whether the item shows two values; (a), (b) then name the column.
+    """
+    limits, accepted = limits_text(limit, exponent), accepted_text(limit, exponent)
+    if two:
+        limits = f"({'a' if limit.applied_to == 'value' else 'b'}) {limits}"
+    return (limits, f"AL {accepted}") if accepted else (limits,)
+
+
+def _mark(limit: LimitDecision) -> Mark:
+    """The verdict as it stands beside a value; no probability where nothing was decided."""
+    chance = limit.probability_of_conformity
+    shown = None if chance is None else probability_text(chance)
+    return Mark(limit.verdict, limit.marginal, verdict_title(limit), shown)
+
+
+def _about(
+    name: str, limits: list[LimitDecision], layout: Layout, two: bool
+) -> tuple[Message, ...]:
     """What the reader of an item must know, and whether and on what it is decided."""
-    undecided = () if limits or name not in NOT_DECIDED_ON else (NOT_DECIDED_ON[name],)
-    said = (JOINT_SENTENCES if joint else SENTENCES).get(name, ())
-    return (*undecided, *said, *(_applied(limits) if two else ()), *_relative(limits))
+    key = slug(name)
+    said = (
+        None if limits else first_known(f"certificate-not-decided.{key}"),
+        first_known(f"certificate-about.{key}-{layout.method}", f"certificate-about.{key}"),
+    )
+    applied = dict.fromkeys(map(quantity_title, limits)) if two else {}
+    relative = dict.fromkeys(filter(None, map(relative_text, limits)))
+    return (
+        *filter(None, said),
+        *([message("certificate-applied", quantities=clauses(tuple(applied)))] if applied else ()),
+        *(message("certificate-relative", limits=text) for text in relative),
+    )
 
 
-def _applied(limits: list[LimitDecision]) -> list[Pair]:
-    """Which of two values was decided on."""
-    if not limits:
-        return []
-    names = [QUANTITIES[quantity] for quantity in dict.fromkeys(m.applied_to for m in limits)]
-    zh, en = "；".join(zh for zh, _ in names), "; ".join(en for _, en in names)
-    return [(f"允许限适用于：{zh}。", f"The limits are applied to: {en}.")]
-
-
-def _relative(limits: list[LimitDecision]) -> list[Pair]:
-    """Relative limits as they were given."""
-    given = dict.fromkeys(filter(None, map(relative_text, limits)))
-    return [(f"相对允许限：{each}。", f"Relative limits: {each}.") for each in given]
-
-
-def _missing(calibration: Calibration, name: str, two: bool) -> list[Pair]:
+def _missing(calibration: Calibration, name: str, two: bool) -> list[Message]:
     """Why an element, or the whole item, has no number."""
-    item = calibration.items.get(name)
-    said = []
+    item, why = calibration.items.get(name), unavailable(calibration, name)
+    causes: list[Sayable] = []
     if name in calibration.unavailable:
-        why = calibration.unavailable[name]
-        said.append((calibration.unavailable_zh.get(name) or why, why))
+        causes.append(_without_stop(why) if why else "")
     elif item is None:
-        said.append(("本次校准未包含此项", "this item is not part of this calibration"))
+        causes.append(message("certificate-missing.item"))
     elif any(item.value.get(element) is None for element in _elements(item, name)):
-        said.append(("未说明原因", "no cause was given"))
-    if item and two and getattr(item, second_value(name) or "") is None:
-        said.append(("(b) 未能计算", "(b) could not be computed"))
-    return [
-        pair(f"未得：{zh.rstrip('。')}。", f"Not determined: {en.rstrip('.')}.") for zh, en in said
-    ]
+        causes.append(message("conformity-no-cause"))
+    second = second_value(name)
+    if item and two and second and getattr(item, second) is None:
+        causes.append(message("certificate-missing.second"))
+    return [message("certificate-missing", cause=cause) for cause in causes]
+
+
+def _without_stop(why: Statement) -> Statement:
+    return Statement(en=why.en.rstrip(FULL_STOPS), zh=why.zh.rstrip(FULL_STOPS))
 
 
 def _matrices(
     name: str,
     elements: tuple[str, ...],
-    columns: tuple[Pair, ...],
+    columns: tuple[Message, ...],
     sources: Sequence[Sequence[str | None]],
 ) -> tuple[Matrix, ...]:
     """The matrix of each value that has numbers; a diagonal that is not an element is 0."""
-    square = (set(MATRIX_ELEMENTS), set(OFF_DIAGONAL_ELEMENTS))
-    if second_value(name) is None or set(elements) not in square:
+    matrix = set(elements) in (set(MATRIX_ELEMENTS), set(OFF_DIAGONAL_ELEMENTS))
+    if second_value(name) is None or not matrix:
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     made = []
     for caption, texts in zip(columns, sources, strict=False):
-        if not any(texts):
-            continue
-        cells = diagonal | dict(zip(elements, texts, strict=True))
-        grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
-        made.append(Matrix(ITEMS[name].letter, caption, grid))
+        if any(texts):
+            cells = diagonal | dict(zip(elements, texts, strict=True))
+            grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
+            made.append(Matrix(ITEMS[name].letter, caption, grid))
     return tuple(made)

@@ -11,15 +11,10 @@ from datetime import date
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
+from schemas.discrepancy import Statement
 from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
-from tasks.certificate.reasons import (
-    Reason,
-    missing,
-    outside,
-    too_uncertain,
-    without_uncertainty,
-)
+from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (
     global_risks,
     probability_of_conformity,
@@ -27,14 +22,14 @@ from tasks.conformity.risks import (
 )
 from tasks.conformity.rules import Criterion, criterion
 from tasks.conformity.scope import check, limited, withdrawn
+from tasks.words import Message, Sayable, message, statement
 
-NO_TOLERANCE = ("no limits were given for this product model", "未提供该型号的允许限")
-Doubts = Mapping[str, tuple[Reason, ...]]
+Doubts = Mapping[str, tuple[Sayable, ...]]
 
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of one element: value, expanded and standard uncertainty, freedom.
+    """What is known of one element: value, expanded and standard uncertainty, degrees of freedom.
 
     U and u are above zero where they are not None.
     """
@@ -48,7 +43,7 @@ class Known:
 def decide(
     calibration: Calibration,
     tolerance: Tolerance | None,
-    doubts: tuple[Reason, ...] = (),
+    doubts: tuple[Sayable, ...] = (),
     doubts_of: Doubts | None = None,
 ) -> Decision:
     """The verdict on a calibration, limit by limit and overall.
@@ -69,40 +64,39 @@ def decide(
     """
     doubts_of = doubts_of or {}
     decisions = tuple(_all(calibration, tolerance, doubts_of)) if tolerance else ()
-    reasons = [] if tolerance else [NO_TOLERANCE]
+    reasons: list[Sayable] = [] if tolerance else [message("conformity-no-tolerance")]
     reasons += _of_limits(calibration, decisions, doubts_of)
     for item in dict.fromkeys(made.item for made in decisions):
         reasons += doubts_of.get(item, ())
     reasons += doubts
-    reasons += [(remark.en, remark.zh) for remark in calibration.remarks if remark.blocks_pass]
-    reasons = list(dict.fromkeys(reasons))
-    verdict = _overall(decisions, reasons)
+    reasons += [Statement(en=r.en, zh=r.zh) for r in calibration.remarks if r.blocks_pass]
+    statements = tuple(dict.fromkeys(map(statement, reasons)))
+    verdict = _overall(decisions, statements)
     return Decision(
         verdict=verdict,
         rule=tolerance.rule if tolerance else "simple_acceptance",
         document=tolerance.document if tolerance else None,
         limits=decisions,
-        reasons=tuple(en for en, _ in reasons),
-        reasons_zh=tuple(zh for _, zh in reasons),
+        reasons=tuple(reason.en for reason in statements),
+        reasons_zh=tuple(reason.zh for reason in statements),
         marginal=_marginal(decisions, verdict),
     )
 
 
-def expired(equipment: Iterable[Equipment], on: date) -> tuple[Reason, ...]:
+def expired(equipment: Iterable[Equipment], on: date) -> tuple[Message, ...]:
     """A reason against a pass for each standard whose certificate had run out on a day."""
     return tuple(
-        (
-            f"{each.name} ({each.serial}): its certificate was valid until {each.valid_until}, "
-            f"before {on}",
-            f"{each.name_zh or each.name}（{each.serial}）：其证书有效期至 {each.valid_until}，"
-            f"早于 {on}",
+        message(
+            "conformity-expired",
+            name=Statement(en=standard.name, zh=standard.name_zh or standard.name),
+            serial=standard.serial, valid_until=str(standard.valid_until), day=str(on),
         )
-        for each in equipment
-        if each.valid_until and each.valid_until < on
-    )
+        for standard in equipment
+        if standard.valid_until and standard.valid_until < on
+    )  # fmt: skip
 
 
-def _overall(decisions: tuple[LimitDecision, ...], reasons: list[Reason]) -> Verdict:
+def _overall(decisions: tuple[LimitDecision, ...], reasons: tuple[Statement, ...]) -> Verdict:
     if any(made.verdict == "fail" for made in decisions):
         return "fail"
     if decisions and not reasons and all(made.verdict == "pass" for made in decisions):
@@ -171,8 +165,8 @@ def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> di
     conforms, not_so = probability_of_conformity(*about), probability_of_nonconformity(*about)
     verdict = rule.verdict(known.value, known.U, conforms)
     if verdict == "inconclusive":
-        said = {"probability_of_conformity": conforms} if rule.unbounded else {}
-        return {"verdict": verdict, **said}
+        shown = {"probability_of_conformity": conforms} if rule.unbounded else {}
+        return {"verdict": verdict, **shown}
     accepted = verdict == "pass"
     risk: dict[str, Any] = {
         "false_acceptance": not_so if accepted else None,
@@ -218,7 +212,7 @@ def _positive(value: float | None) -> float | None:
 
 def _of_limits(
     calibration: Calibration, decisions: tuple[LimitDecision, ...], doubts_of: Doubts
-) -> list[Reason]:
+) -> list[Message]:
     """Why limited elements did not pass: outside, too uncertain, without U, without a value."""
     open_ = [made for made in decisions if made.verdict == "inconclusive"]
     absent = [made for made in open_ if made.value is None or withdrawn(calibration, made.item)]

@@ -24,10 +24,9 @@ from tasks.explain.search.empirical import empirical
 from tasks.explain.search.pool import Pool, pooled, renewed, residuals
 from tasks.explain.search.proposals import proposed
 from tasks.explain.search.rank import members_of, precision_of
-from tasks.explain.search.refit import delayed, fitted, linearised, model_of, started
+from tasks.explain.search.refit import Model, delayed, fitted, linearised, model_of, started
 from tasks.explain.search.stepwise import Chosen, Found, beside, first_noises, search
 from tasks.model.catalogue import catalogue
-from tasks.model.model import Model
 from tasks.model.term import Term
 from tasks.model.terms.timing import TIME_OFFSET
 

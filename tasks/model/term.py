@@ -19,7 +19,6 @@ from tasks.motion.whole import Motion
 
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
 Text = tuple[str, str]  # English, Chinese
-TermKey = tuple[str, int]
 COUNTS = "1"  # unit of a shape that is a whole number
 
 
@@ -63,7 +62,7 @@ class Term(Effect):
     variant: int = 0
 
     @property
-    def key(self) -> TermKey:
+    def key(self) -> tuple[str, int]:
         """By which a term is recognised, whatever its shape."""
         return self.name, self.variant
 

@@ -6,6 +6,7 @@ The names of items and elements stand in the catalogues under `item-…`, by the
 from dataclasses import dataclass
 from typing import Literal
 
+from schemas.discrepancy import Statement
 from schemas.recording import AXES
 from tasks.words import Message, message
 
@@ -88,3 +89,13 @@ ITEMS = {item.key: item for item in (*MIMU_ITEMS, *AHRS_ITEMS)}
 def second_value(key: str) -> SecondValue | None:
     """The field of the value beside the clause's own; None where an item has one value."""
     return ITEMS[key].second_value if key in ITEMS else None
+
+
+def item_title(key: str) -> Message | Statement:
+    """The name of an item; its key where no specification has it."""
+    return ITEMS[key].title if key in ITEMS else Statement(en=key, zh=key)
+
+
+def symbol(key: str, element: str) -> str:
+    """The symbol of an element as plain text, like K_gxx; the element where there is none."""
+    return ITEMS[key].symbol(element) if key in ITEMS else element

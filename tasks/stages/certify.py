@@ -23,6 +23,7 @@ from tasks.certificate.pdf import render
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.stage import stage
 from tasks.validation import record
+from tasks.words import statement
 
 DEFAULT_PREFIX = "MIMU"
 
@@ -95,6 +96,7 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
     validated = settings.validation(home) or record.shipped()
     doubts = {name: (why,) for name, why in record.doubts_of(validated, calibration).items()}
     decision = conformity.decide(calibration, tolerance, expired, doubts)
+    named = statement(record.named(validated, calibration))
     usual = SPECIFICATIONS[calibration.method].interval_months
     months = (order.interval_months if order else None) or usual
     prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
@@ -110,7 +112,7 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
         calibration=calibration,
         decision=decision,
         budgets=inputs.budget,
-        validation=record.named(validated, calibration),
+        validation=(named.en, named.zh),
     )
     pdf, kept = certificates.save(certificate, render(certificate), home)
     return Issued(certificate, pdf, kept)

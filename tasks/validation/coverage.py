@@ -13,7 +13,8 @@ from schemas.recording import Recording
 from schemas.validation import Check, Coverage
 from tasks.validation import run1536, run2003
 from tasks.validation.draw import Case, draw_case
-from tasks.validation.record import STILL
+from tasks.validation.record import STILL, checked
+from tasks.words import message
 
 Calibrate = Callable[..., Calibration]
 Truth = dict[str, dict[str, float]]
@@ -145,14 +146,13 @@ def coverage_check(coverage: Coverage) -> Check:
     Intervals that hold it more often are longer than they need be, which is said; they let no
     bad unit pass.
     """
-    told = f"{100 * coverage.inside_95:.1f} %"
-    low, high = (f"{100 * share:.0f} %" for share in ASKED)
-    long = coverage.inside_95 > ASKED[1]
-    return Check(
-        passed=coverage.units >= FEWEST_UNITS and coverage.inside_95 >= ASKED[0],
-        en=f"{told} of {coverage.elements} values of {coverage.units} simulated units lie within "
-        f"the stated 95 % interval; {low} to {high} over at least {FEWEST_UNITS} units are aimed at"
-        + ("; the uncertainty is larger than it need be" if long else ""),
-        zh=f"{coverage.units} 台仿真单元的 {coverage.elements} 个值中，{told} 位于所给 95 % "
-        f"区间内；目标为至少 {FEWEST_UNITS} 台、{low}～{high}" + ("；不确定度偏大" if long else ""),
-    )
+    low, high = (f"{100 * share:.0f}" for share in ASKED)
+    long = ".too-long" if coverage.inside_95 > ASKED[1] else ""
+    return checked(
+        coverage.units >= FEWEST_UNITS and coverage.inside_95 >= ASKED[0],
+        message(
+            f"validation-coverage{long}", share=f"{100 * coverage.inside_95:.1f} %",
+            values=coverage.elements, units=coverage.units, low=low, high=high,
+            fewest=FEWEST_UNITS,
+        ),
+    )  # fmt: skip

@@ -4,6 +4,8 @@ from decimal import Decimal
 
 from schemas.validation import Check
 from tasks.uncertainty.examples import combine_as_example
+from tasks.validation.record import checked
+from tasks.words import message
 from tasks.words.rounding import round_up
 
 # The example's title, what is added up to u₃, and u_c and U as printed.
@@ -35,9 +37,10 @@ def example_check(item: str) -> Check:
     budget = combine_as_example(item, "1", 0.0, components)
     printed = Decimal(repr(budget.U)) if len(U.split("e")[0]) > DIGITS else round_up(budget.U)
     passed = Decimal(repr(budget.u_c)) == Decimal(u_c) and printed == Decimal(U)
-    found = f"u_c = {budget.u_c:.2e}, U = {printed:.2e}"
-    return Check(
-        passed=passed,
-        en=f"{specification}, Appendix A ({clause}) prints u_c = {u_c}, U = {U}; found {found}",
-        zh=f"{specification} 附录 A（{clause}）：u_c = {u_c}，U = {U}；本程序：{found}",
-    )
+    return checked(
+        passed,
+        message(
+            "validation-example", specification=specification, clause=clause, u_c=u_c, U=U,
+            result=f"u_c = {budget.u_c:.2e}, U = {printed:.2e}",
+        ),
+    )  # fmt: skip

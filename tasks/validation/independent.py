@@ -12,7 +12,9 @@ from schemas.uncertainty import Budget
 from schemas.validation import Check
 from tasks.validation.coverage import Calibrate, simulate
 from tasks.validation.plain_joint import plain_joint
+from tasks.validation.record import checked
 from tasks.validation.run2003 import matrix, vector
+from tasks.words import message
 
 SAME = 1e-3  # of u: the clauses' values are the same formulas
 ALIKE = 0.01  # of u: the joint fit looks the attitude up at other times within a segment
@@ -42,13 +44,13 @@ def _check(item: Item, plain: dict[str, float], limit: float, gtc: Any) -> Check
     ]
     worst = max(apart, default=np.inf)
     budgets = max((gtc_difference(b, gtc) for b in item.budgets.values()), default=np.inf)
-    return Check(
-        passed=worst <= limit and budgets <= CLOSE,
-        en=f"plain least squares is {worst:.1e} u away ({limit:g} u allowed); GTC agrees with the "
-        f"budgets within {budgets:.1e} ({CLOSE:.0e} allowed)",
-        zh=f"与独立最小二乘相差 {worst:.1e} u（允许 {limit:g} u）；与 GTC 的不确定度预算相差 "
-        f"{budgets:.1e}（允许 {CLOSE:.0e}）",
-    )
+    return checked(
+        worst <= limit and budgets <= CLOSE,
+        message(
+            "validation-independent", values=f"{worst:.1e}", limit=f"{limit:g}",
+            budgets=f"{budgets:.1e}", close=f"{CLOSE:.0e}",
+        ),
+    )  # fmt: skip
 
 
 def _gtc() -> Any:

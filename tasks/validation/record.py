@@ -6,14 +6,19 @@ What makes it (`tasks.validation.make`) is not imported here: a certificate star
 from importlib.resources import files
 
 from schemas.calibration import Calibration
-from schemas.validation import EVIDENCE, ItemValidation, MethodValidation, ValidationRecord
+from schemas.validation import EVIDENCE, Check, ItemValidation, ValidationRecord
 from tasks.validation.fingerprint import fingerprint
+from tasks.words import Message, message, statement
 
 SHIPPED = "record.json"
 WITH_EARTH = "gyro_g_sensitivity"
 STILL = "gyro_g_sensitivity_without_earth_rotation"
-Reason = tuple[str, str]
-WAY_OUT = ("run mimucal validate", "请运行 mimucal validate")
+
+
+def checked(passed: bool, sentence: Message) -> Check:
+    """A piece of evidence with what was compared."""
+    stated = statement(sentence)
+    return Check(passed=passed, en=stated.en, zh=stated.zh)
 
 
 def shipped() -> ValidationRecord | None:
@@ -24,56 +29,35 @@ def shipped() -> ValidationRecord | None:
     return ValidationRecord.model_validate_json(file.read_text(encoding="utf-8"))
 
 
-def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict[str, Reason]:
+def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict[str, Message]:
     """Why items of a calibration are not validated, by item; empty where all of them are."""
     method = record.methods.get(calibration.method) if record else None
-    found = {}
+    if method is None or method.fingerprint != fingerprint(calibration.method):
+        stale = message("validation-stale", method=calibration.method)
+        return dict.fromkeys(calibration.items, stale)
+    doubts = {}
     for name in calibration.items:
-        reason = _stale(method, calibration.method)
-        if reason is None and method is not None:
-            parts = (name, STILL) if name == WITH_EARTH else (name,)
-            held = [
-                method.items.get(part) for part in parts if part == name or part in method.items
-            ]
-            reason = next(filter(None, (_failed(name, item) for item in held)), None)
-        if reason is not None:
-            found[name] = reason
-    return found
+        parts = [STILL] if name == WITH_EARTH and STILL in method.items else []
+        failed = filter(None, (_failed(name, method.items.get(part)) for part in (name, *parts)))
+        if reason := next(failed, None):
+            doubts[name] = reason
+    return doubts
 
 
-def _stale(method: MethodValidation | None, name: str) -> Reason | None:
-    if method is not None and method.fingerprint == fingerprint(name):
-        return None
-    return (
-        f"The estimation by the method {name} is not validated for this version: {WAY_OUT[0]}",
-        f"本版本的 {name} 估计方法未经验证：{WAY_OUT[1]}",
-    )
-
-
-def _failed(name: str, item: ItemValidation | None) -> Reason | None:
+def _failed(name: str, item: ItemValidation | None) -> Message | None:
     if item is not None and item.valid:
         return None
     checks = item.checks if item else {}
     open_ = [kind for kind in EVIDENCE if kind not in checks or not checks[kind].passed]
-    listed = ", ".join(open_)
-    return (
-        f"The estimation of {name} is not validated for this version ({listed} not shown): see "
-        "mimucal validate",
-        f"本版本的 {name} 估计未经验证（{listed} 未通过）：见 mimucal validate",
-    )
+    return message("validation-failed", item=name, evidence=", ".join(open_))
 
 
-def named(record: ValidationRecord | None, calibration: Calibration) -> Reason:
+def named(record: ValidationRecord | None, calibration: Calibration) -> Message:
     """The sentence of a certificate that names the record and its result."""
     doubts = doubts_of(record, calibration)
     if record is None or len(doubts) == len(calibration.items):
-        return (
-            "No validation record of this version covers the estimation",
-            "无适用于本版本的估计验证记录",
-        )
-    valid = len(calibration.items) - len(doubts)
-    which = f"{record.made_on}, {record.code_version.split()[0]}"
-    return (
-        f"Estimation validated by the record of {which}: {valid} of {len(calibration.items)} items",
-        f"估计方法经验证，记录 {which}：{len(calibration.items)} 项中 {valid} 项通过",
-    )
+        return message("validation-none")
+    return message(
+        "validation-record", record=f"{record.made_on}, {record.code_version.split()[0]}",
+        valid=len(calibration.items) - len(doubts), items=len(calibration.items),
+    )  # fmt: skip

@@ -2,7 +2,8 @@
 
 from schemas.validation import Check
 from tasks.validation.coverage import Calibrate, errors_of, simulate
-from tasks.validation.record import STILL
+from tasks.validation.record import STILL, checked
+from tasks.words import message
 
 CLOSE = 1e-9  # in the printed unit of the item
 
@@ -16,10 +17,8 @@ def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, C
     for name, elements in errors.items():
         largest = max(abs(error) for error, *_ in elements.values())
         unit = calibration.items["gyro_g_sensitivity" if name == STILL else name].unit
-        checks[name] = Check(
-            passed=largest <= CLOSE,
-            en=f"an ideal run gives the truth back within {largest:.1e} {unit}; {CLOSE:.0e} is "
-            "asked",
-            zh=f"理想运行恢复真值，最大偏差 {largest:.1e} {unit}；要求 {CLOSE:.0e}",
+        stated = message(
+            "validation-recovery", error=f"{largest:.1e}", unit=unit, close=f"{CLOSE:.0e}"
         )
+        checks[name] = checked(largest <= CLOSE, stated)
     return checks

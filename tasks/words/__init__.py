@@ -5,7 +5,7 @@ The numerics say *what* (`message("segments-stuck", channel="gyro_x")`); the sen
 the Chinese in one place. A further language is a further folder.
 """
 
-from tasks.words.catalogue import LANGUAGES, known, remark, say, statement, texts
+from tasks.words.catalogue import LANGUAGES, identifiers, known, remark, say, statement, texts
 from tasks.words.message import Argument, Message, Sayable, clauses, message
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "Message",
     "Sayable",
     "clauses",
+    "identifiers",
     "known",
     "message",
     "remark",

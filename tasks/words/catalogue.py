@@ -10,6 +10,7 @@ from schemas.text import Remark, Statement
 from tasks.words.message import Argument, Message, Sayable
 
 SUFFIX = ".ftl"
+LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 
 
@@ -58,6 +59,12 @@ def known(id_: str) -> bool:
     return all(_pattern(language, id_) is not None for language in LANGUAGES)
 
 
+def identifiers(prefix: str) -> tuple[str, ...]:
+    """The messages whose identifiers begin so, in the order of the alphabet."""
+    messages = _bundle(LANGUAGES[0])._messages
+    return tuple(sorted(id_ for id_ in messages if id_.startswith(prefix)))
+
+
 @lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
 def say(said: Sayable, language: str) -> str:
     """A message or statement in one language; mere text is the same in all.
@@ -68,14 +75,18 @@ def say(said: Sayable, language: str) -> str:
     if isinstance(said, str):
         return said
     if isinstance(said, Statement):
-        return str(getattr(said, language))
+        return str(getattr(said, language, said.en))
     pattern = _pattern(language, said.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {said.id}")
     arguments = {name: _argument(value, language) for name, value in said.arguments}
-    text, errors = _bundle(language).format_pattern(pattern, arguments)
+    long = {n: text for n, text in arguments.items() if isinstance(text, str) and len(text) > LONG}
+    places = {name: f"\ue000{name}\ue001" for name in long}  # private use: in no text
+    text, errors = _bundle(language).format_pattern(pattern, arguments | places)
     if errors:
         raise KeyError(f"{said.id} ({language}): {errors[0]}")
+    for name, place in places.items():
+        text = text.replace(place, long[name])
     return str(text)
 
 
@@ -86,7 +97,9 @@ def texts(said: Sayable) -> Mapping[str, str]:
 
 def statement(said: Sayable) -> Statement:
     """A message as it is published, in every language."""
-    return said if isinstance(said, Statement) else Statement(**texts(said))
+    return (
+        said if isinstance(said, Statement) else Statement(en=say(said, "en"), zh=say(said, "zh"))
+    )
 
 
 def remark(

@@ -86,6 +86,16 @@ def text(number: Decimal | None, exponent: int = 0) -> str | None:
     return format(number.scaleb(-exponent, _EXACT), "f").replace("-", MINUS)
 
 
+def exact(number: float | None) -> Decimal | None:
+    """A number as it was given, without its trailing zeros."""
+    return None if number is None else Decimal(repr(number)).normalize()
+
+
+def as_given(value: float) -> str:
+    """A number as it was given, up to ten digits, with a real minus sign."""
+    return f"{value:.10g}".replace("-", MINUS)
+
+
 def _rounded(
     value: float | None, uncertainty: float | None, k: float
 ) -> tuple[Decimal | None, Decimal | None]:

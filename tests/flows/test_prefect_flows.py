@@ -16,7 +16,7 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 
-pytestmark = pytest.mark.real_time
+pytestmark = pytest.mark.timeout(300)
 
 SHORT = """
 format = "mimu-procedure/1"
@@ -111,7 +111,7 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path,
     )
     done = subprocess.run(
         [sys.executable, "-c", order],
-        capture_output=True, text=True, timeout=600, env=environment(home),
+        capture_output=True, text=True, timeout=110, env=environment(home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "VERDICT inconclusive" in done.stdout
@@ -126,14 +126,14 @@ def test_acquire_prints_the_run_and_the_run_can_be_calibrated(tmp_path, papers) 
     home, (station_file, procedure) = tmp_path / "home", papers
     done = subprocess.run(
         mimucal(home, "acquire", station_file, "--procedure", procedure, "--json"),
-        capture_output=True, text=True, timeout=600, env=environment(home),
+        capture_output=True, text=True, timeout=110, env=environment(home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     acquired = json.loads(done.stdout)
     assert acquired["lost_samples"] == 0
     calibrated = subprocess.run(
         mimucal(home, "calibrate", acquired["run"], "--json"),
-        capture_output=True, text=True, timeout=600, env=environment(home),
+        capture_output=True, text=True, timeout=60, env=environment(home),
     )  # fmt: skip
     scale = json.loads(calibrated.stdout)["items"]["gyro_scale_factor"]
     assert scale["value"]["z"] == pytest.approx(draw_unit(7).gyro.scale[2][2], abs=2e-4)
@@ -154,14 +154,14 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
     try:
-        deadline = time.monotonic() + 500
+        deadline = time.monotonic() + 100
         while not any(p.stat().st_size > 200_000 for p in (home / "acquiring").glob("*.mcap")):
             assert time.monotonic() < deadline
             assert started.poll() is None
             time.sleep(0.1)
         assert servers_of(home)
         os.killpg(started.pid, how)
-        _, said = started.communicate(timeout=300)
+        _, said = started.communicate(timeout=30)
         while servers_of(home):  # the kernel ends it after its parent
             assert time.monotonic() < deadline
             time.sleep(0.1)
@@ -186,7 +186,7 @@ def servers_of(home: Path) -> list[int]:
 
 def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
-        mimucal(home, *arguments), capture_output=True, text=True, timeout=600,
+        mimucal(home, *arguments), capture_output=True, text=True, timeout=100,
         env=environment(home),
     )  # fmt: skip
 
@@ -246,7 +246,7 @@ print("BUSY", len(busy), calibration.run)
 def test_stage_is_tried_again_when_another_process_held_the_catalogue(tmp_path, shared) -> None:
     done = subprocess.run(
         [sys.executable, "-c", RETRIED, str(shared / "real/ferraris_session")],
-        capture_output=True, text=True, timeout=600, env=environment(tmp_path / "home"),
+        capture_output=True, text=True, timeout=110, env=environment(tmp_path / "home"),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "BUSY 1 r" in done.stdout

@@ -16,10 +16,9 @@ from tasks.explain.inputs.reference import Told
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.empirical_terms import UNNAMED
 from tasks.explain.search.rank import NEAR
-from tasks.explain.search.refit import fitted, model_of
+from tasks.explain.search.refit import Model, fitted, model_of
 from tasks.explain.search.stepwise import Found
 from tasks.model.events import EVENTS
-from tasks.model.model import Model
 from tasks.model.simulate import predict
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
@@ -193,8 +192,17 @@ def _freed_parameters(
     soaks: a term of the standard that cannot be told from it, which is taken to be nothing.
     """
     rest = model.without({term.key, *(each.key for each in model.terms if each.name == soaks)})
+    free = np.concatenate([rest.free, np.ones(len(freed.parameters), bool)])
     count = len(freed.parameters)
-    alone = fitted(rest.with_term(freed), fine, noises)
+    longer = Model(
+        (*rest.terms, freed),
+        np.concatenate([rest.values, [p.nominal for p in freed.parameters]]),
+        free,
+        np.concatenate([rest.prior, np.zeros(count)]),
+        np.zeros((len(free), len(free))),
+        (*rest.shape_u, None),
+    )
+    alone = fitted(longer, fine, noises)
     u = np.sqrt(np.maximum(np.diag(alone.covariance), 0.0))
     return [
         FoundParameter(

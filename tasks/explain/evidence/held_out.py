@@ -1,23 +1,67 @@
 """What a model predicts of segments that its fit did not see: every fourth one, in turn."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from tasks.explain.inputs.observed import Observed
+from tasks.explain.regression.equations import Equations
 from tasks.explain.regression.spectrum import Noise
-from tasks.model.cross_validation import CrossValidation
-from tasks.model.regression import NormalEquations
 from tasks.model.term import Column
 
 FOLDS = 4
+BARELY = 1e-9  # of a column's power: what no other fold determines is as good as free
 CHUNK = 30.0  # s of what has no segments
 
 
-def cross_validation(
+@dataclass(frozen=True)
+class PartlySeen:
+    """Whitened Gram matrices of a model's columns and misfit: on all rows, and on each fold."""
+
+    whole: Equations
+    folds: tuple[Equations, ...]
+
+    def surprise(self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray) -> np.ndarray:
+        """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
+
+        What the others leave uncertain is uncertain in the prediction: e ~ N(0, 1 + J·C·Jᵀ).
+        kept: the columns that are fitted. added: (q,) what is put back into the misfit of the
+        columns that are not. prior: (q,) precision beforehand, of changes about `added`.
+        """
+        total = np.zeros(6)
+        rows = list(kept)
+        power = np.diag(self.whole.normal()[0])[rows] + prior[rows]
+        scale = 1.0 / np.sqrt(np.maximum(power, 1e-300))
+        least = np.diag(np.full(len(rows), BARELY))
+        for fold in self.folds:
+            normal, right = self._seen(fold)
+            right = right + normal @ added
+            own = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
+            own = own * scale[:, None] * scale + least
+            change = added.copy()
+            change[rows] -= scale * np.linalg.solve(own, scale * right[rows])
+            for channel, (gram, which) in enumerate(zip(fold.grams, fold.which, strict=True)):
+                left = np.append(change[which], 1.0)
+                heard, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
+                heard[which] = gram[:-1] @ left
+                more[np.ix_(which, which)] = gram[:-1, :-1]
+                mine = own + more[np.ix_(rows, rows)] * scale[:, None] * scale
+                told = scale * heard[rows]
+                total[channel] += left @ gram @ left - told @ np.linalg.solve(mine, told)
+                total[channel] += np.linalg.slogdet(mine)[1] - np.linalg.slogdet(own)[1]
+        return total
+
+    def _seen(self, fold: Equations) -> tuple[np.ndarray, np.ndarray]:
+        """Normal matrix and right side of all rows but the fold's."""
+        (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
+        return normal - hidden, right - hidden_right
+
+
+def partly_seen(
     columns: Sequence[Column], misfit: np.ndarray, observed: Observed, noises: Sequence[Noise]
-) -> CrossValidation:
+) -> PartlySeen:
     """Every fourth segment, with the move before it, is a fold.
 
     Drift joins neighbours that stand in different folds; so here it is an offset of each segment,
@@ -26,17 +70,15 @@ def cross_validation(
     cells = cells_of(observed)
     grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
     folds = tuple(
-        NormalEquations(
+        Equations(
             tuple(part[np.arange(len(part)) % FOLDS == k].sum(axis=0) for part, _ in grams),
             tuple(which for _, which in grams),
             len(columns),
         )
         for k in range(FOLDS)
     )
-    whole = NormalEquations(
-        tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns)
-    )
-    return CrossValidation(whole, folds)
+    whole = Equations(tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns))
+    return PartlySeen(whole, folds)
 
 
 def _grams_of_cells(

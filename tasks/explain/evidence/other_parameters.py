@@ -11,8 +11,8 @@ from tasks.explain.inputs.observed import FullRate, Observed
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.empirical_terms import UNNAMED
+from tasks.explain.search.refit import Model
 from tasks.explain.search.stepwise import FALSE_ALARMS
-from tasks.model.model import Model
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values, parameters_of, places
 from tasks.model.terms.standard import STANDARD_TERMS

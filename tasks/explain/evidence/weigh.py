@@ -7,16 +7,15 @@ import numpy as np
 from scipy.stats import chi2
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.evidence.held_out import cross_validation
+from tasks.explain.evidence.held_out import PartlySeen, partly_seen
 from tasks.explain.explanation import CHANNELS
 from tasks.explain.inputs.observed import Observed
-from tasks.explain.regression.equations import equations_of
+from tasks.explain.regression.equations import Equations, equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.empirical_terms import UNNAMED
+from tasks.explain.search.refit import Model, whole_effect
 from tasks.explain.search.stepwise import FALSE_ALARMS, Chosen, Found
-from tasks.model.cross_validation import CrossValidation
-from tasks.model.model import Model
-from tasks.model.regression import NormalEquations, inverse
+from tasks.model.regression import inverse
 from tasks.model.simulate import linearise
 from tasks.model.term import COUNTS, Column, Term, places
 
@@ -111,8 +110,8 @@ class Weighed:
     prior: (q,) precision beforehand.
     """
 
-    whole: NormalEquations
-    parts: CrossValidation
+    whole: Equations
+    parts: PartlySeen
     groups: tuple[tuple[list[int], np.ndarray], ...]
     fixed: tuple[int, ...]
     prior: np.ndarray
@@ -137,7 +136,7 @@ class Weighed:
                     fixed.append(len(columns))
                     mine.append(len(columns))
                     now.append(1.0)
-                    columns.append(model.effect_of(term, fine.motion, design.prediction))
+                    columns.append(whole_effect(model, term, fine.motion, design.prediction))
                 for p in range(own[k].start, own[k].stop):
                     if p in position:
                         mine.append(position[p])
@@ -147,7 +146,7 @@ class Weighed:
         prior = np.concatenate([prior, np.zeros(len(columns) - len(prior))])
         return cls(
             equations_of(columns, misfit, fine, noises),
-            cross_validation(columns, misfit, fine, noises),
+            partly_seen(columns, misfit, fine, noises),
             tuple(indexed), tuple(fixed), prior, int((fine.weight > 0).sum()),
         )  # fmt: skip
 
@@ -177,19 +176,19 @@ class Weighed:
 
     def held_out_gain(self, number: int) -> float:
         """Log-likelihood (nats) that one finding adds on segments that a fit did not see."""
-        without = self.parts.deviance(
+        without = self.parts.surprise(
             self._kept(self.groups[number][0]), self._added([number]), self.prior
         )
         return 0.5 * float((without - self._after()).sum())
 
     def _after(self) -> np.ndarray:
-        return self.parts.deviance(self._kept(()), np.zeros(self.whole.count), self.prior)
+        return self.parts.surprise(self._kept(()), np.zeros(self.whole.count), self.prior)
 
     def held_out(self) -> HeldOut:
         """How segments that a fit did not see are predicted, before and after."""
         every = range(len(self.groups))
         mine = [q for number in every for q in self.groups[number][0]]
-        before = self.parts.deviance(self._kept(mine), self._added(list(every)), self.prior)
+        before = self.parts.surprise(self._kept(mine), self._added(list(every)), self.prior)
         after = self._after()
         ratio = {
             name: float(np.sqrt(after[c] / before[c]))

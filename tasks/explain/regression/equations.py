@@ -1,13 +1,35 @@
 """A linearised model in the transformed domain: whitened Gram matrices of columns and misfit."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from tasks.explain.inputs.observed import Observed
 from tasks.explain.regression.spectrum import Noise, padded_length, transformed
-from tasks.model.regression import NormalEquations, Whiten
 from tasks.model.term import Column
+
+
+@dataclass(frozen=True)
+class Equations:
+    """A model linearised at its values: gram (6, q + 1, q + 1) of whitened columns and misfit.
+
+    The last row and column are those of the misfit, reading minus prediction. which: for each
+    channel which of the q columns it has.
+    """
+
+    grams: tuple[np.ndarray, ...]
+    which: tuple[np.ndarray, ...]
+    count: int
+
+    def normal(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Normal matrix (q, q), right side (q,) and chi-squared over all channels."""
+        normal, right, misfit = np.zeros((self.count, self.count)), np.zeros(self.count), 0.0
+        for gram, which in zip(self.grams, self.which, strict=True):
+            normal[np.ix_(which, which)] += gram[:-1, :-1]
+            right[which] += gram[:-1, -1]
+            misfit += float(gram[-1, -1])
+        return normal, right, misfit
 
 
 def equations_of(
@@ -15,11 +37,13 @@ def equations_of(
     misfit: np.ndarray,
     observed: Observed,
     noises: Sequence[Noise],
-) -> NormalEquations:
-    """Whitened Gram matrices of columns and misfit (n, 6)."""
+    rows: np.ndarray | None = None,
+) -> Equations:
+    """Whitened Gram matrices of columns and misfit (n, 6), on some rows (n,) bool or on all."""
     grams, which = [], []
     for channel, noise in enumerate(noises):
         weight = observed.weight[:, channel]
+        weight = weight if rows is None else weight * rows
         own = [q for q, column in enumerate(columns) if channel in column]
         stack = np.zeros((len(own) + 1, padded_length(len(weight))))
         for row, q in enumerate(own):
@@ -33,9 +57,4 @@ def equations_of(
         stack /= np.sqrt(noise.variance(frequency))
         grams.append(stack @ stack.T)
         which.append(np.array(own, int))
-    return NormalEquations(tuple(grams), tuple(which), len(columns))
-
-
-def whitening(observed: Observed, noises: Sequence[Noise]) -> Whiten:
-    """Whitens columns and misfit by the noises of a coefficient at the observed rate."""
-    return lambda columns, misfit: equations_of(columns, misfit, observed, noises)
+    return Equations(tuple(grams), tuple(which), len(columns))

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 from schemas.discrepancy import FoundParameter, Statement, VerdictChange
-from tasks.certificate.names import VERDICTS
 from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.explanation import CHANNELS
 from tasks.specifications.items import ITEMS
-from tasks.words import Message, Sayable, message, texts
+from tasks.words import Message, Sayable, known, message, texts
 from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 
@@ -31,10 +30,8 @@ def element_title(item: str, element: str) -> Sayable:
 
 def verdict_title(verdict: str) -> Sayable:
     """«pass», «fail», «inconclusive»."""
-    if verdict not in VERDICTS:
-        return verdict
-    zh, en = VERDICTS[verdict]
-    return Statement(en=en, zh=zh)
+    id_ = f"conformity-verdict.{verdict}"
+    return message(id_) if known(id_) else verdict
 
 
 def change_title(change: VerdictChange) -> Message:

@@ -11,6 +11,8 @@ from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.recording import Manifest, Station, Unit
 from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit, Tolerance
+from tasks.certificate.content import Content, in_languages
+from tasks.certificate.content import content as content_of
 from tasks.conformity import decide
 from tasks.specifications.items import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
 from tasks.uncertainty import type_b
@@ -191,6 +193,15 @@ def manifest(**unit: str) -> Manifest:
         unit=Unit(**(named | unit)),
         station=Station(id="TT3", latitude_deg=39.9, gravity_m_s2=9.8015, heading_deg=0.0),
     )
+
+
+def printed(part: Any) -> Any:
+    """A part of a certificate's content in Chinese and English, as it is printed."""
+    return in_languages(part, ("zh", "en"))
+
+
+def content(made: Certificate) -> Content:
+    return printed(content_of(made))
 
 
 def certificate(

@@ -5,14 +5,13 @@ from functools import cache
 
 import pypdfium2
 import pytest
-from sample_certificate import calibration, certificate
+from sample_certificate import calibration, certificate, content
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import Figure, budgets, figure
-from tasks.certificate.content import content
 from tasks.certificate.pdf import render
 from tasks.specifications.jjf2003 import JJF2003
 

@@ -6,7 +6,16 @@ from typing import Any, get_args
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sample_certificate import AXES, calibration, certificate, item, items, manifest, tolerance
+from sample_certificate import (
+    AXES,
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+    manifest,
+    tolerance,
+)
 
 from schemas.calibration import (
     Calibration,
@@ -17,13 +26,11 @@ from schemas.calibration import (
 )
 from schemas.certificate import State
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
-from tasks.certificate.content import METHODS, WATERMARKS, content
-from tasks.certificate.cover import SCOPES, SPECIFICATIONS
-from tasks.certificate.fields import literal
-from tasks.certificate.names import KINDS, QUANTITIES, RULES, VERDICTS
-from tasks.certificate.notes import BASIS, CONTENTS_IN_SHORT, CONTENTS_OF_U
+from schemas.uncertainty import Distribution
+from tasks.certificate.fields import literal, slug
 from tasks.certificate.results import Group
 from tasks.conformity import decide
+from tasks.words import known
 
 
 def group(result: Calibration, title: str) -> Group:
@@ -39,24 +46,28 @@ def texts(said: Any) -> list[str]:
     return [said] if isinstance(said, str) else []
 
 
+KIND = Item.model_fields["uncertainty_kind"].annotation
+
+
 @pytest.mark.parametrize(
-    ("said", "table"),
+    ("keys", "text"),
     [
-        (State, WATERMARKS),
-        (Method, METHODS),
-        (Method, SPECIFICATIONS),
-        (Method, BASIS),
-        (Verdict, VERDICTS),
-        (Verdict, SCOPES),
-        (Quantity, QUANTITIES),
-        (Item.model_fields["uncertainty_kind"].annotation, KINDS),
-        (Item.model_fields["uncertainty_kind"].annotation, CONTENTS_OF_U),
-        (Item.model_fields["uncertainty_kind"].annotation, CONTENTS_IN_SHORT),
-        (Tolerance.model_fields["rule"].annotation, RULES),
+        (set(get_args(State)) - {"issued"}, "certificate-watermark"),
+        (get_args(Method), "certificate-method"),
+        (get_args(Method), "certificate-followed"),
+        (get_args(Method), "certificate-basis"),
+        (get_args(Verdict), "conformity-verdict"),
+        (get_args(Verdict), "certificate-scope"),
+        (get_args(Quantity), "conformity-quantity"),
+        (get_args(KIND), "certificate-kind"),
+        (get_args(KIND), "certificate-u-contains"),
+        (get_args(KIND), "certificate-u-in-short"),
+        (get_args(Distribution), "certificate-distribution"),
+        (get_args(Tolerance.model_fields["rule"].annotation), "certificate-rule"),
     ],
 )
-def test_everything_that_can_be_said_has_its_words(said: Any, table: dict[str, Any]) -> None:
-    assert set(get_args(said)) == set(table)
+def test_everything_that_can_be_said_has_its_words(keys: Any, text: str) -> None:
+    assert all(known(f"{text}.{slug(key)}") for key in keys)
 
 
 def test_results_stand_in_the_order_of_appendix_b() -> None:
@@ -169,7 +180,7 @@ def test_an_item_of_no_specification_is_printed_too() -> None:
 
 def test_readings_are_numbered_once_and_cited_where_they_were_taken() -> None:
     made = content(certificate())
-    shorts = [short for short, _, _ in made.readings]
+    shorts = [reading.short for reading in made.readings]
     assert shorts == [f"R{n}" for n in range(1, 10)]
     assert group(calibration(), "Gyro g-sensitivity").readings == ("R5", "R3")
 
@@ -178,7 +189,7 @@ def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
     scale = item("1", "7.2.1", AXES, [1.0, 1.0, 1.0], 1e-5, readings=("nobody.knows",))
     result = calibration(items={"gyro_scale_factor": scale})
     made = content(certificate(result, decide(result, None)))
-    assert made.readings[0][:2] == ("R1", ("nobody.knows", "nobody.knows"))
+    assert (made.readings[0].short, made.readings[0].clause[0]) == ("R1", "nobody.knows")
 
 
 def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
@@ -222,7 +233,7 @@ def test_nothing_is_left_blank_when_nothing_is_given() -> None:
         assert "未提供" in texts(said[part])
     unit = {field.label[1]: field.value for field in made.front}
     assert unit["Serial number"] == unit["Model"] == ("未提供", "not given")
-    assert made.environment[0][1] == ("未提供", "not given")
+    assert made.environment[0].measured == ("未提供", "not given")
 
 
 def test_jjf_1536_has_its_own_items_and_conditions() -> None:
@@ -233,7 +244,7 @@ def test_jjf_1536_has_its_own_items_and_conditions() -> None:
     assert made.sections[1].groups[0].rows[0].name == (
         "航向角零偏", "Zero offset of the heading angle"
     )  # fmt: skip
-    assert made.environment[0][2] == "(20 ± 3) °C"
+    assert made.environment[0].required == "(20 ± 3) °C"
     assert made.statement[0][1].endswith("; clauses 7.2.")
 
 

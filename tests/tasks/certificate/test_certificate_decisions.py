@@ -6,14 +6,14 @@ from typing import Any
 
 import pypdf
 import pytest
-from sample_certificate import AXES, calibration, certificate, item, items, tolerance
+from sample_certificate import AXES, calibration, certificate, content, item, items, tolerance
 
 from schemas.certificate import Certificate
 from schemas.tolerance import Limit, Prior, Tolerance
-from tasks.certificate.content import Content, content
-from tasks.certificate.limits import probability_text
+from tasks.certificate.content import Content
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
+from tasks.conformity.limits import probability_text
 
 BIAS = {"item": "gyro_bias", "unit": "deg/s"}
 

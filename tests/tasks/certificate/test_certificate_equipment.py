@@ -1,13 +1,14 @@
 """Whose limits stand in the budgets, and what stands in none."""
 
 import pytest
-from sample_certificate import calibration, certificate
+from sample_certificate import calibration, printed
 
 from schemas.certificate import EquipmentLimit
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import limits_of, whose_limits
+from tasks.certificate.layout import LAYOUTS
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 
@@ -18,16 +19,16 @@ OWN = EquipmentLimit(half_width=2e-6, distribution="normal", source="CNAS 2026-1
 def made(ideal_run):
     """A result for each set of limits of a laboratory's own."""
 
-    def calibrate(**own: EquipmentLimit):
+    def build(**own: EquipmentLimit):
         recording = ideal_run(noise=1e-4)
         evaluation = evaluation_for(recording, own=own)
         return calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
 
-    return calibrate
+    return build
 
 
 def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
-    (zh, en), (flat_zh, flat_en) = whose_limits(made())
+    (zh, en), (flat_zh, flat_en) = printed(whose_limits(made(), LAYOUTS["jjf2003"]))
     assert "recommended limits of JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
@@ -39,12 +40,12 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
 
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
-    (_, en), _ = whose_limits(result)
+    (_, en), _ = printed(whose_limits(result, LAYOUTS["jjf2003"]))
     own, others = en.split("recommended limits")
     assert "stated by the laboratory: table rate, whole turns, local gravity" in own
     assert "table rate, whole turns" not in others
     assert "local gravity assumed" not in others
-    found = budgets(result)
+    found = printed(budgets(result))
     assert found is not None
     rows = {row.symbol: row for row in found.limits}
     assert rows["ε1"].source == ("CNAS 2026-117",) * 2
@@ -55,10 +56,10 @@ def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) ->
 
 def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -> None:
     result = calibrate(JOINT, ideal_run(noise=1e-4), run="r", code_version="v")
-    rows = {row.symbol: row for row in budgets(result).limits}
+    rows = {row.symbol: row for row in printed(budgets(result)).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
     assert rows["φ"].half_width == "0.05°"
-    assert whose_limits(result)[0][1].count("latitude assumed") == 1
+    assert printed(whose_limits(result, LAYOUTS["joint"]))[0][1].count("latitude assumed") == 1
 
 
 def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) -> None:
@@ -69,4 +70,4 @@ def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) 
 
 
 def test_a_result_without_budgets_claims_no_limits() -> None:
-    assert whose_limits(certificate(calibration()).calibration) == ()
+    assert whose_limits(calibration(), LAYOUTS["jjf2003"]) == ()

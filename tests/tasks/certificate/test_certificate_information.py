@@ -4,14 +4,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pypdfium2
-from sample_certificate import calibration, certificate
+from sample_certificate import calibration, certificate, content, printed
 
 from schemas.calibration import Information
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.earth import WITHOUT_EARTH, separated
-from tasks.certificate.content import content
 from tasks.certificate.information import contained, information_rows
+from tasks.certificate.layout import LAYOUTS
 from tasks.certificate.pdf import render
 from tasks.specifications.jjf2003 import JJF2003
 
@@ -31,7 +31,7 @@ def noise(**changes: Any) -> Information:
 
 
 def test_numbers_are_rounded_to_the_place_of_u_and_u_upward() -> None:
-    (row,) = information_rows(calibration(information={"walk": noise()}))
+    (row,) = printed(information_rows(calibration(information={"walk": noise()})))
     x, y, z = row.lines[0]
     assert (x.element, x.value, x.U) == ("x", "0.0843", "0.0014")
     assert (y.value, y.U) == (None, None)
@@ -42,15 +42,15 @@ def test_numbers_are_rounded_to_the_place_of_u_and_u_upward() -> None:
 def test_a_quantity_without_any_number_keeps_its_reason() -> None:
     nothing = dict.fromkeys("xyz")
     shown = noise(value=nothing, u=nothing, U=nothing)
-    (row,) = information_rows(calibration(information={"walk": shown}))
+    (row,) = printed(information_rows(calibration(information={"walk": shown})))
     assert row.lines == ()
-    assert "step hides" in row.said[1]
+    assert "step hides" in row.sentences[1]
 
 
 def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
     value = {"xy": 1.0, "yx": 2.0}
     shown = noise(value=value, u=None, U=None)
-    (row,) = information_rows(calibration(information={"p": shown}))
+    (row,) = printed(information_rows(calibration(information={"p": shown})))
     names = [[cell and cell.element for cell in line] for line in row.lines]
     assert names == [[None, "xy", None], ["yx", None, None]]
 
@@ -58,7 +58,7 @@ def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
 def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     made = calibration()
     made = calibration(information=separated(made.items["gyro_g_sensitivity"], None))
-    ((zh, en),) = contained(made, "gyro_g_sensitivity")
+    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", LAYOUTS[made.method]))
     assert en.startswith("The value by eq. (7) contains Earth's rotation:")
     assert "0.0027 (°/s)/g, 11 times U" in en
     assert "即 U 的 11 倍" in zh
@@ -69,7 +69,7 @@ def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None
     made = calibration(
         information=separated(made.items["gyro_g_sensitivity"], None), method="joint"
     )
-    ((zh, en),) = contained(made, "gyro_g_sensitivity")
+    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", LAYOUTS[made.method]))
     assert en.startswith("The value contains Earth's rotation:")
     assert zh.startswith("上述值含地球自转：")
 
@@ -81,7 +81,14 @@ def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
     shown = separated(made.items["gyro_g_sensitivity"], None)[WITHOUT_EARTH].model_copy(
         update={"value": close}
     )
-    assert contained(calibration(information={WITHOUT_EARTH: shown}), "gyro_g_sensitivity") == ()
+    assert (
+        contained(
+            calibration(information={WITHOUT_EARTH: shown}),
+            "gyro_g_sensitivity",
+            LAYOUTS["jjf2003"],
+        )
+        == ()
+    )
 
 
 def test_information_never_enters_the_decision() -> None:

@@ -293,3 +293,28 @@ def test_a_character_without_a_glyph_is_refused_in_one_sentence(character: str) 
 def test_control_characters_do_not_stop_a_certificate() -> None:
     said = pages(render(certificate(manifest=manifest(serial="A\x00\x07\n\u202eB"))))
     assert "AB" in said[0]
+
+
+@pytest.mark.parametrize("languages", [("zh",), ("en",), ("en", "zh")])
+def test_a_certificate_is_set_in_any_languages_that_have_catalogues(
+    languages: tuple[str, ...],
+) -> None:
+    made = with_budgets_and_limits()
+    text = "".join(pages(render(made, languages)))
+    assert ("CalibrationCertificate" in text) == ("en" in languages)
+    assert ("校准证书" in text) == ("zh" in languages)
+    assert_nothing_is_clipped(render(made, languages))
+
+
+def with_budgets_and_limits() -> Certificate:
+    return certificate(calibration(items=with_budgets(items())), budgets=True)
+
+
+def test_no_chinese_of_the_program_is_left_in_an_english_certificate() -> None:
+    party = laboratory().party.model_copy(update={"name_zh": "", "address_zh": ""})
+    english = certificate(
+        manifest=manifest(manufacturer="Example"),
+        laboratory=laboratory(party=party, operator="Li", checker="Wang", issuer="Zhang"),
+        budgets=True,
+    )
+    assert not re.findall(r"[\u4e00-\u9fff]", "".join(pages(render(english, ("en",)))))

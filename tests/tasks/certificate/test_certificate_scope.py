@@ -5,12 +5,20 @@ from typing import Any
 
 import pytest
 from pydantic import ValidationError
-from sample_certificate import AXES, calibration, certificate, item, items, manifest, tolerance
+from sample_certificate import (
+    AXES,
+    calibration,
+    certificate,
+    content,
+    item,
+    items,
+    manifest,
+    tolerance,
+)
 
 from schemas.calibration import Calibration, Remark, SegmentUsed
 from schemas.recording import Kind, Manifest, Mount, Segment
 from schemas.tolerance import Limit
-from tasks.certificate.content import content
 from tasks.conformity import decide
 
 

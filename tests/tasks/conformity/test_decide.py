@@ -11,10 +11,12 @@ from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_
 
 from schemas.base import Unusable
 from schemas.calibration import Remark
+from schemas.discrepancy import Statement
 from schemas.station import Equipment
 from schemas.tolerance import Decision, Limit
-from tasks.certificate.reasons import conditional
 from tasks.conformity import decide, expired
+from tasks.conformity.reasons import conditional
+from tasks.words import say, statement
 
 
 def verdict_of(value: dict[str, float | None], **limit: Any) -> str:
@@ -204,7 +206,7 @@ def test_a_pass_outside_the_limits_is_conditional() -> None:
         0.0625, 0.0125, lower=None, rule="guard_band", guard_band_factor=-1.0, U_max=1.0
     )
     assert (decision.verdict, decision.marginal) == ("pass", True)
-    assert "accepted but lies outside its limit" in conditional(decision)[0][0]
+    assert "accepted but lies outside its limit" in say(conditional(decision)[0], "en")
 
 
 @pytest.mark.parametrize("U", [None, 0.0])
@@ -245,7 +247,7 @@ def test_a_failing_ratio_has_no_unit() -> None:
 
 
 def test_further_doubts_prevent_a_pass_and_stand_among_the_reasons() -> None:
-    doubt = ("the lamp flickered", "灯闪烁")
+    doubt = Statement(en="the lamp flickered", zh="灯闪烁")
     decision = decide(
         calibration({"gyro_bias": item(BIAS)}), tolerance(bias_limit()), doubts=(doubt,)
     )
@@ -263,11 +265,10 @@ def standard(valid_until: date | None) -> Equipment:
 def test_a_standard_that_ran_out_before_the_day_is_a_reason() -> None:
     last = date(2026, 11, 20)
     assert expired([standard(last), standard(None)], last) == ()
-    assert expired([standard(last)], date(2026, 11, 21)) == (
-        (
-            "Table (T-1): its certificate was valid until 2026-11-20, before 2026-11-21",
-            "转台（T-1）：其证书有效期至 2026-11-20，早于 2026-11-21",
-        ),
+    (reason,) = expired([standard(last)], date(2026, 11, 21))
+    assert statement(reason) == Statement(
+        en="Table (T-1): its certificate was valid until 2026-11-20, before 2026-11-21",
+        zh="转台（T-1）：其证书有效期至 2026-11-20，早于 2026-11-21",
     )
 
 

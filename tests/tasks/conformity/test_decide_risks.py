@@ -7,11 +7,12 @@ from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_
 from scipy.special import ndtr
 
 from schemas.calibration import Remark
+from schemas.discrepancy import Statement
 from schemas.tolerance import Limit, Prior
 from schemas.uncertainty import Budget
 from tasks.conformity import decide
 
-DOUBT = ("its validation failed", "其验证未通过")
+DOUBT = Statement(en="its validation failed", zh="其验证未通过")
 
 
 @pytest.mark.parametrize("y", [-0.02, -0.06])
@@ -21,7 +22,7 @@ def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y: float) -> Non
     assert decision.verdict == "inconclusive"
     assert {made.verdict for made in decision.limits} == {"inconclusive"}
     assert [made.value for made in decision.limits] == [0.01, y, 0.03]
-    assert (decision.reasons, decision.reasons_zh) == ((DOUBT[0],), (DOUBT[1],))
+    assert (decision.reasons, decision.reasons_zh) == ((DOUBT.en,), (DOUBT.zh,))
 
 
 def test_a_doubt_about_an_item_without_a_limit_does_not_count() -> None:
@@ -35,7 +36,7 @@ def test_a_doubt_about_one_item_does_not_hide_that_another_fails() -> None:
     limits = tolerance(bias_limit(), Limit(item="accel_bias", unit="m/s2", magnitude=1.0))
     decision = decide(calibration(items), limits, doubts_of={"accel_bias": (DOUBT,)})
     assert decision.verdict == "fail"
-    assert DOUBT[0] in decision.reasons
+    assert DOUBT.en in decision.reasons
 
 
 def test_a_failure_outranks_a_condition_that_was_not_met_and_names_both() -> None:

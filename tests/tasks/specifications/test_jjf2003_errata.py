@@ -5,14 +5,17 @@ is only a slip of the pen stands in the register, and the certificate prints it.
 """
 
 from collections.abc import Callable
+from typing import get_args
 
 import numpy as np
 import pytest
 
-from schemas.calibration import Calibration, Item
+from schemas.calibration import Calibration, Item, UncertaintyKind
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.certificate.notes import CONTENTS_OF_U, readings, uncertainty
+from tasks.certificate.fields import slug
+from tasks.certificate.layout import LAYOUTS
+from tasks.certificate.statements import readings, uncertainty
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.readings import READINGS
@@ -58,7 +61,9 @@ def at_latitude(recording: Recording, latitude: float) -> Recording:
 
 def printed_readings(calibration: Calibration) -> str:
     """The readings of the specification as the certificate prints them, English."""
-    return " ".join(f"{clause[1]} {said[1]}" for _, clause, said in readings(calibration))
+    return " ".join(
+        say(text, "en") for each in readings(calibration) for text in (each.clause, each.text)
+    )
 
 
 # 1 and 2: eq. (12), (13), text and sign.
@@ -212,15 +217,16 @@ def test_the_number_of_effective_bits_is_the_units_own() -> None:
     assert combine_as_example("K", "1", 1.0, [0.0], bits=16).inputs[1].u == acquisition(16)
 
 
-@pytest.mark.parametrize("kind", CONTENTS_OF_U)
+@pytest.mark.parametrize("kind", get_args(UncertaintyKind))
 def test_the_certificate_says_which_evaluation_was_used(ideal_run: Build, kind: str) -> None:
     calibration = result(ideal_run())
     items = {
         name: each.model_copy(update={"uncertainty_kind": kind})
         for name, each in calibration.items.items()
     }
-    said = {en for _, en in uncertainty(calibration.model_copy(update={"items": items}))}
-    assert said & {en for _, en in CONTENTS_OF_U.values()} == {CONTENTS_OF_U[kind][1]}
+    statements = uncertainty(calibration.model_copy(update={"items": items}), LAYOUTS["jjf2003"])
+    ids = [each.id for each in statements if each.id.startswith("certificate-u-contains")]
+    assert ids == [f"certificate-u-contains.{slug(kind)}"]
 
 
 def test_the_register_has_the_symbol_of_a_3_2_3() -> None:

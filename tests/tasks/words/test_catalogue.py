@@ -66,6 +66,11 @@ def test_a_list_is_said_with_the_separator_of_its_language() -> None:
     assert texts(listed) == {"en": ", ", "zh": "、"}
 
 
+def test_a_text_of_any_length_fits_into_a_sentence() -> None:
+    long = "x" * 9000
+    assert say(message("clause-sequence", first=long, rest="y"), "en") == f"{long}; y"
+
+
 def test_text_is_the_same_in_every_language() -> None:
     assert texts("gyro_x") == {"en": "gyro_x", "zh": "gyro_x"}
 

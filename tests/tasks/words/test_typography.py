@@ -2,7 +2,8 @@
 
 import pytest
 
-from tasks.certificate.typography import chinese, clause, english
+from schemas.discrepancy import Statement
+from tasks.words.typography import clause, typeset
 
 
 @pytest.mark.parametrize(
@@ -17,17 +18,18 @@ from tasks.certificate.typography import chinese, clause, english
     ],
 )
 def test_a_clause_reads_as_each_language_writes_it(written: str, zh: str, en: str) -> None:
-    assert clause(written, "JJF 2003-2022") == (zh, en)
+    assert clause(written, "JJF 2003-2022") == Statement(en=en, zh=zh)
 
 
 def test_minus_signs_are_real_and_names_and_dates_stay_as_they_are() -> None:
     said = "static_-x (rate_x_-300) of 2026-11-05: -x up reads -9.8 m/s² (-60, +30 deg/s), JJF 1-2"
-    assert english(said) == (
+    assert typeset(said, "en") == (
         "static_-x (rate_x_-300) of 2026-11-05: −x up reads −9.8 m/s² (−60, +30 °/s), JJF 1-2"
     )
 
 
 def test_chinese_has_its_own_range_and_dash() -> None:
     assert (
-        chinese("JJF 2003-2022 要求 7~11 个，按 eq. (4)") == "JJF 2003—2022 要求 7～11 个，按 式(4)"
+        typeset("JJF 2003-2022 要求 7~11 个，按 eq. (4)", "zh")
+        == "JJF 2003—2022 要求 7～11 个，按 式(4)"
     )

@@ -1,0 +1,133 @@
+"""The sentences of the certificate: basis, uncertainty, reasons, readings taken, remarks."""
+
+import math
+import re
+from dataclasses import dataclass
+
+from schemas.calibration import Calibration, Item, Remark
+from schemas.tolerance import Decision
+from tasks.certificate.cover import by_method
+from tasks.certificate.equipment import whose_limits
+from tasks.certificate.fields import given, quoted, slug
+from tasks.certificate.layout import Layout
+from tasks.specifications.items import item_title
+from tasks.words import Message, Sayable, clauses, message, statement
+from tasks.words.rounding import USUAL_K
+from tasks.words.typography import clause
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How the specification was read where it is wrong or silent: R1, the clause, the reading."""
+
+    short: str
+    clause: Sayable
+    text: Sayable
+
+
+def determined(item: Item | None) -> bool:
+    """Whether an item has at least one value."""
+    return item is not None and any(value is not None for value in item.value.values())
+
+
+def basis(calibration: Calibration, layout: Layout) -> tuple[Message, ...]:
+    """Which clauses the values follow, whether to the letter, and which items have none."""
+    statements = []
+    values = [item for item in calibration.items.values() if determined(item)]
+    if values:
+        title = message(f"certificate-specification.{layout.key}")
+        followed = message(by_method("basis", calibration), specification=title)
+        clauses = {clause(item.clause, layout.specification) for item in values}
+        named = sorted((c for c in clauses if c.en), key=lambda c: (c.zh, c.en))
+        if named:
+            followed = message("certificate-basis.clauses", basis=followed, clauses=tuple(named))
+        statements.append(message("certificate-basis.end", basis=followed))
+    absent = tuple(
+        item_title(name) for name in layout.items if not determined(calibration.items.get(name))
+    )
+    if absent:
+        statements.append(message(f"certificate-absent.{layout.key}", items=absent))
+    return tuple(statements)
+
+
+def uncertainty_in_short(calibration: Calibration) -> Message | None:
+    """What U contains and which coverage probability goes with k; None without a value."""
+    values = [item for item in calibration.items.values() if determined(item)]
+    if not values:
+        return None
+    kinds = dict.fromkeys(item.uncertainty_kind for item in values)
+    contents = [message(f"certificate-u-in-short.{slug(kind)}") for kind in kinds]
+    return message("certificate-u-in-short", parts=clauses([*contents, *_coverages(values)]))
+
+
+def _coverages(values: list[Item]) -> list[Message]:
+    """The coverage probability of k; by Student's t for budgets with few degrees of freedom."""
+    largest = max(item.k for item in values)
+    if all(item.uncertainty_kind == "Monte Carlo" for item in values):
+        return [message("certificate-coverage.up-to", k=f"{largest:g}")]
+    if largest > USUAL_K and all(item.uncertainty_kind == "GUM" for item in values):
+        return [message("certificate-coverage.by-t", k=f"{largest:g}")]
+    return [
+        message("certificate-coverage", k=f"{k:g}", percent=f"{100 * math.erf(k / 2**0.5):.0f}")
+        for k in dict.fromkeys(item.k for item in values)
+    ]
+
+
+def uncertainty(calibration: Calibration, layout: Layout) -> tuple[Message, ...]:
+    """What U is, how it was rounded, and what is not in it."""
+    kinds = dict.fromkeys(item.uncertainty_kind for item in calibration.items.values())
+    return (
+        message("certificate-rounding"),
+        *(message(f"certificate-u-contains.{slug(kind)}") for kind in kinds),
+        *whose_limits(calibration, layout),
+    )
+
+
+def reasons(calibration: Calibration, decision: Decision) -> tuple[Message, ...]:
+    """Why a unit does not pass; the remarks that stand below anyway are only counted."""
+    translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
+    blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
+    own = [
+        message("certificate-quoted", text=given(en, translated.get(en)))
+        for en in decision.reasons
+        if en not in blocking
+    ]
+    if blocking:
+        own.append(message("certificate-see-remarks", count=len(blocking)))
+    return tuple(own)
+
+
+def identifiers(calibration: Calibration) -> dict[str, str]:
+    """The readings that the values rest on, in order of appearance, and their names R1, R2 …"""
+    values = (item for item in calibration.items.values() if determined(item))
+    every = (reading for item in values for reading in item.readings)
+    return {reading: f"R{n}" for n, reading in enumerate(dict.fromkeys(every), start=1)}
+
+
+def readings(calibration: Calibration) -> tuple[Reading, ...]:
+    """The readings taken, from the register."""
+    from tasks.specifications.readings import READINGS
+
+    rows = []
+    for identifier, short in identifiers(calibration).items():
+        known = READINGS.get(identifier)
+        rows.append(
+            Reading(short, clause(known.clause), statement(known.text))
+            if known
+            else Reading(short, given(identifier), message("certificate-unregistered"))
+        )
+    return tuple(rows)
+
+
+def remarks(calibration: Calibration) -> tuple[Message, ...]:
+    """What the reader has to know about this calibration, with the segments it is about."""
+    return tuple(map(_remark, calibration.remarks))
+
+
+def _remark(remark: Remark) -> Message:
+    """The remark; its segments where the sentence does not name them, and what it prevents."""
+    said = quoted(remark.en, remark.zh)
+    named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
+    if not all(named):
+        said = message("certificate-remark", remark=said, segments=", ".join(remark.segments))
+    return message("certificate-remark.blocks", remark=said) if remark.blocks_pass else said

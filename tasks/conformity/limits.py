@@ -1,0 +1,70 @@
+"""Limits, verdicts on them and probabilities as they are printed."""
+
+from decimal import Decimal
+
+from schemas.tolerance import Decision, LimitDecision
+from tasks.words import Message, message
+from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
+from tasks.words.units import quantity_text
+
+NEARLY_CERTAIN = 0.999  # a probability nearer to 1 or 0 is not told apart from it
+
+
+def verdict_title(decided: Decision | LimitDecision) -> Message:
+    """A verdict in words, with its condition where a value lies within U of a limit.
+
+    The names are those of ILAC-G8:09/2019, 4.2.3.
+    """
+    return message(
+        f"conformity-{'conditional' if decided.marginal else 'verdict'}.{decided.verdict}"
+    )
+
+
+def quantity_title(decided: LimitDecision) -> Message:
+    """Which value of an item a limit is applied to."""
+    return message(f"conformity-quantity.{decided.applied_to.replace('_', '-')}")
+
+
+def interval_text(lower: Decimal | None, upper: Decimal | None, exponent: int = 0) -> str:
+    """±, ≤, ≥ or from … to, in units of 10^exponent; one of the two is there."""
+    low, high = text(lower, exponent), text(upper, exponent)
+    if lower is None or upper is None:
+        return f"≤ {high}" if lower is None else f"≥ {low}"
+    return f"±{high}" if lower == -upper else f"{low} … {high}"
+
+
+def limits_text(decided: LimitDecision, exponent: int = 0) -> str:
+    """The limits, without a unit."""
+    return interval_text(exact(decided.lower), exact(decided.upper), exponent)
+
+
+def accepted_text(decided: LimitDecision, exponent: int = 0) -> str | None:
+    """The acceptance limits, to the place of U; None where they are the limits."""
+    if not decided.guard_band_factor or decided.U is None:
+        return None
+    place = round_up(decided.U, decided.k or USUAL_K)
+    edges = (decided.accept_lower, decided.accept_upper)
+    lower, upper = (None if edge is None else round_like(edge, place) for edge in edges)
+    return interval_text(lower, upper, exponent)
+
+
+def relative_text(decided: LimitDecision) -> str | None:
+    """Relative limits as they were given, like «±1 % × 3.2 °/s»; None for absolute ones."""
+    if decided.nominal is None:
+        return None
+    lower, upper = (_percent(edge, decided.nominal) for edge in (decided.lower, decided.upper))
+    nominal = quantity_text(str(text(exact(decided.nominal))), decided.unit)
+    return f"{interval_text(lower, upper)} % × {nominal}"
+
+
+def probability_text(probability: float) -> str:
+    """A probability in per cent, told apart from 0 and 1 down to 0.1 %."""
+    if probability > NEARLY_CERTAIN:
+        return "> 99.9 %"
+    return "< 0.1 %" if probability < 1 - NEARLY_CERTAIN else f"{100 * probability:.1f} %"
+
+
+def _percent(limit: float | None, nominal: float) -> Decimal | None:
+    if limit is None:
+        return None
+    return exact(float(f"{100 * (limit - nominal) / abs(nominal):.9g}"))

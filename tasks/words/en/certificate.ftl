@@ -1,0 +1,292 @@
+## The certificate: texts, by specification and method where they differ, and labels.
+
+certificate-title = Calibration Certificate
+certificate-not-given = not given
+certificate-quoted = { $text }
+certificate-watermark =
+    .draft = DRAFT
+    .checked = NOT ISSUED
+    .amended = AMENDED
+    .withdrawn = WITHDRAWN
+certificate-field =
+    .client = Client
+    .client-address = Address of the client
+    .object = Object
+    .manufacturer = Manufacturer
+    .model = Model
+    .serial = Serial number
+    .specification = Specification
+    .received = Date of receipt
+    .calibrated = Date of calibration
+    .due = Recalibration due
+    .dwell = Dwell (shortest)
+    .positions = Positions at rest
+    .zero-positions = Positions for the zero offset
+    .turns = Whole turns
+    .attitudes = Mounting quaternion (w, x, y, z)
+    .mounting = Mounting position
+    .limits-from = Limits from
+    .rule = Decision rule
+    .rule-number = Decision rule { $number }
+    .risk = Risk of a wrong decision
+    .global-risk = Risks over the production
+    .marks = Marks
+    .verdict = Verdict
+    .recording = Recording
+    .run = Run
+    .digest = Digest of the raw data
+    .method = Method
+    .procedure = Procedure
+    .code-version = Code version
+    .settings = Settings
+    .station = Station
+    .gravity = Local gravity
+    .latitude = Latitude
+certificate-role =
+    .operator = Operator
+    .checker = Checked by
+    .issuer = Issued by
+certificate-not-issued = not yet issued
+certificate-no-statement = no statement of conformity
+certificate-due-from-issue = { $day }, counted from the date of the certificate, as that of the calibration is not given
+certificate-scope =
+    .pass = pass for the { $limited } of { $items } items that have limits
+    .fail = { $limited } of { $items } items have limits; { $decided } were decided on, { $failed } of them fail
+    .inconclusive = { $limited } of { $items } items have limits; { $decided } of them could be decided on
+    .in-part = { $scope } ({ $count } of them in part)
+    .near = { $scope }; { $count } with an element within U of a limit
+certificate-environment =
+    .temperature = Air temperature
+    .humidity = Relative humidity
+
+## By specification and method
+
+certificate-object =
+    .jjf2003 = Micro inertial measurement unit (MIMU)
+    .jjf1536 = Strapdown inertial flight attitude unit
+certificate-specification =
+    .jjf2003 = JJF 2003-2022, Calibration Specification for Micro Inertial Measurement Units (MIMU)
+    .jjf1536 = JJF 1536-2015, Calibration Specification for Strapdown Inertial Flight Attitudes
+certificate-followed =
+    .jjf2003 = JJF 2003-2022
+    .jjf2003-deviating = JJF 2003-2022, with deviations, see Remarks
+    .joint = after JJF 2003-2022
+    .joint-deviating = after JJF 2003-2022, with deviations, see Remarks
+    .jjf1536 = JJF 1536-2015
+    .jjf1536-deviating = JJF 1536-2015, with deviations, see Remarks
+certificate-method =
+    .jjf2003 = JJF 2003-2022, clause by clause
+    .joint = joint least squares
+    .jjf1536 = JJF 1536-2015, clause by clause
+certificate-basis =
+    .jjf2003 = Calibrated according to { $specification }
+    .jjf2003-deviating = Calibrated after { $specification }, with deviations, see Remarks
+    .joint = Models (1) and (2) of { $specification }, fitted jointly by least squares, which is not the computation of its clauses
+    .joint-deviating = Models (1) and (2) of { $specification }, fitted jointly by least squares, which is not the computation of its clauses; with deviations, see Remarks
+    .jjf1536 = Calibrated according to { $specification }
+    .jjf1536-deviating = Calibrated after { $specification }, with deviations, see Remarks
+    .clauses = { $basis }; clauses { $clauses }
+    .end = { $basis }.
+certificate-absent =
+    .jjf2003 = Items of Table 2 not determined: { $items }.
+    .jjf1536 = Items of clause 7 not determined: { $items }.
+certificate-section =
+    .scale-factors = Scale factors
+    .biases = Biases
+    .gyro-cross-coupling = Gyro cross coupling coefficients
+    .accel-cross-coupling = Accelerometer cross coupling coefficients
+    .g-sensitivity = Gyro g-sensitivity (g)
+    .rate-sensitivity = Accelerometer rate sensitivity (p)
+    .ahrs-scale-factors = Scale factors
+    .zero-offsets = Zero offsets
+    .misalignments = Misalignment angles
+    .other = Other results
+certificate-column = Value
+    .gyro-g-sensitivity = (a) by eq. (7)
+    .gyro-g-sensitivity-second = (b) less Earth's rate
+    .accel-rate-sensitivity = (a) by eq. (12), (13)
+    .accel-rate-sensitivity-joint = (a) sign of eq. (12)
+    .accel-rate-sensitivity-second = (b) sign of model (2)
+certificate-not-decided =
+    .gyro-fit-offset = b of eq. (4) is given for information and is not decided on; the gyro bias stands in section 2.
+certificate-about =
+    .gyro-fit-offset = b comes from the rate points and differs from the bias B: about a vertical axis b also holds g_ii × 1 g and what the unit senses of Earth's rotation about that axis.
+    .gyro-g-sensitivity = g is the local gravity. First index: the axis that reads; second: the input axis.
+    .accel-rate-sensitivity = The unit m is m/s² per (rad/s)². (a) is rest minus turning, the negative of p in model (2); compensate with (b). The values of p hold for this mounting position.
+    .accel-rate-sensitivity-joint = The unit m is m/s² per (rad/s)². The joint fit gives p of model (2), which is (b): compensate with it; (a) is its negative, the sign of eq. (12) and (13). The values of p hold for this mounting position.
+certificate-applied = The limits are applied to: { $quantities }.
+certificate-relative = Relative limits: { $limits }.
+certificate-missing = Not determined: { $cause }.
+    .item = this item is not part of this calibration
+    .second = (b) could not be computed
+
+## What the clause's value contains
+
+certificate-contained = { $value } contains { $part }: most clearly at { $element }, { $size }, { $times } times U; the value without it stands under For information.
+    .gyro-g-sensitivity-without-earth-rotation = Earth's rotation
+    .accel-rate-sensitivity-without-lever-arm = the lever arm
+certificate-value-of =
+    .gyro-g-sensitivity-without-earth-rotation = The value by eq. (7)
+    .accel-rate-sensitivity-without-lever-arm = The value by eq. (12), (13)
+    .joint = The value
+
+## Conditions of the measurement
+
+certificate-turns =
+    .known-angle = { $count } turns by a known angle
+    .counts = { $counts } turns
+    .at-rates = { $counts } turns at { $rates } °/s
+certificate-dwell =
+    .static = { $seconds } s at rest
+    .rate = { $seconds } s at a held rate
+certificate-positions =
+    .rests = { $count } rests
+    .up = { $count } directions up: { $ups }
+    .headings = headings { $headings }
+    .some-headings = headings { $headings } (not each with every axis up)
+    .not-given = headings not given
+    .zero = { $count } of { $seconds } s each
+certificate-of-axis = { $axis }: { $text }
+certificate-range =
+    .not-given = The unit's largest input rate is not told, so whether it was included was not checked.
+    .missed = The unit's largest input rate is { $largest } °/s; about { $axes } it was not included.
+    .included = The unit's largest input rate is { $largest } °/s; it was included about every axis.
+
+## Uncertainty
+
+certificate-kind =
+    .type-a = type A
+    .gum = GUM, type A and B combined
+    .as-the-specifications-example = as Appendix A of the specification
+    .monte-carlo = Monte Carlo, type A and B combined
+certificate-rounding = U is the expanded uncertainty, U = k·u; the coverage factor k stands in the heading of each item. u is rounded to three significant digits first; by JJF 1059.1, U has two and is rounded up; the value is rounded to the same last place.
+certificate-u-contains =
+    .type-a = The uncertainties of this certificate are type A only, evaluated from the scatter of this run. The contributions of the turntable, the reference standards and the data acquisition are not in it; until they are added, U is not the complete uncertainty of measurement.
+    .gum = The uncertainties follow the law of propagation (GUM, JJF 1059.1): type A from the data of this run, with their autocorrelation, and type B from the limits of the equipment.
+    .as-the-specifications-example = The uncertainties are evaluated as in the examples of Appendix A: u1 (table), u2 (data acquisition) and u3 (repeatability, added linearly), in quadrature.
+    .monte-carlo = The uncertainties follow from the propagation of distributions by Monte Carlo (JCGM 101, JJF 1059.2) through the equation of each item: type A from the data of this run, with their autocorrelation, and type B from the limits of the equipment; U is not less than half the coverage interval.
+certificate-u-in-short = { $parts }.
+    .type-a = U contains type A only
+    .gum = U contains type A and type B (GUM)
+    .as-the-specifications-example = U is evaluated as in the specification's Appendix A
+    .monte-carlo = U contains type A and type B (Monte Carlo), coverage probability 95 % or more
+certificate-coverage = k = { $k }, about { $percent } % coverage probability for a normal distribution
+    .by-t = k = 2 to { $k }, about 95 % coverage probability (k by Student's t where an element has fewer than 50 effective degrees of freedom)
+    .up-to = k up to { $k }
+certificate-limits = Limits behind type B: { $parts }.
+    .own = limits stated by the laboratory: { $limits }
+    .recommended = for table and fixture the recommended limits of { $sources }, which this equipment is taken to meet: { $limits }
+    .assumed = { $limit } assumed known to { $known }
+certificate-assumed =
+    .gravity = assumed: calculated from latitude and height, anomalies within 50 mGal
+    .latitude = assumed: latitude stated to 0.1°
+certificate-flatness =
+    .jjf2003 = The flatness of table and fixture (Table 1, 6.2: 0.02 mm) is in no budget: the tilt it causes depends on the length of the unit's base, which the specification does not give; over 100 mm it would be about 41″, more than the limit of the fixture's squareness.
+    .jjf1536 = The flatness of the fixture (6.2.2 b): 0.01 mm) is in no budget: the tilt it causes depends on the length of the unit's base, which the specification does not give; over 100 mm it would be about 21″, more than the limit of the fixture's squareness.
+certificate-validation = { $record }.
+certificate-distribution =
+    .normal = normal
+    .rectangular = rectangular
+    .triangular = triangular
+    .arcsine = arcsine
+    .t = t
+certificate-budget-of = Budget of { $symbol }, the largest of this item
+certificate-budgets =
+    .gum = The inputs are independent of each other; a sensitivity is in the unit of the result per that of the input. U = k·u with k = 2 where no element has fewer than 50 effective degrees of freedom, else with the largest k of the item's elements. The half width of the 95 % interval follows from the propagation of the distributions (JCGM 101).
+    .as-the-specifications-example = As in Appendix A of the specification: u1 and u2 with sensitivity 1; u3 is the sum of the standard uncertainties of the positions, each in the unit of the result; U = 2·u.
+    .monte-carlo = The inputs are independent of each other, drawn from their distributions and propagated through the item's equation (JCGM 101); sensitivities and contributions are those of its linear form. U is half the probabilistically symmetric coverage interval, with the largest k = U/u of the item's elements.
+
+## Statement of conformity
+
+certificate-rule =
+    .simple-acceptance = simple acceptance (JCGM 106, 8.2): a measured value inside its limits conforms, without a guard band (w = 0)
+    .guard-band = guard band (JCGM 106, 8.3): a measured value inside its acceptance limits AL conforms; they lie inside the limits by w = { $w }
+    .guard-band-outwards = guard band (JCGM 106, 8.3): a measured value inside its acceptance limits AL conforms; they lie outside the limits by w = { $w }
+    .shared-risk = shared risk (JCGM 106, 8.2): as both parties agreed, a measured value inside its limits conforms (w = 0)
+    .capability = { $rule }, decided on only if C_m = T/(2 U) ≥ { $needed }, with T the width
+    .unbounded = { $rule }, one-sided limits for which no largest U is agreed are decided on only if P_c ≥ 95 % or ≤ 5 %
+    .bound = { $item } decided on only if U ≤ { $U_max }
+    .coverage-factor = U has k = { $k }
+certificate-rule-of = { $items }: { $rule }
+certificate-risk = from the measured value and its standard uncertainty u (normal, or t where its degrees of freedom are finite), without prior knowledge (JCGM 106, 9.3): { $parts }
+    .acceptance = false acceptance of a pass, 1 − P_c, the largest { $chance } ({ $symbol })
+    .rejection = false rejection of a fail, P_c, the largest { $chance } ({ $symbol })
+certificate-global-risk = { $parts } (JCGM 106, 9.5)
+    .item = { $item }: consumer's { $consumer }, producer's { $producer }
+certificate-marks =
+    .absent = —: no limit is laid down; not determined: no value, the reason stands under the table
+    .chance = the percentage under a verdict is the probability of conformity P_c
+    .conditional = conditional: the value lies within U of a limit, or is accepted outside it (ILAC-G8:09/2019)
+certificate-see-remarks = The remarks below that prevent a pass: { $count }.
+certificate-remark = { $remark } [{ $segments }]
+    .blocks = { $remark } This prevents a pass.
+certificate-unregistered = this identifier is not in the register
+
+## Labels of the layout
+
+certificate-label-certificate-number = Certificate No.
+certificate-label-page = Page { $here } of { $last }
+certificate-label-basis = Basis of the calibration
+certificate-label-standards = Measurement standards used
+certificate-label-name = Name
+certificate-label-serial = Serial number
+certificate-label-accuracy = Accuracy
+certificate-label-standard-certificate = Certificate number
+certificate-label-valid-until = Valid until
+certificate-label-environment = Environmental conditions
+certificate-label-condition = Condition
+certificate-label-during = During the calibration
+certificate-label-required = Specification, clause 6
+certificate-label-conditions = Conditions of the measurement
+certificate-label-axis = Axis
+certificate-label-rate-points = Rate points (°/s)
+certificate-label-points = Points
+certificate-label-rate-for-p = Rate used for p (°/s)
+certificate-label-results = Results of the calibration
+certificate-label-uncertainty = Statement of uncertainty
+certificate-label-conformity = Statement of conformity
+certificate-label-reasons = Reasons
+certificate-label-remarks = Remarks
+certificate-label-readings = Readings of the specification
+certificate-label-trace = Origin and processing of the data
+certificate-label-information = For information, not decided on
+certificate-label-information-introduction = Found in the data of this run; not results of the clauses, and nothing was decided on them. Written as value ± U; where nothing else is said, U is type A only with k = 2. Where there is no number, the sentence beneath says why.
+certificate-label-not-determined = not determined
+certificate-label-clause = Clause
+certificate-label-see = see
+certificate-label-to = –
+certificate-label-element = Element
+certificate-label-expanded-uncertainty = Uncertainty
+certificate-label-of-a = of (a)
+certificate-label-of-b = of (b)
+certificate-label-unit = Unit
+certificate-label-limits = Limits
+certificate-label-verdict = Verdict
+certificate-label-conclusion = Verdict
+certificate-label-job-title = Title
+certificate-label-issue-date = Date of issue
+certificate-label-stamp = Calibration stamp
+certificate-label-end = End of certificate
+certificate-label-only-this = The results relate only to the object calibrated. This certificate may not be reproduced other than in full without the written consent of the laboratory.
+certificate-label-budgets = Uncertainty budgets
+certificate-label-equipment-limits = Limits of the equipment
+certificate-label-input = Input
+certificate-label-type = Type
+certificate-label-distribution = Distribution
+certificate-label-standard-uncertainty = Standard uncertainty
+certificate-label-sensitivity = Sensitivity
+certificate-label-contribution = Contribution
+certificate-label-share = Share %
+certificate-label-dof = dof
+certificate-label-half-width = Half width (normal: U, k = 2)
+certificate-label-source = Source
+certificate-label-budget-element = Element
+certificate-label-type-a = Type A
+certificate-label-type-b = Type B
+certificate-label-combined = Combined
+certificate-label-effective-dof = Effective dof
+certificate-label-expanded = Expanded
+certificate-label-half-width-95 = 95 % half width
+certificate-label-every-element = Every element
+certificate-label-in = in
+certificate-label-no-symbol = Appendix B|type B|X axis

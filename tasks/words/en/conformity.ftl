@@ -1,0 +1,38 @@
+## The verdict on a unit: its words and its reasons.
+
+conformity-verdict =
+    .pass = pass
+    .fail = fail
+    .inconclusive = inconclusive
+conformity-conditional =
+    .pass = conditional pass
+    .fail = conditional fail
+conformity-quantity =
+    .value = the value by the clause
+    .value-without-earth-rotation = the value with Earth's rotation removed
+    .value-model = the value with the sign of model (2)
+conformity-no-tolerance = no limits were given for this product model
+conformity-expired = { $name } ({ $serial }): its certificate was valid until { $valid_until }, before { $day }
+conformity-subject = { $item } { $symbol }
+    .of-two = { $item } { $symbol }, { $quantity }
+conformity-measured = { $subject }: { $value }, U = { $U } (k = { $k })
+conformity-where =
+    .outside = is outside { $limits }
+    .guard-band = is inside { $limits } but outside the acceptance limits { $accepted }
+conformity-outside = { $measured }, { $where }{ $risk }
+conformity-condition = { $verdict }{", "}
+conformity-risk =
+    .acceptance = {" "}({ $condition }false acceptance { $chance })
+    .rejection = {" "}({ $condition }false rejection { $chance })
+conformity-conditional-pass =
+    .near = { $measured }, is accepted but lies within U of its limit, { $limits }{ $risk }
+    .outside = { $measured }, is accepted but lies outside its limit, { $limits }{ $risk }
+conformity-too-uncertain = { $subject }: { $value }, U = { $U }, { $why }: nothing can be decided
+conformity-uncertain =
+    .agreed = larger than the agreed { $agreed }
+    .unbounded = the probability of conformity with { $limits } is { $chance }, and nothing bounds U: state U_max, the largest U at which this limit is decided on
+    .capability = C_m = T/(2 U) = { $capability } for { $limits }, below { $needed }
+    .interval = larger than half the interval { $limits }
+conformity-without-uncertainty = { $item } ({ $elements }): no uncertainty above zero was found, so nothing can be decided
+conformity-missing = { $item } ({ $elements }) not determined: { $why }
+conformity-no-cause = no cause was given

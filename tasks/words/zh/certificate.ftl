@@ -1,0 +1,292 @@
+## The certificate: texts, by specification and method where they differ, and labels.
+
+certificate-title = 校准证书
+certificate-not-given = 未提供
+certificate-quoted = { $text }
+certificate-watermark =
+    .draft = 草稿
+    .checked = 未签发
+    .amended = 已更改
+    .withdrawn = 已撤销
+certificate-field =
+    .client = 送校单位
+    .client-address = 送校单位地址
+    .object = 被校对象名称
+    .manufacturer = 制造厂
+    .model = 型号规格
+    .serial = 编号
+    .specification = 校准规范
+    .received = 接收日期
+    .calibrated = 校准日期
+    .due = 建议复校日期
+    .dwell = 采样时间（最短）
+    .positions = 静止位置
+    .zero-positions = 零偏位置
+    .turns = 整周转动
+    .attitudes = 安装姿态四元数（w, x, y, z）
+    .mounting = 安装位置
+    .limits-from = 判定依据
+    .rule = 判定规则
+    .rule-number = 判定规则 { $number }
+    .risk = 误判风险
+    .global-risk = 总体误判风险
+    .marks = 记号
+    .verdict = 结论
+    .recording = 记录
+    .run = 运行
+    .digest = 原始数据摘要
+    .method = 计算方法
+    .procedure = 校准程序
+    .code-version = 软件版本
+    .settings = 设置
+    .station = 校准装置
+    .gravity = 当地重力
+    .latitude = 纬度
+certificate-role =
+    .operator = 校准员
+    .checker = 核验员
+    .issuer = 签发人
+certificate-not-issued = 尚未签发
+certificate-no-statement = 未作符合性判定
+certificate-due-from-issue = { $day }（未提供校准日期，自证书日期起算）
+certificate-scope =
+    .pass = 所判定项目合格：{ $items } 项中判定 { $limited } 项
+    .fail = { $items } 项中 { $limited } 项有允许限，判定 { $decided } 项，其中 { $failed } 项不合格
+    .inconclusive = { $items } 项中 { $limited } 项有允许限，其中 { $decided } 项可逐项判定
+    .in-part = { $scope }（其中 { $count } 项仅判定部分元素）
+    .near = { $scope }；{ $count } 项有元素距允许限小于 U
+certificate-environment =
+    .temperature = 环境温度
+    .humidity = 相对湿度
+
+## By specification and method
+
+certificate-object =
+    .jjf2003 = 微惯性测量组合（MIMU）
+    .jjf1536 = 捷联式惯性航姿仪
+certificate-specification =
+    .jjf2003 = JJF 2003—2022《微惯性测量组合（MIMU）校准规范》
+    .jjf1536 = JJF 1536—2015《捷联式惯性航姿仪校准规范》
+certificate-followed =
+    .jjf2003 = JJF 2003—2022
+    .jjf2003-deviating = 参照 JJF 2003—2022，有偏离，见“说明”
+    .joint = 参照 JJF 2003—2022
+    .joint-deviating = 参照 JJF 2003—2022，有偏离，见“说明”
+    .jjf1536 = JJF 1536—2015
+    .jjf1536-deviating = 参照 JJF 1536—2015，有偏离，见“说明”
+certificate-method =
+    .jjf2003 = JJF 2003—2022 各条款
+    .joint = 联合最小二乘
+    .jjf1536 = JJF 1536—2015 各条款
+certificate-basis =
+    .jjf2003 = 本次校准依据 { $specification }
+    .jjf2003-deviating = 本次校准参照 { $specification }，有偏离，见“说明”
+    .joint = 参照 { $specification } 的模型式(1)、式(2)，以联合最小二乘法求得，非该规范条款规定的计算方法
+    .joint-deviating = 参照 { $specification } 的模型式(1)、式(2)，以联合最小二乘法求得，非该规范条款规定的计算方法；有偏离，见“说明”
+    .jjf1536 = 本次校准依据 { $specification }
+    .jjf1536-deviating = 本次校准参照 { $specification }，有偏离，见“说明”
+    .clauses = { $basis }；条款 { $clauses }
+    .end = { $basis }。
+certificate-absent =
+    .jjf2003 = 表 2 中未得出结果的项目：{ $items }。
+    .jjf1536 = 第 7 章中未得出结果的项目：{ $items }。
+certificate-section =
+    .scale-factors = 标度因数
+    .biases = 零偏
+    .gyro-cross-coupling = 陀螺交叉耦合系数
+    .accel-cross-coupling = 加速度计交叉耦合系数
+    .g-sensitivity = 陀螺加速度敏感系数 (g)
+    .rate-sensitivity = 加速度计角速度灵敏系数 (p)
+    .ahrs-scale-factors = 标度因数
+    .zero-offsets = 零偏
+    .misalignments = 失准角
+    .other = 其他结果
+certificate-column = 测得值
+    .gyro-g-sensitivity = (a) 式(7)
+    .gyro-g-sensitivity-second = (b) 扣除地球自转
+    .accel-rate-sensitivity = (a) 式(12)、式(13)
+    .accel-rate-sensitivity-joint = (a) 式(12)符号
+    .accel-rate-sensitivity-second = (b) 模型式(2)符号
+certificate-not-decided =
+    .gyro-fit-offset = 式(4)的 b 仅供参考，不作判定；陀螺零偏见第 2 项。
+certificate-about =
+    .gyro-fit-offset = b 由速率点求得，与零偏 B 不同：转轴竖直时，b 还含 g_ii × 1 g 和所敏感的地球自转竖直分量。
+    .gyro-g-sensitivity = g 为当地重力加速度。首下标为敏感轴，次下标为输入轴。
+    .accel-rate-sensitivity = 单位 m 即 (m/s²)/(rad/s)²。(a) 为静止减转动，与模型式(2)中 p 的符号相反；补偿时应使用 (b)。p 的值仅对本次安装位置有效。
+    .accel-rate-sensitivity-joint = 单位 m 即 (m/s²)/(rad/s)²。联合拟合直接得到模型式(2)的 p，即 (b)，补偿时应使用 (b)；(a) 为其相反数，与式(12)、式(13)的符号一致。p 的值仅对本次安装位置有效。
+certificate-applied = 允许限适用于：{ $quantities }。
+certificate-relative = 相对允许限：{ $limits }。
+certificate-missing = 未得：{ $cause }。
+    .item = 本次校准未包含此项
+    .second = (b) 未能计算
+
+## What the clause's value contains
+
+certificate-contained = { $value }含{ $part }：{ $element } 处最显著，为 { $size }，即 U 的 { $times } 倍；分离后的值见“附加信息”。
+    .gyro-g-sensitivity-without-earth-rotation = 地球自转
+    .accel-rate-sensitivity-without-lever-arm = 杆臂
+certificate-value-of =
+    .gyro-g-sensitivity-without-earth-rotation = 式(7)的值
+    .accel-rate-sensitivity-without-lever-arm = 式(12)、式(13)的值
+    .joint = 上述值
+
+## Conditions of the measurement
+
+certificate-turns =
+    .known-angle = 已知转角 { $count } 段
+    .counts = { $counts } 周
+    .at-rates = { $counts } 周，{ $rates } °/s
+certificate-dwell =
+    .static = 静止 { $seconds } s
+    .rate = 恒速转动 { $seconds } s
+certificate-positions =
+    .rests = 静止 { $count } 段
+    .up = 朝天轴 { $count } 种：{ $ups }
+    .headings = 方位 { $headings }
+    .some-headings = 方位 { $headings }（并非每个朝向都有）
+    .not-given = 方位未提供
+    .zero = { $count } 个，各 { $seconds } s
+certificate-of-axis = { $axis } 轴 { $text }
+certificate-range =
+    .not-given = 未提供被校对象的最大输入角速率，故未核查速率点是否包括该值。
+    .missed = 被校对象的最大输入角速率为 { $largest } °/s；{ $axes } 轴的速率点未包括该值。
+    .included = 被校对象的最大输入角速率为 { $largest } °/s；各轴速率点均包括该值。
+
+## Uncertainty
+
+certificate-kind =
+    .type-a = A 类评定
+    .gum = GUM 法，A 类与 B 类合成
+    .as-the-specifications-example = 按规范附录 A 示例
+    .monte-carlo = 蒙特卡洛法，A 类与 B 类合成
+certificate-rounding = U 为扩展不确定度，U = k·u，包含因子 k 列于各项标题。u 先修约至三位有效数字，U 按 JJF 1059.1 取两位有效数字，只进不舍；测得值修约至与 U 相同的末位。
+certificate-u-contains =
+    .type-a = 本证书的不确定度仅为 A 类评定，由本次运行数据的分散性得到。转台、参考标准和数据采集系统引入的分量未包含在内；在加入这些分量之前，U 不是完整的测量不确定度。
+    .gum = 不确定度按 JJF 1059.1（GUM）的不确定度传播律评定：A 类由本次运行数据得到（计及自相关），B 类由校准装置的极限得到。
+    .as-the-specifications-example = 不确定度按本规范附录 A 的示例评定：u1（转台）、u2（数据采集）与 u3（重复性，线性相加）按方和根合成。
+    .monte-carlo = 不确定度按 JJF 1059.2（蒙特卡洛法）评定：各输入量的分布经各项的计算式传播；A 类由本次运行数据得到（计及自相关），B 类取自校准装置的技术指标；U 不小于包含区间的半宽。
+certificate-u-in-short = { $parts }。
+    .type-a = U 仅含 A 类评定的分量
+    .gum = U 含 A 类与 B 类分量（GUM）
+    .as-the-specifications-example = U 按规范附录 A 示例评定
+    .monte-carlo = U 含 A 类与 B 类分量（蒙特卡洛法），包含概率不低于 95 %
+certificate-coverage = k = { $k }，正态分布时包含概率约 { $percent } %
+    .by-t = k = 2 … { $k }，包含概率约 95 %（有效自由度小于 50 时按 t 分布取 k）
+    .up-to = k ≤ { $k }
+certificate-limits = B 类分量的极限：{ $parts }。
+    .own = 实验室给出的极限：{ $limits }
+    .recommended = 转台和夹具取 { $sources } 推荐的技术指标（视为本装置满足）：{ $limits }
+    .assumed = { $limit }假定已知至 { $known }
+certificate-assumed =
+    .gravity = 假定：由纬度和高程计算，重力异常不超过 50 mGal
+    .latitude = 假定：纬度给出至 0.1°
+certificate-flatness =
+    .jjf2003 = 台面和夹具的平面度（表 1、6.2：0.02 mm）未列入评定：其引起的倾角取决于被校仪器的安装基面长度，规范未给出；按 100 mm 计约 41″，大于夹具垂直度的极限。
+    .jjf1536 = 夹具的平面度（6.2.2 b）：0.01 mm）未列入评定：其引起的倾角取决于被校仪器的安装基面长度，规范未给出；按 100 mm 计约 21″，大于夹具垂直度的极限。
+certificate-validation = { $record }。
+certificate-distribution =
+    .normal = 正态
+    .rectangular = 均匀
+    .triangular = 三角
+    .arcsine = 反正弦
+    .t = t
+certificate-budget-of = { $symbol } 的评定（该项中 u 最大者）
+certificate-budgets =
+    .gum = 各输入量相互独立；灵敏系数的单位为结果单位除以输入量单位。U = k·u；有效自由度均不小于 50 时 k = 2，否则取该项各元素中最大的 k。95 % 区间半宽由各分布的传播（JJF 1059.2）得到。
+    .as-the-specifications-example = 按规范附录 A 的示例：u1 和 u2 的灵敏系数取 1；u3 为各位置的标准不确定度之和，均以结果的单位表示；U = 2·u。
+    .monte-carlo = 各输入量相互独立，按其分布抽样，经该项计算式传播（JJF 1059.2）；灵敏系数和贡献为线性近似。U 为概率对称包含区间的半宽，取该项各元素中最大的 k = U/u。
+
+## Statement of conformity
+
+certificate-rule =
+    .simple-acceptance = 简单接受（JCGM 106，8.2）：测得值在允许限内即为符合，不另留保护带（w = 0）
+    .guard-band = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限内移 w = { $w }
+    .guard-band-outwards = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限外移 w = { $w }
+    .shared-risk = 风险共担（JCGM 106，8.2）：按双方约定，测得值在允许限内即为符合（w = 0）
+    .capability = { $rule }，要求 C_m = T/(2 U) ≥ { $needed }，T 为允许区间宽度
+    .unbounded = { $rule }，单侧允许限且未约定 U 的上限：仅当 P_c ≥ 95 % 或 ≤ 5 % 时判定
+    .bound = { $item }要求 U ≤ { $U_max }
+    .coverage-factor = U 的 k = { $k }
+certificate-rule-of = { $items }：{ $rule }
+certificate-risk = 由测得值、标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息（JCGM 106，9.3）：{ $parts }
+    .acceptance = 合格判定的错误接受概率 1 − P_c，最大者 { $chance } ({ $symbol })
+    .rejection = 不合格判定的错误拒绝概率 P_c，最大者 { $chance } ({ $symbol })
+certificate-global-risk = { $parts }（JCGM 106，9.5）
+    .item = { $item }：用户风险 { $consumer }，生产方风险 { $producer }
+certificate-marks =
+    .absent = “—”：未规定允许限；“未得”：未能得到该值，原因见表下
+    .chance = 判定栏中的百分数为合格概率 P_c
+    .conditional = “有条件”：值距允许限小于 U，或超出允许限而按规则接受（ILAC-G8:09/2019）
+certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 条。
+certificate-remark = { $remark } [{ $segments }]
+    .blocks = { $remark }本条影响判定：不得判为合格。
+certificate-unregistered = 此标识未在册
+
+## Labels of the layout
+
+certificate-label-certificate-number = 证书编号
+certificate-label-page = 第 { $here } 页 共 { $last } 页
+certificate-label-basis = 校准依据
+certificate-label-standards = 所用测量标准
+certificate-label-name = 名称
+certificate-label-serial = 出厂编号
+certificate-label-accuracy = 准确度/等级
+certificate-label-standard-certificate = 证书编号
+certificate-label-valid-until = 有效期至
+certificate-label-environment = 环境条件
+certificate-label-condition = 条件
+certificate-label-during = 校准期间
+certificate-label-required = 规范要求（第 6 章）
+certificate-label-conditions = 校准条件
+certificate-label-axis = 轴
+certificate-label-rate-points = 角速率点（°/s）
+certificate-label-points = 点数
+certificate-label-rate-for-p = p 所用角速率（°/s）
+certificate-label-results = 校准结果
+certificate-label-uncertainty = 测量不确定度说明
+certificate-label-conformity = 符合性判定
+certificate-label-reasons = 判定理由
+certificate-label-remarks = 说明
+certificate-label-readings = 对规范条文的理解
+certificate-label-trace = 数据来源与处理信息
+certificate-label-information = 附加信息（不作判定）
+certificate-label-information-introduction = 由本次运行数据得出，非规范条款的结果，不参与符合性判定。记为“测得值 ± U”；未另作说明时，U 仅为 A 类评定，k = 2。“未得”的原因见各项说明。
+certificate-label-not-determined = 未得
+certificate-label-clause = 条款
+certificate-label-see = 见
+certificate-label-to = ～
+certificate-label-element = 项目
+certificate-label-expanded-uncertainty = 不确定度
+certificate-label-of-a = (a)
+certificate-label-of-b = (b)
+certificate-label-unit = 单位
+certificate-label-limits = 允许限
+certificate-label-verdict = 判定
+certificate-label-conclusion = 结论
+certificate-label-job-title = 职务
+certificate-label-issue-date = 签发日期
+certificate-label-stamp = 校准专用章
+certificate-label-end = 以下空白
+certificate-label-only-this = 本证书结果仅对所校对象有效；未经实验室书面同意，不得部分复制。
+certificate-label-budgets = 不确定度评定
+certificate-label-equipment-limits = 校准装置的极限
+certificate-label-input = 输入量
+certificate-label-type = 类别
+certificate-label-distribution = 分布
+certificate-label-standard-uncertainty = 标准不确定度
+certificate-label-sensitivity = 灵敏系数
+certificate-label-contribution = 分量
+certificate-label-share = 占比 %
+certificate-label-dof = 自由度
+certificate-label-half-width = 半宽（正态：U，k = 2）
+certificate-label-source = 来源
+certificate-label-budget-element = 元素
+certificate-label-type-a = A 类
+certificate-label-type-b = B 类
+certificate-label-combined = 合成
+certificate-label-effective-dof = 有效自由度
+certificate-label-expanded = 扩展
+certificate-label-half-width-95 = 95 % 区间半宽
+certificate-label-every-element = 各元素
+certificate-label-in = 、95 %
+certificate-label-no-symbol = 附录 B|B 类|X 轴

@@ -1,0 +1,38 @@
+## The verdict on a unit: its words and its reasons.
+
+conformity-verdict =
+    .pass = 合格
+    .fail = 不合格
+    .inconclusive = 无法判定
+conformity-conditional =
+    .pass = 有条件合格
+    .fail = 有条件不合格
+conformity-quantity =
+    .value = 条款给出的值
+    .value-without-earth-rotation = 扣除地球自转后的值
+    .value-model = 符号按模型式(2)的值
+conformity-no-tolerance = 未提供该型号的允许限
+conformity-expired = { $name }（{ $serial }）：其证书有效期至 { $valid_until }，早于 { $day }
+conformity-subject = { $item } { $symbol }
+    .of-two = { $item } { $symbol }，{ $quantity }
+conformity-measured = { $subject }：{ $value }，U = { $U }（k = { $k }）
+conformity-where =
+    .outside = 超出 { $limits }
+    .guard-band = 在允许限 { $limits } 内，但超出接受限 { $accepted }
+conformity-outside = { $measured }，{ $where }{ $risk }
+conformity-condition = { $verdict }，
+conformity-risk =
+    .acceptance = （{ $condition }错误接受概率 { $chance }）
+    .rejection = （{ $condition }错误拒绝概率 { $chance }）
+conformity-conditional-pass =
+    .near = { $measured }，判为符合，但距允许限 { $limits } 小于 U{ $risk }
+    .outside = { $measured }，判为符合，但超出允许限 { $limits }{ $risk }
+conformity-too-uncertain = { $subject }：{ $value }，U = { $U }，{ $why }，无法判定
+conformity-uncertain =
+    .agreed = 大于约定的 { $agreed }
+    .unbounded = 相对允许限 { $limits } 的合格概率为 { $chance }，且 U 无上限约定：请给出 U_max
+    .capability = 允许区间 { $limits } 的 C_m = T/(2 U) = { $capability }，小于 { $needed }
+    .interval = 大于允许区间 { $limits } 的一半
+conformity-without-uncertainty = { $item }（{ $elements }）：未得到大于零的不确定度，无法判定
+conformity-missing = { $item }（{ $elements }）未得：{ $why }
+conformity-no-cause = 未说明原因
