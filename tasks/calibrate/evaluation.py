@@ -18,8 +18,7 @@ from tasks.specifications.register import BY_STANDARD
 from tasks.uncertainty.budget import combine
 from tasks.uncertainty.equipment import UNKNOWN, Equipment, with_limits
 from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 from tasks.words.rounding import USUAL_K
 
 ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little

@@ -7,17 +7,19 @@ a difference of angles half an interval late; then the angle is what counts.
 
 import numpy as np
 
+from tasks.motion.noise import noise_by_differences
+
 STEADY = 0.02  # rad/s²: less of it is a dwell at rate
 MOVING = 0.005  # rad/s
 BLOCK = 16  # increments whose mean shows a slow difference beneath the encoder's noise
 FEWEST_BLOCKS = 10  # of steady motion; fewer prove nothing
 SCALE, LAG, ROUNDED = 1e-5, 2e-3, 0.03  # of the rate, of the interval, of the interval squared
 AGREEING = 1.5  # of the noise expected: the rms of block means
-UNSEEN = 1e-6  # rad/s: a difference that no unit on a table shows
+NEGLIGIBLE = 1e-6  # rad/s: a difference that no unit on a table resolves
 EVEN = 0.01  # of the interval: stamps that differ by more are not compared
 # the angle's increment over one interval, by the rates at four samples around it
 QUADRATURE = np.array([-1.0, 13.0, 13.0, -1.0]) / 24.0
-THIRD = np.sqrt(20.0)  # standard deviation of third differences of white noise of one
+ORDER = 3  # of the differences that the noise is read off
 
 
 def is_rate_of(t: np.ndarray, angle: np.ndarray, rate: np.ndarray) -> bool:
@@ -37,26 +39,27 @@ def is_rate_of(t: np.ndarray, angle: np.ndarray, rate: np.ndarray) -> bool:
     change = (rate[2:-1] - rate[1:-2]) / interval
     bend = (rate[3:] - rate[2:-1] - rate[1:-2] + rate[:-3]) / 2.0
     moving = np.abs(middle) > MOVING
-    forms = np.column_stack([middle, change * interval, bend])
-    of_angle, of_rate = np.sqrt(2.0) * _noise(angle) / interval, _noise(rate)
-    if of_rate > of_angle + UNSEEN:
-        return False  # the angle's differences tell it better
+    regressors = np.column_stack([middle, change * interval, bend])
+    of_angle = np.sqrt(2.0) * noise_by_differences(angle, ORDER, 0.5) / interval
+    of_rate = noise_by_differences(rate, ORDER, 0.5)
+    if of_rate > of_angle + NEGLIGIBLE:
+        return False  # the angle's differences are the better rate
     steady = moving & (np.abs(change) < STEADY)
     compared = steady if steady.sum() >= 2 * FEWEST_BLOCKS * BLOCK else moving
-    return _without(forms[moving], missed[moving]) and _agreeing(
+    return _independent_of(regressors[moving], missed[moving]) and _agreeing(
         missed, compared, of_angle, of_rate
     )
 
 
-def _without(forms: np.ndarray, missed: np.ndarray) -> bool:
+def _independent_of(regressors: np.ndarray, missed: np.ndarray) -> bool:
     """Whether the misses follow neither the rate, its change nor its bend, beyond the limits."""
-    if len(missed) < BLOCK or not forms.any(axis=0).all():
+    if len(missed) < BLOCK or not regressors.any(axis=0).all():
         return False
-    size = np.sqrt((forms**2).mean(axis=0))
-    normal = np.linalg.pinv((forms / size).T @ (forms / size))
-    found = normal @ ((forms / size).T @ missed)
+    size = np.sqrt((regressors**2).mean(axis=0))
+    normal = np.linalg.pinv((regressors / size).T @ (regressors / size))
+    slopes = normal @ ((regressors / size).T @ missed)
     u = np.sqrt(np.diag(normal)) * np.std(missed)
-    return bool((np.abs(found) <= size * np.array([SCALE, LAG, ROUNDED]) + 3.0 * u).all())
+    return bool((np.abs(slopes) <= size * np.array([SCALE, LAG, ROUNDED]) + 3.0 * u).all())
 
 
 def _agreeing(missed: np.ndarray, compared: np.ndarray, of_angle: float, of_rate: float) -> bool:
@@ -66,12 +69,5 @@ def _agreeing(missed: np.ndarray, compared: np.ndarray, of_angle: float, of_rate
     means = blocks.mean(axis=1)[compared[: count * BLOCK].reshape(count, BLOCK).all(axis=1)]
     if len(means) < FEWEST_BLOCKS:
         return False
-    expected = (of_angle / BLOCK) ** 2 + of_rate**2 / BLOCK + UNSEEN**2
+    expected = (of_angle / BLOCK) ** 2 + of_rate**2 / BLOCK + NEGLIGIBLE**2
     return bool((means**2).mean() <= AGREEING**2 * expected)
-
-
-def _noise(course: np.ndarray) -> float:
-    """Standard deviation of white noise by third differences, where anything moves at all."""
-    rough = np.abs(np.diff(course, 3))
-    rough = rough[rough > 0.0]
-    return float(np.median(rough) / 0.6745 / THIRD) if len(rough) else 0.0

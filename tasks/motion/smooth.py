@@ -9,18 +9,17 @@ is too long rounds off the ramps and makes the lever arm too large. So the windo
 the encoder's own noise asks for.
 """
 
-from math import comb
-
 import numpy as np
 
+from tasks.motion.noise import noise_by_differences
+
 RATE_WINDOW = 0.05  # s
-QUIET_RATE = 1e-4  # rad/s: noise of the first derivative at which a quartic is taken
+QUARTIC_NOISE = 1e-4  # rad/s: noise of the first derivative at which a quartic is taken
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 ORDER = 6  # of the differences that the encoder's noise is read off
-SAMPLE = 20_000  # of them
 ROUNDING = 1e-12  # rad: an angle that changes by less stands still
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
@@ -39,7 +38,8 @@ def smooth_derivatives(
         return (np.full(shape, np.nan),) * 3
     even, thinned = _on_even_grid(t, angle)
     interval = even[1] - even[0]
-    noise = _noise(thinned)
+    # Jerks at the ends of ramps are fewer than a tenth of the differences.
+    noise = noise_by_differences(thinned, ORDER, 0.9)
     slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), thinned, noise, interval)
     rate = _filtered(thinned, slope / interval)
     window = _quiet_window(noise, interval)
@@ -68,21 +68,6 @@ def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
 
 
-def _noise(angle: np.ndarray) -> float:
-    """Standard deviation of an encoder's noise, by its angles (n, k).
-
-    The noise is read off high differences of what moves, where a motion leaves next to nothing
-    but what oscillates faster than a quarter of the sampling rate; jerks at the ends of ramps are
-    fewer than a tenth of them.
-    """
-    rough = np.abs(np.diff(angle, ORDER, axis=0)).ravel()
-    rough = rough[rough > 0]
-    rough = rough[:: 1 + len(rough) // SAMPLE]
-    if not len(rough):
-        return 0.0
-    return float(np.quantile(rough, 0.9) / 1.645 / np.sqrt(comb(2 * ORDER, ORDER)))
-
-
 def _quiet_window(noise: float, interval: float) -> float:
     """Seconds over which the noise of the angle is quiet in the second derivative."""
     needed = np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION
@@ -105,15 +90,16 @@ def _slope_kernel(half: int, angle: np.ndarray, noise: float, interval: float) -
     if half < FEWEST_HALF:
         return parabola
     quartic = np.asarray(np.linalg.pinv(np.vander(j, 5, increasing=True))[1])
-    if noise * np.linalg.norm(quartic) <= QUIET_RATE * interval:
+    if noise * np.linalg.norm(quartic) <= QUARTIC_NOISE * interval:
         return quartic
-    # What the quartic tells beyond the parabola is the motion that a parabola loses, and noise;
-    # if it is twice the noise, the quartic is the nearer one (the choice of Mallows's C_p).
-    more = quartic - parabola
-    told = _filtered(angle, more)
-    told = told[np.abs(told) > ROUNDING]
-    expected = (noise * np.linalg.norm(more)) ** 2
-    return quartic if len(told) and (told**2).mean() > 2.0 * expected else parabola
+    # The difference of both is the motion that a parabola loses, and noise; if it is twice the
+    # noise, the quartic is the nearer one (the choice of Mallows's C_p).
+    kernel = quartic - parabola
+    difference = _filtered(angle, kernel)
+    difference = difference[np.abs(difference) > ROUNDING]
+    expected = (noise * np.linalg.norm(kernel)) ** 2
+    larger = len(difference) and (difference**2).mean() > 2.0 * expected
+    return quartic if larger else parabola
 
 
 def _bend_kernel(half: int) -> np.ndarray:

@@ -22,8 +22,7 @@ from tasks.segments.summarise import (
     SegmentMean,
     coarsely_quantised,
 )
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 
 Channels = tuple[str, ...]
 

@@ -9,8 +9,7 @@ from schemas.recording import MEASURED, TRIADS, Recording
 from tasks.motion.smooth import covered
 from tasks.segments.conditions import Conditions
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 
 ENVIRONMENT_UNITS = {"temperature": "°C", "humidity": "%RH"}
 

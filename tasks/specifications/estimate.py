@@ -14,8 +14,7 @@ from tasks.specifications.linear import BLOCKING_EXCESS, BirgeRatio
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.type_b import resolution
-from tasks.words import Sayable, message
-from tasks.words.remark import remark
+from tasks.words import Sayable, message, remark
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))

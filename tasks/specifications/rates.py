@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.calibration import Remark
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 
 FEWEST_RATES, MOST_RATES = 7, 11
 

@@ -103,7 +103,7 @@ def statement(said: Sayable) -> Statement:
 
 
 def remark(
-    code: str, said: Sayable, *, segments: tuple[str, ...] = (), blocks_pass: bool = False
+    code: str, said: Sayable, segments: tuple[str, ...] = (), *, blocks_pass: bool = False
 ) -> Remark:
     """A message as a remark of a calibration."""
     en, zh = (say(said, language) for language in ("en", "zh"))

@@ -25,8 +25,7 @@ from tasks.specifications.jjf1536.turned import label_angle
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_misalignment
-from tasks.words import Message, Sayable, clauses, message
-from tasks.words.remark import remark
+from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi

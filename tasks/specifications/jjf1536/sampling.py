@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from schemas.calibration import Remark
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 
 SLOWEST_SAMPLING = 10.0  # Hz
 LOST = 0.5  # Hz: fewer were lost, not sampled more slowly

@@ -18,8 +18,7 @@ from tasks.specifications.linear import BLOCKING_EXCESS, birge_ratio, solve
 from tasks.specifications.rates import distinct_rates, rate_remarks
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import turning_rate
-from tasks.words import Sayable, clauses, message
-from tasks.words.remark import remark
+from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
 

@@ -24,8 +24,7 @@ from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_zero_offset
-from tasks.words import Message, Sayable, clauses, message
-from tasks.words.remark import remark
+from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing

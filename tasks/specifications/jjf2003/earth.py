@@ -14,8 +14,7 @@ from tasks.specifications.evidence import Evidence
 from tasks.specifications.jjf2003.positions import is_paired
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import earth_removed
-from tasks.words import Message, message
-from tasks.words.remark import remark
+from tasks.words import Message, message, remark
 
 
 def without_earth(

@@ -9,8 +9,7 @@ from schemas.calibration import Remark
 from schemas.recording import AXES
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.evidence import UPS, Evidence
-from tasks.words import message
-from tasks.words.remark import remark
+from tasks.words import message, remark
 
 SERVES: dict[str, Callable[[SegmentMean], bool]] = {
     "gyro": lambda segment: segment.has_gyro,

@@ -20,8 +20,7 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import NOMINAL_GRAVITY, Evidence
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
-from tasks.words import Message, Sayable, clauses, message
-from tasks.words.remark import remark
+from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSE = "JJF 2003-2022, 7.2.5.2 eq. (12), (13)"
 READINGS = (

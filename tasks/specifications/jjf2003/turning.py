@@ -25,8 +25,7 @@ from tasks.specifications.linear import birge_ratio, solve
 from tasks.specifications.rates import distinct_rates, rate_remarks
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
-from tasks.words import Sayable, clauses, message
-from tasks.words.remark import remark
+from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"

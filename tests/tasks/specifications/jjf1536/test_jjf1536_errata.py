@@ -1,13 +1,14 @@
 """The errata of JJF 1536-2015 that test_jjf1536_clauses.py does not already show, entry by entry.
 
-Eq. (2), (16), (17), (A.4) and the second line of (9) are there, eq. (B.4) in
-tests/tasks/motion/test_attitude.py, the worked examples in tests/tasks/uncertainty.
+Eq. (2), (16), (17), (A.4) and the second line of (9) are there, the worked examples in
+tests/tasks/uncertainty.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from schemas.calibration import Calibration
 from schemas.recording import Recording
@@ -77,6 +78,14 @@ def test_the_register_has_the_reading_and_the_certificate_prints_it(
 def test_the_register_has_what_no_value_rests_on(reading: str, said: str) -> None:
     assert said in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
+
+
+def test_eq_b4_gives_heading_and_roll_of_b1_in_every_quadrant() -> None:
+    for heading, pitch, roll in ((0.7, -0.4, 2.1), (-2.9, 0.3, -0.2), (2.0, 1.2, -3.0)):
+        T = Rotation.from_euler("ZXY", (heading, pitch, roll)).as_matrix()  # eq. (B.1)
+        assert np.arctan2(-T[0, 1], T[1, 1]) == pytest.approx(heading)
+        assert np.arctan2(-T[2, 0], T[2, 2]) == pytest.approx(roll)
+        assert np.arcsin(T[2, 1]) == pytest.approx(pitch)
 
 
 def test_the_recalibration_is_due_after_24_months_here_and_12_there() -> None:
