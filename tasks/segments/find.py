@@ -19,6 +19,12 @@ GRAVITY_LIKE = (5.0, 15.0)  # m/s²: scale factors and biases of a poor unit inc
 RESTING_RATE = np.radians(1.0)  # rad/s of the table below which it rests
 
 
+def segments_of(recording: Recording) -> tuple[Segment, ...]:
+    """The labelled segments in the order of time, or those found where there are no labels."""
+    labelled = recording.manifest.segments or find_segments(recording)
+    return tuple(sorted(labelled, key=lambda segment: segment.t_start))
+
+
 def find_segments(recording: Recording) -> tuple[Segment, ...]:
     """Every rest, and with a table stream every steady turn, in the order of time.
 

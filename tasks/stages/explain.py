@@ -47,7 +47,7 @@ def explain_run(
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
-    from tasks.explain.locate import locate
+    from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, write_report
 
     out = _report_folder(order)

@@ -1,23 +1,24 @@
-"""What the standard's model leaves of a contribution, and what it would take up of a pattern."""
+"""Excess: what the standard's model does not absorb of a contribution, channel by channel."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from tasks.explain.explanation import Explanation
+from tasks.explain.locate.run import Moments, Run
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
 
-TAKEN_UP = 1e-3  # of a cell's rows: a pattern of which less is left cannot be seen
+MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less cannot be seen
 
 
 @dataclass(frozen=True)
-class Columns:
-    """The k regressors of the standard's model in one channel.
+class Design:
+    """The design matrix of the standard's model in one channel, of k regressors.
 
     values: (n, k), zero where the motion is not known. known: (n,) bool.
-    inverse: (k, k) of their squares.
+    inverse: (k, k) of the normal matrix.
     """
 
     values: np.ndarray
@@ -25,36 +26,68 @@ class Columns:
     inverse: np.ndarray
 
     @classmethod
-    def of(cls, motion: Motion, channel: int) -> "Columns":
-        """The columns of channel 0 to 5."""
+    def of(cls, motion: Motion, channel: int) -> Self:
+        """The design matrix of channel 0 to 5."""
         values = regressors(motion, channel)
         known = np.isfinite(values).all(axis=1)
         values[~known] = 0.0
         return cls(values, known, inverse(values.T @ values))
 
-    def left(self, course: np.ndarray) -> np.ndarray:
-        """(n,) of a course what they do not take up; zero where it or the motion is not known."""
-        known = self.known & np.isfinite(course)
-        filled = np.where(known, course, 0.0)
-        taken = self.values @ (self.inverse @ (self.values.T @ filled))
-        return np.where(known, filled - taken, 0.0)
+    def residual(self, signal: np.ndarray) -> np.ndarray:
+        """(n,) of a signal what is not absorbed; zero where it or the motion is not known."""
+        known = self.known & np.isfinite(signal)
+        filled = np.where(known, signal, 0.0)
+        absorbed = self.values @ (self.inverse @ (self.values.T @ filled))
+        return np.where(known, filled - absorbed, 0.0)
 
-    def pattern(
-        self, rows: np.ndarray, within: np.ndarray, sums: np.ndarray
+    def fit_steps(
+        self, rows: np.ndarray, sums: np.ndarray, excess: np.ndarray
     ) -> tuple[np.ndarray, float]:
-        """A step for each cell (c,), fitted to an excess together with the columns themselves.
+        """A step for each cell (c,), fitted to an excess together with the regressors.
 
-        rows: (c,) in each cell. within: (c, k) sums of the columns over it. sums: (c,) of the
-        excess. Returns the steps and the square sum that they take up.
+        rows: (c,) in each cell. sums: (c, k) of the regressors over it. excess: (c,) its sum.
+        Returns the steps and the square sum that they absorb.
         """
         size = np.sqrt(np.maximum(rows, 1.0))
-        squares = np.diag(rows) - within @ self.inverse @ within.T
-        inverse = np.linalg.pinv(squares / np.outer(size, size), rcond=TAKEN_UP, hermitian=True)
-        steps = inverse @ (sums / size) / size
-        return steps, float(steps @ sums)
+        normal = np.diag(rows) - sums @ self.inverse @ sums.T
+        scaled = np.linalg.pinv(normal / np.outer(size, size), rcond=MIN_VISIBLE, hermitian=True)
+        steps = scaled @ (excess / size) / size
+        return steps, float(steps @ excess)
 
 
-def scales(noise: np.ndarray) -> np.ndarray:
+@dataclass(frozen=True)
+class ChannelExcess:
+    """One channel's excess, and the standard's model beside it.
+
+    values: (n,) in standard deviations of the noise. moments: of the m blocks. design: the
+    model's, and its sums (m, k) over the blocks. factor, unit: to print a value.
+    """
+
+    values: np.ndarray
+    moments: Moments
+    design: Design
+    sums: np.ndarray
+    factor: float
+    unit: str
+
+    @classmethod
+    def of(cls, run: Run, values: np.ndarray, design: Design, channel: int, noise: float) -> Self:
+        """noise: one standard deviation, rad/s or m/s²."""
+        factor, unit = (float(np.degrees(noise)), "°/s") if channel < 3 else (noise, "m/s²")
+        moments = run.moments(values, design.known)
+        return cls(values, moments, design, run.block_sums(design.values), factor, unit)
+
+    @property
+    def power(self) -> float:
+        """The square sum."""
+        return float(self.moments.second.sum())
+
+    def formatted(self, value: float) -> str:
+        """A value with its sign and unit."""
+        return f"{value * self.factor:+.2g} {self.unit}"
+
+
+def noise_scales(noise: np.ndarray) -> np.ndarray:
     """The noise (6,), and where there is none (a reading that stands still) that of the triad."""
     usable = np.isfinite(noise) & (noise > 0)
     filled = np.where(usable, noise, 1.0)
@@ -62,12 +95,3 @@ def scales(noise: np.ndarray) -> np.ndarray:
         if usable[triad].any():
             filled[triad][~usable[triad]] = np.median(noise[triad][usable[triad]])
     return filled
-
-
-def excess_of(explanation: Explanation, columns: tuple[Columns, ...]) -> np.ndarray:
-    """(findings, n, 6): the contributions less what the standard's model takes up, over noise."""
-    noise = scales(explanation.noise)
-    return np.stack([
-        np.column_stack([columns[c].left(finding.contribution[:, c] / noise[c]) for c in range(6)])
-        for finding in explanation.findings
-    ])  # fmt: skip

@@ -1,11 +1,11 @@
-"""How well a way of parting the run tells where an excess sits, and what it then says.
+"""How much information a partition of the run gives on where an excess sits, and its words.
 
-The measure is the information in nats a row that the parting gives about the excess e, as of a
-normal distribution. Power that sits in few cells: ½·Σ wₖ·ln(v/vₖ), wₖ the share of time, v the
-mean square of e, vₖ its variance in cell k. A course that goes by the cells: ½·ln(v/v′), v′ what
-a step for each cell leaves, fitted together with the standard's columns, which blur it. Each cell
-costs 1/N (Akaike's criterion), N the stretches of the run, by which alone cells are told apart;
-the best of s that were searched costs ln s/N.
+The measure is the information in nats a row that the partition gives about the excess e, as of a
+normal distribution. Power that concentrates in few cells: ½·Σ wₖ·ln(v/vₖ), wₖ the share of time,
+v the mean square of e, vₖ its variance in cell k. An excess that varies with the cells:
+½·ln(v/v′), v′ what a step for each cell leaves, fitted together with the standard's regressors,
+which blur it. Each cell costs 1/N (Akaike's criterion), N the intervals of the run, by which
+alone cells are told apart; the best of s that were searched costs ln s/N.
 """
 
 from dataclasses import dataclass
@@ -13,112 +13,84 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import Dimension
-from tasks.explain.locate.excess import Columns
-from tasks.explain.locate.regime import Regime
-from tasks.explain.locate.run import Run, Sums
-from tasks.model.term import Text
+from tasks.explain.locate.excess import ChannelExcess
+from tasks.explain.locate.partition import Partition
+from tasks.explain.locate.run import Moments, Run
+from tasks.words import Message, message
 
 FLOOR = 0.03  # of the mean square: smaller remainders do not count
-MOST = 0.75  # of the power: a place that holds less does not say it, where a course does
+MIN_HELD = 0.75  # of the power: a place that holds less gives way to a variation
 TINY = 1e-300
-LISTED = 4  # cells of no order that are named
+MAX_LISTED = 4  # cells without an order that are named
 
 
 @dataclass(frozen=True)
 class Pattern:
-    """One way of saying where: how much it tells (nats a row, paid for), and in words.
+    """One description of where an excess sits: its information (nats a row) less its cost.
 
     rows: (m,) bool, the blocks that it points at.
     """
 
     dimension: Dimension
     score: float
-    text: Text
+    description: Message
     rows: np.ndarray
 
 
-@dataclass(frozen=True)
-class Seen:
-    """One channel's excess, and what it is seen with.
-
-    course: (n,) in standard deviations. sums: of its blocks. columns: the standard's, and their
-    sums (m, k) over the blocks, `within`. factor, unit: to print a value of the course.
-    """
-
-    course: np.ndarray
-    sums: Sums
-    columns: Columns
-    within: np.ndarray
-    factor: float
-    unit: str
-
-    @property
-    def power(self) -> float:
-        """The square sum."""
-        return float(self.sums.second.sum())
-
-    def shown(self, value: float) -> str:
-        """A value of the course with its sign and unit."""
-        return f"{value * self.factor:+.2g} {self.unit}"
-
-
-def gathered(rows: np.ndarray, left: np.ndarray, whole: float) -> float:
-    """Nats a row that cells tell whose rows and square sums (k,) these are; whole: of them all."""
+def concentration(rows: np.ndarray, left: np.ndarray, whole: float) -> float:
+    """Nats a row of cells with these rows and square sums (k,); whole: square sum of them all."""
     mean, some = whole / rows.sum(), np.maximum(rows, 1.0)
-    told = np.log((1 + FLOOR) * mean / (np.maximum(left, 0.0) / some + FLOOR * mean))
-    return float(0.5 * (rows / rows.sum() * told).sum())
+    nats = np.log((1 + FLOOR) * mean / (np.maximum(left, 0.0) / some + FLOOR * mean))
+    return float(0.5 * (rows / rows.sum() * nats).sum())
 
 
-def followed(share: float) -> float:
-    """Nats a row that a fit tells which takes up a share of the power."""
+def fit_information(share: float) -> float:
+    """Nats a row of a fit that absorbs a share of the power."""
     return float(0.5 * np.log((1 + FLOOR) / (1 + FLOOR - np.clip(share, 0.0, 1.0))))
 
 
-def paid(numbers: int, searched: int, pieces: int) -> float:
-    """What numbers that were fitted and places that were searched cost, nats a row."""
-    return (numbers + float(np.log(searched))) / pieces
+def cost(parameters: int, searched: int, intervals: int) -> float:
+    """Nats a row that fitted parameters and searched alternatives cost."""
+    return (parameters + float(np.log(searched))) / intervals
 
 
-def by_regime(run: Run, regime: Regime, seen: Seen, tried: int) -> Pattern:
-    """What a regime tells of an excess; of rows whose cell is not known it tells nothing."""
-    known, count = regime.cell >= 0, len(regime.cells)
-    cell = regime.cell[known]
+def partition_pattern(run: Run, partition: Partition, excess: ChannelExcess, tried: int) -> Pattern:
+    """What a partition says of an excess; rows of unknown cell do not count."""
+    known, count = partition.cell >= 0, len(partition.cells)
+    cell = partition.cell[known]
 
-    def each(values: np.ndarray) -> np.ndarray:
+    def per_cell(values: np.ndarray) -> np.ndarray:
         return np.bincount(cell, values[known], count)
 
-    cells = Sums(each(seen.sums.rows), each(seen.sums.first), each(seen.sums.second))
-    within = np.column_stack([each(column) for column in seen.within.T])
-    steps, taken = seen.columns.pattern(cells.rows, within, cells.first)
-    cost = paid(int((cells.rows > 0).sum()), tried, run.pieces)
-    follows, gathers = followed(taken / seen.power), 0.0
+    of_blocks = excess.moments
+    cells = Moments(*map(per_cell, (of_blocks.rows, of_blocks.first, of_blocks.second)))
+    sums = np.column_stack([per_cell(column) for column in excess.sums.T])
+    steps, absorbed = excess.design.fit_steps(cells.rows, sums, cells.first)
+    varies, gathers = fit_information(absorbed / excess.power), 0.0
     held = float(cells.second.sum())
-    if held and not regime.recorded:
+    if held and not partition.recorded:
         left = cells.second - cells.first**2 / np.maximum(cells.rows, 1.0)
-        gathers = held / seen.power * gathered(cells.rows, left, held)
-    chosen = densest(cells, regime.ordered)
-    share = float(cells.second[chosen].sum()) / seen.power
-    if follows >= gathers or (share < MOST and taken > MOST * seen.power):
-        text = _course(regime, cells, steps, taken / seen.power, seen)
-        return Pattern(regime.dimension, max(follows, gathers) - cost, text, known)
-    time = float(cells.rows[chosen].sum() / seen.sums.rows.sum())
-    place = regime.at(chosen)
-    text = (
-        f"{share:.0%} of it {place[0]}, {_percent(time)} of the time",
-        f"{place[1]}占 {share:.0%}，而时间只占 {_percent(time)}",
-    )
-    return Pattern(regime.dimension, gathers - cost, text, np.isin(regime.cell, chosen))
+        gathers = held / excess.power * concentration(cells.rows, left, held)
+    paid = cost(int((cells.rows > 0).sum()), tried, run.intervals)
+    chosen = densest(cells, partition.ordered)
+    share = float(cells.second[chosen].sum()) / excess.power
+    if varies >= gathers or (share < MIN_HELD and absorbed > MIN_HELD * excess.power):
+        description = _variation(partition, cells, steps, absorbed / excess.power, excess)
+        return Pattern(partition.dimension, max(varies, gathers) - paid, description, known)
+    time = float(cells.rows[chosen].sum() / of_blocks.rows.sum())
+    description = message(
+        "locate-concentrated", share=f"{share:.0%}", where=partition.circumstance(chosen),
+        time=f"{time:.0%}" if time >= 0.01 else f"{time:.1%}",
+    )  # fmt: skip
+    rows = np.isin(partition.cell, chosen)
+    return Pattern(partition.dimension, gathers - paid, description, rows)
 
 
-def _percent(share: float) -> str:
-    return f"{share:.0%}" if share >= 0.01 else f"{share:.1%}"
-
-
-def densest(cells: Sums, ordered: bool) -> list[int]:
+def densest(cells: Moments, ordered: bool) -> list[int]:
     """The cells that hold most power above their share of time; of an order, neighbours."""
     above = cells.second / max(cells.second.sum(), TINY) - cells.rows / cells.rows.sum()
     if not ordered:
-        chosen = sorted(int(k) for k in np.argsort(-above)[:LISTED] if above[k] > 0)
+        chosen = sorted(int(k) for k in np.argsort(-above)[:MAX_LISTED] if above[k] > 0)
     else:
         reach = np.concatenate([[0.0], np.cumsum(above)])
         spans = np.triu(reach[None, :] - reach[:, None], 1)
@@ -127,15 +99,14 @@ def densest(cells: Sums, ordered: bool) -> list[int]:
     return chosen or [int(above.argmax())]
 
 
-def _course(regime: Regime, cells: Sums, steps: np.ndarray, share: float, seen: Seen) -> Text:
+def _variation(
+    partition: Partition, cells: Moments, steps: np.ndarray, share: float, excess: ChannelExcess
+) -> Message:
     """«91 % of it follows the temperature: … at …, … at …»."""
     used = np.flatnonzero(cells.rows > 0)
     low, high = (int(used[k]) for k in (steps[used].argmin(), steps[used].argmax()))
-    least, most = seen.shown(steps[low]), seen.shown(steps[high])
-    english, chinese = regime.follows
-    return (
-        f"{share:.0%} of it follows {english}: "
-        f"{least} {regime.cells[low][0]}, {most} {regime.cells[high][0]}",
-        f"{share:.0%} 随{chinese}变化："
-        f"{regime.cells[low][1]} {least}，{regime.cells[high][1]} {most}",
-    )
+    return message(
+        "locate-variation", share=f"{share:.0%}", variable=partition.variable,
+        least=excess.formatted(steps[low]), low=partition.cells[low],
+        most=excess.formatted(steps[high]), high=partition.cells[high],
+    )  # fmt: skip

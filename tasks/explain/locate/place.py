@@ -1,4 +1,4 @@
-"""The one way of saying where an excess sits that tells most."""
+"""The description of where an excess sits that carries most information."""
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping
@@ -7,19 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import Dimension
-from tasks.explain.locate.cut import by_cut
-from tasks.explain.locate.fading import fading
-from tasks.explain.locate.patterns import Pattern, Seen, by_regime
-from tasks.explain.locate.run import Run, Sums
-from tasks.explain.locate.waves import by_frequency, by_turns
-from tasks.model.term import Text
+from tasks.explain.locate.change_point import change_point_pattern
+from tasks.explain.locate.excess import ChannelExcess
+from tasks.explain.locate.patterns import Pattern, partition_pattern
+from tasks.explain.locate.periodic_patterns import frequency_pattern, harmonics_pattern
+from tasks.explain.locate.run import Moments, Run
+from tasks.explain.locate.settling import settling_time
+from tasks.words import Message, message
 
-TELLING = 0.1  # nats a row: what tells less is no pattern
-NAMED = 8  # segments in an entry
-MOST = 0.9  # of the power: segments beyond are not named
+MIN_SCORE = 0.1  # nats a row: what carries less is no pattern
+MAX_SEGMENTS = 8  # in an entry
+ENOUGH = 0.9  # of the power: segments beyond are not named
 PARTS = 100  # of the run
-IN_STRETCHES = 0.7  # share in the densest fifth of them from which it comes in stretches
-LEVEL: Text = ("everywhere alike", "各处相同")
+INTERMITTENT = 0.7  # share in the densest fifth of them from which it comes in short intervals
+UNIFORM = message("locate-uniform")
 
 
 @dataclass(frozen=True)
@@ -27,70 +28,76 @@ class Place:
     """Where one channel's part of an excess sits."""
 
     dimension: Dimension
-    description: Text
+    description: Message
     segments: tuple[str, ...]
 
 
-def patterns_in(run: Run, seen: Seen) -> list[Pattern]:
-    """Every way of saying where one channel's excess sits that tells enough."""
-    tried = Counter(regime.dimension for regime in run.regimes)
-    every = [by_regime(run, each, seen, tried[each.dimension]) for each in run.regimes]
-    every += [by_turns(run, turns, seen) for turns in run.turns]
-    every += [each for each in (by_cut(run, seen), by_frequency(run, seen)) if each is not None]
-    return [each for each in every if each.score >= TELLING]
-
-
-def places(run: Run, channels: Mapping[int, Seen], contribution: np.ndarray) -> dict[int, Place]:
+def places(
+    run: Run, channels: Mapping[int, ChannelExcess], contribution: np.ndarray
+) -> dict[int, Place]:
     """The place of each channel's part of one finding; contribution: (n, 6).
 
-    A pattern counts by what it tells of the channel's excess, and its dimension by what it tells
-    in all channels, for one physics is seen in all of them.
+    A pattern counts by its information on the channel's excess, and its dimension by that on all
+    channels, for one physics acts in all of them.
     """
-    found = {channel: patterns_in(run, seen) for channel, seen in channels.items()}
-    power = sum(seen.power for seen in channels.values())
+    patterns = {channel: _patterns(run, excess) for channel, excess in channels.items()}
+    power = sum(excess.power for excess in channels.values())
     votes: defaultdict[Dimension, float] = defaultdict(float)
-    for channel, ways in found.items():
-        best = {way.dimension: way.score for way in sorted(ways, key=lambda each: each.score)}
+    for channel, own in patterns.items():
+        best = {each.dimension: each.score for each in sorted(own, key=lambda each: each.score)}
         for dimension, score in best.items():
             votes[dimension] += channels[channel].power / power * score
-    placed = {}
-    for channel, ways in found.items():
-        most = max(ways, key=lambda each: each.score + votes[each.dimension], default=None)
-        placed[channel] = _place(run, most, channels[channel].sums, contribution[:, channel])
-    return placed
+    return {
+        channel: _place(
+            run,
+            max(own, key=lambda each: each.score + votes[each.dimension], default=None),
+            channels[channel].moments,
+            contribution[:, channel],
+        )
+        for channel, own in patterns.items()
+    }
 
 
-def _place(run: Run, best: Pattern | None, sums: Sums, contribution: np.ndarray) -> Place:
+def _patterns(run: Run, excess: ChannelExcess) -> list[Pattern]:
+    """Every pattern of one channel's excess that carries enough information."""
+    tried = Counter(partition.dimension for partition in run.partitions)
+    every = [
+        *(partition_pattern(run, each, excess, tried[each.dimension]) for each in run.partitions),
+        *(harmonics_pattern(run, rotation, excess) for rotation in run.rotations),
+        change_point_pattern(run, excess),
+        frequency_pattern(run, excess),
+    ]
+    return [each for each in every if each is not None and each.score >= MIN_SCORE]
+
+
+def _place(run: Run, best: Pattern | None, excess: Moments, contribution: np.ndarray) -> Place:
     if best is None:
-        return _without_pattern(run, sums)
-    fades = fading(run.motion, contribution) if best.dimension == "after_moves" else None
-    text = best.text
-    if fades is not None:
-        text = f"{text[0]}; it fades with {fades:.2g} s", f"{text[1]}；时间常数 {fades:.2g} s"
-    return Place(best.dimension, text, _holding(run, sums, best.rows))
+        return _without_pattern(run, excess)
+    description = best.description
+    if best.dimension == "after_moves":
+        seconds = settling_time(run.motion, contribution)
+        if seconds is not None:
+            description = message("locate-settling", where=description, seconds=f"{seconds:.2g}")
+    return Place(best.dimension, description, _main_segments(run, excess, best.rows))
 
 
-def _without_pattern(run: Run, sums: Sums) -> Place:
-    """In short stretches of the run that nothing else tells apart, or everywhere alike."""
+def _without_pattern(run: Run, excess: Moments) -> Place:
+    """In short intervals of the run that nothing else tells apart, or everywhere alike."""
     part = np.minimum(PARTS * np.arange(len(run.t)) // len(run.t), PARTS - 1)
-    power = np.bincount(part, sums.second, PARTS)
+    power = np.bincount(part, excess.second, PARTS)
     densest = np.argsort(-power)[: PARTS // 5]
     share = float(power[densest].sum() / power.sum())
-    rows = np.isin(part, densest)
-    if share < IN_STRETCHES:
-        return Place("level", LEVEL, _holding(run, sums, np.ones(len(run.t), bool)))
-    text = (
-        f"{share:.0%} of it in a fifth of the time, in short stretches",
-        (f"{share:.0%} 出现在仅占总时间五分之一的若干短时段内"),
-    )
-    return Place("time", text, _holding(run, sums, rows))
+    if share < INTERMITTENT:
+        return Place("level", UNIFORM, _main_segments(run, excess, np.ones(len(run.t), bool)))
+    description = message("locate-intermittent", share=f"{share:.0%}")
+    return Place("time", description, _main_segments(run, excess, np.isin(part, densest)))
 
 
-def _holding(run: Run, sums: Sums, rows: np.ndarray) -> tuple[str, ...]:
+def _main_segments(run: Run, excess: Moments, rows: np.ndarray) -> tuple[str, ...]:
     """The segments that hold most of the power at some blocks, by falling power."""
     inside = rows & (run.segment >= 0)
-    power = np.bincount(run.segment[inside], sums.second[inside], len(run.names))
-    order = np.argsort(-power, kind="stable")[:NAMED]
+    power = np.bincount(run.segment[inside], excess.second[inside], len(run.names))
+    order = np.argsort(-power, kind="stable")[:MAX_SEGMENTS]
     before = np.cumsum(power[order]) - power[order]
-    kept = (power[order] > 0) & (before < MOST * power.sum())
+    kept = (power[order] > 0) & (before < ENOUGH * power.sum())
     return tuple(run.names[k] for k in order[kept])

@@ -1,24 +1,31 @@
-"""The run in short blocks: what each belongs to, once for all findings."""
+"""The run in short blocks: which cell of every partition each belongs to, once for all findings."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from schemas.recording import Recording, Segment
-from tasks.explain.locate.motions import by_attitude, by_heading, by_moves, by_ramps, by_rate
-from tasks.explain.locate.records import by_records, by_time
-from tasks.explain.locate.regime import Regime
-from tasks.explain.locate.turns import Turns, turns_of
+from tasks.explain.locate.motion_partitions import (
+    by_attitude,
+    by_heading,
+    by_moves,
+    by_ramps,
+    by_rate,
+)
+from tasks.explain.locate.partition import Partition
+from tasks.explain.locate.recorded_partitions import by_records, by_time
+from tasks.explain.locate.rotation import Rotation, rotations_of
 from tasks.motion.whole import Motion, whole_motion
-from tasks.segments.find import find_segments
+from tasks.segments.find import segments_of
 
-FINEST = 0.04  # s: shorter is not told apart
-FEWEST = 30  # stretches that the shortest run is taken for
+BLOCK = 0.04  # s: the finest resolution
+MIN_INTERVALS = 30  # that the shortest run is taken for
 
 
 @dataclass(frozen=True)
-class Sums:
-    """Of the excess e over parts of the run: rows, Σe and Σe², (k,) each."""
+class Moments:
+    """Of an excess e over k parts of the run: number of rows, Σe and Σe², (k,) each."""
 
     rows: np.ndarray
     first: np.ndarray
@@ -38,15 +45,16 @@ class Run:
     t: np.ndarray
     names: tuple[str, ...]
     segment: np.ndarray
-    regimes: tuple[Regime, ...]
-    turns: tuple[Turns, ...]
+    partitions: tuple[Partition, ...]
+    rotations: tuple[Rotation, ...]
 
     @classmethod
-    def of(cls, recording: Recording) -> "Run":
+    def of(cls, recording: Recording) -> Self:
         """The run of a recording; where segments carry no labels they are found."""
         motion = whole_motion(recording)
         segments = segments_of(recording)
-        starts = _block_starts(motion.t)
+        interval = motion.interval if len(motion.t) > 1 else BLOCK
+        starts = np.arange(0, len(motion.t), max(1, int(BLOCK / interval + 1e-6)))
         middle = (starts + np.append(starts[1:], len(motion.t))) // 2
         t = motion.t[middle]
         segment = np.full(len(t), -1)
@@ -56,40 +64,28 @@ class Run:
         rows = tuple(recording.imu.rows(each.t_start, each.t_end) for each in segments)
         return cls(
             motion, starts, t, tuple(each.name for each in segments), segment,
-            _regimes(recording, motion.taken(middle), segments, segment),
-            turns_of(motion, axes, rows),
+            _partitions(recording, motion.taken(middle), segments, segment),
+            rotations_of(motion, axes, rows),
         )  # fmt: skip
 
     @property
-    def pieces(self) -> int:
-        """How many stretches the run is made of: what a pattern rests on."""
-        return max(FEWEST, len(self.names))
+    def intervals(self) -> int:
+        """How many intervals the run is made of: what a pattern rests on."""
+        return max(MIN_INTERVALS, len(self.names))
 
-    def summed(self, values: np.ndarray) -> np.ndarray:
+    def block_sums(self, values: np.ndarray) -> np.ndarray:
         """Sums of values (n, …) over the blocks, (m, …)."""
         return np.add.reduceat(values, self.starts, axis=0)
 
-    def sums(self, course: np.ndarray, known: np.ndarray) -> Sums:
-        """The blocks' sums of a course (n,) over its known rows (n,); it is zero elsewhere."""
-        return Sums(self.summed(known.astype(float)), self.summed(course), self.summed(course**2))
+    def moments(self, values: np.ndarray, known: np.ndarray) -> Moments:
+        """The blocks' moments of values (n,) over the known rows (n,); they are zero elsewhere."""
+        return Moments(*map(self.block_sums, (known.astype(float), values, values**2)))
 
 
-def segments_of(recording: Recording) -> tuple[Segment, ...]:
-    """The labelled segments in the order of time, or those found where there are no labels."""
-    labelled = recording.manifest.segments or find_segments(recording)
-    return tuple(sorted(labelled, key=lambda each: each.t_start))
-
-
-def _block_starts(t: np.ndarray) -> np.ndarray:
-    """(m,) first row of each block."""
-    interval = float(np.median(np.diff(t))) if len(t) > 1 else FINEST
-    return np.arange(0, len(t), max(1, int(FINEST / interval + 1e-6)))
-
-
-def _regimes(
+def _partitions(
     recording: Recording, motion: Motion, segments: tuple[Segment, ...], segment: np.ndarray
-) -> tuple[Regime, ...]:
-    """Every way that parts this run into two cells or more; motion: at the blocks' middles."""
+) -> tuple[Partition, ...]:
+    """Every partition of this run into two cells or more; motion: at the blocks' middles."""
     every = (
         *by_rate(motion, segments, segment), by_attitude(motion), *by_heading(motion),
         *by_moves(motion), by_ramps(motion), by_time(motion.t),

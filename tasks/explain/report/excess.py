@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.recording import Segment
 from tasks.explain.explanation import CHANNELS, Explanation
-from tasks.explain.locate.run import segments_of
+from tasks.segments.find import segments_of
 
 FINEST = 240  # cells over the run where no segment asks for more
 SLIVER = 0.25  # of a cell; nearer edges are taken as one

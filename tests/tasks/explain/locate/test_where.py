@@ -1,4 +1,4 @@
-"""Planted contributions on a run made by hand: which dimension, channel and segments are said."""
+"""Planted contributions on a run made by hand: their dimension, channel and segments."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,8 @@ import pytest
 from schemas.discrepancy import HeldOut, Where
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tasks.explain.explanation import Explanation, Finding
-from tasks.explain.locate import excess_map, locate
-from tasks.explain.locate.fading import fading
+from tasks.explain.locate.settling import settling_time
+from tasks.explain.locate.where import locate
 from tasks.motion.whole import Motion, whole_motion
 
 RATE_HZ = 20.0
@@ -267,19 +267,4 @@ def test_no_finding_has_no_place(run: Recording) -> None:
 
 
 def test_what_does_not_fade_has_no_time_constant(run: Recording, motion: Motion) -> None:
-    assert fading(motion, np.random.default_rng(4).standard_normal(len(motion.t))) is None
-
-
-def test_the_map_shows_the_misfit_and_what_is_left_of_it(run: Recording, motion: Motion) -> None:
-    attitude = in_channels(len(motion.t), gyro_z=np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0))
-    explanation = explained(run, attitude)
-    readings = {name: run.imu.columns[name] + attitude[:, c] for c, name in enumerate(GYRO + ACCEL)}
-    recording = Recording(run.manifest, Stream(run.imu.t, readings), run.table)
-    found = excess_map(Explanation(recording, *list(vars(explanation).values())[1:]))
-    rest = [k for k, name in enumerate(found.segments) if name == "rest_-y_1"]
-    expected = 2e-3 / NOISE[2] * np.sqrt(RATE_HZ * DWELL / len(rest))
-    assert found.before[2, rest] == pytest.approx(expected, rel=0.02)
-    assert np.abs(found.after).max() < 5.0
-    assert np.abs(found.before[[0, 1, 3, 4, 5]]).max() < 5.0
-    assert len(found.segments) == len(found.t_edges) - 1 == found.before.shape[1]
-    assert np.all(np.diff(found.t_edges) > 0)
+    assert settling_time(motion, np.random.default_rng(4).standard_normal(len(motion.t))) is None
