@@ -1,6 +1,6 @@
 """Bursts: damped oscillations that start at odd times, all of one frequency and one decay."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from scipy.signal import correlate
@@ -8,22 +8,14 @@ from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import channel_names
-from tasks.explain.events.motion_states import (
+from tasks.explain.events.noise import (
     RATE_CHANGE,
     equalised,
     median_by_state,
     motion_states,
 )
 from tasks.explain.events.residual import Residual
-from tasks.explain.events.ringing import (
-    LIFETIME,
-    Ringing,
-    RingingFit,
-    damped_wave,
-    fit_amplitude,
-    fit_shape,
-    rows_after,
-)
+from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, damped_wave
 from tasks.explain.events.transients import MAX_FILLED, Transient, find_transients
 from tasks.words import message
 
@@ -39,19 +31,6 @@ MAX_DECAY = 8.0  # s
 MAX_TIMES = 8  # that are listed
 
 
-@dataclass(frozen=True)
-class Blocks:
-    """t: (m,) s. values: (m, 6) means; weight: (m, 6) one over their noise, 0 where not known.
-
-    state: (m,) of the motion.
-    """
-
-    t: np.ndarray
-    values: np.ndarray
-    weight: np.ndarray
-    state: np.ndarray
-
-
 def find_bursts(residual: Residual) -> Ringing | None:
     """Bursts in a residual."""
     if len(residual.t) < MIN_ROWS:
@@ -60,12 +39,13 @@ def find_bursts(residual: Residual) -> Ringing | None:
     channels = np.flatnonzero(blocks.weight.any(axis=0))
     if len(channels) == 0:
         return None
-    white = (blocks.values * blocks.weight)[:, channels]
-    strong, searched = find_transients(blocks.t, white, residual.motion, FALSE_ALARM)
+    white = blocks.white[:, channels]
+    strong, searched = find_transients(blocks.t, white, blocks.motion, FALSE_ALARM)
     if not strong or len(strong) > MAX_BURSTS:
         return None
-    fit = _all_alike(blocks, strong[0])
-    if len(fit.starts) > MAX_BURSTS or fit.decay > MAX_DECAY or _at_rate_changes(blocks, fit):
+    state = motion_states(blocks.motion, blocks.t)
+    fit = _all_alike(blocks, state, strong[0])
+    if len(fit.starts) > MAX_BURSTS or fit.decay > MAX_DECAY or _at_changes(blocks, state, fit):
         return None
     p_value = min(1.0, searched * float(gamma.sf(strong[0].power, len(channels))))
     count = len(fit.starts)
@@ -79,7 +59,7 @@ def find_bursts(residual: Residual) -> Ringing | None:
     return fit.event(number, float(np.sqrt(2 / fit.gain.sum())), p_value, description)
 
 
-def _block_means(residual: Residual) -> Blocks:
+def _block_means(residual: Residual) -> Residual:
     """Means of so many rows as make up a block; gaps in the stamps are passed over."""
     rows = max(1, round(1 / (BLOCK_RATE * residual.interval)))
     cut = slice(0, len(residual.t) // rows * rows)
@@ -90,23 +70,23 @@ def _block_means(residual: Residual) -> Blocks:
     )
     means = np.divide(weighted, information, out=np.zeros_like(weighted), where=information > 0)
     middle = residual.t[cut].reshape(-1, rows).mean(axis=1)
-    return Blocks(middle, means, np.sqrt(information), motion_states(residual.motion, middle))
+    return replace(residual, t=middle, values=means, weight=np.sqrt(information))
 
 
-def _at_rate_changes(blocks: Blocks, fit: RingingFit) -> bool:
+def _at_changes(blocks: Residual, state: np.ndarray, fit: RingingFit) -> bool:
     """Whether bursts come where the rate changes: what is left of the motion then is no burst."""
-    states = blocks.state[np.searchsorted(blocks.t, fit.starts).clip(0, len(blocks.t) - 1)]
-    even = float((blocks.state != RATE_CHANGE).mean())
+    states = state[np.searchsorted(blocks.t, fit.starts).clip(0, len(state) - 1)]
+    even = float((state != RATE_CHANGE).mean())
     return bool((states != RATE_CHANGE).sum() < 0.5 * even * len(states))
 
 
-def _all_alike(blocks: Blocks, strongest: Transient) -> RingingFit:
+def _all_alike(blocks: Residual, state: np.ndarray, strongest: Transient) -> RingingFit:
     """All bursts with the shape of the strongest transient, then with their common shape."""
     frequencies = strongest.frequency * np.array([0.95, 1.0, 1.05])
     decays = strongest.decay * np.array([0.5, 0.8, 1.2, 1.8])
     fit = _fit(blocks, np.array([strongest.start]), frequencies, decays)
     for _ in range(MAX_ROUNDS):
-        starts = _matched_starts(blocks, fit)
+        starts = _matched_starts(blocks, state, fit)
         if not 0 < len(starts) <= MAX_BURSTS:
             break
         fit = _fit(blocks, starts, np.array([fit.frequency]), np.array([fit.decay]))
@@ -114,18 +94,17 @@ def _all_alike(blocks: Blocks, strongest: Transient) -> RingingFit:
 
 
 def _fit(
-    blocks: Blocks, starts: np.ndarray, frequencies: np.ndarray, decays: np.ndarray
+    blocks: Residual, starts: np.ndarray, frequencies: np.ndarray, decays: np.ndarray
 ) -> RingingFit:
     """Shape and amplitude that bursts with these starts have in common."""
-    rows, age = rows_after(blocks.t, starts, LIFETIME * float(decays.max()))
-    part = age, blocks.values[rows], blocks.weight[rows]
-    shape = fit_shape(*part, frequencies, decays)
-    return RingingFit(starts, *fit_amplitude(*part, *shape), *shape)
+    part = Aligned.after(starts, blocks, LIFETIME * float(decays.max()))
+    shape = part.shape(frequencies, decays)
+    return RingingFit(starts, *part.amplitude(*shape), *shape)
 
 
-def _matched_starts(blocks: Blocks, fit: RingingFit) -> np.ndarray:
+def _matched_starts(blocks: Residual, state: np.ndarray, fit: RingingFit) -> np.ndarray:
     """Starts (m,) s of all bursts of a shape by its matched filter, to a fraction of a block."""
-    step = float(np.median(np.diff(blocks.t)))
+    step = blocks.interval
     age = np.arange(int(LIFETIME * fit.decay / step)) * step
     template = (fit.amplitude * damped_wave(age, fit.frequency, fit.decay)[:, None]).real
     squares = blocks.weight**2
@@ -136,8 +115,8 @@ def _matched_starts(blocks: Blocks, fit: RingingFit) -> np.ndarray:
     information = np.maximum(information, 1e-30)
     size, deviate = matched / information, matched / np.sqrt(information)
     power = (deviate**2)[:, None]
-    level = np.maximum(median_by_state(power, blocks.state) / MEDIAN_CHI2, 1.0)
-    power = equalised(power / level, blocks.state, int(MAX_FILLED * fit.decay / step))
+    level = np.maximum(median_by_state(power, state) / MEDIAN_CHI2, 1.0)
+    power = equalised(power / level, state, int(MAX_FILLED * fit.decay / step))
     deviate = np.sign(deviate) * np.sqrt(power[:, 0])
     alike = (size > RELATIVE_SIZE[0]) & (size < RELATIVE_SIZE[1])
     likely = np.where(alike, deviate, 0.0)

@@ -6,11 +6,11 @@ from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.lines import find_lines
-from tasks.explain.events.lost_samples import LostSamples, find_lost_samples, gap_remarks
+from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
-from tasks.explain.events.quantisation import Quantisation, find_quantisation
+from tasks.explain.events.quantisation import find_quantisation, quantiser_of
 from tasks.explain.events.residual import Residual
-from tasks.explain.events.saturation import Saturation, find_saturation
+from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.spikes import find_spikes
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
@@ -22,9 +22,12 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
     triad was not recorded. motion: at the same rows, NaN where it is not known.
     """
-    limits, masked = find_saturation(readings, motion)
+    quantisers = [quantiser_of(column) for column in readings.T]
+    limits, masked = find_saturation(readings, motion, quantisers)
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
+    if masked.any():
+        quantisers = [quantiser_of(column) for column in used.T]
     noise = noise_by_rate(used - predicted, motion)
     lost = find_lost_samples(t, readings, motion, predicted, noise, masked)
     events: tuple[Event, ...] = (*limits,) if lost is None else (lost, *limits)
@@ -32,7 +35,7 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     if events:
         corrected = Events(events, masked).corrected(t, readings, predicted)
         residual = corrected - plain_prediction(corrected, motion, masked)
-    steps = find_quantisation(used, readings - residual)
+    steps = find_quantisation(used, readings - residual, quantisers)
     level = without_dead(noise) if steps is None else steps.noise_floor(without_dead(noise))
     spikes, at_spikes = find_spikes(np.where(masked, np.nan, residual), level, motion)
     # In the order in which they act: when a reading was taken, limit, rounding.
@@ -51,40 +54,17 @@ def events_in_residual(
     What is found adds to what the unit senses, so that it acts before all other events.
     """
     values = np.where(events.masked, np.nan, residual)
-    left = Residual.of(
-        _sampled_at(events, t), values, _noise(events, values, noise, motion), motion
-    )
+    level = without_dead(noise_by_rate(values, motion))
+    level = np.where(level == 0, noise, level)
+    for event in events.events:
+        t, level = event.sampled_at(t), event.noise_floor(level)
+    left = Residual.of(t, values, level, motion)
     lines = find_lines(left)
     impacts = find_impacts(left.without(*lines))
     if impacts is not None:  # at even speed they look like lines
         left = left.without(impacts)
         lines = find_lines(left)
-    bursts = find_bursts(left.without(*lines).without_channels(_nonlinear_channels(events)))
+    nonlinear = tuple(c for event in events.events if not event.linear for c in event.channels)
+    bursts = find_bursts(left.without(*lines).without_channels(nonlinear))
     transients = tuple(event for event in (impacts, bursts) if event is not None)
     return Events((*lines, *transients, *events.events), events.masked, events.remarks)
-
-
-def _sampled_at(events: Events, t: np.ndarray) -> np.ndarray:
-    """When each reading was taken, s: stamps slip where samples were lost."""
-    for event in events.events:
-        if isinstance(event, LostSamples):
-            return event.sampled_at(t)
-    return t
-
-
-def _nonlinear_channels(events: Events) -> tuple[int, ...]:
-    """Channels with a limit or with visible steps: their residual is more than noise."""
-    return tuple(
-        channel for event in events.events if isinstance(event, Quantisation | Saturation)
-        for channel in event.channels
-    )  # fmt: skip
-
-
-def _noise(events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion) -> np.ndarray:
-    """The noise (n, 6) that the residual has at each rate."""
-    level = without_dead(noise_by_rate(residual, motion))
-    level = np.where(level == 0, noise, level)
-    for event in events.events:
-        if isinstance(event, Quantisation):
-            level = event.noise_floor(level)
-    return level

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,8 +21,11 @@ class Event:
     """An artefact of the readings. A subclass says how it changes them.
 
     effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected.
-    p_value: corrected for the number of hypotheses tested.
+    p_value: corrected for the number of hypotheses tested. linear: a small signal passes
+    unchanged.
     """
+
+    linear: ClassVar[bool] = True
 
     effect: str
     channels: tuple[int, ...]
@@ -35,6 +39,14 @@ class Event:
         t: (n,) s.
         """
         return predicted
+
+    def sampled_at(self, t: np.ndarray) -> np.ndarray:
+        """When the readings stamped t (n,) s were taken, s."""
+        return t
+
+    def noise_floor(self, noise: np.ndarray) -> np.ndarray:
+        """The noise (n, 6), at least that which the event itself makes."""
+        return noise
 
     def corrected(self, readings: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """The readings (n, 6) without the event, NaN where they carry no information on that.

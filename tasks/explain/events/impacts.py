@@ -7,19 +7,10 @@ from scipy.optimize import minimize
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import ACCELS, GYROS
-from tasks.explain.events.comb import Comb, find_comb
 from tasks.explain.events.event import channel_names
-from tasks.explain.events.order_spectrum import OrderSpectrum, order_spectrum
+from tasks.explain.events.orders import Comb, OrderSpectrum, find_comb, order_spectrum
 from tasks.explain.events.residual import Residual
-from tasks.explain.events.ringing import (
-    LIFETIME,
-    Ringing,
-    RingingFit,
-    fit_amplitude,
-    fit_shape,
-    log_bounds,
-    rows_after,
-)
+from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, log_bounds
 from tasks.words import message
 
 FALSE_ALARM = 1e-4
@@ -45,17 +36,11 @@ def find_impacts(residual: Residual) -> Ringing | None:
         return None
     turns = np.where(np.abs(speed) > MIN_SPEED, angle / (2 * np.pi), np.nan)
     per_turn, place = _refined_comb(residual, turns, orders, comb)
-    per_turn, place, frequency, decay = _fit(residual, turns, orders.middle, per_turn, place)
-    starts = crossings(t, turns, per_turn, place)
-    rows, age = rows_after(t, starts, LIFETIME * decay)
-    amplitude, gain = fit_amplitude(
-        age, residual.values[rows], residual.weight[rows], frequency, decay
-    )
-    fit = RingingFit(starts, amplitude, gain, frequency, decay)
+    per_turn, fit = _fit(residual, turns, orders.middle, per_turn, place)
     u = 1 / (orders.range * per_turn * np.sqrt(comb.gain))
     return fit.event(
         FoundParameter(name="per_turn", value=per_turn, unit="1", u=u),
-        float(1 / np.sqrt(gain.sum())), comb.p_value,
+        float(1 / np.sqrt(fit.gain.sum())), comb.p_value,
         message("events-impacts", per_turn=f"{per_turn:.2f}", channels=channel_names(fit.channels)),
     )  # fmt: skip
 
@@ -77,13 +62,13 @@ def _refined_comb(
 
     def gain(per_turn: float, place: float) -> float:
         starts = crossings(residual.t, turns, per_turn, place)
-        rows, age = rows_after(residual.t, starts, LONGEST)
+        part = Aligned.after(starts, residual, LONGEST)
         # Bins grow with the age: an impact is sharp at first.
-        cell = (np.sqrt(age / LONGEST) * AGE_BINS).astype(int)
+        cell = (np.sqrt(part.age / LONGEST) * AGE_BINS).astype(int)
         total = 0.0
         for channel in ACCELS:
-            squares = residual.weight[rows, channel] ** 2
-            weighted = np.bincount(cell, residual.values[rows, channel] * squares, AGE_BINS)
+            squares = part.weight[:, channel] ** 2
+            weighted = np.bincount(cell, part.values[:, channel] * squares, AGE_BINS)
             information = np.bincount(cell, squares, AGE_BINS)
             total += float((weighted**2 / np.maximum(information, 1e-30)).sum())
         return total
@@ -102,29 +87,23 @@ def _refined_comb(
 
 def _fit(
     residual: Residual, turns: np.ndarray, middle: float, per_turn: float, place: float
-) -> tuple[float, float, float, float]:
-    """Impacts a turn, place, frequency (Hz) and decay (s) that together gain most."""
+) -> tuple[float, RingingFit]:
+    """Impacts a turn, and the oscillations, that together gain most."""
     t, starts = residual.t, crossings(residual.t, turns, per_turn, place)
-    rows, age = rows_after(t, starts + EARLY, LONGEST - EARLY)
-    age = age + EARLY
-    values, weight = residual.values[rows], residual.weight[rows]
-    which = np.searchsorted(starts + EARLY, t[rows], side="right") - 1
+    part = Aligned.after(starts + EARLY, residual, LONGEST - EARLY)
+    age = part.age + EARLY
     at = np.searchsorted(t, starts) - 1
     cycles_a_second = per_turn * (turns[at + 1] - turns[at]) / (t[at + 1] - t[at])
-    period = (1 / cycles_a_second)[which]
-    lead = ((turns[at] - middle) / cycles_a_second)[which]
+    period = (1 / cycles_a_second)[part.start]
+    lead = ((turns[at] - middle) / cycles_a_second)[part.start]
 
     def cost(tried: np.ndarray) -> float:
         # A place further on is passed later; more impacts a turn come the earlier, the further.
         later, more = tried[:2] * scale
-        aged = np.asarray(age - later * period + more * lead)
-        begun = aged >= 0
-        gain = fit_amplitude(aged[begun], values[begun], weight[begun], *np.exp(tried[2:]))[1]
-        return -float(gain.sum())
+        return part.aged(age - later * period + more * lead).cost(tried[2:])
 
     scale = np.array([0.01, 0.01 / max(float(np.ptp(turns[at])), 1.0)])
-    begun = age >= 0
-    shape = fit_shape(age[begun], values[begun], weight[begun], FREQUENCIES, DECAYS)
+    shape = part.aged(age).shape(FREQUENCIES, DECAYS)
     first = np.concatenate([[0.0, 0.0], np.log(shape)])
     simplex = np.vstack([first, first + 0.3 * np.eye(4)])
     best = minimize(cost, first, method="Nelder-Mead",
@@ -132,10 +111,7 @@ def _fit(
                     options={"initial_simplex": simplex, "xatol": 1e-3, "fatol": 0.1,
                              "maxiter": 250}).x  # fmt: skip
     later, more = best[:2] * scale
-    frequency, decay = np.exp(best[2:])
-    return (
-        per_turn + more,
-        float((place + later + more * middle) % 1.0),
-        float(frequency),
-        float(decay),
-    )
+    frequency, decay = map(float, np.exp(best[2:]))
+    starts = crossings(t, turns, per_turn + more, (place + later + more * middle) % 1.0)
+    gained = Aligned.after(starts, residual, LIFETIME * decay).amplitude(frequency, decay)
+    return per_turn + more, RingingFit(starts, *gained, frequency, decay)

@@ -49,11 +49,11 @@ class Line:
 def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) -> Line:
     """The line at about a frequency (Hz), by least squares; tried: frequencies in all."""
     channels, span = spectrum.channels, residual.span
-    sums, information = _demodulated(residual, near)
     starts = _piece_starts(len(residual.t))
-    rows = np.diff(np.append(starts, len(residual.t)))
-    middle = np.add.reduceat(residual.t, starts) / rows
-    total = information.sum(axis=0)[channels]
+    wave = np.exp(-2j * np.pi * near * residual.t)
+    sums = np.add.reduceat((residual.white * residual.weight) * wave[:, None], starts, axis=0)
+    middle = np.add.reduceat(residual.t, starts) / np.diff(np.append(starts, len(residual.t)))
+    total = (residual.weight[:, channels] ** 2).sum(axis=0) / 2
     level = spectrum.level_at(near)
     offsets = OFFSETS / span
     shifted = np.exp(-2j * np.pi * offsets[:, None] * middle) @ sums[:, channels]
@@ -71,34 +71,22 @@ def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) ->
 
 
 def is_steady(residual: Residual, line: Line) -> bool:
-    """Whether a line is there all the time, at rest and in rotation."""
-    sums, information = _demodulated(residual, line.frequency)
-    parts = (sums * line.amplitudes.conj()).real.sum(axis=1)
-    expected = (information * np.abs(line.amplitudes) ** 2).sum(axis=1)
+    """Whether a line is there all the time, at rest and in rotation, as far as noise allows."""
+    wave = np.exp(-2j * np.pi * line.frequency * residual.t)
+    weighted = (residual.white * residual.weight) @ line.amplitudes.conj()
+    part = (wave * weighted).real
+    expected = residual.weight**2 @ np.abs(line.amplitudes) ** 2 / 2
+    starts = _piece_starts(len(residual.t))
+    parts, wholes = (np.add.reduceat(values, starts) for values in (part, expected))
     others = np.argsort(parts)[:-LOUDEST]
-    if parts[others].sum() <= MIN_IN_OTHERS * expected[others].sum():
+    if parts[others].sum() <= MIN_IN_OTHERS * wholes[others].sum():
         return False
     rotating = np.linalg.norm(residual.motion.rate, axis=1) > ROTATING
-    return all(_present(residual, line, rows) for rows in (rotating, ~rotating))
-
-
-def _present(residual: Residual, line: Line, rows: np.ndarray) -> bool:
-    """Whether rows (n,) bool have their part in a line, as far as noise allows."""
-    wave = np.exp(-2j * np.pi * line.frequency * residual.t[rows])
-    information = (residual.weight[rows] ** 2).sum(axis=0) / 2
-    expected = float((information * np.abs(line.amplitudes) ** 2).sum())
-    sums = wave @ (residual.white[rows] * residual.weight[rows])
-    part = float((sums * line.amplitudes.conj()).real.sum())
-    return part >= MIN_IN_STATE * expected - np.sqrt(expected)
+    return all(
+        part[rows].sum() >= MIN_IN_STATE * expected[rows].sum() - np.sqrt(expected[rows].sum())
+        for rows in (rotating, ~rotating)
+    )
 
 
 def _piece_starts(rows: int) -> np.ndarray:
     return np.linspace(0, rows, PIECES + 1).astype(int)[:-1]
-
-
-def _demodulated(residual: Residual, frequency: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of each piece (PIECES, 6): the sum of readings times the wave, and the information."""
-    wave = np.exp(-2j * np.pi * frequency * residual.t)
-    starts = _piece_starts(len(residual.t))
-    sums = np.add.reduceat((residual.white * residual.weight) * wave[:, None], starts, axis=0)
-    return sums, np.add.reduceat(residual.weight**2, starts, axis=0) / 2

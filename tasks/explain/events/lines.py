@@ -1,12 +1,18 @@
-"""Spectral lines that are there all the time, as mains pick-up is."""
+"""Spectral lines that are there all the time: mains pick-up, aliased or not, and others."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from scipy.stats import gamma
 
+from schemas.discrepancy import FoundParameter
+from tasks.explain.events.event import Event, amplitude_parameter, channel_names
 from tasks.explain.events.line_fit import Line, fit_line, is_steady
-from tasks.explain.events.mains import SpectralLines, at_mains, events_of_lines
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.spectrum import LEVEL_BINS, Spectrum, spectrum_of
+from tasks.words import message
 
 FALSE_ALARM = 2e-4  # of one recording, for the mains and for all other frequencies
 NEARLY_SIGNIFICANT = 0.7  # of the power that is significant: from here a line is fitted
@@ -14,6 +20,21 @@ MAX_LINES = 8
 MAX_UNSTEADY = 3  # where so many come and go, they are no lines
 BESIDE = 40  # bins beside a line that are not looked at again: no line is quite sharp
 MAX_CANDIDATES = 4  # of the mains and of all others, that are fitted
+MAINS = tuple(product((1, 2, 3), (50.0, 60.0)))  # harmonics and frequencies, Hz
+TOLERANCE = 0.15  # Hz that the mains may be off
+SAME = 2e-3  # Hz by which two lines of one mains may differ on its frequency
+
+MainsLine = tuple[int, tuple[float, ...], Line]  # harmonic, what the mains then may have in Hz
+
+
+@dataclass(frozen=True)
+class SpectralLines(Event):
+    """One source: a line, or those of the mains."""
+
+    lines: tuple[Line, ...]
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return predicted + sum(line.signal(t) for line in self.lines)
 
 
 def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
@@ -61,3 +82,94 @@ def _significant(residual: Residual, spectrum: Spectrum, among: np.ndarray) -> L
             return line
         power[max(0, top - 4) : top + 5] = 0.0
     return None
+
+
+def events_of_lines(lines: list[Line], rate: float) -> tuple[SpectralLines, ...]:
+    """Those of the mains together, every other by itself; rate: of the samples, Hz.
+
+    A harmonic is one of the mains only beside its fundamental, and at that frequency's multiple:
+    by itself, and aliased, any line may lie near one.
+    """
+    mains, others = list[MainsLine](), list[Line]()
+    sources = [(mains_of(line.frequency, rate), line) for line in lines]
+    near = [(*source, line) for source, line in sources if source is not None]
+    fundamental = next((each for each in near if each[0] == 1), None)
+    for source, line in sources:
+        if source is not None and fundamental and _agree((*source, line), fundamental):
+            mains.append((*source, line))
+        else:
+            others.append(line)
+    unnamed = tuple(_unnamed(line) for line in others)
+    return (*unnamed, _mains(mains)) if mains else unnamed
+
+
+def _agree(harmonic: MainsLine, fundamental: MainsLine) -> bool:
+    """Whether two lines may come from mains of one frequency."""
+    apart = min(abs(a - b) for a in harmonic[1] for b in fundamental[1])
+    u = float(np.hypot(harmonic[2].u_frequency, fundamental[2].u_frequency))
+    return apart < SAME + 5 * u
+
+
+def at_mains(frequencies: np.ndarray, rate: float) -> np.ndarray:
+    """Which frequencies (k,) Hz the mains may be seen at, sampled at a rate (Hz): (k,) bool."""
+    near = np.zeros(len(frequencies), bool)
+    for harmonic, nominal in MAINS:
+        alias = abs(harmonic * nominal - round(harmonic * nominal / rate) * rate)
+        near |= np.abs(frequencies - alias) <= harmonic * TOLERANCE
+    return near
+
+
+def mains_of(frequency: float, rate: float) -> tuple[int, tuple[float, ...]] | None:
+    """Which harmonic of the mains is seen at a frequency (Hz), sampled at a rate (Hz).
+
+    With it what the mains' frequency may be: two, where both sides of a fold are within reach.
+    None where no harmonic, or its alias, lies there.
+    """
+    for harmonic, nominal in MAINS:
+        fold = round(harmonic * nominal / rate)
+        sources = {(k * rate + side * frequency) / harmonic
+                   for k in (fold - 1, fold, fold + 1) for side in (1, -1)}  # fmt: skip
+        within = tuple(sorted(each for each in sources if abs(each - nominal) <= TOLERANCE))
+        if within:
+            return harmonic, within
+    return None
+
+
+def _mains(found: list[MainsLine]) -> SpectralLines:
+    """The event of a mains' lines."""
+    found = sorted(found, key=lambda each: each[0])
+    harmonic, frequencies, first = found[0]
+    lines = tuple(line for _, _, line in found)
+    # On either side of a fold: nothing tells which, so that the interval holds both.
+    u = float(np.hypot(first.u_frequency / harmonic, np.ptp(frequencies) / 2))
+    frequency = FoundParameter(name="frequency", value=float(np.mean(frequencies)), unit="Hz", u=u)
+    amplitudes = [each for number, _, line in found for each in _amplitudes(line, number)]
+    channels = tuple(sorted({channel for line in lines for channel in line.channels}))
+    description = message(
+        "events-mains", frequency=" / ".join(f"{each:.3f}" for each in frequencies),
+        lines=", ".join(f"{line.frequency:.4f} Hz" for line in lines),
+        channels=channel_names(channels),
+    )  # fmt: skip
+    p_value = min(line.p_value for line in lines)
+    parameters = (frequency, *amplitudes)
+    return SpectralLines("mains_pickup", channels, parameters, p_value, description, lines)
+
+
+def _unnamed(line: Line) -> SpectralLines:
+    channels = line.channels
+    frequency = FoundParameter(
+        name="frequency", value=line.frequency, unit="Hz", u=line.u_frequency
+    )
+    description = message(
+        "events-line", frequency=f"{line.frequency:.4f}", channels=channel_names(channels)
+    )
+    parameters = (frequency, *_amplitudes(line))
+    return SpectralLines("unnamed", channels, parameters, line.p_value, description, (line,))
+
+
+def _amplitudes(line: Line, harmonic: int = 1) -> Iterator[FoundParameter]:
+    """Amplitudes of a line, by channel; a harmonic's carry its number."""
+    suffix = f"_{harmonic}" if harmonic > 1 else ""
+    for channel in line.channels:
+        size = float(np.abs(line.amplitudes[channel]))
+        yield amplitude_parameter(channel, size, float(line.u[channel]), suffix)

@@ -11,16 +11,16 @@ from scipy.stats import chi2
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY
-from tasks.explain.events.delay_steps import staircase
-from tasks.explain.events.event import Event
-from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.window_delays import (
+from tasks.explain.events.delays import (
     MODEL_U,
-    WindowDelays,
+    Staircase,
     delays_by_grid,
     delays_by_slope,
+    fit_staircase,
     oscillates,
 )
+from tasks.explain.events.event import Event
+from tasks.explain.events.noise import noise_by_rate
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.smooth import interpolated
 from tasks.motion.whole import Motion
@@ -39,21 +39,11 @@ class LostSamples(Event):
     interval: float
 
     def sampled_at(self, t: np.ndarray) -> np.ndarray:
-        """When the readings stamped t (n,) s were taken, s."""
         before = np.searchsorted(self.times, t, side="right")
         return t + np.concatenate([[0], np.cumsum(self.lost)])[before] * self.interval
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         return interpolated(self.sampled_at(t), t, predicted)
-
-
-@dataclass(frozen=True)
-class Jump:
-    """A loss: from which stamp on (s, and its u), and how many samples."""
-
-    time: float
-    u: float
-    lost: float
 
 
 def find_lost_samples(
@@ -78,40 +68,32 @@ def find_lost_samples(
     event: LostSamples | None = None
     for _ in range(2):  # the second time with a fit that the losses do not disturb
         if oscillating:
-            delays: WindowDelays = delays_by_grid(t, used[:, :3], predicted[:, :3])
+            steps = fit_staircase(delays_by_grid(t, used[:, :3], predicted[:, :3]))
         else:
-            delays = delays_by_slope(t, used - predicted, predicted, slope, noise)
-        path = staircase(delays)
-        if path is None:
+            steps = fit_staircase(delays_by_slope(t, used - predicted, predicted, slope, noise))
+        if steps is None:
             return None
         if oscillating:
-            step = np.clip(np.searchsorted(delays.at, t), 0, len(path) - 1)
-            late = np.median(delays.delay - path) + path[step]
-            noise = noise_by_rate(used - interpolated(t + late * interval, t, predicted), motion)
+            late = interpolated(t + steps.delay(t) * interval, t, predicted)
+            noise = noise_by_rate(used - late, motion)
         variance = noise**2 + (2 * MODEL_U * slope) ** 2
-        jumps = _jumps(t, interval, used, predicted, variance, delays, path)
-        event = _event(delays, path, jumps, interval)
+        event = _event(t, interval, used, predicted, variance, steps)
         shift = event.applied(t, predicted) - predicted
         predicted = plain_prediction(readings - np.nan_to_num(shift), motion, masked)
     return event
 
 
-def _jumps(
-    t: np.ndarray,
-    interval: float,
-    readings: np.ndarray,
-    predicted: np.ndarray,
-    variance: np.ndarray,
-    delays: WindowDelays,
-    path: np.ndarray,
-) -> tuple[Jump, ...]:
+def _event(
+    t: np.ndarray, interval: float, readings: np.ndarray, predicted: np.ndarray,
+    variance: np.ndarray, steps: Staircase,
+) -> LostSamples:  # fmt: skip
     """Each jump of the staircase, placed by all rows (n, 6) of the two windows beside it."""
-    start = float(np.median(delays.delay - path))
-    jumps = []
-    for k in np.flatnonzero(np.diff(path)):
-        first = int(np.searchsorted(t, delays.at[k] - delays.width / 2))
-        rows = slice(first, int(np.searchsorted(t, delays.at[k + 1] + delays.width / 2)))
-        levels = (start + path[k : k + 2]) * interval
+    times, losses, parameters, texts = [], [], list[FoundParameter](), []
+    reach = steps.delays.width / 2
+    for k in np.flatnonzero(np.diff(steps.lost)):
+        first = int(np.searchsorted(t, steps.delays.at[k] - reach))
+        rows = slice(first, int(np.searchsorted(t, steps.delays.at[k + 1] + reach)))
+        levels = (steps.first + steps.lost[k : k + 2]) * interval
         signals = (interpolated(t[rows] + level, t, predicted) for level in levels)
         before, after = (
             np.nan_to_num((readings[rows] - signal) ** 2 / variance[rows]) for signal in signals
@@ -120,34 +102,19 @@ def _jumps(
         cost = np.concatenate([[0.0], np.cumsum((before - after).sum(axis=1))])
         likely = first + np.flatnonzero(cost <= cost.min() + 4)
         low, high = float(t[likely[0]]), float(t[min(likely[-1], len(t) - 1)])
+        time, lost = 0.5 * (low + high), float(steps.lost[k + 1] - steps.lost[k])
         u = max((high - low) / np.sqrt(12), interval)
-        jumps.append(Jump(0.5 * (low + high), u, float(path[k + 1] - path[k])))
-    return tuple(jumps)
-
-
-def _event(
-    delays: WindowDelays, path: np.ndarray, jumps: tuple[Jump, ...], interval: float
-) -> LostSamples:
-    levels = [delays.u[path == step] for step in np.unique(path)]
-    u = max(float(np.median(level)) / len(level) ** 0.5 for level in levels)
-    parameters = []
-    for k, jump in enumerate(jumps, 1):
+        times.append(time)
+        losses.append(lost)
         parameters += [
-            FoundParameter(name=f"lost_{k}", value=jump.lost, unit="1", u=u),
-            FoundParameter(name=f"time_{k}", value=jump.time, unit="s", u=jump.u),
+            FoundParameter(name=f"lost_{len(times)}", value=lost, unit="1", u=steps.u),
+            FoundParameter(name=f"time_{len(times)}", value=time, unit="s", u=u),
         ]
-    gain = (
-        delays.cost(np.median(delays.delay)).sum()
-        - delays.cost(np.median(delays.delay - path) + path).sum()
-    )
-    losses = tuple(
-        message("events-lost-samples-at", lost=f"{jump.lost:.0f}", time=f"{jump.time:.1f}")
-        for jump in jumps
-    )
+        texts.append(message("events-lost-samples-at", lost=f"{lost:.0f}", time=f"{time:.1f}"))
     return LostSamples(
-        "dropped_samples", EVERY, tuple(parameters), float(chi2.sf(gain, 2 * len(jumps))),
-        message("events-lost-samples", losses=losses),
-        np.array([jump.time for jump in jumps]), np.array([jump.lost for jump in jumps]), interval,
+        "dropped_samples", EVERY, tuple(parameters), float(chi2.sf(steps.gain, 2 * len(times))),
+        message("events-lost-samples", losses=tuple(texts)), np.array(times), np.array(losses),
+        interval,
     )  # fmt: skip
 
 

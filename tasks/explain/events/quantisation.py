@@ -6,7 +6,7 @@ x + Σ_k (−1)^k·(q/πk)·exp(−2π²k²σ²/q²)·sin(2πkx/q)
 no concern.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +46,8 @@ class Quantiser:
 class Quantisation(Event):
     """quantisers: of each channel with visible steps. noises: σ before rounding, of each."""
 
+    linear = False
+
     quantisers: tuple[Quantiser, ...]
     noises: tuple[float, ...]
 
@@ -73,7 +75,7 @@ class Quantisation(Event):
         return zip(self.channels, self.quantisers, self.noises, strict=True)
 
     def noise_floor(self, noise: np.ndarray) -> np.ndarray:
-        """The noise (n, 6), at least that of the rounding: near a code nothing scatters."""
+        # Near a code nothing scatters.
         floored = noise.copy()
         for channel, quantiser, _ in self._channels():
             floored[:, channel] = np.fmax(floored[:, channel], quantiser.step / np.sqrt(12))
@@ -152,11 +154,14 @@ def _response(
     )
 
 
-def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisation | None:
+def find_quantisation(
+    readings: np.ndarray, predicted: np.ndarray, quantisers: Sequence[Quantiser | None]
+) -> Quantisation | None:
     """Steps that are visible above the noise; predicted: (n, 6), NaN where it is not known."""
     every = (
-        _noise_of(channel, readings[:, channel], predicted[:, channel]) for channel in range(6)
-    )
+        _noise_of(channel, quantiser, readings[:, channel], predicted[:, channel])
+        for channel, quantiser in enumerate(quantisers) if quantiser is not None
+    )  # fmt: skip
     estimates = [each for each in every if each is not None and each.coarse]
     if not estimates:
         return None
@@ -171,11 +176,10 @@ def find_quantisation(readings: np.ndarray, predicted: np.ndarray) -> Quantisati
     )  # fmt: skip
 
 
-def _noise_of(channel: int, readings: np.ndarray, predicted: np.ndarray) -> NoiseEstimate | None:
+def _noise_of(
+    channel: int, quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray
+) -> NoiseEstimate | None:
     """Maximum likelihood of the noise before rounding, each block with a mean of its own."""
-    quantiser = quantiser_of(readings)
-    if quantiser is None:
-        return None
     counts = _code_counts(quantiser, readings, predicted)
     if not len(counts):
         return None

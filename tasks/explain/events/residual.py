@@ -15,7 +15,7 @@ class Residual:
     """Residuals at n rows, in rad/s and m/s².
 
     t: (n,) s, when the readings were taken. values: (n, 6), 0 where not known. weight: (n, 6) one
-    over the noise, 0 where not known. motion: at the same rows.
+    over the noise, 0 where not known. motion: of the recording.
     """
 
     t: np.ndarray

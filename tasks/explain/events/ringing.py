@@ -1,12 +1,14 @@
 """Damped oscillations that start at some times: what impacts and bursts add to the readings."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event, amplitude_parameter
+from tasks.explain.events.residual import Residual
 from tasks.words import Message
 
 BEYOND_GRID = 1.5  # times that a shape may lie beyond a grid
@@ -84,51 +86,52 @@ def damped_wave(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:
     return np.asarray(np.exp((2j * np.pi * frequency - 1 / decay) * age))
 
 
-def rows_after(t: np.ndarray, starts: np.ndarray, longest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Rows less than so long (s) after the last of the starts (m,) s, and their age in s."""
-    last = np.searchsorted(starts, t, side="right") - 1
-    age = np.where(last >= 0, t - starts[np.maximum(last, 0)], np.inf)
-    rows = np.flatnonzero(age < longest)
-    return rows, age[rows]
+@dataclass(frozen=True)
+class Aligned:
+    """Rows after one of some starts: which (n,) of them, age (n,) s since then, and the values
+    (n, 6) and weight (n, 6) of a residual."""
 
+    start: np.ndarray
+    age: np.ndarray
+    values: np.ndarray
+    weight: np.ndarray
 
-def fit_amplitude(
-    age: np.ndarray, values: np.ndarray, weight: np.ndarray, frequency: float, decay: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Complex amplitude (6,) of oscillations of one shape, and the chi-squared (6,) it gains.
+    @classmethod
+    def after(cls, starts: np.ndarray, residual: Residual, longest: float) -> Self:
+        """The rows of a residual less than so long (s) after the last of the starts (m,) s."""
+        last = np.searchsorted(starts, residual.t, side="right") - 1
+        age = np.where(last >= 0, residual.t - starts[np.maximum(last, 0)], np.inf)
+        rows = np.flatnonzero(age < longest)
+        return cls(last[rows], age[rows], residual.values[rows], residual.weight[rows])
 
-    age: (n,) s since the start. values: (n, 6), 0 where not known. weight: (n, 6) one over the
-    noise, 0 where not known.
-    """
-    wave = damped_wave(age, frequency, decay)
-    columns = np.column_stack([wave.real, -wave.imag])
-    squares = weight**2
-    right = columns.T @ (values * squares)  # (2, 6)
-    products = np.einsum("ni,nj->nij", columns, columns).reshape(len(age), 4)
-    normal = (products.T @ squares).T.reshape(6, 2, 2)
-    parts = np.einsum("cij,jc->ci", np.linalg.pinv(normal, hermitian=True), right)
-    return parts[:, 0] + 1j * parts[:, 1], np.einsum("ci,ic->c", parts, right)
+    def aged(self, age: np.ndarray) -> Self:
+        """The same rows with other ages (n,), without those before their start."""
+        begun = age >= 0
+        return type(self)(self.start[begun], age[begun], self.values[begun], self.weight[begun])
 
+    def amplitude(self, frequency: float, decay: float) -> tuple[np.ndarray, np.ndarray]:
+        """Complex amplitude (6,) of oscillations of one shape, and the chi-squared it gains."""
+        wave = damped_wave(self.age, frequency, decay)
+        columns = np.column_stack([wave.real, -wave.imag])
+        squares = self.weight**2
+        right = columns.T @ (self.values * squares)  # (2, 6)
+        products = np.einsum("ni,nj->nij", columns, columns).reshape(len(wave), 4)
+        normal = (products.T @ squares).T.reshape(6, 2, 2)
+        parts = np.einsum("cij,jc->ci", np.linalg.pinv(normal, hermitian=True), right)
+        return parts[:, 0] + 1j * parts[:, 1], np.einsum("ci,ic->c", parts, right)
 
-def fit_shape(
-    age: np.ndarray,
-    values: np.ndarray,
-    weight: np.ndarray,
-    frequencies: np.ndarray,
-    decays: np.ndarray,
-) -> tuple[float, float]:
-    """Frequency (Hz) and decay (s) that gain most, on a grid and then by a simplex search."""
+    def cost(self, log_shape: np.ndarray) -> float:
+        """Chi-squared less what oscillations of a shape, log (frequency, decay), gain."""
+        return -float(self.amplitude(*np.exp(log_shape))[1].sum())
 
-    def cost(log: np.ndarray) -> float:
-        return -float(fit_amplitude(age, values, weight, *np.exp(log))[1].sum())
-
-    grid = [(cost(np.log([f, d])), f, d) for f in frequencies for d in decays]
-    _, frequency, decay = min(grid)
-    best = minimize(cost, np.log([frequency, decay]), method="Nelder-Mead",
-                    bounds=log_bounds(frequencies, decays),
-                    options={"xatol": 1e-3, "fatol": 0.01, "maxiter": 80})  # fmt: skip
-    frequency, decay = np.exp(best.x)
-    return float(frequency), float(decay)
+    def shape(self, frequencies: np.ndarray, decays: np.ndarray) -> tuple[float, float]:
+        """Frequency (Hz) and decay (s) that gain most, on a grid and then by a simplex search."""
+        grid = [(self.cost(np.log([f, d])), f, d) for f in frequencies for d in decays]
+        best = minimize(self.cost, np.log(min(grid)[1:]), method="Nelder-Mead",
+                        bounds=log_bounds(frequencies, decays),
+                        options={"xatol": 1e-3, "fatol": 0.01, "maxiter": 80})  # fmt: skip
+        frequency, decay = np.exp(best.x)
+        return float(frequency), float(decay)
 
 
 def log_bounds(frequencies: np.ndarray, decays: np.ndarray) -> list[tuple[float, float]]:

@@ -4,6 +4,7 @@ What lies beyond the limit L piles up at it. With Gaussian noise σ about m the 
 m − σ·h((L − m)/σ), with h(z) = φ(z) − z·(1 − Φ(z)) the mean of what is clipped.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.quantisation import quantiser_of
+from tasks.explain.events.quantisation import Quantiser
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
@@ -30,6 +31,8 @@ MAX_CODES = 20  # below the limit, that the pile is compared with
 @dataclass(frozen=True)
 class Saturation(Event):
     """triad: 0 gyros, 1 accelerometers. sides: of the limit. noise: (3,) near the limit."""
+
+    linear = False
 
     triad: int
     limit: float
@@ -66,14 +69,19 @@ def clipping_loss(mean: np.ndarray, limit: float, noise: float) -> np.ndarray:
 
 
 def find_saturation(
-    readings: np.ndarray, motion: Motion
+    readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
 ) -> tuple[tuple[Saturation, ...], np.ndarray]:
     """Limits that readings stop at, and which readings (n, 6) bool they disturb."""
     masked = np.zeros(readings.shape, bool)
     events = []
     for triad, channels in enumerate(TRIADS):
+        own = readings[:, channels]
+        if not np.isfinite(own).any():
+            continue
+        step = min((q.step for c in channels if (q := quantisers[c]) is not None), default=0.0)
+        scatter = float(np.nanmedian(np.abs(np.diff(own, axis=0))))
         for sides in SIDES:
-            code = _extreme_code(readings[:, channels], sides)
+            code = _extreme_code(own, sides, step, scatter)
             if code is None or code.p_value >= SIGNIFICANT:
                 continue
             event, disturbed = _saturation(readings, motion, triad, code)
@@ -84,26 +92,25 @@ def find_saturation(
     return tuple(events), masked
 
 
-def _extreme_code(readings: np.ndarray, sides: tuple[float, ...]) -> ExtremeCode | None:
+def _extreme_code(
+    readings: np.ndarray, sides: tuple[float, ...], step: float, scatter: float
+) -> ExtremeCode | None:
     """Where a triad's readings (n, 3) end, and whether more lie there than in the codes below.
 
     The density of noise falls outwards. So the outermost code holds, but for the one reading that
     makes it the outermost, at most its share of what the codes next below hold.
+    step: of the output, 0 without one. scatter: of a reading beside the next.
     """
-    quantisers = [quantiser_of(column) for column in readings.T]
-    steps = [quantiser.step for quantiser in quantisers if quantiser is not None]
     size = np.abs(readings) if len(sides) == 2 else sides[0] * readings
-    top = float(np.nanmax(size, initial=-np.inf))
-    if not np.isfinite(top) or top <= 0:
+    top = float(np.nanmax(size))
+    if not 0 < top < np.inf:
         return None
-    scatter = float(np.nanmedian(np.abs(np.diff(readings, axis=0)))) or 1e-6 * top
-    step = min(steps) if steps else 1e-7 * top
-    below = int(np.clip(round(scatter / step / 2), 2, MAX_CODES))
-    near = size[size > top - (below + 0.5) * step]
-    count = int((near > top - 0.5 * step).sum())
-    rest = len(near) - count
-    p_value = float(binom.sf(count - 2, count - 1 + rest, 1 / (below + 1))) if count > 1 else 1.0
-    return ExtremeCode(top, step if steps else 0.0, count, p_value, sides)
+    width = step or 1e-7 * top
+    below = int(np.clip(round((scatter or 1e-6 * top) / width / 2), 2, MAX_CODES))
+    near = size[size > top - (below + 0.5) * width]
+    count = int((near > top - 0.5 * width).sum())
+    p_value = float(binom.sf(count - 2, len(near) - 1, 1 / (below + 1))) if count > 1 else 1.0
+    return ExtremeCode(top, step, count, p_value, sides)
 
 
 def _saturation(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.stats import gamma
 
-from tasks.explain.events.motion_states import (
+from tasks.explain.events.noise import (
     RATE_CHANGE,
     equalised,
     median_by_state,

@@ -5,14 +5,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import linregress
 
 from schemas.discrepancy import Dimension
-from tasks.explain.locate.change_point import change_point_pattern
 from tasks.explain.locate.excess import ChannelExcess
-from tasks.explain.locate.patterns import Pattern, partition_pattern
-from tasks.explain.locate.periodic_patterns import frequency_pattern, harmonics_pattern
+from tasks.explain.locate.partitions import time_since_move
+from tasks.explain.locate.patterns import (
+    Pattern,
+    change_point_pattern,
+    frequency_pattern,
+    harmonics_pattern,
+    partition_pattern,
+)
 from tasks.explain.locate.run import Moments, Run
-from tasks.explain.locate.settling import settling_time
+from tasks.motion.whole import Motion
 from tasks.words import Message, message
 
 MIN_SCORE = 0.1  # nats a row: what carries less is no pattern
@@ -20,6 +26,10 @@ MAX_SEGMENTS = 8  # in an entry
 ENOUGH = 0.9  # of the power: segments beyond are not named
 PARTS = 100  # of the run
 INTERMITTENT = 0.7  # share in the densest fifth of them from which it comes in short intervals
+LONGEST_SETTLING = 60  # s after a move that are looked at
+MIN_ROWS, MIN_SECONDS = 10, 6  # in a second, and those with so many, that settling is read off
+MIN_R_SQUARED = 0.95  # of a line through the logarithm: less is no exponential
+MIN_POWER = 1e-4  # of the largest
 UNIFORM = message("locate-uniform")
 
 
@@ -101,3 +111,23 @@ def _main_segments(run: Run, excess: Moments, rows: np.ndarray) -> tuple[str, ..
     before = np.cumsum(power[order]) - power[order]
     kept = (power[order] > 0) & (before < ENOUGH * power.sum())
     return tuple(run.names[k] for k in order[kept])
+
+
+def settling_time(motion: Motion, signal: np.ndarray) -> float | None:
+    """Time constant (s) of a signal (n,), None where it does not settle exponentially.
+
+    Moves may start it with any size and sign: of A·exp(−s/τ) the mean square over all moves
+    falls as exp(−2·s/τ), s the time since the move.
+    """
+    since = time_since_move(motion)
+    known = (since > 0) & (since < LONGEST_SETTLING)
+    second = since[known].astype(int)
+    rows = np.bincount(second, minlength=LONGEST_SETTLING)
+    power = np.bincount(second, signal[known] ** 2, LONGEST_SETTLING) / np.maximum(rows, 1)
+    used = (rows >= MIN_ROWS) & (power > MIN_POWER * power.max())
+    if used.sum() < MIN_SECONDS:
+        return None
+    line = linregress(np.flatnonzero(used) + 0.5, np.log(power[used]))
+    if line.slope >= 0 or line.rvalue**2 < MIN_R_SQUARED:
+        return None
+    return float(-2.0 / line.slope)

@@ -29,15 +29,14 @@ class Rotation:
 
     def harmonic_power(self, values: np.ndarray) -> np.ndarray:
         """(MAX_HARMONIC,) square sum of values (n,) that each number of waves per turn absorbs."""
-        sums = self._binned(values[self.rows])
+        sums, counts = (
+            _per_segment(self.cell, self.inverse.shape[1], weights)
+            for weights in (values[self.rows], None)
+        )
         right = np.einsum("sb,hbi->hsi", sums, _basis())
         absorbed = np.einsum("hsi,hsij,hsj->hs", right, self.inverse, right)
-        rows = self._binned(None).sum(axis=1)
-        power = (absorbed - right[:, :, 0] ** 2 / rows).sum(axis=1)
+        power = (absorbed - right[:, :, 0] ** 2 / counts.sum(axis=1)).sum(axis=1)
         return np.where(np.arange(1, MAX_HARMONIC + 1) <= self.highest, power, 0.0)
-
-    def _binned(self, weights: np.ndarray | None) -> np.ndarray:
-        return _per_segment(self.cell, self.inverse.shape[1], weights)
 
 
 def rotations_of(
@@ -46,12 +45,11 @@ def rotations_of(
     """The table axes that turn; segments: rows of each."""
     if motion.axes is None:
         return ()
-    found = []
-    for name, angle in zip(names, motion.axes.angles.T, strict=True):
-        turning = [rows for rows in segments if _turns_whole(angle[rows])]
-        if turning:
-            found.append(_rotation(name, angle, turning))
-    return tuple(found)
+    turning = (
+        (name, angle, [rows for rows in segments if _turns_whole(angle[rows])])
+        for name, angle in zip(names, motion.axes.angles.T, strict=True)
+    )
+    return tuple(_rotation(*each) for each in turning if each[2])
 
 
 def _turns_whole(angle: np.ndarray) -> bool:

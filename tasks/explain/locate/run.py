@@ -5,16 +5,8 @@ from typing import Self
 
 import numpy as np
 
-from schemas.recording import Recording, Segment
-from tasks.explain.locate.motion_partitions import (
-    by_attitude,
-    by_heading,
-    by_moves,
-    by_ramps,
-    by_rate,
-)
-from tasks.explain.locate.partition import Partition
-from tasks.explain.locate.recorded_partitions import by_records, by_time
+from schemas.recording import Recording
+from tasks.explain.locate.partitions import Partition, partitions_of
 from tasks.explain.locate.rotation import Rotation, rotations_of
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import segments_of
@@ -64,7 +56,7 @@ class Run:
         rows = tuple(recording.imu.rows(each.t_start, each.t_end) for each in segments)
         return cls(
             motion, starts, t, tuple(each.name for each in segments), segment,
-            _partitions(recording, motion.taken(middle), segments, segment),
+            partitions_of(recording, motion.taken(middle), segments, segment),
             rotations_of(motion, axes, rows),
         )  # fmt: skip
 
@@ -80,15 +72,3 @@ class Run:
     def moments(self, values: np.ndarray, known: np.ndarray) -> Moments:
         """The blocks' moments of values (n,) over the known rows (n,); they are zero elsewhere."""
         return Moments(*map(self.block_sums, (known.astype(float), values, values**2)))
-
-
-def _partitions(
-    recording: Recording, motion: Motion, segments: tuple[Segment, ...], segment: np.ndarray
-) -> tuple[Partition, ...]:
-    """Every partition of this run into two cells or more; motion: at the blocks' middles."""
-    every = (
-        *by_rate(motion, segments, segment), by_attitude(motion), *by_heading(motion),
-        *by_moves(motion), by_ramps(motion), by_time(motion.t),
-        *by_records(recording, motion.t),
-    )  # fmt: skip
-    return tuple(each for each in every if len(np.unique(each.cell[each.cell >= 0])) > 1)

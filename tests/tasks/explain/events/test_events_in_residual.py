@@ -9,7 +9,7 @@ from made_up import RATE, SIGMA, motion, noisy
 from schemas.recording import ACCEL, GYRO
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
-from tasks.explain.events.mains import mains_of
+from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
 from tasks.motion.whole import Motion, TableAxes
 from tasks.words import message

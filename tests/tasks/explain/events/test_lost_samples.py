@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tasks.explain.events.delays import delays_by_grid, oscillates
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
 from tasks.explain.events.noise import noise_by_rate
-from tasks.explain.events.window_delays import delays_by_grid, oscillates
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
