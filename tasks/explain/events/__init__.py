@@ -1,1 +1,1 @@
-"""Events: what happened to the readings at some time or level, found before any regression."""
+"""Events: artefacts of the readings that are no regressors, detected before and after a fit."""

@@ -55,7 +55,7 @@ def find_bursts(residual: Residual) -> Ringing | None:
         channels=channel_names(fit.channels), times=times + ", …" * (count > MAX_TIMES),
     )  # fmt: skip
     number = FoundParameter(name="bursts", value=float(count), unit="1", u=0.0)
-    # Cramér and Rao: a fading wave tells its decay rate to √(2/gain) of it, and so its frequency.
+    # Cramér and Rao: the decay rate of a fading wave is known to √(2/gain) of it.
     return fit.event(number, float(np.sqrt(2 / fit.gain.sum())), p_value, description)
 
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from tasks.motion.whole import Motion
 
-SLOPE_WINDOW = 1.0  # s, within which a slope tells the delay
+SLOPE_WINDOW = 1.0  # s, within which the delay is read off the slope
 SLOPE_OUTLIER = 25.0  # chi-squared that one window may cost at most
-MAX_U = 0.1  # of a sample interval: windows that tell the delay worse are left out
+MAX_U = 0.1  # of a sample interval: windows that know the delay worse are left out
 MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a window
 MIN_INDEPENDENT = 0.1  # of a window's information that must remain beside a bias
 
-GRID_WINDOW = 4.0  # s: a shorter one takes an oscillation for the next
+GRID_WINDOW = 4.0  # s: in a shorter one, one oscillation passes for the next
 GRID_STEP = 0.1  # of a sample interval: delays that are tried
 EARLIEST, LATEST = -8, 40  # sample intervals that are tried
 GRID_OUTLIER = 100.0  # chi-squared that one window may cost at most
@@ -71,11 +71,7 @@ def oscillates(motion: Motion) -> bool:
 
 
 def delays_by_slope(
-    t: np.ndarray,
-    residual: np.ndarray,
-    predicted: np.ndarray,
-    slope: np.ndarray,
-    noise: np.ndarray,
+    t: np.ndarray, residual: np.ndarray, predicted: np.ndarray, slope: np.ndarray, noise: np.ndarray
 ) -> WindowDelays:
     """The delay of each window, linearised in the slope (n, 6) of the signal per sample interval.
 

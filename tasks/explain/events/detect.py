@@ -46,7 +46,7 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
 def events_in_residual(
     events: Events, t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
 ) -> Events:
-    """The events found before a regression, and lines, impacts and bursts in what it leaves.
+    """The events found before a regression, and lines, impacts and bursts in its residual.
 
     t: (n,) s. residual: (n, 6) readings minus `events.applied` to what the fitted model predicts,
     NaN where that is not known. noise: (6,) standard deviation of a sample, for channels whose

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import gamma
@@ -24,8 +25,6 @@ MAINS = tuple(product((1, 2, 3), (50.0, 60.0)))  # harmonics and frequencies, Hz
 TOLERANCE = 0.15  # Hz that the mains may be off
 SAME = 2e-3  # Hz by which two lines of one mains may differ on its frequency
 
-MainsLine = tuple[int, tuple[float, ...], Line]  # harmonic, what the mains then may have in Hz
-
 
 @dataclass(frozen=True)
 class SpectralLines(Event):
@@ -35,6 +34,14 @@ class SpectralLines(Event):
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         return predicted + sum(line.signal(t) for line in self.lines)
+
+
+class MainsLine(NamedTuple):
+    """A line that may be a harmonic of the mains; frequencies: that the mains then has, Hz."""
+
+    harmonic: int
+    frequencies: tuple[float, ...]
+    line: Line
 
 
 def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
@@ -90,23 +97,19 @@ def events_of_lines(lines: list[Line], rate: float) -> tuple[SpectralLines, ...]
     A harmonic is one of the mains only beside its fundamental, and at that frequency's multiple:
     by itself, and aliased, any line may lie near one.
     """
-    mains, others = list[MainsLine](), list[Line]()
-    sources = [(mains_of(line.frequency, rate), line) for line in lines]
-    near = [(*source, line) for source, line in sources if source is not None]
-    fundamental = next((each for each in near if each[0] == 1), None)
-    for source, line in sources:
-        if source is not None and fundamental and _agree((*source, line), fundamental):
-            mains.append((*source, line))
-        else:
-            others.append(line)
-    unnamed = tuple(_unnamed(line) for line in others)
+    sources = [(line, mains_of(line.frequency, rate)) for line in lines]
+    near = [MainsLine(*source, line) for line, source in sources if source is not None]
+    fundamental = next((each for each in near if each.harmonic == 1), None)
+    mains = [each for each in near if fundamental and _agree(each, fundamental)]
+    frequencies = {each.line.frequency for each in mains}
+    unnamed = tuple(_unnamed(line) for line in lines if line.frequency not in frequencies)
     return (*unnamed, _mains(mains)) if mains else unnamed
 
 
 def _agree(harmonic: MainsLine, fundamental: MainsLine) -> bool:
     """Whether two lines may come from mains of one frequency."""
-    apart = min(abs(a - b) for a in harmonic[1] for b in fundamental[1])
-    u = float(np.hypot(harmonic[2].u_frequency, fundamental[2].u_frequency))
+    apart = min(abs(a - b) for a in harmonic.frequencies for b in fundamental.frequencies)
+    u = float(np.hypot(harmonic.line.u_frequency, fundamental.line.u_frequency))
     return apart < SAME + 5 * u
 
 
@@ -135,15 +138,15 @@ def mains_of(frequency: float, rate: float) -> tuple[int, tuple[float, ...]] | N
     return None
 
 
-def _mains(found: list[MainsLine]) -> SpectralLines:
-    """The event of a mains' lines."""
-    found = sorted(found, key=lambda each: each[0])
-    harmonic, frequencies, first = found[0]
-    lines = tuple(line for _, _, line in found)
-    # On either side of a fold: nothing tells which, so that the interval holds both.
+def _mains(mains: list[MainsLine]) -> SpectralLines:
+    """The event of the lines of one mains."""
+    mains = sorted(mains, key=lambda each: each.harmonic)
+    harmonic, frequencies, first = mains[0]
+    lines = tuple(each.line for each in mains)
+    # Both sides of a fold are equally likely: the interval holds both.
     u = float(np.hypot(first.u_frequency / harmonic, np.ptp(frequencies) / 2))
     frequency = FoundParameter(name="frequency", value=float(np.mean(frequencies)), unit="Hz", u=u)
-    amplitudes = [each for number, _, line in found for each in _amplitudes(line, number)]
+    amplitudes = [each for number, _, line in mains for each in _amplitudes(line, number)]
     channels = tuple(sorted({channel for line in lines for channel in line.channels}))
     description = message(
         "events-mains", frequency=" / ".join(f"{each:.3f}" for each in frequencies),

@@ -47,13 +47,9 @@ class LostSamples(Event):
 
 
 def find_lost_samples(
-    t: np.ndarray,
-    readings: np.ndarray,
-    motion: Motion,
-    predicted: np.ndarray,
-    noise: np.ndarray,
+    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, noise: np.ndarray,
     masked: np.ndarray,
-) -> LostSamples | None:
+) -> LostSamples | None:  # fmt: skip
     """Losses that the stamps do not show.
 
     predicted, noise: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs.

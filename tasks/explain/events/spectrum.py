@@ -57,7 +57,7 @@ def spectrum_of(residual: Residual) -> Spectrum:
 def noise_level(power: np.ndarray) -> np.ndarray:
     """The mean power (bins,) of the noise about each bin: its neighbours' median over ln 2.
 
-    0 where there are too few bins to tell.
+    0 where there are too few bins.
     """
     pieces = len(power) // LEVEL_BINS
     if pieces == 0:

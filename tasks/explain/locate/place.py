@@ -92,7 +92,7 @@ def _place(run: Run, best: Pattern | None, excess: Moments, contribution: np.nda
 
 
 def _without_pattern(run: Run, excess: Moments) -> Place:
-    """In short intervals of the run that nothing else tells apart, or everywhere alike."""
+    """In short intervals of the run that no pattern describes, or everywhere alike."""
     part = np.minimum(PARTS * np.arange(len(run.t)) // len(run.t), PARTS - 1)
     power = np.bincount(part, excess.second, PARTS)
     densest = np.argsort(-power)[: PARTS // 5]

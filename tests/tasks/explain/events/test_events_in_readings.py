@@ -10,10 +10,12 @@ from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.explain.events.quantisation import Quantisation, Quantiser, quantiser_of, rounding_bias
 from tasks.explain.events.saturation import clipping_loss
-from tasks.words import say
+from tasks.words import say, texts
 
 
 def _effects(events: Events) -> list[str]:
+    """Their names; each has a sentence in every language."""
+    assert all(all(texts(event.description).values()) for event in events.events)
     return [event.effect for event in events.events]
 
 

@@ -12,12 +12,14 @@ from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
 from tasks.motion.whole import Motion, TableAxes
-from tasks.words import message
+from tasks.words import message, texts
 
 
 def _detected(made: Motion, left: np.ndarray) -> Events:
     none = Events((), np.zeros(left.shape, bool))
-    return events_in_residual(none, made.t, left, SIGMA, made)
+    events = events_in_residual(none, made.t, left, SIGMA, made)
+    assert all(all(texts(event.description).values()) for event in events.events)
+    return events
 
 
 def _noise(made: Motion, seed: int) -> np.ndarray:
