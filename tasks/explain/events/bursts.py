@@ -16,6 +16,7 @@ from tasks.explain.events.noise import (
 )
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, damped_wave
+from tasks.explain.events.spectrum import peak_offset
 from tasks.explain.events.transients import MAX_FILLED, Transient, find_transients
 from tasks.words import message
 
@@ -124,7 +125,7 @@ def _matched_starts(blocks: Residual, state: np.ndarray, fit: RingingFit) -> np.
     starts: list[float] = []
     while likely.max() > SIGNIFICANT and len(starts) <= MAX_BURSTS:
         top = int(likely.argmax())
-        starts.append(blocks.t[top] + step * _parabola_top(deviate, top))
+        starts.append(blocks.t[top] + step * peak_offset(deviate, top))
         likely[np.abs(blocks.t - blocks.t[top]) < 2 * fit.decay] = 0.0
     return np.sort(starts)
 
@@ -133,12 +134,3 @@ def _correlated(values: np.ndarray, template: np.ndarray) -> np.ndarray:
     """Σ values[k + j]·template[j], (m,), for each start k."""
     padded = np.concatenate([values, np.zeros(len(template) - 1)])
     return np.asarray(correlate(padded, template, mode="valid", method="fft"))
-
-
-def _parabola_top(values: np.ndarray, top: int) -> float:
-    """Where the parabola through a peak and its neighbours has its top, in steps from the peak."""
-    if not 0 < top < len(values) - 1:
-        return 0.0
-    before, peak, after = values[top - 1 : top + 2]
-    bend = before - 2 * peak + after
-    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0

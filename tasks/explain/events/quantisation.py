@@ -17,6 +17,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import BLOCK
+from tasks.explain.events.spectrum import peak_offset
 from tasks.words import Message, message
 
 OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
@@ -84,12 +85,11 @@ class Quantisation(Event):
 
 @dataclass(frozen=True)
 class NoiseEstimate:
-    """The noise of one channel per step, with its u; p_value: that the steps do not show."""
+    """The noise of one channel per step; p_value: that the steps do not show."""
 
     channel: int
     quantiser: Quantiser
     ratio: float
-    u: float
     p_value: float
 
     @property
@@ -187,7 +187,8 @@ def _noise_of(
     best = int(likelihood.argmax())
     least = likelihood[NOISES >= FINE].max()
     p_value = float(chi2.sf(2 * (likelihood[best] - least), 1)) if NOISES[best] < FINE else 1.0
-    return NoiseEstimate(channel, quantiser, *_peak(likelihood, best), p_value)
+    ratio = NOISES[best] * (NOISES[1] / NOISES[0]) ** peak_offset(likelihood, best)
+    return NoiseEstimate(channel, quantiser, float(ratio), p_value)
 
 
 def _code_counts(quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray) -> np.ndarray:
@@ -206,16 +207,6 @@ def _code_counts(quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarr
 def _log_odds(ratio: float) -> np.ndarray:
     """Log probability (2·MAX_OFF + 1, phases) of each code, for noise in steps."""
     return np.log(np.maximum(np.diff(ndtr((EDGES - PHASES) / ratio), axis=0), 1e-12))
-
-
-def _peak(likelihood: np.ndarray, best: int) -> tuple[float, float]:
-    """Top of a parabola through the best three of the noises tried, and its width."""
-    if best in (0, len(NOISES) - 1):
-        return float(NOISES[best]), float(NOISES[best])
-    at = np.log(NOISES[best - 1 : best + 2])
-    square, slope, _ = np.polyfit(at - at[1], likelihood[best - 1 : best + 2], 2)
-    ratio = float(np.exp(at[1] - slope / (2 * square)))
-    return ratio, ratio / float(np.sqrt(-2 * square))
 
 
 def _by_triad(estimates: list[NoiseEstimate]) -> Iterator[tuple[FoundParameter, Message]]:

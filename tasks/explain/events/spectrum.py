@@ -65,3 +65,12 @@ def noise_level(power: np.ndarray) -> np.ndarray:
     level = np.median(power[: pieces * LEVEL_BINS].reshape(pieces, LEVEL_BINS), axis=1)
     middle = (np.arange(pieces) + 0.5) * LEVEL_BINS
     return np.asarray(np.interp(np.arange(len(power)), middle, level) / np.log(2))
+
+
+def peak_offset(values: np.ndarray, peak: int) -> float:
+    """Where the parabola through a peak and its neighbours has its top, in steps from it."""
+    if not 0 < peak < len(values) - 1:
+        return 0.0
+    before, middle, after = values[peak - 1 : peak + 2]
+    bend = before - 2 * middle + after
+    return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5)) if bend < 0 else 0.0
