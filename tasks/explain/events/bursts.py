@@ -51,9 +51,10 @@ def find_bursts(residual: Residual) -> Ringing | None:
     p_value = min(1.0, searched * float(gamma.sf(strong[0].power, len(channels))))
     count = len(fit.starts)
     times = ", ".join(f"{start:.0f}" for start in fit.starts[:MAX_TIMES])
+    times += ", …" if count > MAX_TIMES else ""
     description = message(
         "events-bursts", count=count, frequency=f"{fit.frequency:.3g}", decay=f"{fit.decay:.2g}",
-        channels=channel_names(fit.channels), times=times + ", …" * (count > MAX_TIMES),
+        channels=channel_names(fit.channels), times=times,
     )  # fmt: skip
     number = FoundParameter(name="bursts", value=float(count), unit="1", u=0.0)
     # Cramér and Rao: the decay rate of a fading wave is known to √(2/gain) of it.

@@ -10,4 +10,8 @@ events-spikes-in-rotation = { events-spikes }, only while the table turns
 events-mains = mains pick-up of { $frequency } Hz, seen at { $lines }, in the { $channels }
 events-line = a line at { $frequency } Hz, there all the time, in the { $channels }
 events-impacts = clicks { $per_turn } times a turn of the outer axis, in the { $channels }
-events-bursts = { $count } bursts of { $frequency } Hz that fade in { $decay } s, in the { $channels }, at { $times } s
+events-bursts =
+    { $count ->
+        [one] 1 burst of { $frequency } Hz that fades in { $decay } s, in the { $channels }, at { $times } s
+       *[other] { $count } bursts of { $frequency } Hz that fade in { $decay } s, in the { $channels }, at { $times } s
+    }
