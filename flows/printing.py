@@ -11,8 +11,6 @@ from rich.text import Text
 
 from schemas.calibration import Calibration, Information, Item
 from schemas.tolerance import Verdict
-from tasks.conformity.limits import verdict_title
-from tasks.conformity.reasons import conditional
 from tasks.specifications.items import item_title
 from tasks.words import say
 from tasks.words.rounding import column
@@ -104,10 +102,13 @@ def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, .
 
 def print_verdict(issued: "Issued") -> None:
     """The verdict, a line for what fails, is open or conditional, the due date, the files."""
+    from tasks.conformity.limits import verdict_title  # late: a calibration prints without it
+    from tasks.conformity.reasons import conditional
+
     certificate, console = issued.certificate, stdout()
     decision = certificate.decision
-    said = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
-    console.print(f"{certificate.number}: {said} ({certificate.state})")
+    verdict = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
+    console.print(f"{certificate.number}: {verdict} ({certificate.state})")
     for reason in (
         *decision.reasons,
         *(say(condition, "en") for condition in conditional(decision)),

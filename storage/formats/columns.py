@@ -13,6 +13,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
+from storage.formats.arrow import from_numpy, to_numpy
 from storage.formats.content import digest, together
 from storage.formats.manifest import manifest_of
 from storage.whole_files import drafted
@@ -71,7 +72,7 @@ def _write(stream: Stream, path: Path, content_digest: str) -> None:
     schema = pa.schema(
         [pa.field(name, pa.float64(), nullable=False) for name in columns], {DIGEST: content_digest}
     )
-    table = pa.table([pa.array(np.asarray(v, float)) for v in columns.values()], schema=schema)
+    table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
     pq.write_table(
         table,
         path,
@@ -87,15 +88,6 @@ def _read(path: Path) -> tuple[Stream, str]:
     import pyarrow.parquet as pq
 
     table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
-    columns = {name: _array(table.column(name)) for name in table.column_names}
+    columns = {name: to_numpy(table.column(name)) for name in table.column_names}
     content_digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
     return Stream(columns.pop("t"), columns), content_digest
-
-
-def _array(column: "pa.ChunkedArray") -> np.ndarray:
-    """A float64 column without nulls; `to_numpy` would import pandas, which takes 0.2 s."""
-    parts = [
-        np.frombuffer(chunk.buffers()[1], np.float64)[chunk.offset : chunk.offset + len(chunk)]
-        for chunk in column.chunks
-    ]
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.base import Unusable
+from storage.formats.arrow import to_numpy
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -49,7 +50,7 @@ class Table:
             column = pc.cast(column, pa.float64(), safe=False)
         except pa.ArrowInvalid as error:
             raise self._not_a_number(name, column) from error
-        return column.to_numpy()
+        return to_numpy(column)
 
     def _not_a_number(self, name: str, column: "pa.ChunkedArray") -> Unusable:
         for row, value in enumerate(column.to_pylist(), start=1):
