@@ -1,14 +1,14 @@
-"""What was found where model and recording differ, as arrays; said by `tasks.explain.report`."""
+"""Where model and recording differ, as arrays: the result of `explain`, in words by its report."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.discrepancy import FoundParameter, HeldOut, Verdict
-from schemas.recording import ACCEL, GYRO, Recording
+from schemas.recording import Recording
 from tasks.words import Sayable, message
 
-CHANNELS = GYRO + ACCEL
+UNNAMED = "unnamed"
 FITTED = message("explain-model-fitted")
 
 
@@ -16,9 +16,9 @@ FITTED = message("explain-model-fitted")
 class Finding:
     """One piece of physics that the model left out.
 
-    effect: its catalogue name, or `unnamed`. channels: indices 0 to 5 that it is seen in.
+    effect: its catalogue name, or UNNAMED. channels: indices 0 to 5 that it is seen in.
     contribution: (n, 6) rad/s and m/s², what it adds to the readings, at the unit's rows.
-    gain: chi-squared that it explains beyond all the rest. follows: for what is unnamed.
+    gain: chi-squared that it explains beyond all the rest.
     """
 
     effect: str
@@ -34,7 +34,11 @@ class Finding:
     held_out_gain: float
     indistinguishable: tuple[str, ...] = ()
     separated_by: Sayable | None = None
-    follows: Sayable | None = None
+
+    @property
+    def follows(self) -> Sayable | None:
+        """What an unnamed finding follows, which is all that it is called by."""
+        return self.title if self.effect == UNNAMED else None
 
 
 @dataclass(frozen=True)

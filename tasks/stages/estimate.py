@@ -63,7 +63,7 @@ def _with_terms(
     # Late: a calibration without terms needs none of it.
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
-    from tasks.explain.inputs.observed import full_rate
+    from tasks.explain.inputs.full_rate import full_rate
     from tasks.model.catalogue import catalogue
 
     recording_id = recording.manifest.recording_id

@@ -21,7 +21,7 @@ from tasks.stages.stage import stage
 from tasks.words import message
 
 if TYPE_CHECKING:
-    from tasks.explain.inputs.reference import Told
+    from tasks.explain.inputs.reference import ReferencePrediction
 
 MAX_STEPS = 1.5  # steps of the unit between which another simulator's rows are interpolated
 MIN_SHARE_OF_ROWS = 0.5  # of the unit's rows that a simulation must have
@@ -52,8 +52,8 @@ def explain_run(
 
     out = _report_folder(order)
     recording = runs.load(run, home)
-    told = _reference(recording, home, order)
-    explanation = explain(recording, told=told, progress=progress)
+    reference = _reference(recording, home, order)
+    explanation = explain(recording, reference=reference, progress=progress)
     progress("consequences")
     effects = consequences(recording, explanation, _tolerance(recording, home))
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
@@ -64,13 +64,15 @@ def explain_run(
     return Explained(discrepancy, files)
 
 
-def _reference(recording: Recording, home: Home, order: ExplainOrder) -> "Told | None":
+def _reference(
+    recording: Recording, home: Home, order: ExplainOrder
+) -> "ReferencePrediction | None":
     """What a calibration or another simulator says the unit should have read; None: neither."""
-    from tasks.explain.inputs.reference import Told
+    from tasks.explain.inputs.reference import ReferencePrediction
 
     if order.simulated is not None:
         model = message("explain-model-simulation")
-        return Told(simulated_readings(recording, Path(order.simulated)), model)
+        return ReferencePrediction(simulated_readings(recording, Path(order.simulated)), model)
     if order.calibration is None:
         return None
     from tasks.model.simulate import predict
@@ -80,7 +82,7 @@ def _reference(recording: Recording, home: Home, order: ExplainOrder) -> "Told |
 
     values, _ = model_values(read_calibration(order.calibration, home))
     model = message("explain-model-calibration")
-    return Told(predict(STANDARD_TERMS, whole_motion(recording), values), model)
+    return ReferencePrediction(predict(STANDARD_TERMS, whole_motion(recording), values), model)
 
 
 def simulated_readings(recording: Recording, path: Path) -> np.ndarray:

@@ -16,7 +16,8 @@ import pytest
 from schemas.discrepancy import FoundParameter, HeldOut, Statement
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation, Finding
 from tasks.words import say
 
 SMALL = "real/ferraris_session"
@@ -129,17 +130,17 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, shared, engine, tmp
     by_result = mimucal("explain", shared / PLANT, "--calibration", kept["id"])
     assert by_result.code == 0, by_result.err
     simulated = read_folder(tmp_path / "sim").imu.stack(CHANNELS)
-    np.testing.assert_allclose(asked["told"].readings, simulated, atol=1e-12)
-    assert "calibration" in say(asked["told"].model, "en")
+    np.testing.assert_allclose(asked["reference"].readings, simulated, atol=1e-12)
+    assert "calibration" in say(asked["reference"].model, "en")
     assert mimucal("explain", shared / PLANT, "--simulated", tmp_path / "sim").code == 0
-    np.testing.assert_array_equal(asked["told"].readings, simulated)
-    assert "simulation" in say(asked["told"].model, "en")
+    np.testing.assert_array_equal(asked["reference"].readings, simulated)
+    assert "simulation" in say(asked["reference"].model, "en")
 
 
 def test_fitted_is_the_default(mimucal, shared, engine) -> None:
     asked = engine(0)
     assert mimucal("explain", shared / SMALL).code == 0
-    assert asked["told"] is None
+    assert asked["reference"] is None
 
 
 def test_limits_in_the_home_say_whether_a_verdict_changes(mimucal, shared, engine, home) -> None:

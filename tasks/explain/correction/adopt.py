@@ -10,7 +10,7 @@ from schemas.recording import Recording
 from schemas.uncertainty import Budget, BudgetInput
 from tasks.calibrate.evaluation import common_factor, expanded
 from tasks.explain.correction.consequences import without
-from tasks.explain.correction.spread import Spread, spreads_of
+from tasks.explain.correction.sensitivity import Sensitivity, sensitivities
 from tasks.explain.explanation import Finding
 from tasks.model.term import Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
@@ -41,7 +41,7 @@ def adopt(
     findings = [finding for finding in findings if finding.effect != BIAS_RANDOM_WALK.name]
     contributions = [finding.contribution for finding in findings]
     result = calibrate(without(recording, contributions))
-    spreads = [s for finding in findings for s in spreads_of(finding, terms, motion)]
+    spreads = [s for finding in findings for s in sensitivities(finding, terms, motion)]
     moved = [(s, calibrate(without(recording, (*contributions, s.change)))) for s in spreads]
     items = {
         name: _item(item, [_line(spread, each.items[name], item) for spread, each in moved])
@@ -83,7 +83,7 @@ def adopted_term(finding: Finding) -> AdoptedTerm:
     )
 
 
-def _line(spread: Spread, moved: Item, item: Item) -> tuple[BudgetInput, Elements]:
+def _line(spread: Sensitivity, moved: Item, item: Item) -> tuple[BudgetInput, Elements]:
     """A budget's line without its sensitivity, and by how much each element moves."""
     parameter = spread.parameter
     change: Elements = {}

@@ -12,7 +12,8 @@ from schemas.recording import ANGLE, Recording, Stream
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation
 from tasks.specifications.items import ITEMS
 from tasks.specifications.register import specification_for
 from tasks.words import Sayable, clauses, message

@@ -1,4 +1,4 @@
-"""What a model predicts of segments that its fit did not see: every fourth one, in turn."""
+"""How a model predicts segments that its fit did not use: every fourth one, in turn."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,24 +6,24 @@ from itertools import pairwise
 
 import numpy as np
 
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.equations import Equations
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.term import Column
 
 FOLDS = 4
-BARELY = 1e-9  # of a column's power: what no other fold determines is as good as free
-CHUNK = 30.0  # s of what has no segments
+RIDGE = 1e-9  # of a column's power: what no other fold determines is as good as free
+CELL_LENGTH = 30.0  # s of what has no segments
 
 
 @dataclass(frozen=True)
-class PartlySeen:
+class CrossValidation:
     """Whitened Gram matrices of a model's columns and misfit: on all rows, and on each fold."""
 
     whole: Equations
     folds: tuple[Equations, ...]
 
-    def surprise(self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    def deviance(self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray) -> np.ndarray:
         """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
 
         What the others leave uncertain is uncertain in the prediction: e ~ N(0, 1 + J·C·Jᵀ).
@@ -34,40 +34,41 @@ class PartlySeen:
         rows = list(kept)
         power = np.diag(self.whole.normal()[0])[rows] + prior[rows]
         scale = 1.0 / np.sqrt(np.maximum(power, 1e-300))
-        least = np.diag(np.full(len(rows), BARELY))
+        least = np.diag(np.full(len(rows), RIDGE))
         for fold in self.folds:
-            normal, right = self._seen(fold)
+            normal, right = self._others(fold)
             right = right + normal @ added
             own = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
             own = own * scale[:, None] * scale + least
             change = added.copy()
             change[rows] -= scale * np.linalg.solve(own, scale * right[rows])
             for channel, (gram, which) in enumerate(zip(fold.grams, fold.which, strict=True)):
-                left = np.append(change[which], 1.0)
-                heard, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
-                heard[which] = gram[:-1] @ left
+                factors = np.append(change[which], 1.0)
+                score, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
+                score[which] = gram[:-1] @ factors
                 more[np.ix_(which, which)] = gram[:-1, :-1]
                 mine = own + more[np.ix_(rows, rows)] * scale[:, None] * scale
-                told = scale * heard[rows]
-                total[channel] += left @ gram @ left - told @ np.linalg.solve(mine, told)
+                own_score = scale * score[rows]
+                fitted = own_score @ np.linalg.solve(mine, own_score)
+                total[channel] += factors @ gram @ factors - fitted
                 total[channel] += np.linalg.slogdet(mine)[1] - np.linalg.slogdet(own)[1]
         return total
 
-    def _seen(self, fold: Equations) -> tuple[np.ndarray, np.ndarray]:
+    def _others(self, fold: Equations) -> tuple[np.ndarray, np.ndarray]:
         """Normal matrix and right side of all rows but the fold's."""
         (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
         return normal - hidden, right - hidden_right
 
 
-def partly_seen(
-    columns: Sequence[Column], misfit: np.ndarray, observed: Observed, noises: Sequence[Noise]
-) -> PartlySeen:
+def cross_validation(
+    columns: Sequence[Column], misfit: np.ndarray, observed: Blocks, noises: Sequence[Noise]
+) -> CrossValidation:
     """Every fourth segment, with the move before it, is a fold.
 
     Drift joins neighbours that stand in different folds; so here it is an offset of each segment,
     as large as flicker makes it between the length of a segment and that of the run.
     """
-    cells = cells_of(observed)
+    cells = fold_cells(observed)
     grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
     folds = tuple(
         Equations(
@@ -78,13 +79,13 @@ def partly_seen(
         for k in range(FOLDS)
     )
     whole = Equations(tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns))
-    return PartlySeen(whole, folds)
+    return CrossValidation(whole, folds)
 
 
 def _grams_of_cells(
     columns: Sequence[Column],
     misfit: np.ndarray,
-    observed: Observed,
+    observed: Blocks,
     channel: int,
     noise: Noise,
     cells: np.ndarray,
@@ -108,11 +109,11 @@ def _grams_of_cells(
     return grams, np.array(own, int)
 
 
-def cells_of(observed: Observed) -> np.ndarray:
+def fold_cells(observed: Blocks) -> np.ndarray:
     """(n,) number of the segment of each row; a move belongs to the segment after it."""
     number = observed.segment
     if (number < 0).all():
-        return np.asarray((observed.t / CHUNK).astype(int))
+        return np.asarray((observed.t / CELL_LENGTH).astype(int))
     rows = np.flatnonzero(number >= 0)
     following = rows[np.minimum(np.searchsorted(rows, np.arange(len(number))), len(rows) - 1)]
     changes = np.diff(number[following], prepend=number[following[0]]) != 0

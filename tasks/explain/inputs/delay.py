@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.explain.inputs.observed import FullRate
+from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.smooth import interpolated
 
 WIDTHS = (0.32, 0.16, 0.08, 0.04)  # s: means of rates, from slow to fast
@@ -22,7 +22,7 @@ FEWEST = 30  # means that are compared
 RANK = 1e-9
 
 
-def long_delay(full: FullRate, until: float = np.inf) -> float:
+def coarse_delay(full: FullRate, until: float = np.inf) -> float:
     """Seconds by which all stamps are late, to a few milliseconds; 0 where no long one is clear.
 
     Integrals of the gyros beside those of the motion's rates; each gyro follows a straight line
@@ -59,7 +59,7 @@ def long_delay(full: FullRate, until: float = np.inf) -> float:
     return late if clear else 0.0
 
 
-def taken_back(recording: Recording, late: float) -> Recording:
+def advanced(recording: Recording, late: float) -> Recording:
     """The recording with the unit's stamps `late` seconds earlier."""
     return replace(recording, imu=replace(recording.imu, t=recording.imu.t - late))
 

@@ -1,6 +1,6 @@
-"""The readings before a search: what happened to them, and a long delay of their stamps, undone."""
+"""The readings before a search: without events and without a long delay of their time stamps."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -8,38 +8,72 @@ from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.explain.events.lost_samples import LostSamples
-from tasks.explain.inputs.delay import long_delay, taken_back
-from tasks.explain.inputs.observed import FullRate, full_rate
+from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.delay import advanced, coarse_delay
+from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.plain_fit import plain_prediction
 
-ROUNDS = 4  # of a fit whose prediction tells what events did to the readings
+ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 
 
-def without_happenings(
-    recording: Recording, full: FullRate, offset_asked: bool
-) -> tuple[float, Events, FullRate, np.ndarray]:
-    """How late all stamps are, what happened, and the readings without either, as
-    `_without_events`; lost samples hide a delay until they are told, so it is asked again.
+@dataclass(frozen=True)
+class Cleaned:
+    """A recording without its events and without a delay of all time stamps.
+
+    delay: s by which the stamps were late. masked: (n, 6) bool, readings that say nothing.
     """
-    late = long_delay(full) if offset_asked else 0.0
-    stamped = full_rate(taken_back(recording, late)) if late else full
-    events = events_in_readings(stamped.motion.t, stamped.readings, stamped.motion)
-    losses = [one for one in events.events if isinstance(one, LostSamples)]
-    more = long_delay(stamped, until=losses[0].times[0]) if losses and offset_asked else 0.0
-    if more:
-        late += more
-        stamped = full_rate(taken_back(recording, late))
-        events = events_in_readings(stamped.motion.t, stamped.readings, stamped.motion)
-    return late, events, *_without_events(stamped, events)
+
+    full: FullRate
+    delay: float
+    events: Events
+    masked: np.ndarray
+
+    def blocks(self, rate: float) -> Blocks:
+        """Block means at a rate, Hz."""
+        return block_means(self.full, rate, self.masked)
+
+    def less(self, reference: ReferencePrediction | None, full: FullRate) -> "Cleaned":
+        """The same less what a reference predicts beyond an ideal unit. full: as recorded."""
+        if reference is None:
+            return self
+        readings = self.full.readings - reference.beyond_ideal(full.motion)
+        return replace(self, full=replace(self.full, readings=readings))
+
+    def with_stamps_of(self, full: FullRate) -> "Cleaned":
+        """The same readings at the time stamps as they were recorded."""
+        return replace(self, full=replace(self.full, motion=full.motion))
+
+
+def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned:
+    """The readings without events and delay; lost samples hide a delay until they are known, so
+    that it is sought before and after them.
+    """
+    delay = coarse_delay(full) if delay_sought else 0.0
+    advanced_rows, events = _with_delay(recording, full, delay)
+    losses = [event for event in events.events if isinstance(event, LostSamples)]
+    if losses and delay_sought:
+        more = coarse_delay(advanced_rows, until=losses[0].times[0])
+        if more:
+            delay += more
+            advanced_rows, events = _with_delay(recording, full, delay)
+    without_events, masked = _without_events(advanced_rows, events)
+    return Cleaned(without_events, delay, events, masked)
+
+
+def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:
+    rows = full_rate(advanced(recording, delay)) if delay else full
+    return rows, events_in_readings(rows.motion.t, rows.readings, rows.motion)
 
 
 def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:
-    """The readings as they were before the events changed them, and which (n, 6) tell nothing."""
+    """The readings as they were before the events changed them, and which (n, 6) say nothing."""
     if not events.events:
         return full, events.masked
-    freed = full.readings
+    corrected = full.readings
     for _ in range(ROUNDS):
-        predicted = plain_prediction(np.where(events.masked, np.nan, freed), full.motion)
-        freed = events.corrected(full.motion.t, full.readings, predicted)
-    masked = events.masked | (np.isnan(freed) & np.isfinite(predicted))
-    return replace(full, readings=np.where(np.isfinite(freed), freed, full.readings)), masked
+        predicted = plain_prediction(np.where(events.masked, np.nan, corrected), full.motion)
+        corrected = events.corrected(full.motion.t, full.readings, predicted)
+    masked = events.masked | (np.isnan(corrected) & np.isfinite(predicted))
+    readings = np.where(np.isfinite(corrected), corrected, full.readings)
+    return replace(full, readings=readings), masked

@@ -5,20 +5,13 @@ from numpy.polynomial import chebyshev
 
 from schemas.recording import Recording, Segment
 
-AT_REST = 1e-3  # rad/s
-STEADY = 0.02  # of the speed: a segment that scatters more is a ramp
-TOLD_BY = 1.3  # samples of three axes: what their second differences are worth for each row
-FEWEST_SPEEDS = 2  # that tell a power of the speed
-EXPONENTS = np.round(np.arange(0.5, 6.01, 0.1), 1)  # of the vibration's power by the speed
-AS_WELL = 4.0  # chi-squared
-LIKE_NOISE = 3.0  # chi-squared per segment
-MEANS = 5.0  # s: a unit's temperature does not change faster
-FEWEST_MEANS = 6
-LIKE_SCATTER = 1.3  # times what scatters from mean to mean
-MOST_DEGREES = 60  # of the polynomial: cycles of a minute in a run of half an hour
+MEAN_WIDTH = 5.0  # s: a unit's temperature does not change faster
+MIN_MEANS = 6
+MAX_EXCESS = 1.3  # times what scatters from mean to mean
+MAX_DEGREE = 60  # of the polynomial: cycles of a minute in a run of half an hour
 
 
-def recorded_courses(
+def recorded_signals(
     recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
 ) -> dict[str, np.ndarray]:
     """What sensors of unit and room recorded, at the unit's rows, and which fixing it was."""
@@ -41,28 +34,28 @@ def recorded_courses(
     return recorded
 
 
-def _filled(course: np.ndarray) -> np.ndarray:
-    known = np.isfinite(course)
-    rows = np.arange(len(course))
-    return np.interp(rows, rows[known], course[known]) if known.any() else np.zeros(len(course))
+def _filled(signal: np.ndarray) -> np.ndarray:
+    known = np.isfinite(signal)
+    rows = np.arange(len(signal))
+    return np.interp(rows, rows[known], signal[known]) if known.any() else np.zeros(len(signal))
 
 
 def _smoothed(t: np.ndarray, course: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A polynomial (n,) through means of MEANS seconds, and its derivative.
+    """A polynomial (n,) through means of MEAN_WIDTH seconds, and its derivative.
 
     Its degree is told by Schwarz's criterion: a body warms smoothly, and the noise of a
     thermometer would otherwise hide a bias that follows either. The course stays as it was read
     where the polynomial leaves more than that noise.
     """
-    cell = ((t - t[0]) / MEANS).astype(int)
+    cell = ((t - t[0]) / MEAN_WIDTH).astype(int)
     counts = np.bincount(cell)
     held = counts > 0
     means = np.bincount(cell, course)[held] / counts[held]
-    if held.sum() < FEWEST_MEANS or not np.ptp(means):
+    if held.sum() < MIN_MEANS or not np.ptp(means):
         return course, np.zeros(len(t))
     middles = np.bincount(cell, t - t[0])[held] / counts[held]
-    half = 0.5 * max(float(t[-1] - t[0]), MEANS)
-    columns = chebyshev.chebvander(middles / half - 1.0, min(MOST_DEGREES, held.sum() // 3))
+    half = 0.5 * max(float(t[-1] - t[0]), MEAN_WIDTH)
+    columns = chebyshev.chebvander(middles / half - 1.0, min(MAX_DEGREE, held.sum() // 3))
     root = np.sqrt(counts[held])
     turned, triangle = np.linalg.qr(columns * root[:, None])
     told = turned.T @ (means * root)
@@ -77,7 +70,7 @@ def _smoothed(t: np.ndarray, course: np.ndarray) -> tuple[np.ndarray, np.ndarray
     slope = np.asarray(chebyshev.chebval(at, chebyshev.chebder(found)) / half)
     left = np.std(means - columns[:, :best] @ found)
     scatter = np.median(np.abs(np.diff(means, 2))) / 0.6745 / np.sqrt(6.0)
-    if left > LIKE_SCATTER * scatter:
+    if left > MAX_EXCESS * scatter:
         return course, slope
     return np.asarray(chebyshev.chebval(at, found) + slope * (t - t[0] - inside)), slope
 
@@ -114,43 +107,3 @@ def _by_mount(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]
         if now != before:
             number[np.searchsorted(t, segment.t_start) :] += 1
     return number
-
-
-def vibration(variance: np.ndarray, number: np.ndarray, speed: np.ndarray) -> np.ndarray:
-    """(n,) mean square of the accelerometers' noise beyond that at rest, by the speed it has.
-
-    variance: (segments, 2); number: (n,) segment of each row; speed: (n,) rad/s. A power of the
-    speed where one describes it, which has less noise than single segments; else between them.
-    """
-    seen = [k for k in range(len(variance) - 1) if np.isfinite(variance[k, 1])]
-    if not seen:
-        return np.zeros(len(number))
-    speeds = np.array([float(np.median(speed[number == k])) for k in seen])
-    resting = speeds < AT_REST
-    quiet = float(np.median(variance[seen, 1][resting if resting.any() else slice(None)]))
-    steady = np.array([float(np.std(speed[number == k])) for k in seen]) < STEADY * speeds
-    turning = ~resting & steady if (~resting & steady).any() else ~resting
-    beyond = (variance[seen, 1] - quiet)[turning]
-    rows = np.array([np.count_nonzero(number == k) for k in seen])[turning]
-    u = variance[seen, 1][turning] * np.sqrt(2.0 / (TOLD_BY * np.maximum(rows, 1)))
-    law = _power_law(speeds[turning], beyond, u)
-    if law is not None:
-        return law[0] * speed ** law[1]
-    order = np.argsort(speeds[turning])
-    at, level = speeds[turning][order], np.maximum(beyond[order], 0.0)
-    return np.interp(speed, np.append(0.0, at), np.append(0.0, level))
-
-
-def _power_law(speeds: np.ndarray, beyond: np.ndarray, u: np.ndarray) -> tuple[float, float] | None:
-    """Factor and exponent of c·speed^n; a whole n where it does as well. None: it is no power."""
-    if len(np.unique(np.round(speeds, 2))) < FEWEST_SPEEDS:
-        return None
-    powers = speeds[:, None] ** EXPONENTS / u[:, None]
-    factors = (powers * (beyond / u)[:, None]).sum(axis=0) / (powers**2).sum(axis=0)
-    cost = ((beyond / u)[:, None] - factors * powers) ** 2
-    cost = np.where(factors > 0, cost.sum(axis=0), np.inf)
-    whole = np.isclose(EXPONENTS, np.round(EXPONENTS))
-    best = int(np.argmin(cost + AS_WELL * ~whole))
-    if not cost[best] < LIKE_NOISE * len(speeds):
-        return None
-    return float(factors[best]), float(EXPONENTS[best])

@@ -17,15 +17,15 @@ from tasks.words import Sayable
 
 
 @dataclass(frozen=True)
-class Told:
-    """readings: (n, 6) rad/s and m/s² at the unit's rows, NaN where nothing is told.
+class ReferencePrediction:
+    """readings: (n, 6) rad/s and m/s² at the unit's rows, NaN where nothing is predicted.
 
-    model: who says so, for the report.
+    model: whose prediction it is, for the report.
     """
 
     readings: np.ndarray
     model: Sayable
 
     def beyond_ideal(self, motion: Motion) -> np.ndarray:
-        """(n, 6) what is told less what an ideal unit would read."""
+        """(n, 6) what is predicted less what an ideal unit would read."""
         return self.readings - predict(STANDARD_TERMS, motion, nominal_values(STANDARD_TERMS))

@@ -44,7 +44,7 @@ def noise_by_segment(
 
 def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(6,) steps of the outputs, 0 where there are none, and whether noise is larger than them."""
-    steps, stirred = np.zeros(6), np.ones(6, bool)
+    steps, dithered = np.zeros(6), np.ones(6, bool)
     for channel, course in enumerate(readings.T):
         changes = np.abs(np.diff(course[np.isfinite(course)][:SAMPLE]))
         moved = changes[changes > 0]
@@ -54,5 +54,5 @@ def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         parts = moved / least
         if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MOSTLY:
             steps[channel] = least
-            stirred[channel] = len(moved) > STIRRED * len(changes)
-    return steps, stirred
+            dithered[channel] = len(moved) > STIRRED * len(changes)
+    return steps, dithered

@@ -8,7 +8,8 @@ temperature …); the one that leaves least unexplained is where it sits.
 import numpy as np
 
 from schemas.discrepancy import Where
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.locate.excess import ChannelExcess, Design, noise_scales
 from tasks.explain.locate.place import Place, places
 from tasks.explain.locate.run import Run

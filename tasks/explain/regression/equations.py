@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.explain.inputs.observed import Observed
-from tasks.explain.regression.spectrum import Noise, padded_length, transformed
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.regression.spectrum import Noise, transformed, weighted
 from tasks.model.term import Column
 
 
@@ -35,23 +35,15 @@ class Equations:
 def equations_of(
     columns: Sequence[Column],
     misfit: np.ndarray,
-    observed: Observed,
+    observed: Blocks,
     noises: Sequence[Noise],
-    rows: np.ndarray | None = None,
 ) -> Equations:
-    """Whitened Gram matrices of columns and misfit (n, 6), on some rows (n,) bool or on all."""
+    """Whitened Gram matrices of columns and misfit (n, 6)."""
     grams, which = [], []
     for channel, noise in enumerate(noises):
-        weight = observed.weight[:, channel]
-        weight = weight if rows is None else weight * rows
         own = [q for q, column in enumerate(columns) if channel in column]
-        stack = np.zeros((len(own) + 1, padded_length(len(weight))))
-        for row, q in enumerate(own):
-            stack[row, : len(weight)] = columns[q][channel]
-        stack[-1, : len(weight)] = misfit[:, channel]
-        stack[:, : len(weight)] *= weight
-        np.nan_to_num(stack, copy=False)
-        stack = transformed(stack)
+        signals = [*(columns[q][channel] for q in own), misfit[:, channel]]
+        stack = transformed(weighted(signals, observed.weight[:, channel]))
         count = stack.shape[1]
         frequency = np.maximum(np.arange(count), 0.5) * observed.rate / (2 * count)
         stack /= np.sqrt(noise.variance(frequency))

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import dct, next_fast_len
 
-SINGLE = 8  # lowest coefficients that are bands of their own
+SINGLE_BANDS = 8  # lowest coefficients that are bands of their own
 PER_OCTAVE = 4
-MIDDLE = (0.006, 1.0)  # Hz: where flicker is read off
-TOP = 0.5  # of the band, from where up noise is white
+FLICKER_RANGE = (0.006, 1.0)  # Hz: where flicker is read off
+WHITE_ABOVE = 0.5  # of the band, from where up noise is white
 # Hz: corners b/w that a unit may have, all equally likely on a log scale
 CORNERS = np.geomspace(1e-4, 15.0, 80)
-ALIKE = 0.35  # standard deviation of ln(corner) among a triad's sensors
-UNLIKE = 1e-4  # chance that one of them is nothing like the others
-TAKEN = 0.25  # a band of which less is free tells nothing of the noise
+CORNER_SPREAD = 0.35  # standard deviation of ln(corner) among a triad's sensors
+OUTLIER = 1e-4  # chance that one of them is nothing like the others
+MIN_FREE = 0.25  # a band of which less is free says nothing of the noise
 EFFICIENCY = 0.37  # of a median of squares beside their mean
-MEDIAN = 0.4549  # of a squared standard normal
+MEDIAN_OF_SQUARE = 0.4549  # of a squared standard normal
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def bands_of(count: int, rate: float) -> Bands:
 
     The first coefficient, the mean, stands with the second.
     """
-    edges = [0, *range(2, SINGLE + 1)]
+    edges = [0, *range(2, SINGLE_BANDS + 1)]
     while edges[-1] < count:
         edges.append(min(count, max(edges[-1] + 1, round(edges[-1] * 2 ** (1 / PER_OCTAVE)))))
     cut = np.array(edges)
@@ -54,6 +54,15 @@ def padded_length(count: int) -> int:
     return int(next_fast_len(count, real=True))
 
 
+def weighted(signals: Sequence[np.ndarray] | np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """(k, padded n) signals (n,) times weight (n,), in rows; zero where a signal is not known."""
+    stack = np.zeros((len(signals), padded_length(len(weight))))
+    for row, signal in zip(stack, signals, strict=True):
+        np.multiply(signal, weight, out=row[: len(weight)])
+    np.nan_to_num(stack, copy=False)
+    return stack
+
+
 def transformed(columns: np.ndarray) -> np.ndarray:
     """DCT of each row of (k, n), orthonormal."""
     return np.asarray(dct(columns, type=2, norm="ortho", axis=-1))
@@ -61,7 +70,7 @@ def transformed(columns: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of one channel's blocks: variance of a coefficient at f is w + b/f (+ q/f²)."""
+    """Noise of one channel's blocks: variance of a coefficient at f is w + b/f."""
 
     white: float
     flicker: float
@@ -69,20 +78,28 @@ class Noise:
     def variance(self, frequency: np.ndarray) -> np.ndarray:
         return self.white + self.flicker / frequency
 
+    def of_coefficients(self, bands: Bands) -> np.ndarray:
+        """(n,) variance of every coefficient, the same within a band."""
+        return np.repeat(self.variance(bands.frequency), bands.sizes)
+
+    def at_rate(self, factor: float) -> "Noise":
+        """The same spectrum for blocks of `factor` times the rate."""
+        return Noise(self.white * factor, self.flicker * factor)
+
 
 @dataclass(frozen=True)
-class Left:
-    """What a fit left of a channel: course (n,), DCT coefficients; free: (bands,) the share of a
+class ChannelResidual:
+    """What a fit left of a channel: DCT coefficients (n,); free: (bands,) the share of a
     band's coefficients that no fitted column took, which is what noise keeps of its power there.
     """
 
-    course: np.ndarray
+    coefficients: np.ndarray
     free: np.ndarray
 
 
 @dataclass(frozen=True)
-class Seen:
-    """What one channel's residual tells of its noise.
+class CornerPosterior:
+    """What one channel's residual shows of its noise.
 
     white: variance of the upper half of the band. odds: (k,) of each of CORNERS, b/w in Hz.
     """
@@ -91,8 +108,8 @@ class Seen:
     odds: np.ndarray
 
 
-def noises_of_triad(
-    lefts: Sequence[Left], bands: Bands, floors: Sequence[float]
+def triad_noises(
+    lefts: Sequence[ChannelResidual], bands: Bands, floors: Sequence[float]
 ) -> tuple[Noise, ...]:
     """White and flicker noise of what a fit left in a triad's channels.
 
@@ -102,37 +119,43 @@ def noises_of_triad(
     (Whittle's likelihood) over bands whose power is a median: lines and steps of physics not yet
     found are sparse there, noise is not. The mean and not the likeliest value, since a short run
     does not exclude flicker. Sensors of a triad are built alike: the corner of one is expected
-    near those of the others, within ALIKE.
+    near those of the others, within CORNER_SPREAD.
     """
-    seen = [_seen(left, bands, floor) for left, floor in zip(lefts, floors, strict=True)]
-    near = np.exp(-0.5 * (np.log(CORNERS[:, None] / CORNERS) / ALIKE) ** 2) + UNLIKE
-    expected = [near @ each.odds for each in seen]
+    posteriors = [_posterior(left, bands, floor) for left, floor in zip(lefts, floors, strict=True)]
+    near = np.exp(-0.5 * (np.log(CORNERS[:, None] / CORNERS) / CORNER_SPREAD) ** 2) + OUTLIER
+    expected = [near @ posterior.odds for posterior in posteriors]
     found = []
-    for number, each in enumerate(seen):
+    for number, posterior in enumerate(posteriors):
         others = np.prod([e for n, e in enumerate(expected) if n != number], axis=0)
-        odds = each.odds * (near @ (others * np.ones(len(CORNERS))))
+        odds = posterior.odds * (near @ (others * np.ones(len(CORNERS))))
         corner = float(odds @ CORNERS / odds.sum())
         top = 0.75 * bands.frequency[-1]
-        flicker = each.white / (1.0 + corner / top) * corner
-        found.append(Noise(each.white - flicker / top, flicker))
+        flicker = posterior.white / (1.0 + corner / top) * corner
+        found.append(Noise(posterior.white - flicker / top, flicker))
     return tuple(found)
 
 
-def _seen(left: Left, bands: Bands, floor: float) -> Seen:
+def _posterior(left: ChannelResidual, bands: Bands, floor: float) -> CornerPosterior:
     cut = bands.edges
-    middle = (bands.frequency > MIDDLE[0]) & (bands.frequency < MIDDLE[1]) & (bands.sizes >= 3)
-    middle &= left.free > TAKEN
+    middle = (
+        (bands.frequency > FLICKER_RANGE[0])
+        & (bands.frequency < FLICKER_RANGE[1])
+        & (bands.sizes >= 3)
+    )
+    middle &= left.free > MIN_FREE
     free, frequency = left.free[middle], bands.frequency[middle]
     power = [
-        np.median(left.course[cut[k] : cut[k + 1]] ** 2) / MEDIAN for k in np.flatnonzero(middle)
+        np.median(left.coefficients[cut[k] : cut[k + 1]] ** 2) / MEDIAN_OF_SQUARE
+        for k in np.flatnonzero(middle)
     ]
     sizes = bands.sizes[middle] * free
     # Small medians are biased upwards: 1 + 0.58/n to first order.
     levels = np.maximum(np.array(power) / (free + 0.58 * free / np.maximum(sizes, 1)), floor)
-    white = max(float(np.mean(left.course[int(TOP * len(left.course)) :] ** 2)), floor)
+    top_half = left.coefficients[int(WHITE_ABOVE * len(left.coefficients)) :]
+    white = max(float(np.mean(top_half**2)), floor)
     if white <= 0 or not len(levels):
-        return Seen(max(white, 1e-30), (CORNERS[0] == CORNERS).astype(float))
+        return CornerPosterior(max(white, 1e-30), (CORNERS[0] == CORNERS).astype(float))
     top = 0.75 * bands.frequency[-1]
     expected = white / (1.0 + CORNERS[:, None] / top) * (1.0 + CORNERS[:, None] / frequency)
     costs = (sizes * (np.log(expected) + levels / expected)).sum(axis=1)
-    return Seen(white, np.exp(-0.5 * EFFICIENCY * (costs - costs.min())))
+    return CornerPosterior(white, np.exp(-0.5 * EFFICIENCY * (costs - costs.min())))

@@ -6,7 +6,8 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 
 from schemas.recording import MEASURED
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation
 from tasks.explain.report.excess import Cells
 from tasks.explain.report.names import channel_title
 from tasks.pages.chart import AFTER, BEFORE, draw, time_axis

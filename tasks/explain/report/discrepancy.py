@@ -12,7 +12,8 @@ from schemas.discrepancy import (
     VerdictChange,
     Where,
 )
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.report.statements import finding_statement
 from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS

@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import Segment
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation
 from tasks.segments.find import segments_of
 
 FINEST = 240  # cells over the run where no segment asks for more

@@ -7,7 +7,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from schemas.base import Unusable
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation
 
 
 def appear(folder: Path, name: str, content: bytes) -> Path:

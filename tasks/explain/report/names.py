@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from schemas.discrepancy import FoundParameter, Statement, VerdictChange
+from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import OVERALL
-from tasks.explain.explanation import CHANNELS
 from tasks.specifications.items import ITEMS
 from tasks.words import Message, Sayable, known, message, texts
 from tasks.words.quantities import quantity

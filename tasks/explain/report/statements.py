@@ -42,14 +42,10 @@ def what(finding: FindingSaid) -> Sayable:
     sizes = ", ".join(map(parameter_text, largest))
     more = len(finding.parameters) - len(largest)
     if not sizes:
-        size = message("report-what", title=finding.title)
-    elif not more:
-        size = message("report-what-size", title=finding.title, sizes=sizes)
-    else:
-        size = message("report-what-sizes", title=finding.title, sizes=sizes, more=more)
-    if finding.follows in (None, finding.title):
-        return size
-    return sentences([size, message("report-what-it-follows", follows=finding.follows)])
+        return message("report-what", title=finding.title)
+    if not more:
+        return message("report-what-size", title=finding.title, sizes=sizes)
+    return message("report-what-sizes", title=finding.title, sizes=sizes, more=more)
 
 
 def where(finding: FindingSaid) -> Sayable:

@@ -10,18 +10,18 @@ from functools import partial
 import numpy as np
 
 from tasks.explain.channels import ACCELS, EVERY, GYROS
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical_terms import (
-    UNNAMED,
     EmpiricalTilt,
     Regressors,
     regression_term,
     sinusoid,
 )
 from tasks.explain.search.motion_signals import (
+    gravity_turns,
     lagged,
-    repositioned,
-    since_last,
-    turned_over,
+    repositioning,
+    time_since,
     turning,
 )
 from tasks.model.term import Inputs, Parameter, Term
@@ -40,8 +40,8 @@ LEAN_PARAMETERS = tuple(
 SINUSOIDS = 2  # periods that are tried for each set of channels
 RECORDED = ("humidity", "pressure", "air_temperature")
 EVENTS = {
-    "each move to another position": ("reposition", repositioned),
-    "each turn of gravity's direction": ("gravity-turn", turned_over),
+    "each move to another position": ("reposition", repositioning),
+    "each turn of gravity's direction": ("gravity-turn", gravity_turns),
     "each stop": ("stop", turning),
 }
 
@@ -69,7 +69,7 @@ def _relaxations() -> Iterator[Term]:
 def _decay(
     detect: Callable[[Motion], np.ndarray], tau: float, motion: Motion, inputs: Inputs, channel: int
 ) -> list[np.ndarray]:
-    return [np.exp(-since_last(motion, detect(motion)) / tau)]
+    return [np.exp(-time_since(motion, detect(motion)) / tau)]
 
 
 def _lags() -> Iterator[Term]:

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tasks.explain.channels import EVERY
+from tasks.explain.explanation import UNNAMED
 from tasks.model.term import Column, Inputs, Parameter, Term
 from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
-UNNAMED = "unnamed"
 LETTERS = "xyzxyz"
 
 Regressors = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]

@@ -10,7 +10,7 @@ AT_REST = 1e-3  # rad/s: slower is not a motion
 LONGEST_MOVE = 20.0  # s; what turns longer is a run
 
 
-def since_last(motion: Motion, events: np.ndarray) -> np.ndarray:
+def time_since(motion: Motion, events: np.ndarray) -> np.ndarray:
     """(n,) s since the last event (n,) bool was over; infinite before the first."""
     rows = np.flatnonzero(np.diff(events.astype(int)) == -1) + 1
     if not len(rows):
@@ -20,7 +20,7 @@ def since_last(motion: Motion, events: np.ndarray) -> np.ndarray:
     return np.where(last >= 0, since, np.inf)
 
 
-def turned_over(motion: Motion) -> np.ndarray:
+def gravity_turns(motion: Motion) -> np.ndarray:
     """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
     up = np.nan_to_num(motion.up)
     speed = np.linalg.norm(np.gradient(up, motion.interval, axis=0), axis=1)
@@ -32,7 +32,7 @@ def turning(motion: Motion) -> np.ndarray:
     return np.asarray(np.linalg.norm(np.nan_to_num(motion.rate), axis=1) > AT_REST)
 
 
-def repositioned(motion: Motion) -> np.ndarray:
+def repositioning(motion: Motion) -> np.ndarray:
     """(n,) bool: the unit turns from one rest to another, without a steady turn between."""
     moving = turning(motion)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], moving.astype(int), [0]])))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate
@@ -44,6 +44,24 @@ class Model:
     covariance: np.ndarray
     shape_u: tuple[float | None, ...]
 
+    @property
+    def u(self) -> np.ndarray:
+        """(p,) standard uncertainties; zero where not free."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    def with_free(self, term: Term) -> "Model":
+        """The same values with one more term at its nominal values, all its parameters free."""
+        count = len(term.parameters)
+        size = len(self.values) + count
+        return Model(
+            (*self.terms, term),
+            np.concatenate([self.values, nominal_values((term,))]),
+            np.concatenate([self.free, np.ones(count, bool)]),
+            np.concatenate([self.prior, np.zeros(count)]),
+            np.zeros((size, size)),
+            (*self.shape_u, None),
+        )
+
     def without(self, some: Collection[TermKey]) -> "Model":
         """The same values with some terms taken out."""
         kept = [k for k, term in enumerate(self.terms) if term.key not in some]
@@ -63,7 +81,7 @@ def whole_effect(model: Model, term: Term, motion: Motion, prediction: np.ndarra
     return {channel: effect[:, channel] for channel in range(6)}
 
 
-def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Observed) -> Model:
+def model_of(chosen: Sequence[tuple[Candidate, np.ndarray]], observed: Blocks) -> Model:
     """The standard's model at its ideal values and the chosen terms at nothing.
 
     chosen: candidates with the prior precision (m,) of their parameters, zero for most. What the
@@ -97,7 +115,7 @@ def _seen(column: Column, weight: np.ndarray) -> bool:
     return any(np.nan_to_num(course * weight[:, c]).any() for c, course in column.items())
 
 
-def started(model: Model, before: Model) -> Model:
+def with_values_of(model: Model, before: Model) -> Model:
     """The model with the values that an earlier one had for the same terms."""
     values = model.values.copy()
     earlier = dict(zip((term.key for term in before.terms), places(before.terms), strict=True))
@@ -107,7 +125,7 @@ def started(model: Model, before: Model) -> Model:
     return replace(model, values=np.where(model.free, values, model.values))
 
 
-def delayed(model: Model, late: float) -> Model:
+def with_later_clock(model: Model, late: float) -> Model:
     """The model with a clock that is `late` seconds later still."""
     values = model.values.copy()
     for term, place in zip(model.terms, places(model.terms), strict=True):
@@ -116,7 +134,7 @@ def delayed(model: Model, late: float) -> Model:
     return replace(model, values=values)
 
 
-def fitted(model: Model, observed: Observed, noises: Sequence[Noise]) -> Model:
+def fitted(model: Model, observed: Blocks, noises: Sequence[Noise]) -> Model:
     """The model with its free parameters and continuous shapes fitted.
 
     noises: of a coefficient at the observed rate.
@@ -160,13 +178,13 @@ def _held_at_nothing(model: Model, some: np.ndarray) -> Model:
     )
 
 
-def _columns(model: Model, observed: Observed, shapes: Sequence[int]) -> list[Column]:
+def _columns(model: Model, observed: Blocks, shapes: Sequence[int]) -> list[Column]:
     design = linearise(model.terms, observed.motion, model.values)
     columns = [design.columns[p] for p in np.flatnonzero(model.free)]
     return columns + [_shape_column(model, observed, k) for k in shapes]
 
 
-def _misfit(model: Model, observed: Observed) -> np.ndarray:
+def _misfit(model: Model, observed: Blocks) -> np.ndarray:
     return observed.readings - predict(model.terms, observed.motion, model.values)
 
 
@@ -176,7 +194,7 @@ def _shaped(model: Model) -> list[int]:
     return [k for k, term in enumerate(model.terms) if term.bent and model.values[own[k]].any()]
 
 
-def _shape_column(model: Model, observed: Observed, k: int) -> Column:
+def _shape_column(model: Model, observed: Blocks, k: int) -> Column:
     term = model.terms[k]
     step = SHAPE_STEP * max(abs(term.at[0]), 0.1)
     reads = []
@@ -209,7 +227,7 @@ def _stepped(
 
 
 def linearised(
-    model: Model, observed: Observed, chosen: Sequence[Candidate]
+    model: Model, observed: Blocks, chosen: Sequence[Candidate]
 ) -> tuple[dict[int, Column], np.ndarray]:
     """Columns of the chosen candidates' parameters (by their number in the pool) where the fit put
     them, and the readings (n, 6) that a linear model of these columns would have had.

@@ -1,127 +1,160 @@
-"""Effects are added one at a time until what is left is noise; then the list is put right."""
+"""Stepwise selection: effects are added one at a time until what is left is noise, then pruned."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from tasks.explain.regression.spectrum import Noise
-from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.pool import Pool, System, noises_of, system
-from tasks.explain.search.rank import Scored, members_of, rank
+from tasks.explain.search.candidates import Candidate, members_of
+from tasks.explain.search.design import (
+    BandedDesign,
+    NormalEquations,
+    normal_equations,
+    residual_noises,
+)
+from tasks.explain.search.scores import ScoredCandidate, prior_precision, rank
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
-MOST = 8  # findings
+MAX_SELECTED = 8
+MAX_EXCHANGES = 3
+MAX_ALTERNATIVES = 6
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """A candidate that was taken; rivals: other names that fit nearly as well, best first.
+class Selected:
+    """A selected candidate; alternatives: other names that fit nearly as well, best first.
 
-    instead_of: the standard's term that soaks it up whole, where that is why it was taken.
+    absorbed_by: the standard's term that absorbs it whole, where it was selected all the same.
     """
 
     candidate: Candidate
     gain: float
     score: float
-    rivals: tuple[Scored, ...]
-    instead_of: str | None = None
+    alternatives: tuple[ScoredCandidate, ...]
+    absorbed_by: str | None = None
 
 
 @dataclass(frozen=True)
-class Found:
-    """What the search found. p_value: of the strongest candidate at first, Bonferroni-corrected."""
+class Selection:
+    """What a search selected, and the noise beside it.
 
-    chosen: tuple[Chosen, ...]
+    p_value: of the strongest candidate at first, Bonferroni-corrected.
+    """
+
+    selected: tuple[Selected, ...]
     noises: tuple[Noise, ...]
     p_value: float
-    state: System
+    equations: NormalEquations
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        return [one.candidate for one in self.selected]
+
+    def prior_precision(self, candidate: Candidate) -> np.ndarray:
+        """(m,) prior precision of a candidate's parameters, in their own units."""
+        if candidate.prior is None:
+            return np.zeros(len(candidate.own))
+        scale = self.equations.scale[list(candidate.members)]
+        precision = prior_precision(self.equations, [candidate], candidate.members)
+        return np.divide(precision, scale**2, out=np.full(len(scale), 1e30), where=scale > 0)
+
+    def with_candidates(self, candidates: Sequence[Candidate]) -> "Selection":
+        """The selection with other candidates in the places of its own, in their order."""
+        pairs = zip(self.selected, candidates, strict=True)
+        return replace(self, selected=tuple(replace(one, candidate=new) for one, new in pairs))
 
 
 def search(
-    pool: Pool,
+    design: BandedDesign,
     candidates: Sequence[Candidate],
     start: Sequence[Candidate] = (),
     noises: tuple[Noise, ...] | None = None,
-) -> Found:
-    """The list of candidates that explains the pool's readings.
+) -> Selection:
+    """The candidates that explain the design's readings.
 
-    start, noises: what an earlier search found.
+    start, noises: what an earlier search selected.
     """
-    chosen = list(start)
+    selected = list(start)
     if noises is None:
-        noises = first_noises(pool)
+        noises = initial_noises(design)
     p_value = 1.0
-    before = {frozenset(one.key for one in chosen)}
-    while len(chosen) < MOST:
-        state = system(pool, noises)
-        ranked = rank(state, candidates, chosen)
+    visited = {_keys(selected)}
+    while len(selected) < MAX_SELECTED:
+        ranked = rank(normal_equations(design, noises), candidates, selected)
         if not ranked:
             break
         corrected = min(1.0, ranked[0].p_value * len(candidates))
-        if not chosen:
+        if not selected:
             p_value = corrected
         if corrected > FALSE_ALARMS:
             break
-        chosen.append(ranked[0].candidate)
-        noises = beside(pool, chosen, noises)
-        chosen = _put_right(system(pool, noises), candidates, chosen)
-        noises = beside(pool, chosen, noises)
-        standing = frozenset(one.key for one in chosen)
-        if standing in before:  # what was added does not stand
+        selected.append(ranked[0].candidate)
+        noises = noises_beside(design, selected, noises)
+        selected = _revised(normal_equations(design, noises), candidates, selected)
+        noises = noises_beside(design, selected, noises)
+        if _keys(selected) in visited:  # what was added does not stand
             break
-        before.add(standing)
-    state = system(pool, noises)
-    return Found(_with_rivals(state, candidates, chosen), noises, p_value, state)
+        visited.add(_keys(selected))
+    equations = normal_equations(design, noises)
+    return Selection(
+        _with_alternatives(equations, candidates, selected), noises, p_value, equations
+    )
 
 
-def first_noises(pool: Pool) -> tuple[Noise, ...]:
+def initial_noises(design: BandedDesign) -> tuple[Noise, ...]:
     """The noise of what the standard's model alone leaves."""
-    return noises_of(pool, (), noises_of(pool, (), None))
+    return residual_noises(design, (), residual_noises(design, (), None))
 
 
-def beside(pool: Pool, chosen: Sequence[Candidate], noises: Sequence[Noise]) -> tuple[Noise, ...]:
-    """The noise of what the chosen leave, fitted by earlier noises."""
-    return noises_of(pool, members_of(chosen), noises)
+def noises_beside(
+    design: BandedDesign, selected: Sequence[Candidate], noises: Sequence[Noise]
+) -> tuple[Noise, ...]:
+    """The noise of what the selected candidates leave, fitted by earlier noises."""
+    return residual_noises(design, members_of(selected), noises)
 
 
-def _put_right(
-    state: System, candidates: Sequence[Candidate], chosen: list[Candidate]
+def _keys(candidates: Sequence[Candidate]) -> frozenset[object]:
+    return frozenset(one.key for one in candidates)
+
+
+def _revised(
+    equations: NormalEquations, candidates: Sequence[Candidate], selected: list[Candidate]
 ) -> list[Candidate]:
     """Takes out what the others have made needless, and exchanges what another does better."""
-    for _ in range(3):
-        before = list(chosen)
-        for one in before:
-            if one.key not in {other.key for other in chosen}:
+    for _ in range(MAX_EXCHANGES):
+        before = [one.key for one in selected]
+        for one in list(selected):
+            if one.key not in _keys(selected):
                 continue
-            rest = [other for other in chosen if other.key != one.key]
-            ranked = rank(state, candidates, rest)
-            if not ranked or ranked[0].score <= 0:
-                chosen = rest
-                continue
-            own = next((s for s in ranked if s.candidate.key == one.key), None)
-            if own is None:
-                chosen = rest
+            rest = [other for other in selected if other.key != one.key]
+            ranked = rank(equations, candidates, rest)
+            own = next((scored for scored in ranked if scored.candidate.key == one.key), None)
+            if own is None or ranked[0].score <= 0:
+                selected = rest
             elif ranked[0].score > own.score + 1e-9:
-                chosen = [
-                    ranked[0].candidate if other.key == one.key else other for other in chosen
-                ]
-        if [one.key for one in chosen] == [one.key for one in before]:
+                best = ranked[0].candidate
+                selected = [best if other.key == one.key else other for other in selected]
+        if [one.key for one in selected] == before:
             break
-    return chosen
+    return selected
 
 
-def _with_rivals(
-    state: System, candidates: Sequence[Candidate], chosen: Sequence[Candidate]
-) -> tuple[Chosen, ...]:
+def _with_alternatives(
+    equations: NormalEquations, candidates: Sequence[Candidate], selected: Sequence[Candidate]
+) -> tuple[Selected, ...]:
+    """The selected candidates by gain; one that has become unobservable is left out."""
     found = []
-    for one in chosen:
-        rest = [other for other in chosen if other.key != one.key]
-        ranked = rank(state, candidates, rest)
-        own = next((s for s in ranked if s.candidate.key == one.key), None)
+    for one in selected:
+        rest = [other for other in selected if other.key != one.key]
+        ranked = rank(equations, candidates, rest)
+        own = next((scored for scored in ranked if scored.candidate.key == one.key), None)
         if own is None:
             continue
-        rivals: dict[str, Scored] = {}
+        best: dict[str, ScoredCandidate] = {}
         for other in ranked:
-            if other.candidate.name not in (one.name, *rivals):
-                rivals[other.candidate.name] = other
-        found.append(Chosen(one, own.gain, own.score, tuple(list(rivals.values())[:6])))
-    return tuple(sorted(found, key=lambda each: -each.gain))
+            if other.candidate.name != one.name:
+                best.setdefault(other.candidate.name, other)
+        alternatives = tuple(best.values())[:MAX_ALTERNATIVES]
+        found.append(Selected(one, own.gain, own.score, alternatives))
+    return tuple(sorted(found, key=lambda selected: -selected.gain))

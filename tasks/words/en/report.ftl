@@ -12,7 +12,6 @@ report-whole-certificate = the certificate as a whole
 report-what = { $title }.
 report-what-size = { $title }: { $sizes } (k = 2).
 report-what-sizes = { $title }: { $sizes }, and { $more } more (k = 2).
-report-what-it-follows = What it follows: { $follows }.
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
 report-predicted = Stretches that the fit did not see become { $times } as probable ({ $nats } nats)

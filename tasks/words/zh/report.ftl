@@ -12,7 +12,6 @@ report-whole-certificate = 证书总结论
 report-what = { $title }。
 report-what-size = { $title }：{ $sizes }（k = 2）。
 report-what-sizes = { $title }：{ $sizes }，另有 { $more } 个参数（k = 2）。
-report-what-it-follows = 其变化规律：{ $follows }。
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
 report-predicted = 未参与拟合的区段，其数据概率提高到 { $times }（{ $nats } nat）

@@ -1,7 +1,7 @@
 """Which block of time each row of the unit's stream falls into: the one place that says so.
 
 Predictions are kept and compared as means over these blocks, those that
-`tasks.explain.inputs.observed` makes at the same rate.
+`tasks.explain.inputs.blocks` makes at the same rate.
 """
 
 import numpy as np

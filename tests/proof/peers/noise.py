@@ -11,7 +11,7 @@ import numpy as np
 from scipy.fft import dct, idct, next_fast_len
 from scipy.optimize import nnls
 
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 
 FLICKER = 2.0 * np.log(2.0)
 FEWEST = 2  # differences of neighbouring means in a segment
@@ -33,7 +33,7 @@ class Noise:
         return np.asarray(self.white / (2.0 * seconds) + self.flicker * beyond)
 
 
-def noises_of(observed: Observed, left: np.ndarray) -> tuple[Noise, ...]:
+def noises_of(observed: Blocks, left: np.ndarray) -> tuple[Noise, ...]:
     """Noise of the six channels from what the standard's model leaves, (n, 6).
 
     The corner between white and flicker noise is common to a triad.
@@ -52,7 +52,7 @@ def noises_of(observed: Observed, left: np.ndarray) -> tuple[Noise, ...]:
     return tuple(noises)
 
 
-def _ladder(observed: Observed, left: np.ndarray, channel: int) -> tuple[np.ndarray, np.ndarray]:
+def _ladder(observed: Blocks, left: np.ndarray, channel: int) -> tuple[np.ndarray, np.ndarray]:
     """Allan variance at 1, 2, 4 … blocks and its degrees of freedom: medians over the segments;
     NaN where too few are so long."""
     lengths = 2 ** np.arange(LONGEST)

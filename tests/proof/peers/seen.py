@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.explain.evidence.held_out import FOLDS, cells_of
-from tasks.explain.inputs.observed import Observed, full_rate, in_blocks
+from tasks.explain.evidence.held_out import FOLDS, fold_cells
+from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.full_rate import full_rate
 from tasks.model.term import Inputs
 from tasks.model.terms.standard import STANDARD_TERMS
 from tests.proof.peers.blocks import BLOCK_RATE
@@ -27,7 +28,7 @@ class Seen:
     """fold: (n,) 0 to 3. standard: (n, b) columns of each channel. nominal: (n, 6) the standard's
     model, fitted. noises: of the six channels; used: those that were recorded."""
 
-    observed: Observed
+    observed: Blocks
     fold: np.ndarray
     standard: tuple[np.ndarray, ...]
     nominal: np.ndarray
@@ -78,20 +79,20 @@ class Equations:
 
 def see(recording: Recording) -> Seen:
     """Raises Unusable where the recording has no motion, rates or forces, or is too short."""
-    return seen_of(in_blocks(full_rate(recording), BLOCK_RATE))
+    return seen_of(block_means(full_rate(recording), BLOCK_RATE))
 
 
-def seen_of(observed: Observed) -> Seen:
+def seen_of(observed: Blocks) -> Seen:
     """Fits the standard's model twice: plainly for the noise, then weighed by that noise."""
     standard = standard_columns(observed)
-    fold = cells_of(observed) % FOLDS
+    fold = fold_cells(observed) % FOLDS
     plain = _fitted(observed, standard, None)
     noises = noises_of(observed, observed.readings - plain)
     nominal = plain + _fitted(observed, standard, noises, observed.readings - plain)
     return Seen(observed, fold, standard, nominal, noises)
 
 
-def standard_columns(observed: Observed) -> tuple[np.ndarray, ...]:
+def standard_columns(observed: Blocks) -> tuple[np.ndarray, ...]:
     """Columns (n, b) of models (1) and (2) for each channel; 0 where the motion is not known."""
     motion = observed.motion
     columns: list[list[np.ndarray]] = [[] for _ in CHANNELS]
@@ -103,7 +104,7 @@ def standard_columns(observed: Observed) -> tuple[np.ndarray, ...]:
 
 
 def _fitted(
-    observed: Observed,
+    observed: Blocks,
     standard: tuple[np.ndarray, ...],
     noises: tuple[Noise, ...] | None,
     readings: np.ndarray | None = None,

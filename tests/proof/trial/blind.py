@@ -13,8 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from schemas.recording import Recording
+from tasks.explain.channels import CHANNELS
 from tasks.explain.explain import explain
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.explanation import Explanation
 from tasks.words import say
 from tests.proof.trial.certificate import CERTIFICATE, certificate_less, certificate_of
 

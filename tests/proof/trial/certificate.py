@@ -11,7 +11,7 @@ from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.explanation import Explanation
-from tasks.explain.inputs.observed import full_rate
+from tasks.explain.inputs.full_rate import full_rate
 from tasks.model.catalogue import catalogue
 from tasks.specifications.register import specification_for
 

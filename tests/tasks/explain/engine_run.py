@@ -7,9 +7,9 @@ import numpy as np
 from scipy.fft import dct
 
 from schemas.recording import Segment
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
-from tasks.explain.search.pool import Pool
+from tasks.explain.search.design import BandedDesign
 from tasks.model.simulate import predict
 from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS, regressors
@@ -103,27 +103,29 @@ def flicker(count: int, rate: float, b: float, rng: np.random.Generator) -> np.n
     return np.fft.irfft(np.fft.rfft(rng.standard_normal(size)) * shape, size)[:count]
 
 
-def observed(readings: np.ndarray, run: Motion, rate: float = RATE) -> Observed:
+def observed(readings: np.ndarray, run: Motion, rate: float = RATE) -> Blocks:
     """Blocks as they stand, all of full weight."""
     at = (run.t // (REST + MOVE)).astype(int)
     segment = 2 * at + (run.t % (REST + MOVE) >= REST)
-    return Observed(
+    return Blocks(
         run.t, readings, np.ones((len(run.t), 6)), run, rate, segment, segments(), np.zeros(6)
     )
 
 
-def whitened(courses: Sequence[np.ndarray], pool: Pool, channel: int, of: Noise) -> np.ndarray:
+def whitened(
+    courses: Sequence[np.ndarray], pool: BandedDesign, channel: int, of: Noise
+) -> np.ndarray:
     """(n, k) courses of one channel, weighed, padded, transformed and divided by the noise."""
     length = int(pool.bands.edges[-1])
     stack = np.zeros((length, len(courses)))
     for k, course in enumerate(courses):
-        stack[: len(course), k] = course * pool.observed.weight[:, channel]
+        stack[: len(course), k] = course * pool.blocks.weight[:, channel]
     level = np.repeat(of.variance(pool.bands.frequency), pool.bands.sizes)
     return np.asarray(dct(stack, type=2, norm="ortho", axis=0)) / np.sqrt(level)[:, None]
 
 
 def chi2(
-    pool: Pool,
+    pool: BandedDesign,
     readings: np.ndarray,
     columns: Sequence[Column],
     noises: Sequence[Noise],
@@ -133,7 +135,7 @@ def chi2(
     Channels stand below each other; a column of several channels has one value.
     """
     blocks, targets = [], []
-    base = [regressors(pool.observed.motion, channel).T for channel in range(6)]
+    base = [regressors(pool.blocks.motion, channel).T for channel in range(6)]
     wide = sum(len(own) for own in base)
     first = 0
     for channel in range(6):
@@ -155,7 +157,7 @@ def chi2(
     return float(left @ left), (values / size)[wide:]
 
 
-def with_weight(one: Observed, weight: Mapping[int, np.ndarray]) -> Observed:
+def with_weight(one: Blocks, weight: Mapping[int, np.ndarray]) -> Blocks:
     """The same with other weights in some channels."""
     changed = one.weight.copy()
     for channel, course in weight.items():

@@ -6,7 +6,8 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, HeldOut, Statement
 from schemas.recording import Recording
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation, Finding
 
 
 def nothing_added(recording: Recording) -> np.ndarray:

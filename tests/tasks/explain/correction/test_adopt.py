@@ -13,7 +13,7 @@ from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.correction.consequences import without
-from tasks.explain.correction.spread import spreads_of
+from tasks.explain.correction.sensitivity import sensitivities
 from tasks.explain.explanation import Finding
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values
@@ -134,7 +134,7 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
 
 def test_each_parameter_is_spread_by_its_own_term(run) -> None:
     found = lever_arm(run)
-    spreads = list(spreads_of(found, (LEVER_ARM,), whole_motion(run)))
+    spreads = list(sensitivities(found, (LEVER_ARM,), whole_motion(run)))
     for k, (spread, u) in enumerate(zip(spreads, U_ARM, strict=True)):
         alone = np.zeros(3)
         alone[k] = u
@@ -150,14 +150,14 @@ def test_physics_without_a_free_parameter_has_no_spread(run) -> None:
     added = added_by(term, run, ())
     added[:, 3:] += 1e-8  # in channels that it is not seen in
     found = finding(added, "earth_rotation", parameters=(seen,), channels=(0, 1, 2))
-    assert list(spreads_of(found, (term,), whole_motion(run))) == []
+    assert list(sensitivities(found, (term,), whole_motion(run))) == []
 
 
 def test_contribution_that_no_term_makes_is_uncertain_as_a_whole(run) -> None:
     added = nothing_added(run)
     added[:, 0] = 1e-4
     found = finding(added)  # 0.01 deg/s, u 0.001 deg/s
-    (spread,) = spreads_of(found, (LEVER_ARM,), whole_motion(run))
+    (spread,) = sensitivities(found, (LEVER_ARM,), whole_motion(run))
     np.testing.assert_allclose(spread.change, 0.1 * added)
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from engine_run import GRAVITY
 
-from tasks.explain.evidence.absorption import LIKELIER, soaked_up
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.evidence.absorption import MIN_LOG_ODDS, absorbed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate, columns_of
-from tasks.explain.search.stepwise import Chosen
+from tasks.explain.search.stepwise import Selected
 from tasks.model.terms.site import earth_rotation
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
@@ -30,7 +30,7 @@ def two_positions() -> Motion:
     return Motion(t, up, np.full_like(up, np.nan), zero, zero, GRAVITY)
 
 
-def unit(sigma: float, sensitivity: float, seed: int = 0) -> tuple[Observed, tuple[Noise, ...]]:
+def unit(sigma: float, sensitivity: float, seed: int = 0) -> tuple[Blocks, tuple[Noise, ...]]:
     """A unit at rest whose x gyro follows gravity: sensitivity, rad/s and g, all of it."""
     run = two_positions()
     rng = np.random.default_rng(seed)
@@ -38,17 +38,17 @@ def unit(sigma: float, sensitivity: float, seed: int = 0) -> tuple[Observed, tup
     readings[:, 0] += 1e-4 + sensitivity * run.up[:, 0]
     readings += sigma * rng.standard_normal(readings.shape)
     noises = (Noise(sigma**2, 0.0),) * 6
-    blocks = Observed(
+    blocks = Blocks(
         run.t, readings, np.ones_like(readings), run, RATE,
         (run.t >= SECONDS / 2).astype(int), (), np.zeros(6),
     )  # fmt: skip
     return blocks, noises
 
 
-def claimed(sigma: float, sensitivity: float, seed: int = 0) -> Chosen | None:
+def claimed(sigma: float, sensitivity: float, seed: int = 0) -> Selected | None:
     blocks, noises = unit(sigma, sensitivity, seed)
     (effect,) = columns_of(EARTH, blocks.motion)
-    return soaked_up(KNOWN, effect, blocks, noises)
+    return absorbed(KNOWN, effect, blocks, noises)
 
 
 def test_the_effect_is_that_of_the_vertical_part_where_north_is_not_known() -> None:
@@ -61,8 +61,8 @@ def test_earth_is_claimed_where_the_reading_is_as_large_as_earths_rate(seed: int
     one = claimed(FINE, VERTICAL, seed)
     assert one is not None
     assert one.candidate is KNOWN
-    assert one.instead_of == "gyro_g_sensitivity"
-    assert one.score >= LIKELIER
+    assert one.absorbed_by == "gyro_g_sensitivity"
+    assert one.score >= MIN_LOG_ODDS
     assert one.gain > one.score
 
 
@@ -84,4 +84,4 @@ def test_without_a_change_of_attitude_nothing_is_claimed() -> None:
         readings=blocks.readings[first], weight=blocks.weight[first], segment=blocks.segment[first],
     )  # fmt: skip
     (effect,) = columns_of(EARTH, rested.motion)
-    assert soaked_up(KNOWN, effect, rested, noises) is None
+    assert absorbed(KNOWN, effect, rested, noises) is None

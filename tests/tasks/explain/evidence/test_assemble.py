@@ -4,26 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from engine_run import GRAVITY, NOISY, WHITE, motion, noise, observed, read
+from engine_run import GRAVITY, NOISY, RATE, WHITE, motion, noise, observed, read
 
 from schemas.recording import Manifest, Recording, Stream
-from tasks.explain.channels import ACCELS
+from tasks.explain.channels import ACCELS, CHANNELS
 from tasks.explain.events.event import Events
-from tasks.explain.evidence.assemble import JUMPS, assembled, si_unit
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
-from tasks.explain.inputs.observed import full_rate
+from tasks.explain.evidence.assemble import explanation_of
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.findings import JUMPS, si_unit
+from tasks.explain.explanation import UNNAMED, Explanation, Finding
+from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.empirical_terms import UNNAMED, sinusoid
-from tasks.explain.search.pool import System
-from tasks.explain.search.rank import NEAR, Scored
-from tasks.explain.search.refit import fitted, model_of
-from tasks.explain.search.stepwise import Chosen, Found
+from tasks.explain.search.design import NormalEquations
+from tasks.explain.search.empirical_terms import sinusoid
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.scores import INDISTINGUISHABLE, ScoredCandidate
+from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE
 from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
-from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.table import EARTH_RATE
 from tasks.words import say
 
@@ -33,16 +34,17 @@ EARTH = earth_rotation(np.radians(40.0))
 VERTICAL = EARTH_RATE * np.sin(np.radians(40.0))
 
 
-def picked(term: Term, own: tuple[int, ...] | None = None, *rivals: tuple[Term, float]) -> Chosen:
+def picked(term: Term, own: tuple[int, ...] | None = None, *rivals: tuple[Term, float]) -> Selected:
     """A term chosen with a score of 90, beside rivals with theirs."""
     own = tuple(range(len(term.parameters))) if own is None else own
     others = tuple(
-        Scored(Candidate(other, (0,), (0,), 1), score + 10.0, score, 0.0) for other, score in rivals
+        ScoredCandidate(Candidate(other, (0,), (0,), 1), score + 10.0, score, 0.0)
+        for other, score in rivals
     )
-    return Chosen(Candidate(term, own or (0,), own, 1), 100.0, 90.0, others)
+    return Selected(Candidate(term, own or (0,), own, 1), 100.0, 90.0, others)
 
 
-def explained(made: np.ndarray, *chosen: Chosen) -> Explanation:
+def explained(made: np.ndarray, *chosen: Selected) -> Explanation:
     """What is said of readings that chosen terms, one each, are fitted to; rows are the blocks."""
     columns = {name: made[:, c].copy() for c, name in enumerate(CHANNELS)}
     manifest = Manifest.model_validate({
@@ -55,25 +57,25 @@ def explained(made: np.ndarray, *chosen: Chosen) -> Explanation:
     })  # fmt: skip
     recording = Recording(manifest, Stream(RUN.t, columns))
     # The labels know nothing of the motion, which is put in here.
-    full = replace(full_rate(recording), motion=RUN, shaking=np.tile(WHITE[[0, 3]] ** 2, (2, 1)))
-    blocks = observed(made, RUN)
-    pairs = [(one.candidate, np.zeros(len(one.candidate.own))) for one in chosen]
-    model = fitted(model_of(pairs, blocks), blocks, NOISY)
-    nothing = System(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
-    fits = model.terms[len(STANDARD_TERMS) :]  # with the shapes that they came to
-    chosen = tuple(
-        replace(one, candidate=replace(one.candidate, term=term))
-        for one, term in zip(chosen, fits, strict=True)
+    full = replace(
+        full_rate(recording), motion=RUN, segment_variance=np.tile(WHITE[[0, 3]] ** 2, (2, 1))
     )
-    found = Found(chosen, NOISY, 1e-9 if chosen else 0.5, nothing)
-    events = Events((), np.zeros(made.shape, bool))
-    return assembled(recording, full, blocks, events, found, model, NOISY)
+    blocks = observed(made, RUN)
+    nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    selection = Selection(chosen, NOISY, 1e-9 if chosen else 0.5, nothing)
+    evidence = Evidence.of(FittedSelection.of(selection, blocks, RATE))
+    return explanation_of(recording, full, Events((), np.zeros(made.shape, bool)), evidence)
 
 
 @pytest.fixture(scope="module")
 def arm_and_earth() -> tuple[np.ndarray, Explanation]:
     made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 51, NOISY)
-    arm = picked(LEVER_ARM, None, (SIZE_EFFECT, 90.0 - 0.5 * NEAR), (STRUCTURAL_COMPLIANCE, 20.0))
+    arm = picked(
+        LEVER_ARM,
+        None,
+        (SIZE_EFFECT, 90.0 - 0.5 * INDISTINGUISHABLE),
+        (STRUCTURAL_COMPLIANCE, 20.0),
+    )
     return made, explained(made, picked(EARTH), arm)
 
 

@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, read
 
-from tasks.explain.evidence.held_out import CHUNK, FOLDS, PartlySeen, cells_of, partly_seen
+from tasks.explain.evidence.held_out import (
+    CELL_LENGTH,
+    FOLDS,
+    CrossValidation,
+    cross_validation,
+    fold_cells,
+)
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
@@ -26,16 +32,16 @@ def columns(run: Motion = RUN) -> list[Column]:
     return list(linearise(terms, run, nominal_values(terms)).columns)
 
 
-def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> PartlySeen:
+def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> CrossValidation:
     blocks, misfit = observed(made, RUN), made - read(RUN)
-    return partly_seen(every, misfit, blocks, noises)
+    return cross_validation(every, misfit, blocks, noises)
 
 
 def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> float:
     """Twice the nats that every fold costs, as a fit of some columns to the others tells it."""
     every = [*columns()[:-3], *more]
     zero = np.zeros(len(every))
-    return float(seen(made, every, NOISY).surprise(kept, zero, zero).sum())
+    return float(seen(made, every, NOISY).deviance(kept, zero, zero).sum())
 
 
 def gained(made: np.ndarray, more: Sequence[Column]) -> float:
@@ -49,18 +55,18 @@ def test_a_fold_is_every_fourth_segment_with_the_move_before_it() -> None:
     blocks = observed(read(RUN), RUN)
     turn = (RUN.t // (REST + MOVE)).astype(int)
     resting = RUN.t % (REST + MOVE) < REST
-    fold = cells_of(replace(blocks, segment=np.where(resting, turn, -1))) % FOLDS
+    fold = fold_cells(replace(blocks, segment=np.where(resting, turn, -1))) % FOLDS
     for k in range(1, 20):
         with_move = (RUN.t >= k * (REST + MOVE) - MOVE) & (RUN.t < k * (REST + MOVE) + REST)
         assert set(fold[with_move].tolist()) == {k % FOLDS}
-    np.testing.assert_array_equal(cells_of(blocks), blocks.segment)
+    np.testing.assert_array_equal(fold_cells(blocks), blocks.segment)
 
 
 def test_a_run_without_segments_is_cut_by_time() -> None:
     blocks = replace(observed(read(RUN), RUN), segment=np.full(len(RUN.t), -1))
-    fold = cells_of(blocks) % FOLDS
+    fold = fold_cells(blocks) % FOLDS
     changes = np.flatnonzero(np.diff(fold))
-    assert np.diff(changes) == pytest.approx(CHUNK * RATE)
+    assert np.diff(changes) == pytest.approx(CELL_LENGTH * RATE)
     assert np.bincount(fold).min() > 0.2 * len(fold)
 
 
@@ -69,13 +75,13 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     run = RUN.taken(np.arange(0, len(RUN.t), 5))
     made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
     every, blocks, misfit = columns(run), observed(made, run, RATE / 5), made - read(run)
-    parts, zero = partly_seen(every, misfit, blocks, QUIET), np.zeros(len(every))
+    parts, zero = cross_validation(every, misfit, blocks, QUIET), np.zeros(len(every))
     sigma = np.sqrt([one.white for one in QUIET])
     design = np.zeros((6, len(run.t), len(every)))
     for q, column in enumerate(every):
         for channel, course in column.items():
             design[channel, :, q] = course / sigma[channel]
-    fold, total = cells_of(blocks) % FOLDS, np.zeros(6)
+    fold, total = fold_cells(blocks) % FOLDS, np.zeros(6)
     for k in range(FOLDS):
         rows = design[:, fold != k].reshape(-1, len(every))
         target = (misfit / sigma)[fold != k].T.ravel()
@@ -87,7 +93,7 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
             left = (misfit / sigma)[fold == k, channel] - hidden @ values
             spread = np.eye(len(left)) + hidden @ known @ hidden.T
             total[channel] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
-    found = parts.surprise(list(range(len(every))), zero, zero)
+    found = parts.deviance(list(range(len(every))), zero, zero)
     np.testing.assert_allclose(found, total, rtol=1e-5)
 
 
@@ -120,7 +126,7 @@ def test_the_part_that_is_not_fitted_is_put_back() -> None:
     without = seen(made, every, NOISY)
     known = seen(made - read(RUN, (LEVER_ARM, ARM)) + read(RUN), every, NOISY)
     np.testing.assert_allclose(
-        known.surprise(kept, added, zero), without.surprise(kept, zero, zero), rtol=1e-6
+        known.deviance(kept, added, zero), without.deviance(kept, zero, zero), rtol=1e-6
     )
 
 
@@ -131,8 +137,8 @@ def test_what_is_known_beforehand_is_not_learnt_anew() -> None:
     zero, held = np.zeros(len(every)), np.zeros(len(every))
     held[-1] = 1e30
     kept = list(range(len(every)))
-    firm, free = parts.surprise(kept, zero, held)[0], parts.surprise(kept, zero, zero)[0]
-    assert firm == pytest.approx(parts.surprise(kept[:-1], zero, zero)[0], rel=1e-6)
+    firm, free = parts.deviance(kept, zero, held)[0], parts.deviance(kept, zero, zero)[0]
+    assert firm == pytest.approx(parts.deviance(kept[:-1], zero, zero)[0], rel=1e-6)
     assert free < 0.5 * firm
 
 
@@ -143,5 +149,5 @@ def test_a_parameter_held_at_nothing_beforehand_changes_no_prediction() -> None:
     every = [*columns(), nothing]
     zero, prior = np.zeros(len(every)), np.r_[np.zeros(len(every) - 1), 1e30]
     parts, kept = seen(made, every, QUIET), list(range(len(every)))
-    expected = parts.surprise(kept[:-1], zero, np.zeros(len(every)))
-    np.testing.assert_allclose(parts.surprise(kept, zero, prior), expected, rtol=1e-9)
+    expected = parts.deviance(kept[:-1], zero, np.zeros(len(every)))
+    np.testing.assert_allclose(parts.deviance(kept, zero, prior), expected, rtol=1e-9)

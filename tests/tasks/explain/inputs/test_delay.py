@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from schemas.recording import Manifest, Recording, Stream
-from tasks.explain.inputs.delay import LONG, long_delay, taken_back
-from tasks.explain.inputs.observed import CHANNELS, FullRate
+from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.delay import LONG, advanced, coarse_delay
+from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.whole import Motion
 
 T = np.arange(0.0, 60.0, 0.01)
@@ -32,22 +33,22 @@ def shaft(late: float, moved: float = 1.0) -> FullRate:
 
 @pytest.mark.parametrize("late", [0.012, 0.034, 0.1, -0.034, -0.2])
 def test_a_delay_of_more_than_half_a_period_is_told(late: float) -> None:
-    assert long_delay(shaft(late)) == pytest.approx(late, abs=0.002)
+    assert coarse_delay(shaft(late)) == pytest.approx(late, abs=0.002)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.6 * LONG])
 def test_a_short_delay_is_left_to_the_fit(late: float) -> None:
-    assert long_delay(shaft(late)) == 0.0
+    assert coarse_delay(shaft(late)) == 0.0
 
 
 def test_rests_and_a_short_run_tell_no_delay() -> None:
-    assert long_delay(shaft(0.05, moved=0.0)) == 0.0
+    assert coarse_delay(shaft(0.05, moved=0.0)) == 0.0
     whole = shaft(0.05)
     few = FullRate(
         whole.readings[:150], whole.motion.taken(np.arange(150)), whole.segment[:150], (),
-        whole.shaking, whole.steps, whole.stirred,
+        whole.segment_variance, whole.steps, whole.dithered,
     )  # fmt: skip
-    assert long_delay(few) == 0.0
+    assert coarse_delay(few) == 0.0
 
 
 def test_what_is_not_known_is_not_compared() -> None:
@@ -55,13 +56,13 @@ def test_what_is_not_known_is_not_compared() -> None:
     whole = shaft(0.05)
     whole.motion.rate[2000:4000] = np.nan
     whole.readings[2000:4000] = 30.0
-    assert long_delay(whole) == pytest.approx(0.05, abs=0.002)
+    assert coarse_delay(whole) == pytest.approx(0.05, abs=0.002)
 
 
 def test_only_what_is_before_a_loss_is_looked_at() -> None:
     whole = shaft(0.05)
     whole.readings[3000:, :3] = shaft(-0.1).readings[3000:, :3]
-    assert long_delay(whole, until=30.0) == pytest.approx(0.05, abs=0.002)
+    assert coarse_delay(whole, until=30.0) == pytest.approx(0.05, abs=0.002)
 
 
 def test_stamps_are_taken_back() -> None:
@@ -71,4 +72,4 @@ def test_stamps_are_taken_back() -> None:
         "station": {"id": "test", "gravity_m_s2": 9.8},
     })  # fmt: skip
     read = Recording(manifest, Stream(T, {name: np.zeros(len(T)) for name in CHANNELS}))
-    assert taken_back(read, 0.03).imu.t == pytest.approx(T - 0.03)
+    assert advanced(read, 0.03).imu.t == pytest.approx(T - 0.03)

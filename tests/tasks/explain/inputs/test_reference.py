@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from tasks.explain.evidence.other_parameters import OTHER
+from tasks.explain.evidence.reference_deviation import OTHER
 from tasks.explain.explain import explain
-from tasks.explain.inputs.reference import Told
+from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 
 
-def told(recording, change: float = 0.0) -> Told:
+def reference_of(recording, change: float = 0.0) -> ReferencePrediction:
     """What the standard's model fitted to the recording says, its first scale factor changed."""
     fitted = explain(recording)
     more = np.zeros_like(fitted.nominal)
@@ -21,7 +21,7 @@ def told(recording, change: float = 0.0) -> Told:
     moved[0] += change
     motion = whole_motion(recording)
     more = predict(STANDARD_TERMS, motion, moved) - predict(STANDARD_TERMS, motion, ideal)
-    return Told(fitted.nominal + more, ("the test's prediction", "测试给出的预测"))
+    return ReferencePrediction(fitted.nominal + more, "the test's prediction")
 
 
 @pytest.fixture(scope="module")
@@ -31,8 +31,8 @@ def clean(plant):
 
 @pytest.mark.timeout(300)
 def test_a_right_prediction_leaves_nothing_to_say(clean) -> None:
-    said = told(clean)
-    answer = explain(clean, told=said)
+    said = reference_of(clean)
+    answer = explain(clean, reference=said)
     assert answer.verdict == "no_mismatch"
     assert answer.model == said.model
     np.testing.assert_array_equal(answer.nominal, said.readings)
@@ -40,7 +40,7 @@ def test_a_right_prediction_leaves_nothing_to_say(clean) -> None:
 
 @pytest.mark.timeout(300)
 def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean) -> None:
-    answer = explain(clean, told=told(clean, change=1e-3))
+    answer = explain(clean, reference=reference_of(clean, change=1e-3))
     (finding,) = answer.findings
     assert (finding.effect, finding.follows) == ("unnamed", OTHER)
     (parameter,) = [p for p in finding.parameters if p.name == "gyro_matrix_xx"]

@@ -6,24 +6,24 @@ from engine_run import RATE, flicker
 
 from tasks.explain.regression.spectrum import (
     Bands,
-    Left,
+    ChannelResidual,
     Noise,
     bands_of,
-    noises_of_triad,
     padded_length,
     transformed,
+    triad_noises,
 )
 
 COUNT = padded_length(40_000)  # 27 min at 25 Hz
 BANDS = bands_of(COUNT, RATE)
 
 
-def heard(course: np.ndarray, floor: float = 0.0) -> Noise:
-    return noises_of_triad([left(course)], BANDS, [floor])[0]
+def estimated(course: np.ndarray, floor: float = 0.0) -> Noise:
+    return triad_noises([left(course)], BANDS, [floor])[0]
 
 
-def left(course: np.ndarray) -> Left:
-    return Left(transformed(course[None])[0], np.ones(len(BANDS.sizes)))
+def left(course: np.ndarray) -> ChannelResidual:
+    return ChannelResidual(transformed(course[None])[0], np.ones(len(BANDS.sizes)))
 
 
 def drifting(w: float, b: float, seed: int) -> np.ndarray:
@@ -51,7 +51,7 @@ def test_the_transform_keeps_the_power() -> None:
 )
 def test_white_and_flicker_noise_are_recovered(w: float, b: float, scatter: float) -> None:
     """Scatter: what the bands between 6 mHz and the corner b/w leave of one run's b."""
-    found = [heard(drifting(w, b, seed)) for seed in range(8)]
+    found = [estimated(drifting(w, b, seed)) for seed in range(8)]
     flickers = np.array([one.flicker for one in found])
     assert np.mean([one.white for one in found]) == pytest.approx(w, rel=0.02)
     assert abs(flickers.mean() - b) < scatter * b
@@ -60,7 +60,7 @@ def test_white_and_flicker_noise_are_recovered(w: float, b: float, scatter: floa
 
 def test_white_noise_alone_has_next_to_no_flicker() -> None:
     for seed in range(10):
-        one = heard(drifting(1.0, 0.0, seed))
+        one = estimated(drifting(1.0, 0.0, seed))
         assert one.white == pytest.approx(1.0, rel=0.05)
         assert one.flicker < 0.02  # Hz: where it would be as large as the white noise
 
@@ -77,22 +77,22 @@ def test_sparse_physics_does_not_pass_for_flicker(what: str) -> None:
     assert (course - course.mean()) @ (course - course.mean()) > 1500.0
     for seed in range(3):
         plain = drifting(1.0, 0.05, seed)
-        without, beside = heard(plain), heard(plain + course)
-        assert beside.flicker < 1.3 * without.flicker
-        assert beside.white == pytest.approx(without.white, rel=0.02)
+        without, updated_noises = estimated(plain), estimated(plain + course)
+        assert updated_noises.flicker < 1.3 * without.flicker
+        assert updated_noises.white == pytest.approx(without.white, rel=0.02)
 
 
 def test_the_noise_is_never_below_that_of_rounding() -> None:
-    quiet = 1e-6 * drifting(1.0, 0.0, 0)
+    rest_variance = 1e-6 * drifting(1.0, 0.0, 0)
     floor = 1e-4
-    found = heard(quiet, floor)
+    found = estimated(rest_variance, floor)
     assert (found.variance(BANDS.frequency[BANDS.frequency > 1.0]) >= 0.99 * floor).all()
-    assert heard(np.zeros(COUNT)).white > 0  # something to divide by
+    assert estimated(np.zeros(COUNT)).white > 0  # something to divide by
 
 
 def test_noise_scales_with_the_square_of_the_readings() -> None:
     course = drifting(1.0, 0.05, 4)
-    plain, larger = heard(course), heard(1e3 * course)
+    plain, larger = estimated(course), estimated(1e3 * course)
     assert larger.white == pytest.approx(1e6 * plain.white)
     assert larger.flicker == pytest.approx(1e6 * plain.flicker)
 
@@ -101,15 +101,15 @@ def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better() -> None:
     alone, together = [], []
     for seed in range(8):
         lefts = [left(drifting(1.0, 0.01, 3 * seed + k)) for k in range(3)]
-        alone += [noises_of_triad([one], BANDS, [0.0])[0].flicker for one in lefts]
-        together += [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+        alone += [triad_noises([one], BANDS, [0.0])[0].flicker for one in lefts]
+        together += [one.flicker for one in triad_noises(lefts, BANDS, [0.0] * 3)]
     assert np.std(together) < 0.8 * np.std(alone)
     assert np.mean(together) == pytest.approx(0.01, rel=0.4)
 
 
 def test_a_sensor_unlike_the_others_of_its_triad_keeps_its_own_flicker() -> None:
     lefts = [left(drifting(1.0, b, 5)) for b in (0.02, 0.02, 2.0)]
-    found = [one.flicker for one in noises_of_triad(lefts, BANDS, [0.0] * 3)]
+    found = [one.flicker for one in triad_noises(lefts, BANDS, [0.0] * 3)]
     assert found[2] == pytest.approx(2.0, rel=0.25)
     assert max(found[:2]) < 0.06
 
@@ -119,10 +119,10 @@ def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
     whole = left(drifting(1.0, 0.05, 7))
     count = int(np.searchsorted(BANDS.frequency, 0.05))
     free = np.where(np.arange(len(BANDS.sizes)) < count, 0.5, 1.0)
-    fitted = whole.course * np.sqrt(np.repeat(free, BANDS.sizes))
+    fitted = whole.coefficients * np.sqrt(np.repeat(free, BANDS.sizes))
     plain, said, blind = (
-        noises_of_triad([one], BANDS, [0.0])[0].flicker
-        for one in (whole, Left(fitted, free), Left(fitted, whole.free))
+        triad_noises([one], BANDS, [0.0])[0].flicker
+        for one in (whole, ChannelResidual(fitted, free), ChannelResidual(fitted, whole.free))
     )
     assert said == pytest.approx(plain, rel=0.1)
     assert blind < 0.9 * plain

@@ -15,7 +15,8 @@ from schemas.discrepancy import (
     Where,
 )
 from schemas.recording import Manifest, Recording, Stream
-from tasks.explain.explanation import CHANNELS, Explanation, Finding
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.report import discrepancy_of
 
 RATE_HZ, DWELL, PAUSE = 20.0, 30.0, 3.0
@@ -76,10 +77,7 @@ def finding(contribution: np.ndarray | None = None, **more: Any) -> Finding:
 def unnamed(**more: Any) -> Finding:
     told = {
         "effect": "unnamed", "family": "unnamed",
-        "title": Statement(en="Something unknown", zh="未知因素"),
-        "follows": Statement(
-            en="a relaxation of 12 s after each move", zh="每次运动后 12 s 的松弛"
-        ),
+        "title": Statement(en="a relaxation of 12 s after each move", zh="每次运动后 12 s 的松弛"),
         "parameters": (), "equation": "", "source": "",
     }  # fmt: skip
     return finding(**(told | more))

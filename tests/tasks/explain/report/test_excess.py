@@ -7,7 +7,7 @@ import pytest
 from made_report import added_to, explanation, finding, recording, tilt
 
 from schemas.recording import Stream
-from tasks.explain.explanation import CHANNELS
+from tasks.explain.channels import CHANNELS
 from tasks.explain.report.before_after import affected, spectrum
 from tasks.explain.report.excess import cells_of
 

@@ -12,7 +12,8 @@ from made_report import BIAS, CHANGE, answer, explanation, finding, recording, u
 from schemas.base import Unusable
 from schemas.discrepancy import Consequence, Discrepancy
 from schemas.recording import Stream
-from tasks.explain.explanation import CHANNELS, Explanation
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import Explanation
 from tasks.explain.report import discrepancy_of, write_report
 
 NAMES = {"report.html", "report.json", "where.svg", "before_after.svg", "prediction.parquet"}

@@ -71,8 +71,8 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
 def test_what_has_no_name_is_described_by_what_it_follows() -> None:
     discrepancy = answer(explanation(unnamed(), verdict="unexplained"))
     en, zh = texts(discrepancy)
-    assert "What it follows: a relaxation of 12 s after each move." in en
-    assert "其变化规律：每次运动后 12 s 的松弛。" in zh
+    assert "A relaxation of 12 s after each move." in en
+    assert "每次运动后 12 s 的松弛。" in zh
     assert "given no name" in discrepancy.statement.en
     assert "不予命名" in discrepancy.statement.zh
 

@@ -5,13 +5,13 @@ import pytest
 from engine_run import GRAVITY, motion, read
 
 from tasks.explain.search.candidates import (
-    JUMPS,
+    COSINES,
+    STEP_TIMES,
     STRENGTHS,
-    WAVES,
     Prior,
     candidates_of,
     columns_of,
-    plausible_sizes,
+    plausible_half_ranges,
 )
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS, thermal_transient
@@ -63,7 +63,7 @@ def test_what_each_channel_reads_for_itself_is_tried_whole_by_triad_and_by_chann
     listed, columns = candidates_of([TEMPERATURE_BIAS, BIAS_RANDOM_WALK], RUN)
     parts = [one.own for one in listed if one.name == "temperature_bias"]
     assert parts == [(0, 1, 2, 3, 4, 5), (0, 1, 2), (3, 4, 5), *((c,) for c in range(6))]
-    assert {one.tried for one in listed if one.name == "temperature_bias"} == {9}
+    assert {one.trials for one in listed if one.name == "temperature_bias"} == {9}
     for one in listed:
         assert all(p < len(columns) for p in one.members)
 
@@ -76,9 +76,9 @@ def test_what_channels_share_is_not_taken_apart() -> None:
 def test_a_jump_is_tried_at_several_times_over_the_run() -> None:
     listed, _ = candidates_of([bias_step(0, 1.0), BIAS_RANDOM_WALK], RUN)
     times = [one.term.at[0] for one in listed if one.name == "bias_step"]
-    assert len(set(times)) == JUMPS
+    assert len(set(times)) == STEP_TIMES
     assert 0.0 < min(times) < max(times) < RUN.t[-1]
-    assert {one.tried for one in listed if one.name == "bias_step"} == {4 * JUMPS}
+    assert {one.trials for one in listed if one.name == "bias_step"} == {4 * STEP_TIMES}
 
 
 def test_terms_without_effect_are_no_candidates() -> None:
@@ -91,9 +91,9 @@ def test_random_courses_share_their_columns() -> None:
     courses = [one for one in listed if one.prior is not None]
     assert {one.name for one in courses} == {"bias_random_walk", "unnamed"}
     assert len(courses) == 4 * len(STRENGTHS) * 9  # four forms: all, two triads, six channels
-    assert len(columns) == 6 + 6 * WAVES
+    assert len(columns) == 6 + 6 * COSINES
     each = len(STRENGTHS) * 9
-    assert {(one.name, one.tried) for one in courses} == {
+    assert {(one.name, one.trials) for one in courses} == {
         ("bias_random_walk", each),
         ("unnamed", 3 * each),
     }
@@ -106,7 +106,7 @@ def test_slow_courses_without_the_walk_in_the_catalogue_are_unnamed() -> None:
 
 def test_the_plausible_range_is_known_beforehand_but_not_that_of_random_courses() -> None:
     listed, columns = candidates_of([LEVER_ARM, thermal_transient(50.0), EARTH], RUN)
-    half = plausible_sizes(listed, len(columns))
+    half = plausible_half_ranges(listed, len(columns))
     assert half[:3].tolist() == [0.3, 0.3, 0.3]
     for q in range(6):
         assert half[3 + q] == thermal_transient(50.0).parameters[q].plausible[1]
@@ -114,9 +114,9 @@ def test_the_plausible_range_is_known_beforehand_but_not_that_of_random_courses(
 
 
 def test_the_waves_of_a_random_course_fade_with_their_number() -> None:
-    power = np.full(2 * WAVES, 7.0)
-    precision = Prior(power=2.0, strength=30.0).precision(power).reshape(2, WAVES)
-    k = np.arange(1.0, WAVES + 1.0)
+    power = np.full(2 * COSINES, 7.0)
+    precision = Prior(power=2.0, strength=30.0).precision(power).reshape(2, COSINES)
+    k = np.arange(1.0, COSINES + 1.0)
     np.testing.assert_allclose(precision[0], precision[1])
     np.testing.assert_allclose(precision[0] / precision[0, 0], k**2)
     assert precision[0, 3] == pytest.approx(1.0 / 30.0)  # the fourth wave has the strength

@@ -8,13 +8,14 @@ import pytest
 from engine_run import GRAVITY, MOVE, REST, STRETCHES, motion
 
 from tasks.explain.channels import GYROS
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.empirical_terms import UNNAMED, sinusoid, slow_drift
+from tasks.explain.search.empirical_terms import sinusoid, slow_drift
 from tasks.explain.search.motion_signals import (
+    gravity_turns,
     lagged,
-    repositioned,
-    since_last,
-    turned_over,
+    repositioning,
+    time_since,
     turning,
 )
 from tasks.model.term import Inputs, Term
@@ -51,7 +52,7 @@ def test_every_empirical_term_has_a_finite_column_for_each_parameter() -> None:
 
 
 def test_a_relaxation_begins_anew_when_a_move_is_over() -> None:
-    since = since_last(RUN, turning(RUN))
+    since = time_since(RUN, turning(RUN))
     first_stop = REST + MOVE
     assert np.isinf(since[RUN.t < first_stop - 0.5]).all()
     middle = (RUN.t > first_stop) & (RUN.t % (REST + MOVE) < REST)
@@ -62,18 +63,20 @@ def test_a_relaxation_begins_anew_when_a_move_is_over() -> None:
 def test_a_turn_about_the_vertical_does_not_change_gravitys_direction() -> None:
     level = np.tile([0.0, 0.0, 1.0], (len(RUN.t), 1))
     spun = replace(RUN, up=level)
-    assert not turned_over(spun).any()
-    assert turned_over(RUN).any()
-    assert (turned_over(RUN) <= turning(RUN) | (np.gradient(RUN.up, axis=0) != 0).any(axis=1)).all()
+    assert not gravity_turns(spun).any()
+    assert gravity_turns(RUN).any()
+    assert (
+        gravity_turns(RUN) <= turning(RUN) | (np.gradient(RUN.up, axis=0) != 0).any(axis=1)
+    ).all()
 
 
 def test_a_run_at_constant_rate_is_not_a_move_to_another_position() -> None:
-    moves = repositioned(RUN)
+    moves = repositioning(RUN)
     assert (moves == turning(RUN)).all()
     steady = np.zeros(len(RUN.t))
     steady[(RUN.t > 33.0) & (RUN.t < 39.0)] = 1.0  # the second move is one
     recorded = dict(RUN.recorded, steady_turn=steady)
-    some = repositioned(replace(RUN, recorded=recorded))
+    some = repositioning(replace(RUN, recorded=recorded))
     assert not some[(RUN.t > 32.0) & (RUN.t < 40.0)].any()
     starts = np.flatnonzero(np.diff(some.astype(int)) == 1)
     assert len(starts) == STRETCHES - 1

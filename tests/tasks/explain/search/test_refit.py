@@ -7,7 +7,7 @@ from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, wit
 from tasks.explain.channels import GYROS
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.empirical_terms import sinusoid
-from tasks.explain.search.refit import Model, delayed, fitted, linearised, model_of
+from tasks.explain.search.refit import Model, fitted, linearised, model_of, with_later_clock
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values, places
 from tasks.model.terms.electronics import BANDWIDTH
@@ -188,6 +188,6 @@ def test_no_time_constant_is_negative() -> None:
 
 def test_a_delayed_model_reads_later() -> None:
     blocks = observed(read(RUN), RUN)
-    later = delayed(model_of(chosen(LEVER_ARM, TIME_OFFSET), blocks), 0.02)
+    later = with_later_clock(model_of(chosen(LEVER_ARM, TIME_OFFSET), blocks), 0.02)
     assert values_of(later, "time_offset")[0] == pytest.approx([0.02])
     assert values_of(later, "lever_arm")[0] == pytest.approx([0.0, 0.0, 0.0])

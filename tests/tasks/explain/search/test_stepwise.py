@@ -11,17 +11,17 @@ from engine_run import NOISY, QUIET, chi2, motion, noise, observed, read, whiten
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import (
+    COSINES,
     STRENGTHS,
-    WAVES,
     Candidate,
     candidates_of,
     columns_of,
-    plausible_sizes,
+    plausible_half_ranges,
 )
-from tasks.explain.search.pool import Pool, pooled, system
-from tasks.explain.search.rank import PER_PARAMETER, rank
+from tasks.explain.search.design import BandedDesign, banded_design, normal_equations
+from tasks.explain.search.scores import PER_PARAMETER, rank
 from tasks.explain.search.stepwise import FALSE_ALARMS, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
@@ -43,8 +43,8 @@ WARMING = (4e-6, 0.0, -3e-6, 0.0, 1e-4, 0.0)
 
 
 class Asked(NamedTuple):
-    observed: Observed
-    pool: Pool
+    blocks: Blocks
+    pool: BandedDesign
     candidates: tuple[Candidate, ...]
     columns: tuple[Column, ...]
 
@@ -55,8 +55,8 @@ class Asked(NamedTuple):
 def asked(readings: np.ndarray, terms: Sequence[Term] = TERMS) -> Asked:
     blocks = observed(readings, RUN)
     listed, columns = candidates_of(terms, RUN)
-    half = plausible_sizes(listed, len(columns))
-    return Asked(blocks, pooled(blocks, readings, columns, half), listed, columns)
+    half = plausible_half_ranges(listed, len(columns))
+    return Asked(blocks, banded_design(blocks, readings, columns, half), listed, columns)
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def nothing() -> Asked:
 
 
 def misfit(one: Asked, columns: Sequence[int] = (), without: np.ndarray | None = None) -> float:
-    readings = one.observed.readings if without is None else one.observed.readings - without
+    readings = one.blocks.readings if without is None else one.blocks.readings - without
     return chi2(one.pool, readings, [one.columns[p] for p in columns], NOISY)[0]
 
 
@@ -88,14 +88,14 @@ def test_a_gain_is_the_difference_of_two_fits(both: Asked, name: str, beside: st
     taken = [] if beside is None else [both.named(beside)]
     held = [p for one in taken for p in one.members]
     one = both.named(name)
-    state = system(both.pool, NOISY)
+    state = normal_equations(both.pool, NOISY)
     own = next(s for s in rank(state, both.candidates, taken) if s.candidate is one)
     direct = misfit(both, held) - misfit(both, [*held, *one.members])
     assert own.gain == pytest.approx(direct, rel=2e-3, abs=0.3)
     count = int((state.scale[list(one.members)] > 0).sum())
     # Of nine places three look like the standard's p_ij: they are not charged.
     assert count == {"size_effect": 6}.get(name, len(one.members))
-    price = PER_PARAMETER * count + 2.0 * np.log(one.tried) + one.term.rarity
+    price = PER_PARAMETER * count + 2.0 * np.log(one.trials) + one.term.rarity
     assert own.gain - own.score == pytest.approx(price)
 
 
@@ -107,7 +107,7 @@ def test_known_physics_is_charged_nothing_and_compared_by_its_own_size() -> None
             made[:, channel] += strength * course
         one = asked(made)
         known = one.named("earth_rotation")
-        ranked = rank(system(one.pool, NOISY), one.candidates, ())
+        ranked = rank(normal_equations(one.pool, NOISY), one.candidates, ())
         own = next(scored for scored in ranked if scored.candidate is known)
         taken_off = np.zeros_like(made)
         for channel, course in effect.items():
@@ -131,11 +131,11 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
     made = read(run) + noise(len(run.t), 8, QUIET, 1.0) + walk
     blocks = observed(made, run, 1.0)
     listed, columns = candidates_of([BIAS_RANDOM_WALK], run)
-    pool = pooled(blocks, made, columns, plausible_sizes(listed, len(columns)))
-    state = system(pool, QUIET)
+    pool = banded_design(blocks, made, columns, plausible_half_ranges(listed, len(columns)))
+    state = normal_equations(pool, QUIET)
     ranked = rank(state, listed, ())
-    some = [one for one in ranked if one.candidate.own[0] == WAVES * channel]
-    some = [one for one in some if len(one.candidate.members) == WAVES]
+    some = [one for one in ranked if one.candidate.own[0] == COSINES * channel]
+    some = [one for one in some if len(one.candidate.members) == COSINES]
     assert len(some) == 4 * len(STRENGTHS)
     for scored in some:
         one = scored.candidate
@@ -155,14 +155,14 @@ def test_the_evidence_of_a_random_course_is_that_of_gausss_formula(channel: int)
 def test_what_was_planted_is_found_and_nothing_else(both: Asked) -> None:
     found = search(both.pool, both.candidates)
     assert found.p_value < 1e-9
-    assert {one.candidate.name for one in found.chosen} == {"lever_arm", "temperature_bias"}
-    gains = [one.gain for one in found.chosen]
+    assert {one.candidate.name for one in found.selected} == {"lever_arm", "temperature_bias"}
+    gains = [one.gain for one in found.selected]
     assert gains == sorted(gains, reverse=True)
 
 
 def test_where_nothing_is_missing_nothing_is_found(nothing: Asked) -> None:
     found = search(nothing.pool, nothing.candidates)
-    assert found.chosen == ()
+    assert found.selected == ()
     assert found.p_value > FALSE_ALARMS
 
 
@@ -174,23 +174,23 @@ def test_what_is_no_chance_and_yet_too_dear_ends_the_search(both: Asked) -> None
     )
     found = search(both.pool, dear)
     assert found.p_value < FALSE_ALARMS
-    assert found.chosen == ()
+    assert found.selected == ()
 
 
 def test_what_fits_as_well_is_told_as_a_rival(both: Asked) -> None:
     """A size effect of equal places is a lever arm; it is dearer."""
     found = search(both.pool, both.candidates)
-    arm = next(one for one in found.chosen if one.candidate.name == "lever_arm")
-    assert arm.rivals[0].candidate.name == "size_effect"
-    assert arm.rivals[0].score < arm.score
-    assert arm.rivals[0].gain > 0.99 * arm.gain
-    assert "lever_arm" not in [other.candidate.name for other in arm.rivals]
+    arm = next(one for one in found.selected if one.candidate.name == "lever_arm")
+    assert arm.alternatives[0].candidate.name == "size_effect"
+    assert arm.alternatives[0].score < arm.score
+    assert arm.alternatives[0].gain > 0.99 * arm.gain
+    assert "lever_arm" not in [other.candidate.name for other in arm.alternatives]
 
 
 def test_a_wrong_start_is_exchanged_for_what_does_better(both: Asked) -> None:
     wrong = both.named("thermal_gradient")
     found = search(both.pool, both.candidates, [wrong])
-    assert {one.candidate.name for one in found.chosen} == {"lever_arm", "temperature_bias"}
+    assert {one.candidate.name for one in found.selected} == {"lever_arm", "temperature_bias"}
 
 
 @settings(max_examples=6, deadline=None)
@@ -199,8 +199,8 @@ def test_the_order_of_the_candidates_does_not_matter(both: Asked, random: Random
     mixed = list(both.candidates)
     random.shuffle(mixed)
     first, second = search(both.pool, both.candidates), search(both.pool, mixed)
-    assert [one.candidate for one in first.chosen] == [one.candidate for one in second.chosen]
-    for one, two in zip(first.chosen, second.chosen, strict=True):
+    assert [one.candidate for one in first.selected] == [one.candidate for one in second.selected]
+    for one, two in zip(first.selected, second.selected, strict=True):
         assert one.gain == pytest.approx(two.gain, rel=1e-6)
 
 
@@ -210,11 +210,14 @@ def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
     made = read(motion, (TIME_OFFSET, (-0.004,)))
     one = asked(made + noise(len(motion.t), 7, NOISY), (BANDWIDTH, TIME_OFFSET))
     early = search(one.pool, one.candidates, (), NOISY)
-    assert [each.candidate.name for each in early.chosen] == ["time_offset"]
+    assert [each.candidate.name for each in early.selected] == ["time_offset"]
     late = asked(
         read(motion, (TIME_OFFSET, (0.004,))) + noise(len(motion.t), 7, NOISY),
         (BANDWIDTH, TIME_OFFSET),
     )
     found = search(late.pool, late.candidates, (), NOISY)
-    names = {found.chosen[0].candidate.name, *(r.candidate.name for r in found.chosen[0].rivals)}
+    names = {
+        found.selected[0].candidate.name,
+        *(r.candidate.name for r in found.selected[0].alternatives),
+    }
     assert {"bandwidth", "time_offset"} <= names

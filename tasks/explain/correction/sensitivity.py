@@ -18,7 +18,7 @@ Adds = Callable[[Mapping[str, float]], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Spread:
+class Sensitivity:
     """How a contribution changes (n, 6) when one parameter grows by its standard uncertainty."""
 
     finding: Finding
@@ -26,7 +26,7 @@ class Spread:
     change: np.ndarray
 
 
-def spreads_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Iterator[Spread]:
+def sensitivities(finding: Finding, terms: Sequence[Term], motion: Motion) -> Iterator[Sensitivity]:
     """What each parameter's standard uncertainty does to a finding's contribution.
 
     By the catalogue's term where one makes this contribution of these parameters; else the
@@ -43,7 +43,7 @@ def spreads_of(finding: Finding, terms: Sequence[Term], motion: Motion) -> Itera
     found = {p.name: p.value for p in finding.parameters}
     for p in uncertain:
         more, less = (adds(found | {p.name: p.value + sign * p.u}) for sign in (1.0, -1.0))
-        yield Spread(finding, p, (more - less) / 2.0)
+        yield Sensitivity(finding, p, (more - less) / 2.0)
 
 
 def _is_known(finding: Finding, terms: Sequence[Term], motion: Motion) -> bool:
@@ -93,7 +93,7 @@ def _miss(made: np.ndarray, finding: Finding) -> float:
     return float(share.max(initial=0.0))
 
 
-def _as_a_whole(finding: Finding, uncertain: Sequence[FoundParameter]) -> Iterator[Spread]:
+def _as_a_whole(finding: Finding, uncertain: Sequence[FoundParameter]) -> Iterator[Sensitivity]:
     """One spread: the contribution times the largest relative uncertainty of a common unit."""
     by_unit: dict[str, list[FoundParameter]] = {}
     for p in uncertain:
@@ -105,4 +105,4 @@ def _as_a_whole(finding: Finding, uncertain: Sequence[FoundParameter]) -> Iterat
     for share, some in sorted(relative, key=lambda each: -each[0])[:1]:
         largest = max(some, key=lambda p: abs(p.value))
         whole = largest.model_copy(update={"u": share * abs(largest.value)})
-        yield Spread(finding, whole, share * finding.contribution)
+        yield Sensitivity(finding, whole, share * finding.contribution)

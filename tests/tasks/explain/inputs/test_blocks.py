@@ -8,7 +8,9 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Manifest, Recording, Segment, Stream
-from tasks.explain.inputs.observed import CHANNELS, FullRate, Observed, full_rate, in_blocks
+from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.motion.whole import Motion
 
 GRAVITY, RATE, REST, RESTS = 9.8, 100.0, 10.0, 6  # m/s², Hz, s
@@ -46,7 +48,7 @@ def rested(
     return Recording(manifest, Stream(t[kept], columns))
 
 
-def samples(blocks: Observed, step: int) -> np.ndarray:
+def samples(blocks: Blocks, step: int) -> np.ndarray:
     """(n, 6) how many samples of full weight stand in each block."""
     return blocks.weight**2 * step
 
@@ -54,7 +56,7 @@ def samples(blocks: Observed, step: int) -> np.ndarray:
 @pytest.mark.parametrize("rate", [25.0, 20.0, 50.0, 100.0, 400.0])
 def test_every_sample_is_kept_once(rate: float) -> None:
     full = full_rate(rested())
-    blocks = in_blocks(full, rate)
+    blocks = block_means(full, rate)
     step = max(1, round(RATE / rate))
     assert blocks.rate == pytest.approx(RATE / step)
     assert samples(blocks, step).sum() == pytest.approx(full.readings.size)
@@ -72,7 +74,7 @@ def test_samples_that_are_masked_or_not_a_number_do_not_count() -> None:
     masked = np.zeros(full.readings.shape, bool)
     masked[2000:2010, 4] = True
     used = np.isfinite(full.readings) & ~masked
-    blocks = in_blocks(full, 25.0, masked)
+    blocks = block_means(full, 25.0, masked)
     np.testing.assert_allclose(samples(blocks, 4).sum(axis=0), used.sum(axis=0), rtol=1e-9)
     total = (samples(blocks, 4) * blocks.readings).sum(axis=0)
     direct = np.where(used, full.readings, 0.0).sum(axis=0)
@@ -82,7 +84,7 @@ def test_samples_that_are_masked_or_not_a_number_do_not_count() -> None:
 
 def test_rows_that_were_not_recorded_leave_empty_blocks() -> None:
     full = full_rate(rested(drop=np.r_[1000:1023]))
-    blocks = in_blocks(full, 25.0)
+    blocks = block_means(full, 25.0)
     assert (blocks.weight[:, 0] == 0).sum() == 5  # whole blocks of 23 missing samples
     np.testing.assert_allclose(samples(blocks, 4)[:, :3].sum(axis=0), 5977.0, rtol=1e-9)
     assert not blocks.motion.known[250:255].any()
@@ -96,7 +98,7 @@ def test_a_block_at_the_corner_of_a_motion_weighs_little() -> None:
     rate = np.zeros_like(full.motion.rate)
     rate[:, 2] = np.where(t > began, 1.0 * (t - began), 0.0).clip(max=2.0)
     turning = replace(full, motion=replace(full.motion, rate=rate))
-    blocks = in_blocks(turning, 25.0)
+    blocks = block_means(turning, 25.0)
     for corner in (began, began + 2.0):
         near = np.abs(blocks.t - corner) < 0.03
         assert blocks.weight[near, :3].max() < 0.5
@@ -115,11 +117,11 @@ def test_a_shaken_segment_weighs_less_and_says_so() -> None:
         readings[rows] += np.random.default_rng(8).standard_normal((1000, 6)) * SIGMA * np.sqrt(8.0)
         return readings
 
-    blocks = in_blocks(full_rate(rested(shaken)), 25.0)
+    blocks = block_means(full_rate(rested(shaken)), 25.0)
     rows = (blocks.t > 20.2) & (blocks.t < 29.8)
     assert np.median(blocks.weight[rows]) == pytest.approx(1.0 / 3.0, rel=0.1)
-    quiet = (blocks.t > 31.0) & (blocks.t < 59.0)
-    np.testing.assert_allclose(blocks.weight[quiet], 1.0, rtol=1e-6)
+    rest_variance = (blocks.t > 31.0) & (blocks.t < 59.0)
+    np.testing.assert_allclose(blocks.weight[rest_variance], 1.0, rtol=1e-6)
 
 
 def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> None:
@@ -127,11 +129,11 @@ def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> N
 
     def rounded(step: float) -> np.ndarray:
         full = full_rate(rested(lambda readings: np.round(readings / step) * step))
-        return in_blocks(full, 25.0).rounding[3:]
+        return block_means(full, 25.0).rounding[3:]
 
     np.testing.assert_allclose(rounded(fine), fine**2 / 12.0 / 4.0, rtol=1e-6)
     np.testing.assert_allclose(rounded(coarse), coarse**2 / 12.0, rtol=1e-6)
-    plain = in_blocks(full_rate(rested()), 25.0).rounding[3:]
+    plain = block_means(full_rate(rested()), 25.0).rounding[3:]
     assert (plain < (0.1 * SIGMA[3:]) ** 2).all()
 
 
@@ -139,7 +141,7 @@ def test_motion_and_what_was_recorded_are_means_too() -> None:
     full = full_rate(rested())
     recorded = dict(full.motion.recorded, temperature=20.0 + full.motion.t)
     warm: FullRate = replace(full, motion=replace(full.motion, recorded=recorded))
-    blocks = in_blocks(warm, 25.0)
+    blocks = block_means(warm, 25.0)
     motion: Motion = blocks.motion
     np.testing.assert_allclose(motion.recorded["temperature"], 20.0 + blocks.t, atol=1e-9)
     expected = full.motion.up[: 4 * len(blocks.t)].reshape(-1, 4, 3).mean(axis=1)
@@ -166,4 +168,4 @@ def test_a_recording_of_a_few_seconds_is_refused() -> None:
     one: tuple[Segment, ...] = (recording.manifest.segments or ())[:1]
     short = recording.manifest.model_copy(update={"segments": one})
     with pytest.raises(Unusable, match="explain needs 8 s"):
-        in_blocks(full_rate(replace(recording, manifest=short)), 25.0)
+        block_means(full_rate(replace(recording, manifest=short)), 25.0)

@@ -5,17 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from engine_run import NOISY, motion, noise, observed, read
+from engine_run import NOISY, RATE, motion, noise, observed, read
 
 from schemas.discrepancy import HeldOut
-from tasks.explain.channels import GYROS
-from tasks.explain.evidence.weigh import Group, Weighed, groups_of
-from tasks.explain.explanation import CHANNELS
+from tasks.explain.channels import CHANNELS, GYROS
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.groups import FindingGroup, finding_groups
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, Prior
-from tasks.explain.search.empirical_terms import UNNAMED, sinusoid
-from tasks.explain.search.pool import System
-from tasks.explain.search.refit import fitted, model_of
-from tasks.explain.search.stepwise import Chosen, Found
+from tasks.explain.search.design import NormalEquations
+from tasks.explain.search.empirical_terms import sinusoid
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
 from tasks.model.terms.geometry import LEVER_ARM
@@ -32,27 +33,26 @@ def picked(
     term: Term,
     own: tuple[int, ...] | None = None,
     prior: Prior | None = None,
-    instead_of: str | None = None,
-) -> Chosen:
+    absorbed_by: str | None = None,
+) -> Selected:
     own = tuple(range(len(term.parameters))) if own is None else own
-    return Chosen(Candidate(term, own or (0,), own, 1, prior), 100.0, 90.0, (), instead_of)
+    return Selected(Candidate(term, own or (0,), own, 1, prior), 100.0, 90.0, (), absorbed_by)
 
 
-def found(*chosen: Chosen) -> Found:
-    nothing = System(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
-    return Found(chosen, NOISY, 0.0, nothing)
+def found(*chosen: Selected) -> Selection:
+    nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    return Selection(chosen, NOISY, 0.0, nothing)
 
 
-def weighed(made: np.ndarray, chosen: Sequence[Chosen]) -> tuple[Weighed, list[Group]]:
-    blocks = observed(made, RUN)
-    pairs = [(one.candidate, np.zeros(len(one.candidate.own))) for one in chosen]
-    model = fitted(model_of(pairs, blocks), blocks, NOISY)
-    groups = groups_of(found(*chosen))
-    return Weighed.of(model, blocks, NOISY, groups), groups
+def weighed(made: np.ndarray, chosen: Sequence[Selected]) -> tuple[Evidence, list[FindingGroup]]:
+    free = [replace(one, candidate=replace(one.candidate, prior=None)) for one in chosen]
+    fit = FittedSelection.of(found(*free), observed(made, RUN), RATE)
+    evidence = Evidence.of(replace(fit, selection=found(*chosen)))
+    return evidence, list(evidence.groups)
 
 
 @pytest.fixture(scope="module")
-def three() -> tuple[Weighed, list[Group]]:
+def three() -> tuple[Evidence, list[FindingGroup]]:
     """An arm that is there, Earth that is there, a gradient that is not."""
     made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 41, NOISY)
     return weighed(made, [picked(LEVER_ARM), picked(THERMAL_GRADIENT), picked(EARTH)])
@@ -60,22 +60,22 @@ def three() -> tuple[Weighed, list[Group]]:
 
 def test_the_same_name_is_one_finding() -> None:
     parts = [picked(TEMPERATURE_BIAS, (0,)), picked(LEVER_ARM), picked(TEMPERATURE_BIAS, (4,))]
-    groups = groups_of(found(*parts))
+    groups = finding_groups(found(*parts))
     assert [group.name for group in groups] == ["temperature_bias", "lever_arm"]
     assert groups[0].terms == (TEMPERATURE_BIAS,)
-    assert groups[0].chosen == (parts[0], parts[2])
+    assert groups[0].selected == (parts[0], parts[2])
 
 
 def test_what_has_no_name_stays_apart() -> None:
     first, second = (sinusoid(GYROS).shaped((period,)) for period in (20.0, 31.0))
     some = [picked(first), picked(replace(second, variant=1))]
-    assert [group.name for group in groups_of(found(*some))] == [UNNAMED, UNNAMED]
+    assert [group.name for group in finding_groups(found(*some))] == [UNNAMED, UNNAMED]
 
 
 def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
     strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
     some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
-    names = [group.name for group in groups_of(found(*some))]
+    names = [group.name for group in finding_groups(found(*some))]
     assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
 
 
@@ -83,24 +83,29 @@ def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_e
     later = replace(bias_step(0, 250.0), variant=1)
     jumps = [replace(picked(step), gain=100.0) for step in (bias_step(0, 100.0), later)]
     drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
-    assert [one.name for one in groups_of(found(*jumps, drift, arm))][1:] == [UNNAMED, "lever_arm"]
+    assert [one.name for one in finding_groups(found(*jumps, drift, arm))][1:] == [
+        UNNAMED,
+        "lever_arm",
+    ]
     stronger = replace(drift, gain=220.0)
-    assert groups_of(found(*jumps, stronger))[1].name == "temperature_bias"
+    assert finding_groups(found(*jumps, stronger))[1].name == "temperature_bias"
     follows = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=200.0)
-    assert groups_of(found(follows, drift))[1].name == "temperature_bias"
+    assert finding_groups(found(follows, drift))[1].name == "temperature_bias"
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
     first, later = bias_step(0, 100.0), replace(bias_step(0, 250.0), variant=1)
-    (jumps,) = groups_of(found(picked(first, (0,)), picked(later, (0,))))
+    (jumps,) = finding_groups(found(picked(first, (0,)), picked(later, (0,))))
     assert (jumps.name, len(jumps.terms)) == (UNNAMED, 2)
-    (once,) = groups_of(found(picked(first, (0,)), picked(first, (1,))))
+    (once,) = finding_groups(found(picked(first, (0,)), picked(first, (1,))))
     assert once.name == "bias_step"
-    (both,) = groups_of(found(picked(first), picked(bias_step(3, 100.0))))
+    (both,) = finding_groups(found(picked(first), picked(bias_step(3, 100.0))))
     assert both.name == "bias_step"  # gyros and accelerometers at the same moment
 
 
-def test_the_gain_is_the_chi_squared_of_what_was_found(three: tuple[Weighed, list[Group]]) -> None:
+def test_the_gain_is_the_chi_squared_of_what_was_found(
+    three: tuple[Evidence, list[FindingGroup]],
+) -> None:
     """Of physics without a parameter: of a fit without it, less one with it at its own size."""
     one, groups = three
     made = read(RUN, (EARTH, ()), (LEVER_ARM, ARM)) + noise(len(RUN.t), 41, NOISY)
@@ -117,15 +122,15 @@ def test_the_gain_is_the_chi_squared_of_what_was_found(three: tuple[Weighed, lis
 
 
 def test_what_is_there_is_needed_and_what_is_not_is_needless(
-    three: tuple[Weighed, list[Group]],
+    three: tuple[Evidence, list[FindingGroup]],
 ) -> None:
     one, groups = three
-    needless = {group.name: one.needless(n, group, TRIED) for n, group in enumerate(groups)}
-    assert needless == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
+    unsupported = {group.name: one.unsupported(n, TRIED) for n, group in enumerate(groups)}
+    assert unsupported == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
 
 
 def test_what_is_there_earns_on_segments_that_were_not_seen(
-    three: tuple[Weighed, list[Group]],
+    three: tuple[Evidence, list[FindingGroup]],
 ) -> None:
     one, groups = three
     earned = {group.name: one.held_out_gain(n) for n, group in enumerate(groups)}
@@ -135,7 +140,7 @@ def test_what_is_there_earns_on_segments_that_were_not_seen(
 
 
 def test_unseen_segments_are_noise_after_and_worse_before(
-    three: tuple[Weighed, list[Group]],
+    three: tuple[Evidence, list[FindingGroup]],
 ) -> None:
     said: HeldOut = three[0].held_out()
     assert said.chi2_per_dof_after == pytest.approx(1.0, abs=0.05)
@@ -149,6 +154,6 @@ def test_random_courses_and_what_is_soaked_up_are_not_judged_by_a_gain() -> None
     """The first are charged by their evidence; of the others no residual is left."""
     made = read(RUN) + noise(len(RUN.t), 42, NOISY)
     course = picked(THERMAL_GRADIENT, prior=Prior(2.0, 1.0))
-    soaked = picked(LEVER_ARM, instead_of="gyro_g_sensitivity")
+    soaked = picked(LEVER_ARM, absorbed_by="gyro_g_sensitivity")
     one, groups = weighed(made, [course, soaked])
-    assert [one.needless(n, group, TRIED) for n, group in enumerate(groups)] == [False, False]
+    assert [one.unsupported(n, TRIED) for n in range(len(groups))] == [False, False]

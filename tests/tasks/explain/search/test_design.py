@@ -19,16 +19,16 @@ from engine_run import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tasks.explain.inputs.observed import Observed
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import columns_of
-from tasks.explain.search.pool import (
-    Pool,
-    noises_of,
-    pooled,
-    renewed,
+from tasks.explain.search.design import (
+    BandedDesign,
+    banded_design,
+    normal_equations,
+    residual_noises,
     residuals,
-    system,
+    with_columns,
 )
 from tasks.model.regression import inverse
 from tasks.model.term import Column
@@ -47,9 +47,9 @@ FREE = np.full(len(COLUMNS), np.inf)  # nothing is known of them beforehand
 
 
 class Small(NamedTuple):
-    observed: Observed
+    blocks: Blocks
     readings: np.ndarray
-    pool: Pool
+    pool: BandedDesign
 
 
 @pytest.fixture(scope="module")
@@ -59,17 +59,17 @@ def small() -> Small:
     weight = 0.5 + 0.5 * np.random.default_rng(2).random(len(RUN.t))
     weight[3000:3100] = 0.0
     blocks = with_weight(observed(readings, RUN), {0: weight, 4: weight})
-    return Small(blocks, readings, pooled(blocks, readings, COLUMNS, FREE))
+    return Small(blocks, readings, banded_design(blocks, readings, COLUMNS, FREE))
 
 
 def test_the_misfit_of_the_standard_model_is_that_of_least_squares(small: Small) -> None:
     direct, _ = chi2(small.pool, small.readings, (), NOISY)
-    assert system(small.pool, NOISY).misfit == pytest.approx(direct, rel=1e-4)
+    assert normal_equations(small.pool, NOISY).misfit == pytest.approx(direct, rel=1e-4)
 
 
 @pytest.mark.parametrize("which", [[0], [0, 1, 2], [3, 7], [9], list(range(10))])
 def test_gain_and_values_are_those_of_least_squares(small: Small, which: list[int]) -> None:
-    state = system(small.pool, NOISY)
+    state = normal_equations(small.pool, NOISY)
     block, right = state.normal[np.ix_(which, which)], state.right[which]
     values = inverse(block) @ right
     before, _ = chi2(small.pool, small.readings, (), NOISY)
@@ -83,33 +83,33 @@ def test_an_effect_of_several_channels_has_one_parameter(small: Small) -> None:
     """A delay is seen by all six channels; each alone would tell less of it than all together."""
     delay = len(COLUMNS) - 1
     assert len(COLUMNS[delay]) > 3
-    size = 1.0 / system(small.pool, NOISY).scale[delay] ** 2
+    size = 1.0 / normal_equations(small.pool, NOISY).scale[delay] ** 2
     alone = []
     for channel in COLUMNS[delay]:
         one = {channel: COLUMNS[delay][channel]}
-        pool = pooled(small.observed, small.readings, (one,), np.array([np.inf]))
-        alone.append(1.0 / system(pool, NOISY).scale[0] ** 2)
+        pool = banded_design(small.blocks, small.readings, (one,), np.array([np.inf]))
+        alone.append(1.0 / normal_equations(pool, NOISY).scale[0] ** 2)
     assert size == pytest.approx(sum(alone), rel=1e-4)
 
 
 def test_what_the_standard_model_says_too_is_not_seen(small: Small) -> None:
     shifted = {0: 2.0 * RUN.rate[:, 1] - 0.3, 3: 0.1 * RUN.up[:, 2]}
-    pool = pooled(small.observed, small.readings, (shifted,), np.array([np.inf]))
-    assert system(pool, NOISY).scale[0] == 0.0
+    pool = banded_design(small.blocks, small.readings, (shifted,), np.array([np.inf]))
+    assert normal_equations(pool, NOISY).scale[0] == 0.0
 
 
 def test_a_channel_that_was_not_recorded_is_left_out(small: Small) -> None:
     nothing = {channel: np.zeros(len(RUN.t)) for channel in (3, 4, 5)}
-    pool = pooled(with_weight(small.observed, nothing), small.readings, COLUMNS, FREE)
+    pool = banded_design(with_weight(small.blocks, nothing), small.readings, COLUMNS, FREE)
     assert [channel is None for channel in pool.channels] == [False] * 3 + [True] * 3
-    scale = system(pool, NOISY).scale
+    scale = normal_equations(pool, NOISY).scale
     assert (scale[:3] == 0).all()  # a lever arm is seen by accelerometers alone
     assert scale[3] > 0
 
 
 def test_a_plausible_range_holds_what_the_readings_do_not_tell(small: Small) -> None:
     half = np.full(len(COLUMNS), 1e-9)
-    state = system(replace(small.pool, half=half), NOISY)
+    state = normal_equations(replace(small.pool, half=half), NOISY)
     values = inverse(state.normal) @ state.right * state.scale
     assert np.abs(values).max() < 1e-9
 
@@ -118,10 +118,10 @@ def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) 
     other = {0: {c: 1.3 * course + 0.01 for c, course in COLUMNS[0].items()},
              9: {c: np.roll(course, 3) for c, course in COLUMNS[9].items()}}  # fmt: skip
     readings = small.readings + 1e-3 * RUN.up[:, [1, 2, 0, 2, 0, 1]] ** 2
-    changed = renewed(small.pool, other, readings)
+    changed = with_columns(small.pool, other, readings)
     columns = [other.get(p, column) for p, column in enumerate(COLUMNS)]
-    anew = pooled(small.observed, readings, columns, FREE)
-    first, second = system(changed, NOISY), system(anew, NOISY)
+    anew = banded_design(small.blocks, readings, columns, FREE)
+    first, second = normal_equations(changed, NOISY), normal_equations(anew, NOISY)
     assert first.misfit == pytest.approx(second.misfit, rel=1e-5)
     np.testing.assert_allclose(first.scale, second.scale, rtol=1e-5)
     np.testing.assert_allclose(first.normal, second.normal, atol=1e-5)
@@ -131,8 +131,8 @@ def test_renewed_columns_and_readings_are_as_in_a_pool_built_anew(small: Small) 
 
 
 def test_renewing_nothing_changes_nothing(small: Small) -> None:
-    again = renewed(small.pool, {}, None)
-    assert system(again, NOISY).misfit == system(small.pool, NOISY).misfit
+    again = with_columns(small.pool, {}, None)
+    assert normal_equations(again, NOISY).misfit == normal_equations(small.pool, NOISY).misfit
 
 
 def test_residuals_are_what_least_squares_leaves(small: Small) -> None:
@@ -146,11 +146,11 @@ def test_residuals_are_what_least_squares_leaves(small: Small) -> None:
         values, *_ = np.linalg.lstsq(design / size, target, rcond=1e-12)
         level = np.repeat(NOISY[c].variance(small.pool.bands.frequency), small.pool.bands.sizes)
         direct = (target - design / size @ values) * np.sqrt(level)
-        assert np.abs(left[c] - direct).max() < 1e-4 * np.sqrt(NOISY[c].white)
+        assert np.abs(left[c].coefficients - direct).max() < 1e-4 * np.sqrt(NOISY[c].white)
 
 
 def test_the_noise_of_a_true_fit_is_that_which_was_made(small: Small) -> None:
-    found = noises_of(small.pool, [0, 1, 2], NOISY)
+    found = residual_noises(small.pool, [0, 1, 2], NOISY)
     full = [c for c in range(6) if c not in (0, 4)]  # the others weigh less
     white = np.array([found[c].white / NOISY[c].white for c in full])
     flicker = np.array([found[c].flicker / NOISY[c].flicker for c in full])
@@ -163,7 +163,7 @@ def test_the_noise_of_a_true_fit_is_that_which_was_made(small: Small) -> None:
 def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, factor: float) -> None:
     readings = read(RUN, (LEVER_ARM, LEVER)) + noise(len(RUN.t), 1, QUIET)
     blocks = observed(readings, RUN)
-    plain = system(pooled(blocks, readings, COLUMNS, FREE), QUIET)
+    plain = normal_equations(banded_design(blocks, readings, COLUMNS, FREE), QUIET)
     scaled = readings.copy()
     scaled[:, channel] *= factor
     columns = [
@@ -171,7 +171,7 @@ def test_the_unit_of_a_channel_does_not_change_what_is_gained(channel: int, fact
         for column in COLUMNS
     ]
     noises = [Noise(n.white * factor**2, 0.0) if c == channel else n for c, n in enumerate(QUIET)]
-    other = system(pooled(blocks, scaled, columns, FREE), noises)
+    other = normal_equations(banded_design(blocks, scaled, columns, FREE), noises)
     assert other.misfit == pytest.approx(plain.misfit, rel=1e-4)
     np.testing.assert_allclose(other.normal, plain.normal, atol=1e-4)
     np.testing.assert_allclose(other.right, plain.right, atol=1e-4 * abs(plain.right).max())

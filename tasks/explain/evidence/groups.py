@@ -1,0 +1,99 @@
+"""Which selected candidates are one finding, and which findings can be given a name."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tasks.explain.explanation import UNNAMED
+from tasks.explain.search.stepwise import Selected, Selection
+from tasks.model.term import COUNTS, Term
+
+LEAKAGE = 0.15  # of the chi-squared that something without a name gains
+MAX_NAMED_STEPS = 1  # more are jumps, and no single step
+
+
+@dataclass(frozen=True)
+class FindingGroup:
+    """One finding: its name, the terms that model it, and the candidates selected of it."""
+
+    name: str
+    terms: tuple[Term, ...]
+    selected: tuple[Selected, ...]
+
+    @property
+    def random(self) -> bool:
+        """Whether it is a random drift."""
+        return self.selected[0].candidate.prior is not None
+
+    @property
+    def absorbed_by(self) -> str | None:
+        return self.selected[0].absorbed_by
+
+    @property
+    def parameter_count(self) -> int:
+        """What it is charged for: of a random drift one for each candidate."""
+        if self.random:
+            return len(self.selected)
+        return sum(len(one.candidate.own) for one in self.selected if not one.candidate.known)
+
+    @property
+    def gain(self) -> float:
+        return sum(one.gain for one in self.selected)
+
+    @property
+    def wandering_bias(self) -> bool:
+        """Whether it is a bias that steps or wanders, which any slow drift makes up for in part."""
+        return self.random or self.terms[0].time_course == "jump"
+
+
+def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
+    """Findings of one name are one, those without a name of one term; several steps are jumps.
+
+    What is far weaker than something that has no name is likely to be leakage of it, and has
+    none either; but known physics, which has nothing to fit to leakage. A random drift is so
+    likely beside anything stronger without a name, a drift beside a stronger bias that steps or
+    wanders.
+    """
+    named: dict[object, list[Selected]] = {}
+    for one in selection.selected:
+        name = one.candidate.name
+        named.setdefault(one.candidate.term.key if name == UNNAMED else name, []).append(one)
+    groups = [_group(_name_of(some), some) for some in named.values()]
+    unnamed = [group for group in groups if group.name == UNNAMED]
+    return tuple(
+        _group(UNNAMED, group.selected) if _is_leakage(group, unnamed) else group
+        for group in groups
+    )
+
+
+def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
+    terms = {one.candidate.term.key: one.candidate.term for one in some}
+    return FindingGroup(name, tuple(terms.values()), tuple(some))
+
+
+def _is_leakage(group: FindingGroup, unnamed: Sequence[FindingGroup]) -> bool:
+    if any(one.candidate.known or one.absorbed_by is not None for one in group.selected):
+        return False
+    strongest = max((other.gain for other in unnamed), default=0.0)
+    if group.random:  # as leakage of anything slow wanders
+        return group.gain < strongest
+    wandering = max((other.gain for other in unnamed if other.wandering_bias), default=0.0)
+    slow = group.terms[0].time_course in ("drift", "jump")
+    return group.gain < max(LEAKAGE * strongest, wandering if slow else 0.0)
+
+
+def _name_of(some: Sequence[Selected]) -> str:
+    first = some[0].candidate
+    times = {one.candidate.term.at for one in some}
+    if first.term.time_course == "jump" and len(times) > MAX_NAMED_STEPS:
+        return UNNAMED
+    return UNNAMED if any(_at_bound(one.candidate.term) for one in some) else first.name
+
+
+def _at_bound(term: Term) -> bool:
+    """Whether a continuous shape was driven out of what is plausible: another form fits better."""
+    for shape, value in zip(term.shapes, term.at, strict=True):
+        low, high = shape.plausible
+        searched = shape.unit not in (COUNTS, "deg") and shape.name != "time"
+        if searched and (value >= 0.99 * high or value <= 1.01 * low):
+            return True
+    return False

@@ -1,0 +1,114 @@
+"""Readings and motion as means over even blocks of time.
+
+Blocks keep every sample's information below half their rate and make the cost of the search
+independent of the sampling rate. Rates, forces and angular accelerations are averaged from the
+full rate, so that the corners of a ramp are not missed.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import Segment
+from tasks.explain.inputs.corners import corners
+from tasks.explain.inputs.full_rate import FullRate
+from tasks.motion.whole import Motion
+
+MIN_BLOCKS = 200
+VIBRATING = 1.3  # times the noise variance at rest
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Readings and motion on even blocks.
+
+    t: (n,) s from the start of the run, block centres. readings: (n, 6); 0 where not used.
+    weight: (n, 6) root of the weight of a block, 1 for a full one at rest, 0: not used.
+    motion: at the blocks, with all that was recorded. rate: blocks a second.
+    segment: (n,) index into `segments`, −1 between them. rounding: (6,) variance of a block that
+    the output's step makes by itself.
+    """
+
+    t: np.ndarray
+    readings: np.ndarray
+    weight: np.ndarray
+    motion: Motion
+    rate: float
+    segment: np.ndarray
+    segments: tuple[Segment, ...]
+    rounding: np.ndarray
+
+
+def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Blocks:
+    """Block means at a rate (Hz), or the rows themselves where they are slower.
+
+    masked: (n, 6) bool, samples that must not be used.
+    Raises Unusable where there are fewer than 200 blocks.
+    """
+    t = full.motion.t
+    own = 1.0 / max(float(np.median(np.diff(t))), 1e-9)
+    step = max(1, round(own / rate))
+    block = ((t + 0.5 / own) * own / step).astype(int)
+    count = int(block[-1]) + 1
+    if count < MIN_BLOCKS:
+        raise Unusable(
+            f"the recording lasts {t[-1]:.1f} s; explain needs {MIN_BLOCKS / rate:.0f} s or more"
+        )
+    usable = np.isfinite(full.readings) & full.motion.known[:, None]
+    if masked is not None:
+        usable &= ~masked
+    counts = _sums(usable.astype(float), block, count)
+    sums = _sums(np.where(usable, full.readings, 0.0), block, count)
+    readings = np.divide(sums, counts, out=np.zeros_like(sums), where=counts > 0)
+    motion = _block_motion(full.motion, block, count, step / own)
+    first = np.minimum(np.searchsorted(block, np.arange(count)), len(block) - 1)
+    segment = full.segment[first]
+    weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
+    weight /= np.sqrt(1.0 + corners(motion) / (full.rest_variance / step))
+    weight[~motion.known] = 0.0
+    rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
+    return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
+
+
+def _sums(values: np.ndarray, block: np.ndarray, count: int) -> np.ndarray:
+    """(count, k) sums of values (n, k) over each block."""
+    return np.column_stack([np.bincount(block, column, count) for column in values.T])
+
+
+def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -> Motion:
+    """Means of everything that is known; a block without rows repeats nothing: it is unknown."""
+    rows = np.bincount(block, minlength=count)
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        with np.errstate(invalid="ignore"):
+            sums = _sums(values.reshape(len(values), -1), block, count)
+            means = sums / np.where(rows > 0, rows, np.nan)[:, None]
+        return np.asarray(means.reshape(count, *values.shape[1:]))
+
+    axes = motion.axes and replace(
+        motion.axes,
+        **{
+            name: mean(getattr(motion.axes, name))
+            for name in ("angles", "speeds", "directions", "base")
+        },
+    )
+    recorded = {name: mean(signal) for name, signal in motion.recorded.items()}
+    recorded["fixing"] = np.round(recorded["fixing"])  # a number, not a mean of two
+    return Motion(
+        t=(np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max())),
+        up=mean(motion.up),
+        north=mean(motion.north),
+        rate=mean(motion.rate),
+        acceleration=mean(motion.acceleration),
+        gravity=motion.gravity,
+        axes=axes,
+        recorded=recorded,
+    )
+
+
+def _segment_weight(full: FullRate) -> np.ndarray:
+    """(segments + 1, 6) root weight by the noise of each segment, 1 at rest; last: between them."""
+    variance = full.segment_variance.repeat(3, axis=1)
+    ratio = np.where(np.isfinite(variance), variance / full.rest_variance, 1.0)
+    return np.asarray(1.0 / np.sqrt(np.where(ratio > VIBRATING, ratio, 1.0)))

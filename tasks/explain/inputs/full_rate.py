@@ -1,0 +1,86 @@
+"""A recording at the unit's own rows: readings, motion, segments and the noise of samples."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.recording import Recording, Segment
+from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.recorded_signals import recorded_signals
+from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps
+from tasks.explain.inputs.vibration import vibration
+from tasks.motion.whole import Motion, whole_motion
+from tasks.segments.find import find_segments
+
+NEAR_LEAST = 1.3  # times the least variance of a segment: still at rest
+
+
+@dataclass(frozen=True)
+class FullRate:
+    """The recording at the unit's own rows: readings (n, 6), motion with what was recorded.
+
+    segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) of a
+    sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
+    read; dithered: (6,) bool, noise is larger, so that means are finer than steps.
+    """
+
+    readings: np.ndarray
+    motion: Motion
+    segment: np.ndarray
+    segments: tuple[Segment, ...]
+    segment_variance: np.ndarray
+    steps: np.ndarray
+    dithered: np.ndarray
+
+    @property
+    def rest_variance(self) -> np.ndarray:
+        """(6,) variance of a sample's noise at rest, of one triad the same; 1 if not known."""
+        known = np.where(np.isfinite(self.segment_variance), self.segment_variance, np.inf)
+        usual = [_median(variances) for variances in self.segment_variance.T]
+        rounding = self.steps.reshape(2, 3).max(axis=1) ** 2 / 12.0
+        level = np.maximum(np.minimum(usual, NEAR_LEAST * known.min(axis=0)), rounding)
+        return np.where(np.isfinite(level) & (level > 0), level, 1.0).repeat(3)
+
+
+def full_rate(recording: Recording) -> FullRate:
+    """Motion and readings at the unit's rows.
+
+    Raises Unusable where the recording has no rates and forces, or tells no motion.
+    """
+    name = recording.manifest.recording_id
+    if not set(CHANNELS) & set(recording.imu.columns):
+        raise Unusable(
+            f"recording {name} has no gyro_* or accel_* columns; "
+            "explain needs rates or specific forces"
+        )
+    readings = recording.imu.stack(CHANNELS)
+    motion = whole_motion(recording)
+    if not motion.known.any():
+        raise Unusable(
+            f"recording {name} tells no motion: no table stream with "
+            "table_axes, no reference pose and no labelled segments; give one of them"
+        )
+    # A motion that is unknown in places (labels only) must not reach into its neighbours.
+    segments = recording.manifest.segments or find_segments(recording)
+    segment = _segment_of(recording.imu.t, segments)
+    variance = noise_by_segment(readings, motion, segment, len(segments))
+    speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
+    recorded = recorded_signals(recording, motion.t, segments)
+    recorded["vibration"] = vibration(variance, segment, speed)
+    motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
+    return FullRate(readings, motion, segment, segments, variance, *output_steps(readings))
+
+
+def _segment_of(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
+    """Which segment each row lies in, −1 for none."""
+    number: np.ndarray = np.full(len(t), -1)
+    for k, segment in enumerate(segments):
+        start, stop = np.searchsorted(t, (segment.t_start, segment.t_end))
+        number[start:stop] = k
+    return number
+
+
+def _median(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else np.inf

@@ -1,0 +1,252 @@
+"""The design matrix of all candidates, transformed once, as Gram matrices in bands of frequency.
+
+With Gram matrices by band a noise spectrum is a set of weights: gains, fits, covariances and new
+noise estimates are algebra on small matrices, however long the recording was. The parameters of
+all channels stand in one system of normal equations, so that an effect of several channels has
+one set of parameters; the standard's model is projected out of it first (Frisch, Waugh, Lovell).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tasks.explain.channels import TRIADS
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.regression.spectrum import (
+    Bands,
+    ChannelResidual,
+    Noise,
+    bands_of,
+    padded_length,
+    transformed,
+    triad_noises,
+    weighted,
+)
+from tasks.model.regression import inverse
+from tasks.model.term import Column
+from tasks.model.terms.standard import regressors
+
+ROUNDING = 1e-13  # of a column's power
+ABSORBED = 1e-6  # of a column's power: less than this is left of it by the standard's model
+
+
+@dataclass(frozen=True)
+class ChannelDesign:
+    """One channel: which parameters (k,) it reads; transformed base (b, n) and reading (n,).
+
+    rows: (b + k + 1, n) base, columns and reading in single precision, divided by `size`
+    (b + k + 1,); basis: (b, n) orthonormal rows of what was projected out, not transformed.
+    grams: (bands, b + k + 1, b + k + 1) in the order of the rows.
+    """
+
+    which: np.ndarray
+    base: np.ndarray
+    reading: np.ndarray
+    grams: np.ndarray
+    rows: np.ndarray
+    size: np.ndarray
+    basis: np.ndarray
+
+
+@dataclass(frozen=True)
+class BandedDesign:
+    """All channels; None for one that was not recorded. columns: of every parameter.
+
+    half: (p,) half of the range that a parameter may plausibly have, which is prior knowledge.
+    """
+
+    blocks: Blocks
+    bands: Bands
+    channels: tuple[ChannelDesign | None, ...]
+    columns: tuple[Column, ...]
+    half: np.ndarray
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """Normal equations of all parameters, each at unit size, without the standard's model.
+
+    normal: (p, p), right: (p,), both for columns divided by `scale` (p,). misfit: chi-squared of
+    the standard's model alone. A parameter that the standard absorbs whole has zero scale⁻¹.
+    """
+
+    normal: np.ndarray
+    right: np.ndarray
+    scale: np.ndarray
+    misfit: float
+
+
+def banded_design(
+    blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], half: np.ndarray
+) -> BandedDesign:
+    """The design of the standard's columns, the candidates' columns and the readings (n, 6).
+
+    half: (p,) half of each parameter's plausible range.
+    """
+    bands = bands_of(padded_length(len(blocks.t)), blocks.rate)
+    channels = tuple(
+        _channel_design(blocks, readings, columns, bands, channel)
+        if blocks.weight[:, channel].any()
+        else None
+        for channel in range(readings.shape[1])
+    )
+    return BandedDesign(blocks, bands, channels, tuple(columns), half)
+
+
+def _channel_design(
+    blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], bands: Bands, channel: int
+) -> ChannelDesign:
+    which = [p for p, column in enumerate(columns) if channel in column]
+    weight = blocks.weight[:, channel]
+    stack = weighted(regressors(blocks.motion, channel).T, weight)
+    basis = np.linalg.qr(stack.T)[0].T
+    signals = [*(columns[p][channel] for p in which), readings[:, channel]]
+    rest = _projected(weighted(signals, weight), basis)
+    rows, size = _at_unit_size(np.vstack([stack, rest]))
+    grams = _products(rows, rows, bands) * size[:, None] * size
+    return ChannelDesign(
+        np.array(which, int), transformed(stack), transformed(rest[-1]), grams, rows, size, basis
+    )
+
+
+def with_columns(
+    design: BandedDesign, columns: Mapping[int, Column], readings: np.ndarray | None = None
+) -> BandedDesign:
+    """The design with other columns for some parameters, in the channels that they had, and other
+    readings (n, 6) where they are given; everything else stays as it is.
+    """
+    channels = tuple(
+        channel and _with_columns(design, channel, number, columns, readings)
+        for number, channel in enumerate(design.channels)
+    )
+    every = list(design.columns)
+    nothing = np.zeros(len(design.blocks.t))
+    for p, column in columns.items():
+        every[p] = {c: column.get(c, nothing) for c in design.columns[p]}
+    return replace(design, channels=channels, columns=tuple(every))
+
+
+def _with_columns(
+    design: BandedDesign,
+    channel: ChannelDesign,
+    number: int,
+    columns: Mapping[int, Column],
+    readings: np.ndarray | None,
+) -> ChannelDesign:
+    row_of = {int(p): row for row, p in enumerate(channel.which, len(channel.base))}
+    nothing = np.zeros(len(design.blocks.t))
+    changed = [p for p in columns if p in row_of]
+    signals = [columns[p].get(number, nothing) for p in changed]
+    at = [row_of[p] for p in changed]
+    if readings is not None:
+        signals.append(readings[:, number])
+        at.append(len(channel.size) - 1)
+    if not at:
+        return channel
+    rest = _projected(weighted(signals, design.blocks.weight[:, number]), channel.basis)
+    new, new_size = _at_unit_size(rest)
+    rows, size, grams = channel.rows.copy(), channel.size.copy(), channel.grams.copy()
+    rows[at], size[at] = new, new_size
+    crossed = _products(new, rows, design.bands) * new_size[:, None] * size
+    grams[:, at, :] = crossed
+    grams[:, :, at] = crossed.transpose(0, 2, 1)
+    reading = channel.reading if readings is None else transformed(rest[-1])
+    return replace(channel, reading=reading, grams=grams, rows=rows, size=size)
+
+
+def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
+    """The rows without what the basis explains of them (ordinary least squares).
+
+    What is left of a column is small beside it; only so do its products keep their digits.
+    """
+    before = np.einsum("kn,kn->k", stack, stack)
+    stack -= (stack @ basis.T) @ basis
+    stack[np.einsum("kn,kn->k", stack, stack) < ROUNDING * before] = 0.0
+    return stack
+
+
+def _at_unit_size(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Transformed rows in single precision, each divided by its root mean square."""
+    size = np.sqrt(np.einsum("kn,kn->k", stack, stack) / stack.shape[1])
+    size[size == 0] = 1.0
+    return transformed((stack / size[:, None]).astype(np.float32)), size
+
+
+def _products(some: np.ndarray, others: np.ndarray, bands: Bands) -> np.ndarray:
+    """(bands, k, m) products of rows (k, n) and (m, n) within each band."""
+    pairs = zip(bands.edges[:-1], bands.edges[1:], strict=True)
+    return np.stack([some[:, a:b] @ others[:, a:b].T for a, b in pairs]).astype(float)
+
+
+def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
+    """The normal equations by the noise of each channel."""
+    count = len(design.columns)
+    normal, right, full = np.zeros((count, count)), np.zeros(count), np.zeros(count)
+    misfit = 0.0
+    for channel, noise in zip(design.channels, noises, strict=True):
+        if channel is None:
+            continue
+        gram = np.tensordot(1.0 / noise.variance(design.bands.frequency), channel.grams, axes=1)
+        first = len(channel.base)
+        shared = gram[:first, first:]
+        left = gram[first:, first:] - shared.T @ (inverse(gram[:first, :first]) @ shared)
+        normal[np.ix_(channel.which, channel.which)] += left[:-1, :-1]
+        right[channel.which] += left[:-1, -1]
+        full[channel.which] += np.diag(gram)[first:-1]
+        misfit += left[-1, -1]
+    power = np.diag(normal)
+    observable = power > ABSORBED * full
+    scale = np.where(observable, 1.0 / np.sqrt(np.where(observable, power, 1.0)), 0.0)
+    whole = normal * scale[:, None] * scale + np.diag((scale / design.half) ** 2)
+    return NormalEquations(whole, right * scale, scale, misfit)
+
+
+def residuals(
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise] | None
+) -> list[ChannelResidual]:
+    """For each channel what the standard's model and some parameters leave.
+
+    members: numbers of the parameters. noises: by which they are fitted; without them every
+    coefficient counts the same.
+    """
+    return [
+        _residual(design, number, members, None if noises is None else noises[number])
+        for number in range(len(design.channels))
+    ]
+
+
+def residual_noises(
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise] | None
+) -> tuple[Noise, ...]:
+    """The noise of what the standard's model and some parameters leave, triad by triad."""
+    found = [Noise(1.0, 0.0)] * len(design.channels)
+    left = residuals(design, members, noises)
+    for triad in TRIADS:
+        recorded = [c for c in triad if design.channels[c] is not None]
+        floors = [design.blocks.rounding[c] for c in recorded]
+        estimates = triad_noises([left[c] for c in recorded], design.bands, floors)
+        for c, noise in zip(recorded, estimates, strict=True):
+            found[c] = noise
+    return tuple(found)
+
+
+def _residual(
+    design: BandedDesign, number: int, members: Sequence[int], noise: Noise | None
+) -> ChannelResidual:
+    channel = design.channels[number]
+    if channel is None:
+        return ChannelResidual(np.zeros(0), np.ones(0))
+    signals = [design.columns[p][number] for p in members if number in design.columns[p]]
+    columns = channel.base
+    if signals:
+        more = transformed(weighted(signals, design.blocks.weight[:, number]))
+        columns = np.vstack([columns, more])
+    level = np.ones(len(channel.reading))
+    if noise is not None:
+        level = 1.0 / noise.of_coefficients(design.bands)
+    solved = inverse((columns * level) @ columns.T)
+    values = solved @ ((columns * level) @ channel.reading)
+    taken = ((solved @ columns) * columns).sum(axis=0) * level
+    by_band = np.add.reduceat(taken, design.bands.edges[:-1]) / design.bands.sizes
+    return ChannelResidual(channel.reading - values @ columns, 1.0 - by_band)

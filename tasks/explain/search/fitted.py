@@ -1,0 +1,143 @@
+"""What was selected, fitted in its real form; and searching and fitting in turn."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import BandedDesign, with_columns
+from tasks.explain.search.proposals import with_proposed_shapes
+from tasks.explain.search.refit import (
+    Model,
+    fitted,
+    linearised,
+    model_of,
+    with_later_clock,
+    with_values_of,
+)
+from tasks.explain.search.stepwise import (
+    Selected,
+    Selection,
+    initial_noises,
+    noises_beside,
+    search,
+)
+from tasks.model.terms.timing import TIME_OFFSET
+
+MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form
+
+
+@dataclass(frozen=True)
+class FittedSelection:
+    """What was selected, its candidates with the shapes of the model that was fitted to them.
+
+    blocks: what the model is fitted to. search_rate: of the blocks whose noise the selection has.
+    """
+
+    selection: Selection
+    model: Model
+    blocks: Blocks
+    search_rate: float
+
+    @classmethod
+    def of(
+        cls, selection: Selection, blocks: Blocks, search_rate: float, start: Model | None = None
+    ) -> "FittedSelection":
+        """start: a model whose values the fit starts from."""
+        candidates = selection.candidates
+        model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
+        if start is not None:
+            model = with_values_of(model, start)
+        model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
+        terms = {term.key: term for term in model.terms}
+        shaped = [replace(one, term=terms[one.term.key], fitted=True) for one in candidates]
+        return cls(selection.with_candidates(shaped), model, blocks, search_rate)
+
+    @property
+    def noises(self) -> tuple[Noise, ...]:
+        """The noise of the blocks that the model is fitted to."""
+        return _at_rate(self.selection.noises, self.blocks.rate / self.search_rate)
+
+    def reselected(self, selection: Selection) -> "FittedSelection":
+        """Another selection, fitted from the values of this one."""
+        return FittedSelection.of(selection, self.blocks, self.search_rate, self.model)
+
+    def without(self, selected: Sequence[Selected]) -> "FittedSelection":
+        """The same selection, fitted anew without some."""
+        keys = {one.candidate.key for one in selected}
+        kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
+        return self.reselected(replace(self.selection, selected=kept))
+
+
+def searched(
+    design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
+) -> FittedSelection:
+    """Search and fit in turn: after a fit, what is left is searched again about its values."""
+    noises = initial_noises(design)
+    design, candidates = with_proposed_shapes(design, candidates, noises)
+    selection = search(design, candidates, (), noises)
+    fit = FittedSelection.of(selection, blocks, design.blocks.rate)
+    for _ in range(MAX_SEARCHES - 1 if selection.selected else 0):
+        before = fit.selection.candidates
+        candidates = _updated(candidates, before)
+        design = with_columns(design, *linearised(fit.model, design.blocks, before))
+        # Random drifts make up for what the shapes of others lacked: they prove themselves anew.
+        firm = [one for one in before if one.prior is None]
+        noises = noises_beside(design, firm, fit.selection.noises)
+        design, candidates = with_proposed_shapes(design, candidates, noises, firm)
+        again = search(design, candidates, firm, noises)
+        fit = fit.reselected(replace(again, p_value=selection.p_value))
+        if {one.key for one in again.candidates} == {one.key for one in before}:
+            break
+    return fit
+
+
+def all_fitted(
+    design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
+) -> FittedSelection:
+    """Of each name the first term with all its parameters, fitted without a search."""
+    first: dict[str, Candidate] = {}
+    for one in candidates:
+        first.setdefault(one.name, one)
+    start = list(first.values())
+    return FittedSelection.of(search(design, start, start), blocks, design.blocks.rate)
+
+
+def with_delay(
+    fit: FittedSelection, candidates: Sequence[Candidate], delay: float, blocks: Blocks
+) -> FittedSelection:
+    """What was selected with the stamps taken back, for the stamps as they are.
+
+    delay: s by which they were taken back. blocks: with the stamps as they are.
+    """
+    if TIME_OFFSET.name not in [one.name for one in fit.selection.candidates]:
+        offset = next(one for one in candidates if one.name == TIME_OFFSET.name)
+        selected = (Selected(offset, 0.0, 0.0, ()), *fit.selection.selected)
+        fit = fit.reselected(replace(fit.selection, selected=selected))
+    # What fits the little that was left as well does not fit the whole, which no other absorbs.
+    selected = tuple(
+        replace(one, gain=np.inf, alternatives=())
+        if one.candidate.name == TIME_OFFSET.name
+        else one
+        for one in fit.selection.selected
+    )
+    selection = replace(fit.selection, selected=selected)
+    model = with_later_clock(fit.model, delay)
+    return replace(fit, selection=selection, model=model, blocks=blocks)
+
+
+def _at_rate(noises: Sequence[Noise], factor: float) -> tuple[Noise, ...]:
+    return tuple(noise.at_rate(factor) for noise in noises)
+
+
+def _updated(candidates: Sequence[Candidate], fitted: Sequence[Candidate]) -> list[Candidate]:
+    """The candidates with the fitted ones in their places, and their parts with the same terms."""
+    by_key = {one.key: one for one in fitted}
+    terms = {one.term.key: one.term for one in fitted}
+    return [
+        by_key.get(one.key) or replace(one, term=terms.get(one.term.key, one.term))
+        for one in candidates
+    ]

@@ -1,0 +1,193 @@
+"""How much each candidate gains beside those that were selected.
+
+A candidate's gain is the chi-squared it takes away; its price is two for each parameter and twice
+the logarithm of how many of its name were tried.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc
+
+from tasks.explain.explanation import UNNAMED
+from tasks.explain.search.candidates import COSINES, Candidate, Prior, members_of
+from tasks.explain.search.design import NormalEquations
+from tasks.model.regression import inverse
+
+INDISTINGUISHABLE = 6.0  # of score: two that differ by less cannot be told apart
+PER_PARAMETER = 2.0
+OBSERVABLE = 1e-4  # of a column's power: less is left of it beside what was selected
+SINGULAR = 1e-6  # of a column's power: keeps columns that are the same from dividing by nothing
+
+
+@dataclass(frozen=True)
+class ScoredCandidate:
+    """A candidate beside those selected: chi-squared gained, less its price, and its p value."""
+
+    candidate: Candidate
+    gain: float
+    score: float
+    p_value: float
+
+
+def rank(
+    equations: NormalEquations, candidates: Sequence[Candidate], selected: Sequence[Candidate]
+) -> list[ScoredCandidate]:
+    """The candidates by score, beside others that are selected."""
+    normal, right = _projected(equations, selected)
+    own = {one.key for one in selected}
+    # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
+    whole = {one.name for one in selected if one.known or (one.term.bent and not one.fitted)}
+    others = [
+        one
+        for one in candidates
+        if one.key not in own and (one.name == UNNAMED or one.name not in whole)
+    ]
+    fixed = [one for one in others if one.prior is None]
+    random = [one for one in others if one.prior is not None]
+    scored = [
+        *_fixed_effects(normal, right, equations, fixed),
+        *_random_effects(normal, right, equations, random),
+    ]
+    return sorted(scored, key=lambda one: -one.score)
+
+
+def _projected(
+    equations: NormalEquations, selected: Sequence[Candidate]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Normal equations without what is selected: fitted ones projected, known ones taken off."""
+    normal, right = equations.normal, equations.right
+    for one in selected:
+        if one.known:
+            p = one.members[0]
+            if equations.scale[p]:
+                right = right - normal[:, p] / equations.scale[p]
+    free = members_of([one for one in selected if not one.known])
+    if not free:
+        return normal, right
+    shared = normal[:, free]
+    precision = np.diag(prior_precision(equations, selected, free))
+    solved = inverse(normal[np.ix_(free, free)] + precision)
+    return normal - shared @ solved @ shared.T, right - shared @ (solved @ right[free])
+
+
+def _fixed_effects(
+    normal: np.ndarray,
+    right: np.ndarray,
+    equations: NormalEquations,
+    candidates: Sequence[Candidate],
+) -> list[ScoredCandidate]:
+    """Candidates of a few parameters, those of one size all at once."""
+    scored: list[ScoredCandidate] = []
+    for size in sorted({len(one.members) for one in candidates}):
+        some = [one for one in candidates if len(one.members) == size]
+        members = np.array([one.members for one in some])
+        blocks = normal[members[:, :, None], members[:, None, :]]
+        observable = (equations.scale[members] > 0) & (normal[members, members] > OBSERVABLE)
+        blocks = blocks * observable[:, :, None] * observable[:, None, :]
+        diagonal = np.arange(size)
+        blocks[:, diagonal, diagonal] += np.where(observable, SINGULAR, 1.0)
+        gains = _quadratic_forms(right[members] * observable, blocks)
+        counts = observable.sum(axis=1)
+        scored += [
+            _fixed_effect(normal, right, equations, one, gain, count)
+            for one, gain, count in zip(some, gains.tolist(), counts.tolist(), strict=True)
+            if count
+        ]
+    return scored
+
+
+def _quadratic_forms(vectors: np.ndarray, matrices: np.ndarray) -> np.ndarray:
+    """(k,) vᵀM⁻¹v of vectors (k, m) and matrices (k, m, m)."""
+    solved = np.linalg.solve(matrices, vectors[:, :, None])[:, :, 0]
+    return np.asarray((vectors * solved).sum(axis=1))
+
+
+def _fixed_effect(
+    normal: np.ndarray,
+    right: np.ndarray,
+    equations: NormalEquations,
+    one: Candidate,
+    gain: float,
+    count: int,
+) -> ScoredCandidate:
+    """count: parameters that the readings determine."""
+    one_sided = _one_sided(one)
+    if one_sided and right[one.members[0]] < 0.0:
+        gain = 0.0  # fitted below nothing, where no unit has it
+    p_value = min(1.0, float(chdtrc(count, gain)) * one.shape_trials)
+    if one.known:  # no factor is fitted: it gains what it gains
+        p, count = one.members[0], 0
+        size = 1.0 / equations.scale[p]
+        gain = float(2.0 * right[p] * size - normal[p, p] * size**2)
+    price = PER_PARAMETER * count + 2.0 * np.log(one.trials * one.shape_trials) + one.term.rarity
+    price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
+    return ScoredCandidate(one, gain, gain - price, p_value)
+
+
+def _one_sided(one: Candidate) -> bool:
+    """Whether its one parameter cannot be negative, such as a time constant."""
+    if len(one.members) != 1 or one.known:
+        return False
+    return one.term.parameters[one.own[0]].plausible[0] == 0.0
+
+
+def prior_precision(
+    equations: NormalEquations, candidates: Sequence[Candidate], members: Sequence[int]
+) -> np.ndarray:
+    """Prior precision (m,) of some parameters at unit column size; zero for most."""
+    precision = np.zeros(len(equations.scale))
+    for one in candidates:
+        if one.prior is not None:
+            own = np.array(one.members)
+            precision[own] = one.prior.precision(_column_power(equations, own))
+    return precision[list(members)]
+
+
+def _random_effects(
+    normal: np.ndarray,
+    right: np.ndarray,
+    equations: NormalEquations,
+    candidates: Sequence[Candidate],
+) -> list[ScoredCandidate]:
+    """Random drifts: 2·ln of how much likelier the readings are with one than without.
+
+    Channel by channel, which share columns between many candidates; what other findings couple
+    between the channels is left out here.
+    """
+    if not candidates:
+        return []
+    drifts = {one.key: _drifts(one) for one in candidates}
+    distinct = list(dict.fromkeys(drift for own in drifts.values() for drift in own))
+    members = np.array([channel for _, channel in distinct])
+    power = _column_power(equations, members)
+    precision = np.array([
+        prior.precision(row) for (prior, _), row in zip(distinct, power, strict=True)
+    ])  # fmt: skip
+    root = 1.0 / np.sqrt(precision)
+    blocks = normal[members[:, :, None], members[:, None, :]]
+    blocks = np.eye(members.shape[1]) + root[:, :, None] * blocks * root[:, None, :]
+    gains = _quadratic_forms(root * right[members], blocks) - np.linalg.slogdet(blocks)[1]
+    gain_of = dict(zip(distinct, gains.tolist(), strict=True))
+    scored = []
+    for one in candidates:
+        gain = sum(gain_of[drift] for drift in drifts[one.key])
+        price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.trials)
+        # No walk where another drift may explain it as well.
+        price += INDISTINGUISHABLE if one.name != UNNAMED else 0.0
+        p_value = float(np.exp(-0.5 * max(gain, 0.0)))
+        scored.append(ScoredCandidate(one, gain, gain - price, p_value))
+    return scored
+
+
+def _drifts(one: Candidate) -> list[tuple[Prior, tuple[int, ...]]]:
+    """Prior and parameters of a random drift in each of its channels."""
+    assert one.prior is not None
+    starts = range(0, len(one.members), COSINES)
+    return [(one.prior, one.members[start : start + COSINES]) for start in starts]
+
+
+def _column_power(equations: NormalEquations, members: np.ndarray) -> np.ndarray:
+    scale = equations.scale[members]
+    return np.divide(1.0, scale**2, out=np.zeros_like(scale), where=scale > 0)
