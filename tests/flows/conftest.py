@@ -1,6 +1,10 @@
-"""The command line in this process, on a home of its own."""
+"""The command line in this process, on a home of its own; and homes for commands on their own."""
 
+import fcntl
 import json
+import os
+import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +25,32 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated) -> Path:
     monkeypatch.setenv("MIMUCAL_HOME", str(folder))
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     monkeypatch.delenv("PREFECT_API_URL", raising=False)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def prefect_database(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """The database of a Prefect server before its first flow, made once for all workers."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "prefect"
+    folder.mkdir(exist_ok=True)
+    with (folder / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (folder / "made").exists():
+            subprocess.run(
+                [sys.executable, "-m", "prefect", "server", "database", "upgrade", "-y"],
+                check=True, capture_output=True, env=os.environ | {"PREFECT_HOME": str(folder)},
+            )  # fmt: skip
+            (folder / "made").touch()
+    return folder / "prefect.db"
+
+
+@pytest.fixture
+def own_home(tmp_path: Path, prefect_database: Path) -> Path:
+    """A home for commands in processes of their own, whose Prefect server starts at once."""
+    folder = tmp_path / "home"
+    (folder / "prefect").mkdir(parents=True)
+    shutil.copy(prefect_database, folder / "prefect")
     return folder
 
 

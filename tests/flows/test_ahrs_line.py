@@ -37,9 +37,8 @@ def mimucal(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
-def test_one_command_leads_from_the_station_to_the_certificate(tmp_path, short, validated) -> None:
-    home = tmp_path / "home"
-    home.mkdir()
+def test_one_command_leads_from_the_station_to_the_certificate(own_home, short, validated) -> None:
+    home = own_home
     (home / "validation.json").write_text(validated.model_dump_json(), encoding="utf-8")
     done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json")
     assert done.returncode == 0, done.stderr
@@ -68,8 +67,10 @@ def test_a_procedure_that_is_none_is_said_before_a_station_starts(tmp_path) -> N
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(tmp_path, short):
-    home, station = tmp_path / "home", tmp_path / "station.json"
+def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
+    own_home, tmp_path, short
+):
+    home, station = own_home, tmp_path / "station.json"
     told = json.loads(short.read_text(encoding="utf-8"))
     few = [s for s in told["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
     short.write_text(json.dumps(told | {"steps": few}), encoding="utf-8")

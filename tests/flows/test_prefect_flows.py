@@ -101,8 +101,8 @@ asyncio.run(main())
 """
 
 
-def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path, papers) -> None:
-    home, (station_file, procedure) = tmp_path / "home", papers
+def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home, papers) -> None:
+    home, (station_file, procedure) = own_home, papers
     order = (
         "from flows.carry_out import as_flow_run; from schemas.orders import ProduceOrder\n"
         f"order = ProduceOrder(station={str(station_file)!r}, procedure={str(procedure)!r})\n"
@@ -111,7 +111,7 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path,
     )
     done = subprocess.run(
         [sys.executable, "-c", order],
-        capture_output=True, text=True, timeout=110, env=environment(home),
+        capture_output=True, text=True, timeout=600, env=environment(home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "VERDICT inconclusive" in done.stdout
@@ -122,11 +122,11 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(tmp_path,
     assert list((home / "certificates").glob("*.pdf"))
 
 
-def test_acquire_prints_the_run_and_the_run_can_be_calibrated(tmp_path, papers) -> None:
-    home, (station_file, procedure) = tmp_path / "home", papers
+def test_acquire_prints_the_run_and_the_run_can_be_calibrated(own_home, papers) -> None:
+    home, (station_file, procedure) = own_home, papers
     done = subprocess.run(
         mimucal(home, "acquire", station_file, "--procedure", procedure, "--json"),
-        capture_output=True, text=True, timeout=110, env=environment(home),
+        capture_output=True, text=True, timeout=600, env=environment(home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     acquired = json.loads(done.stdout)
@@ -191,8 +191,8 @@ def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]
     )  # fmt: skip
 
 
-def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
-    home = tmp_path / "home"
+def test_what_was_recorded_survives_a_kill(own_home, papers) -> None:
+    home = own_home
     broken_off(home, papers, signal.SIGKILL)
     (found,) = (home / "acquiring").glob("*.mcap")
     refused = ordered(home, "import", found)
@@ -208,9 +208,9 @@ def test_what_was_recorded_survives_a_kill(tmp_path, papers) -> None:
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
-    tmp_path, papers, how: signal.Signals
+    own_home, papers, how: signal.Signals
 ) -> None:
-    home = tmp_path / "home"
+    home = own_home
     code, said = broken_off(home, papers, how)
     (found,) = (home / "acquiring").glob("*.mcap")
     assert code == 1
@@ -243,10 +243,10 @@ print("BUSY", len(busy), calibration.run)
 """
 
 
-def test_stage_is_tried_again_when_another_process_held_the_catalogue(tmp_path, shared) -> None:
+def test_stage_is_tried_again_when_another_process_held_the_catalogue(own_home, shared) -> None:
     done = subprocess.run(
         [sys.executable, "-c", RETRIED, str(shared / "real/ferraris_session")],
-        capture_output=True, text=True, timeout=110, env=environment(tmp_path / "home"),
+        capture_output=True, text=True, timeout=600, env=environment(own_home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "BUSY 1 r" in done.stdout
