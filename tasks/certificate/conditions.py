@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration, SegmentUsed
 from schemas.recording import AXES, Axis, Manifest
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, field, given
-from tasks.certificate.layout import Layout
 from tasks.certificate.positions import positions, turns, zero_positions
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.rounding import as_given
 
@@ -34,14 +34,17 @@ class Conditions:
     sentences: tuple[Message, ...]
 
 
-def conditions(calibration: Calibration, manifest: Manifest, layout: Layout) -> Conditions:
+def conditions(
+    calibration: Calibration, manifest: Manifest, specification: Specification
+) -> Conditions:
     """Rate points, dwell, positions, mounting, and whether the largest rate was included."""
     turned = any(segment.kind in ("rate", "rotation") for segment in calibration.segments)
     return Conditions(
         rates=tuple(_rates(calibration, axis) for axis in AXES) if turned else (),
-        has_p="accel_rate_sensitivity" in layout.items,
+        has_p="accel_rate_sensitivity" in specification.definitions,
         fields=tuple(
-            field(name, FIELDS[name](calibration, manifest)) for name in layout.conditions
+            field(name, FIELDS[name](calibration, manifest))
+            for name in specification.reported_conditions
         ),
         sentences=(_range(calibration, manifest),) if turned else (),
     )

@@ -17,7 +17,6 @@ from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
 from tasks.certificate.fields import NOT_GIVEN, Field, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
-from tasks.certificate.layout import LAYOUTS, Layout
 from tasks.certificate.results import Section, sections
 from tasks.certificate.statements import (
     Reading,
@@ -29,6 +28,8 @@ from tasks.certificate.statements import (
     uncertainty_in_short,
 )
 from tasks.conformity.reasons import conditional
+from tasks.specifications.register import SPECIFICATIONS
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message, say
 from tasks.words.rounding import MINUS, as_given
 from tasks.words.typography import typeset
@@ -87,7 +88,7 @@ class Content:
 def content(certificate: Certificate) -> Content:
     """Everything the certificate prints."""
     calibration, decision = certificate.calibration, certificate.decision
-    layout, laboratory = LAYOUTS[calibration.method], certificate.laboratory
+    specification, laboratory = SPECIFICATIONS[calibration.method], certificate.laboratory
     marked = certificate.state != "issued"
     return Content(
         number=certificate.number,
@@ -95,19 +96,19 @@ def content(certificate: Certificate) -> Content:
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
-        front=cover.front(certificate, layout),
+        front=cover.front(certificate, specification),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
-        scope=cover.scope(decision, layout),
+        scope=cover.scope(decision, specification),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
-        statement=basis(calibration, layout),
+        statement=basis(calibration, specification),
         standards=_standards(certificate),
-        environment=_environment(certificate, layout),
-        conditions=conditions(calibration, certificate.manifest, layout),
-        sections=sections(calibration, decision, layout),
+        environment=_environment(certificate, specification),
+        conditions=conditions(calibration, certificate.manifest, specification),
+        sections=sections(calibration, decision, specification),
         information=information_rows(calibration),
-        uncertainty=(*uncertainty(calibration, layout), *_validation(certificate)),
+        uncertainty=(*uncertainty(calibration, specification), *_validation(certificate)),
         conformity=conformity(decision),
         reasons=(*reasons(calibration, decision), *conditional(decision)),
         readings=readings(calibration),
@@ -159,13 +160,16 @@ def _standards(certificate: Certificate) -> tuple[Standard, ...]:
     return tuple(rows) or (Standard(*[NOT_GIVEN] * len(fields(Standard))),)
 
 
-def _environment(certificate: Certificate, layout: Layout) -> tuple[Condition, ...]:
+def _environment(certificate: Certificate, specification: Specification) -> tuple[Condition, ...]:
     air = certificate.calibration.environment
+    low, high = specification.conditions.temperature_degc
+    middle, half = (low + high) / 2, (high - low) / 2
+    dry, damp = specification.conditions.humidity_percent
     return tuple(
         Condition(message(f"certificate-environment.{name}"), _range(measured, unit), required)
         for name, measured, unit, required in (
-            ("temperature", air.temperature_degc, "°C", layout.temperature),
-            ("humidity", air.humidity_percent, "%", layout.humidity),
+            ("temperature", air.temperature_degc, "°C", f"({middle:g} ± {half:g}) °C"),
+            ("humidity", air.humidity_percent, "%", f"{dry:g} % … {damp:g} %"),
         )
     )
 

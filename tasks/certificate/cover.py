@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Party
 from schemas.tolerance import Decision
-from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given
-from tasks.certificate.layout import Layout
+from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, slug
 from tasks.conformity.limits import verdict_title
 from tasks.specifications.items import ITEMS
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
 
 
@@ -40,14 +40,19 @@ def by_method(what: str, calibration: Calibration) -> str:
     return f"certificate-{what}.{calibration.method}" + "-deviating" * deviates(calibration)
 
 
-def front(certificate: Certificate, layout: Layout) -> tuple[Field, ...]:
+def by_document(what: str, specification: Specification) -> str:
+    """The message of the document that is followed."""
+    return f"certificate-{what}.{slug(specification.standard)}"
+
+
+def front(certificate: Certificate, specification: Specification) -> tuple[Field, ...]:
     """Clause 8 e), f), g) and clause 9."""
     unit, order = certificate.manifest.unit, certificate.order
     client = order.client if order else None
     return (
         field("client", party_name(client)),
         field("client-address", party_address(client)),
-        field("object", message(f"certificate-object.{layout.key}")),
+        field("object", message(by_document("object", specification))),
         field("manufacturer", given(unit.manufacturer)),
         field("model", given(unit.model)),
         field("serial", given(unit.serial)),
@@ -85,7 +90,7 @@ def verdict(decision: Decision) -> Message:
     return verdict_title(decision) if decision.limits else message("certificate-no-statement")
 
 
-def scope(decision: Decision, layout: Layout) -> Message | None:
+def scope(decision: Decision, specification: Specification) -> Message | None:
     """How many of the items the verdict speaks of; None where it speaks of none."""
     if not decision.limits:
         return None
@@ -94,7 +99,7 @@ def scope(decision: Decision, layout: Layout) -> Message | None:
     undecided = {made.item for made in decision.limits if made.verdict == "inconclusive"}
     said = message(
         f"certificate-scope.{decision.verdict}",
-        limited=len(limited), items=len({*layout.items, *limited}), failed=len(failed),
+        limited=len(limited), items=len({*specification.required, *limited}), failed=len(failed),
         decided=len(failed | (limited.keys() - undecided)),
     )  # fmt: skip
     for what, count in (

@@ -5,7 +5,8 @@ import math
 from schemas.calibration import Calibration
 from schemas.discrepancy import Statement
 from schemas.uncertainty import BudgetInput
-from tasks.certificate.layout import Layout
+from tasks.certificate.cover import by_document
+from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import GRAVITY, JJF1536, JJF2003, LATITUDE, Equipment
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import power_of_ten
@@ -55,7 +56,7 @@ def _plain(number: float) -> str:
     return digits + (power_of_ten(int(power)) if power else "")
 
 
-def whose_limits(calibration: Calibration, layout: Layout) -> tuple[Message, ...]:
+def whose_limits(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
     """What the type B contributions rest on, and what is not in them; nothing without limits."""
     limits = limits_of(calibration)
     if not limits:
@@ -78,7 +79,7 @@ def whose_limits(calibration: Calibration, layout: Layout) -> tuple[Message, ...
     if _latitude_of_second_values(calibration, limits):
         parts.append(_taken(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
     # The plate tilts with the unit's base, whose length nobody states.
-    flatness = message(f"certificate-flatness.{layout.key}")
+    flatness = message(by_document("flatness", specification))
     return message("certificate-limits", parts=clauses(parts)), flatness
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from schemas.calibration import Calibration, Elements, Information
 from schemas.discrepancy import Statement
 from tasks.certificate.fields import first_known, quoted, slug
-from tasks.certificate.layout import Layout
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message
 from tasks.words.rounding import column, round_up, text
 from tasks.words.units import quantity_text, unit_text
@@ -49,19 +49,25 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
     return tuple(map(_row, calibration.information.values()))
 
 
-def contained(calibration: Calibration, item: str, layout: Layout) -> tuple[Message, ...]:
+def contained(
+    calibration: Calibration, item: str, specification: Specification
+) -> tuple[Message, ...]:
     """What the clause's value of an item contains, where that is more than its U; how much."""
     not_shown = EARTH_NOT_SHOWN & {remark.code for remark in calibration.remarks}
     return tuple(
         statement
         for name, shown in calibration.information.items()
         if name in SEPARATED and shown.about == item and not (name == EARTH and not_shown)
-        for statement in _contained(calibration, item, shown, layout, slug(name))
+        for statement in _contained(calibration, item, shown, specification, slug(name))
     )
 
 
 def _contained(
-    calibration: Calibration, item: str, separated: Information, layout: Layout, name: str
+    calibration: Calibration,
+    item: str,
+    separated: Information,
+    specification: Specification,
+    name: str,
 ) -> Iterator[Message]:
     """The element at which the difference is largest against U, if it is above U."""
     clause = calibration.items[item]
@@ -73,7 +79,7 @@ def _contained(
     times_U = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
     worst = max(times_U, key=lambda element: times_U[element], default=None)
     if worst is not None and times_U[worst] > 1.0:
-        ids = (f"certificate-value-of.{kind}" for kind in (layout.method, name))
+        ids = (f"certificate-value-of.{kind}" for kind in (specification.method, name))
         yield message(
             "certificate-contained",
             value=first_known(*ids) or "",

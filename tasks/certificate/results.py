@@ -11,7 +11,6 @@ from schemas.discrepancy import Statement
 from schemas.tolerance import Decision, LimitDecision, Verdict
 from tasks.certificate.fields import first_known, given, slug
 from tasks.certificate.information import contained
-from tasks.certificate.layout import Layout
 from tasks.certificate.numbers import Numbers, numbers
 from tasks.certificate.statements import determined, identifiers
 from tasks.conformity.limits import (
@@ -30,6 +29,7 @@ from tasks.specifications.items import (
     item_title,
     second_value,
 )
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.typography import FULL_STOPS, clause
 from tasks.words.units import unit_text
@@ -104,30 +104,33 @@ class Section:
     groups: tuple[Group, ...]
 
 
-def sections(calibration: Calibration, decision: Decision, layout: Layout) -> tuple[Section, ...]:
+def sections(
+    calibration: Calibration, decision: Decision, specification: Specification
+) -> tuple[Section, ...]:
     """Every section of the specification's appendix, also where nothing was determined."""
-    known = {item for _, items in layout.sections for item in items}
+    layout = [(section.title, section.items) for section in specification.layout]
+    known = {item for _, items in layout for item in items}
     others = tuple(name for name in calibration.items if name not in known)
+    if others:
+        layout.append((message("certificate-other-results"), others))
     return tuple(
-        Section(
-            message(f"certificate-section.{title}"),
-            tuple(_group(calibration, decision, name, layout) for name in items),
-        )
-        for title, items in (*layout.sections, ("other", others))
-        if items
+        Section(title, tuple(_group(calibration, decision, name, specification) for name in items))
+        for title, items in layout
     )
 
 
-def _group(calibration: Calibration, decision: Decision, name: str, layout: Layout) -> Group:
+def _group(
+    calibration: Calibration, decision: Decision, name: str, specification: Specification
+) -> Group:
     item = calibration.items.get(name)
     elements = _elements(item, name)
-    columns = _columns(name, layout)
+    columns = _columns(name, specification)
     two = len(columns) > 1
     made = numbers(calibration, name, elements, two)
     limits = [limit for limit in decision.limits if limit.item == name]
     shorts = identifiers(calibration)
     known = determined(item)
-    at = clause(item.clause, layout.specification) if item else None
+    at = clause(item.clause, specification.standard) if item else None
     return Group(
         title=item_title(name),
         determined=known,
@@ -142,19 +145,22 @@ def _group(calibration: Calibration, decision: Decision, name: str, layout: Layo
         matrices=_matrices(name, elements, columns, (made.values, made.seconds)),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
-            *((*_about(name, limits, layout, two), *contained(calibration, name, layout))
-              if known else ()),
+            *(_about(name, limits, specification, two) if known else ()),
+            *(contained(calibration, name, specification) if known else ()),
             *_missing(calibration, name, two),
         ),
     )  # fmt: skip
 
 
-def _columns(name: str, layout: Layout) -> tuple[Message, ...]:
+def _columns(name: str, specification: Specification) -> tuple[Message, ...]:
     """The headings of the values: one, or those of both values."""
-    if name not in layout.two_values:
+    item = specification.definitions.get(name)
+    if item is None or item.second_value is None:
         return (message("certificate-column"),)
     key = slug(name)
-    first = first_known(f"certificate-column.{key}-{layout.method}", f"certificate-column.{key}")
+    first = first_known(
+        f"certificate-column.{key}-{specification.method}", f"certificate-column.{key}"
+    )
     return first or message("certificate-column"), message(f"certificate-column.{key}-second")
 
 
@@ -200,13 +206,13 @@ def _mark(limit: LimitDecision) -> Mark:
 
 
 def _about(
-    name: str, limits: list[LimitDecision], layout: Layout, two: bool
+    name: str, limits: list[LimitDecision], specification: Specification, two: bool
 ) -> tuple[Message, ...]:
     """What the reader of an item must know, and whether and on what it is decided."""
     key = slug(name)
     said = (
         None if limits else first_known(f"certificate-not-decided.{key}"),
-        first_known(f"certificate-about.{key}-{layout.method}", f"certificate-about.{key}"),
+        first_known(f"certificate-about.{key}-{specification.method}", f"certificate-about.{key}"),
     )
     applied = dict.fromkeys(map(quantity_title, limits)) if two else {}
     relative = dict.fromkeys(filter(None, map(relative_text, limits)))

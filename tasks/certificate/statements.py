@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item, Remark
 from schemas.tolerance import Decision
-from tasks.certificate.cover import by_method
+from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, quoted, slug
-from tasks.certificate.layout import Layout
 from tasks.specifications.items import item_title
+from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.rounding import USUAL_K
 from tasks.words.typography import clause
@@ -30,23 +30,25 @@ def determined(item: Item | None) -> bool:
     return item is not None and any(value is not None for value in item.value.values())
 
 
-def basis(calibration: Calibration, layout: Layout) -> tuple[Message, ...]:
+def basis(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
     """Which clauses the values follow, whether to the letter, and which items have none."""
     statements = []
     values = [item for item in calibration.items.values() if determined(item)]
     if values:
-        title = message(f"certificate-specification.{layout.key}")
+        title = message(by_document("specification", specification))
         followed = message(by_method("basis", calibration), specification=title)
-        clauses = {clause(item.clause, layout.specification) for item in values}
+        clauses = {clause(item.clause, specification.standard) for item in values}
         named = sorted((c for c in clauses if c.en), key=lambda c: (c.zh, c.en))
         if named:
             followed = message("certificate-basis.clauses", basis=followed, clauses=tuple(named))
         statements.append(message("certificate-basis.end", basis=followed))
     absent = tuple(
-        item_title(name) for name in layout.items if not determined(calibration.items.get(name))
+        item_title(name)
+        for name in specification.required
+        if not determined(calibration.items.get(name))
     )
     if absent:
-        statements.append(message(f"certificate-absent.{layout.key}", items=absent))
+        statements.append(message(by_document("absent", specification), items=absent))
     return tuple(statements)
 
 
@@ -73,13 +75,13 @@ def _coverages(values: list[Item]) -> list[Message]:
     ]
 
 
-def uncertainty(calibration: Calibration, layout: Layout) -> tuple[Message, ...]:
+def uncertainty(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
     """What U is, how it was rounded, and what is not in it."""
     kinds = dict.fromkeys(item.uncertainty_kind for item in calibration.items.values())
     return (
         message("certificate-rounding"),
         *(message(f"certificate-u-contains.{slug(kind)}") for kind in kinds),
-        *whose_limits(calibration, layout),
+        *whose_limits(calibration, specification),
     )
 
 

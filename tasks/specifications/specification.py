@@ -31,10 +31,12 @@ class Specification:
     """A specification, or a method that follows the model of one.
 
     method: how orders and results call it; standard: the document; procedure: the clauses that a
-    result names. items: in the order of a result; not_decided_on: those among them that no limit
-    is meant for. conditions: of points and environment. interval_months: until recalibration is
-    due. layout: of the certificate's results. equipment: the limits that the document itself
-    recommends, and equipment_source where. rate_sensor: how results call what senses the rate.
+    result names. items: in the order of a result; required: the keys of those that the document
+    asks for, in its order. conditions: of points and environment. interval_months: until
+    recalibration is due. layout: of the certificate's results; reported_conditions: what it says
+    of the measurement (`tasks.certificate.conditions`). equipment: the limits that the document
+    itself recommends, and equipment_source where. rate_sensor: how results call what senses the
+    rate.
 
     check raises Unusable for a recording that the method cannot serve; gather sorts its segments;
     estimate makes the items of them, the equipment's errors among their uncertainties.
@@ -44,6 +46,7 @@ class Specification:
     standard: Standard
     procedure: str
     items: tuple[ItemDefinition, ...]
+    required: tuple[str, ...]
     conditions: Conditions
     interval_months: int
     layout: tuple[Section, ...]
@@ -52,5 +55,10 @@ class Specification:
     check: Callable[[Recording], None]
     gather: Callable[[Recording], Any]
     estimate: Callable[[Any, Equipment], ClauseResult]
-    not_decided_on: tuple[str, ...] = ()
+    reported_conditions: tuple[str, ...] = ("dwell", "positions", "attitudes", "mounting")
     rate_sensor: Literal["gyro", "ahrs"] = "gyro"
+
+    @property
+    def definitions(self) -> dict[str, ItemDefinition]:
+        """The items by their keys."""
+        return {item.key: item for item in self.items}

@@ -85,6 +85,7 @@ JJF1536 = Specification(
     standard="JJF 1536-2015",
     procedure="JJF 1536-2015, 7",
     items=AHRS_ITEMS,
+    required=tuple(item.key for item in AHRS_ITEMS),
     conditions=CONDITIONS,
     interval_months=24,  # clause 9
     layout=(  # Appendix C
@@ -97,5 +98,8 @@ JJF1536 = Specification(
     check=check,
     gather=gather_ahrs,
     estimate=estimate,
+    reported_conditions=(
+        "dwell", "positions", "zero-positions", "turns", "attitudes", "mounting",
+    ),
     rate_sensor="ahrs",
-)
+)  # fmt: skip

@@ -23,6 +23,10 @@ CONDITIONS = Conditions(
     humidity_percent=(20.0, 85.0),
     environment_clause="6.1",
 )
+TABLE_2 = (
+    "gyro_scale_factor", "gyro_bias", "gyro_g_sensitivity", "gyro_cross_coupling",
+    "accel_bias", "accel_scale_factor", "accel_cross_coupling", "accel_rate_sensitivity",
+)  # fmt: skip
 LAYOUT = (  # Appendix B
     Section("scale-factors", ("gyro_scale_factor", "accel_scale_factor", "gyro_fit_offset")),
     Section("biases", ("gyro_bias", "accel_bias")),
@@ -59,7 +63,7 @@ JJF2003 = Specification(
     standard="JJF 2003-2022",
     procedure="JJF 2003-2022, 7.2",
     items=MIMU_ITEMS,
-    not_decided_on=("gyro_fit_offset",),
+    required=TABLE_2,
     conditions=CONDITIONS,
     interval_months=12,
     layout=LAYOUT,

@@ -8,7 +8,6 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import limits_of, whose_limits
-from tasks.certificate.layout import LAYOUTS
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 
@@ -28,7 +27,7 @@ def made(ideal_run):
 
 
 def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
-    (zh, en), (flat_zh, flat_en) = printed(whose_limits(made(), LAYOUTS["jjf2003"]))
+    (zh, en), (flat_zh, flat_en) = printed(whose_limits(made(), JJF2003))
     assert "recommended limits of JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
@@ -40,7 +39,7 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
 
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
-    (_, en), _ = printed(whose_limits(result, LAYOUTS["jjf2003"]))
+    (_, en), _ = printed(whose_limits(result, JJF2003))
     own, others = en.split("recommended limits")
     assert "stated by the laboratory: table rate, whole turns, local gravity" in own
     assert "table rate, whole turns" not in others
@@ -59,7 +58,8 @@ def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -
     rows = {row.symbol: row for row in printed(budgets(result)).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
     assert rows["φ"].half_width == "0.05°"
-    assert printed(whose_limits(result, LAYOUTS["joint"]))[0][1].count("latitude assumed") == 1
+    (_, en), _ = printed(whose_limits(result, JOINT))
+    assert en.count("latitude assumed") == 1
 
 
 def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) -> None:
@@ -70,4 +70,4 @@ def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) 
 
 
 def test_a_result_without_budgets_claims_no_limits() -> None:
-    assert whose_limits(calibration(), LAYOUTS["jjf2003"]) == ()
+    assert whose_limits(calibration(), JJF2003) == ()

@@ -11,9 +11,9 @@ from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.information.earth import WITHOUT_EARTH, separated
 from tasks.certificate.information import contained, information_rows
-from tasks.certificate.layout import LAYOUTS
 from tasks.certificate.pdf import render
 from tasks.specifications.jjf2003 import JJF2003
+from tasks.specifications.register import SPECIFICATIONS
 
 
 def noise(**changes: Any) -> Information:
@@ -58,7 +58,7 @@ def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
 def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     made = calibration()
     made = calibration(information=separated(made.items["gyro_g_sensitivity"], None))
-    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", LAYOUTS[made.method]))
+    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", SPECIFICATIONS[made.method]))
     assert en.startswith("The value by eq. (7) contains Earth's rotation:")
     assert "0.0027 (°/s)/g, 11 times U" in en
     assert "即 U 的 11 倍" in zh
@@ -69,7 +69,7 @@ def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None
     made = calibration(
         information=separated(made.items["gyro_g_sensitivity"], None), method="joint"
     )
-    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", LAYOUTS[made.method]))
+    ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", SPECIFICATIONS[made.method]))
     assert en.startswith("The value contains Earth's rotation:")
     assert zh.startswith("上述值含地球自转：")
 
@@ -85,7 +85,7 @@ def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
         contained(
             calibration(information={WITHOUT_EARTH: shown}),
             "gyro_g_sensitivity",
-            LAYOUTS["jjf2003"],
+            SPECIFICATIONS["jjf2003"],
         )
         == ()
     )

@@ -4,11 +4,11 @@ import re
 
 from sample_certificate import calibration, items, printed, tolerance
 
-from tasks.certificate.layout import LAYOUTS
 from tasks.certificate.results import Group, sections
 from tasks.certificate.statements import basis
 from tasks.conformity import decide
 from tasks.specifications.joint.on_table import ACCEL_CLAUSE, GYRO_CLAUSE
+from tasks.specifications.register import SPECIFICATIONS
 
 
 def groups(method: str) -> dict[str, Group]:
@@ -21,7 +21,7 @@ def groups(method: str) -> dict[str, Group]:
             for name, item in items().items()
         },
     )
-    found = printed(sections(made, decide(made, tolerance()), LAYOUTS[method]))
+    found = printed(sections(made, decide(made, tolerance()), SPECIFICATIONS[method]))
     return {group.title[1]: group for section in found for group in section.groups}
 
 
@@ -45,7 +45,7 @@ def test_the_clause_of_a_joint_fit_is_named_in_each_language() -> None:
 
 
 def test_the_basis_says_that_it_is_not_the_computation_of_the_clauses() -> None:
-    zh, en = printed(basis(calibration(method="joint"), LAYOUTS["joint"]))[0]
+    zh, en = printed(basis(calibration(method="joint"), SPECIFICATIONS["joint"]))[0]
     assert "not the computation of its clauses" in en
     assert "非该规范条款规定的计算方法" in zh
 
