@@ -23,11 +23,10 @@ from tasks.conformity.limits import (
 )
 from tasks.conformity.reasons import unavailable
 from tasks.specifications.items import (
-    ITEMS,
     MATRIX_ELEMENTS,
     OFF_DIAGONAL_ELEMENTS,
+    ItemDefinition,
     item_title,
-    second_value,
 )
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
@@ -122,9 +121,9 @@ def sections(
 def _group(
     calibration: Calibration, decision: Decision, name: str, specification: Specification
 ) -> Group:
-    item = calibration.items.get(name)
-    elements = _elements(item, name)
-    columns = _columns(name, specification)
+    item, definition = calibration.items.get(name), specification.definitions.get(name)
+    elements = _elements(item, definition)
+    columns = _columns(definition, specification)
     two = len(columns) > 1
     made = numbers(calibration, name, elements, two)
     limits = [limit for limit in decision.limits if limit.item == name]
@@ -137,47 +136,52 @@ def _group(
         clause=at if at and at.en else None,
         k=f"{item.k:g}" if item else "",
         kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}") if item else None,
-        unit=unit_text(item.unit if item else ITEMS[name].unit),
+        unit=unit_text(item.unit if item else definition.unit if definition else ""),
         exponent=made.exponent,
         columns=columns,
         U_apart=made.separate,
-        rows=tuple(_row(name, element, made, i, limits, two) for i, element in enumerate(elements)),
-        matrices=_matrices(name, elements, columns, (made.values, made.seconds)),
+        rows=tuple(_row(definition, e, made, i, limits, two) for i, e in enumerate(elements)),
+        matrices=_matrices(definition, elements, columns, (made.values, made.seconds)),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
             *(_about(name, limits, specification, two) if known else ()),
             *(contained(calibration, name, specification) if known else ()),
-            *_missing(calibration, name, two),
+            *_missing(calibration, name, elements, definition),
         ),
     )  # fmt: skip
 
 
-def _columns(name: str, specification: Specification) -> tuple[Message, ...]:
+def _columns(
+    definition: ItemDefinition | None, specification: Specification
+) -> tuple[Message, ...]:
     """The headings of the values: one, or those of both values."""
-    item = specification.definitions.get(name)
-    if item is None or item.second_value is None:
+    if definition is None or definition.second_value is None:
         return (message("certificate-column"),)
-    key = slug(name)
+    key = slug(definition.key)
     first = first_known(
         f"certificate-column.{key}-{specification.method}", f"certificate-column.{key}"
     )
     return first or message("certificate-column"), message(f"certificate-column.{key}-second")
 
 
-def _elements(item: Item | None, name: str) -> tuple[str, ...]:
-    named = ITEMS[name].elements if name in ITEMS else ()
+def _elements(item: Item | None, definition: ItemDefinition | None) -> tuple[str, ...]:
+    named = definition.elements if definition else ()
     return tuple(dict.fromkeys((*named, *(item.value if item else ()))))
 
 
 def _row(
-    name: str, element: str, shown: Numbers, i: int, limits: list[LimitDecision], two: bool
+    definition: ItemDefinition | None,
+    element: str,
+    shown: Numbers,
+    i: int,
+    limits: list[LimitDecision],
+    two: bool,
 ) -> Row:
-    item = ITEMS.get(name)
     own = [limit for limit in limits if limit.element == element]
     return Row(
-        name=item.element_title(element) if item else given(element),
-        letter=item.letter if item else "",
-        sub=item.element_subscript(element) if item else "",
+        name=definition.element_title(element) if definition else given(element),
+        letter=definition.letter if definition else "",
+        sub=definition.element_subscript(element) if definition else "",
         value=shown.values[i],
         second=shown.seconds[i],
         U=shown.U[i],
@@ -223,18 +227,23 @@ def _about(
     )
 
 
-def _missing(calibration: Calibration, name: str, two: bool) -> list[Message]:
+def _missing(
+    calibration: Calibration,
+    name: str,
+    elements: tuple[str, ...],
+    definition: ItemDefinition | None,
+) -> list[Message]:
     """Why an element, or the whole item, has no number."""
-    item, why = calibration.items.get(name), unavailable(calibration, name)
-    causes: list[Sayable] = []
+    item, causes = calibration.items.get(name), list[Sayable]()
     if name in calibration.unavailable:
+        why = unavailable(calibration, name)
         causes.append(_without_stop(why) if why else "")
     elif item is None:
         causes.append(message("certificate-missing.item"))
-    elif any(item.value.get(element) is None for element in _elements(item, name)):
+    elif any(item.value.get(element) is None for element in elements):
         causes.append(message("conformity-no-cause"))
-    second = second_value(name)
-    if item and two and second and getattr(item, second) is None:
+    second = definition.second_value if definition else None
+    if item and second and getattr(item, second) is None:
         causes.append(message("certificate-missing.second"))
     return [message("certificate-missing", cause=cause) for cause in causes]
 
@@ -244,20 +253,19 @@ def _without_stop(why: Statement) -> Statement:
 
 
 def _matrices(
-    name: str,
+    definition: ItemDefinition | None,
     elements: tuple[str, ...],
     columns: tuple[Message, ...],
     sources: Sequence[Sequence[str | None]],
 ) -> tuple[Matrix, ...]:
-    """The matrix of each value that has numbers; a diagonal that is not an element is 0."""
-    matrix = set(elements) in (set(MATRIX_ELEMENTS), set(OFF_DIAGONAL_ELEMENTS))
-    if second_value(name) is None or not matrix:
+    """The matrix of each value of an item that is listed row by row; its diagonal may be 0."""
+    if definition is None or elements not in (MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS):
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
-    made = []
+    matrices = []
     for caption, texts in zip(columns, sources, strict=False):
         if any(texts):
             cells = diagonal | dict(zip(elements, texts, strict=True))
             grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")
-            made.append(Matrix(ITEMS[name].letter, caption, grid))
-    return tuple(made)
+            matrices.append(Matrix(definition.letter, caption, grid))
+    return tuple(matrices)

@@ -46,7 +46,6 @@ class Specification:
     standard: Standard
     procedure: str
     items: tuple[ItemDefinition, ...]
-    required: tuple[str, ...]
     conditions: Conditions
     interval_months: int
     layout: tuple[Section, ...]
@@ -55,6 +54,7 @@ class Specification:
     check: Callable[[Recording], None]
     gather: Callable[[Recording], Any]
     estimate: Callable[[Any, Equipment], ClauseResult]
+    required: tuple[str, ...] = ()
     reported_conditions: tuple[str, ...] = ("dwell", "positions", "attitudes", "mounting")
     rate_sensor: Literal["gyro", "ahrs"] = "gyro"
 

@@ -44,6 +44,7 @@ TOY = Specification(
     standard="other",
     procedure="toy",
     items=(RESTING_RATE,),
+    required=("gyro_bias",),
     conditions=Conditions(40.0, "2", 1e-3, "3", (10.0, 30.0), (10.0, 90.0), "4"),
     interval_months=6,
     layout=(Section("biases", ("gyro_bias",)),),
