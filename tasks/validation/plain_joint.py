@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.gather import gather
+from tasks.specifications.joint.segment_motion import segment_motion
 from tasks.specifications.joint.solution import solve_jointly
-from tasks.specifications.joint.stretches import stretches
 from tasks.validation.run2003 import matrix, vector
 
 EARTH = 7.292115e-5  # rad/s
@@ -113,4 +113,4 @@ def _seen(
 def _weights(recording: Recording) -> np.ndarray:
     evidence = gather(recording)
     equipment = evaluation_for(recording).equipment
-    return solve_jointly(evidence, stretches(evidence), equipment).covariance
+    return solve_jointly(evidence, segment_motion(evidence), equipment).covariance

@@ -27,14 +27,14 @@ LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of i
 
 
 @dataclass(frozen=True)
-class Disturbed:
+class EquipmentResponse:
     """How the mean readings follow the equipment's errors, per unit of each.
 
     tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
     two headings. rate, gravity: (n, 6) per relative error.
     latitude: (n, 6) per rad.
-    each, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the unit's
-    mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
+    settings, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the
+    unit's mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
     speed: (n,) rad/s.
     """
 
@@ -43,7 +43,7 @@ class Disturbed:
     rate: np.ndarray
     gravity: np.ndarray
     latitude: np.ndarray
-    each: np.ndarray
+    settings: np.ndarray
     faces: np.ndarray
     mountings: np.ndarray
     turned: np.ndarray
@@ -52,16 +52,17 @@ class Disturbed:
     equipment: Equipment
     local_gravity: float
 
-    def lines(self, channel: int, weights: np.ndarray) -> tuple[Contribution, ...]:
-        """The lines of o·U for one channel; weights: o (n,).
+    def lines(self, weights: np.ndarray) -> tuple[Contribution, ...]:
+        """The lines of Σ o·U over the channels; weights: o (6, n).
 
         By what is told of rate, gravity and latitude: what they truly are acts the other way.
         """
-        gravity = weights @ self.gravity[:, channel] / self.local_gravity
-        latitude = weights @ self.latitude[:, channel]
+        gravity = (weights.T * self.gravity).sum() / self.local_gravity
+        latitude = (weights.T * self.latitude).sum()
+        rate = (weights.T * self.rate).sum(axis=1)
         every = (
-            *self._rates(weights * self.rate[:, channel]),
-            *self._angles(channel, weights),
+            *self._rates(rate),
+            *self._angles(weights, rate),
             Contribution(self.equipment.gravity.quantity(), -float(gravity)),
             Contribution(self.equipment.latitude.quantity(), -float(latitude)),
         )
@@ -77,7 +78,7 @@ class Disturbed:
         tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
         leaning, across = lean.T @ lean, tilt.T @ tilt
         own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
-        setting = across * (self.each[:, None] == self.each) + leaning + own
+        setting = across * (self.settings[:, None] == self.settings) + leaning + own
         total = np.zeros_like(across)
         for limit in self.equipment.angles:
             total += limit.u**2 * setting
@@ -111,13 +112,13 @@ class Disturbed:
             left = float(np.linalg.norm(felt * self._ripple_share()))
             yield Contribution(self.equipment.ripple.quantity(), left)
 
-    def _angles(self, channel: int, weights: np.ndarray) -> Iterable[Contribution]:
-        turns = weights * self.rate[:, channel] * self._turned_share()
-        felt = weights * self.tilt[:, :, channel]
-        lean = float(np.linalg.norm((weights * self.lean[:, :, channel]).sum(axis=1)))
-        each = float(np.hypot(_summed(felt, self.each), np.linalg.norm(turns)))
+    def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterable[Contribution]:
+        turns = rate * self._turned_share()
+        felt = (weights.T * self.tilt).sum(axis=2)
+        lean = float(np.linalg.norm((weights.T * self.lean).sum(axis=(1, 2))))
+        setting = float(np.hypot(_summed(felt, self.settings), np.linalg.norm(turns)))
         for limit in self.equipment.angles:
-            yield Contribution(limit.quantity(), float(np.hypot(each, lean)))
+            yield Contribution(limit.quantity(), float(np.hypot(setting, lean)))
         if self.equipment.axes is not None:
             face = float(np.hypot(_summed(felt, self.faces), lean))
             yield Contribution(self.equipment.axes.quantity(), face)
@@ -131,13 +132,13 @@ def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
     return float(np.linalg.norm([np.bincount(numbers, row) for row in felt]))
 
 
-def disturbed(
+def equipment_response(
     evidence: Evidence,
     motion: Motion,
     terms_at: Callable[[float], tuple[Term, ...]],
     values: np.ndarray,
     equipment: Equipment,
-) -> Disturbed:
+) -> EquipmentResponse:
     """How the readings of a model follow the equipment's errors.
 
     motion: of the segments; terms_at: the list of terms with the latitude off by so many rad;
@@ -156,7 +157,7 @@ def disturbed(
     face = [evidence.up[i] or place[i] for i in range(len(segments))]
     mount = face if not evidence.mounted_once else [""] * len(face)
     level = _level_directions(evidence, motion)
-    return Disturbed(
+    return EquipmentResponse(
         tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
         lean=np.array(
             [changed(replace(motion, up=motion.up + STEP * direction)) for direction in level]
@@ -164,7 +165,7 @@ def disturbed(
         rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
         gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
         latitude=changed(motion, terms_at(STEP)),
-        each=_numbered(place),
+        settings=_numbered(place),
         faces=_numbered(face),
         mountings=_numbered(mount),
         turned=speed * seconds,

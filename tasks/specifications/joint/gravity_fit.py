@@ -7,13 +7,13 @@ without external equipments», ICRA 2014, eq. (10); the body axes as in `joint.g
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from tasks.specifications.linear import BirgeRatio, Solution, birge_ratio
 
 UPPER = tuple((i, j) for i in range(3) for j in range(i, 3))
 FEWEST_RESTS = 12  # nine parameters, and some rests to contradict them
-MOST_STEPS = 50
-SETTLED = 1e-13
+TIGHT = 1e-15  # of cost, step and gradient: to the last digit
 CONDITION = 1e4  # of the scaled equations: beyond it the attitudes do not tell the parameters apart
 
 
@@ -40,33 +40,29 @@ class GravityFit:
 def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> GravityFit | None:
     """Fit K and B to the mean readings (n, 3) m/s² of rests; None where they do not determine them.
 
-    noise: (3, n, n) covariance of the means of each channel. Gauss and Newton from an ideal unit.
+    noise: (3, n, n) covariance of the means of each channel. Levenberg and Marquardt from an
+    ideal unit.
     """
     if len(means) < FEWEST_RESTS:
         return None
-    matrix, bias = np.eye(3), np.zeros(3)
-    for _ in range(MOST_STEPS):
-        felt, misses, slopes = _equations(matrix, bias, means, gravity)
-        scale = np.linalg.norm(slopes, axis=0)
-        scale[scale == 0] = 1.0
-        if not np.linalg.cond(slopes / scale) < CONDITION:
-            return None
-        step = np.linalg.lstsq(slopes, -misses, rcond=None)[0]
-        for p, (i, j) in enumerate(UPPER):
-            matrix[i, j] += step[p]
-        bias = bias + step[6:]
-        if np.abs(step / np.append(np.ones(6), np.full(3, gravity))).max() < SETTLED:
-            break
-    else:
+    start = np.append([float(i == j) for i, j in UPPER], np.zeros(3))
+    found = least_squares(
+        lambda values: _equations(values, means, gravity)[1],
+        start,
+        jac=lambda values: _equations(values, means, gravity)[2],
+        method="lm", x_scale="jac", ftol=TIGHT, xtol=TIGHT, gtol=TIGHT,
+    )  # fmt: skip
+    felt, misses, slopes = _equations(found.x, means, gravity)
+    scale = np.linalg.norm(slopes, axis=0)
+    if not found.success or not np.linalg.cond(slopes / np.where(scale, scale, 1.0)) < CONDITION:
         return None
-    felt, misses, slopes = _equations(matrix, bias, means, gravity)
     follow = np.linalg.pinv(slopes)
     readout = -slopes[:, 6:]  # d miss/d reading: what it does to the bias, the other way
     spread = sum(readout[:, c, None] * noise[c] * readout[None, :, c] for c in range(3))
     solution = Solution(follow, np.ones(9, bool))
     return GravityFit(
-        matrix=matrix,
-        bias=bias,
+        matrix=_matrix(found.x),
+        bias=found.x[6:],
         felt=felt,
         misses=misses,
         operator=-follow[:, :, None] * readout[None],
@@ -75,12 +71,18 @@ def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> Gravity
     )
 
 
+def _matrix(values: np.ndarray) -> np.ndarray:
+    matrix = np.zeros((3, 3))
+    matrix[tuple(zip(*UPPER, strict=True))] = values[:6]
+    return matrix
+
+
 def _equations(
-    matrix: np.ndarray, bias: np.ndarray, means: np.ndarray, gravity: float
+    values: np.ndarray, means: np.ndarray, gravity: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Specific force (n, 3), misses (n,) and their derivatives (n, 9) by the parameters."""
-    inverse = np.linalg.inv(matrix)
-    felt = (means - bias) @ inverse.T
+    """Specific force (n, 3), misses (n,) and their derivatives (n, 9) by the parameters (9,)."""
+    inverse = np.linalg.inv(_matrix(values))
+    felt = (means - values[6:]) @ inverse.T
     size = np.linalg.norm(felt, axis=1)
     back = felt / size[:, None] @ inverse  # (K⁻ᵀ·f/|f|) of each rest
     slopes = np.column_stack([*(-back[:, i] * felt[:, j] for i, j in UPPER), -back])

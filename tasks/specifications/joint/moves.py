@@ -9,15 +9,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from schemas.recording import GYRO, Stream
 from tasks.segments.summarise import GYRO_COLUMNS, SegmentMean
 
 FEWEST_MOVES = 9  # two equations each, nine parameters, and as many to contradict them
 LONGEST = 60.0  # s: a longer way between two rests drifts
-STEP = 1e-5  # of an element of K⁻¹, to differentiate by
-MOST_STEPS = 20
-SETTLED = 1e-11
+TIGHT = 1e-15  # of cost, step and gradient: to the last digit
 CONDITION = 1e4
 
 
@@ -80,23 +79,13 @@ def fit_moves(moves: Moves) -> MovesFit | None:
     count = len(moves.turns)
     if count < FEWEST_MOVES:
         return None
-    inverse = np.eye(3)
-    for _ in range(MOST_STEPS):
-        misses = _misses(moves, inverse)
-        slopes = np.column_stack([
-            (_misses(moves, inverse + STEP * unit) - _misses(moves, inverse - STEP * unit))
-            / (2 * STEP)
-            for unit in np.eye(9).reshape(9, 3, 3)
-        ])  # fmt: skip
-        if not np.linalg.cond(slopes) < CONDITION:
-            return None
-        step = np.linalg.lstsq(slopes, -misses, rcond=None)[0].reshape(3, 3)
-        inverse = inverse + step
-        if np.abs(step).max() < SETTLED:
-            break
-    else:
+    found = least_squares(
+        lambda values: _misses(moves, values.reshape(3, 3)), np.eye(3).ravel(), jac="3-point",
+        ftol=TIGHT, xtol=TIGHT, gtol=TIGHT,
+    )  # fmt: skip
+    if not found.success or not np.linalg.cond(found.jac) < CONDITION:
         return None
-    misses, dof = _misses(moves, inverse), 2.0 * count - 9.0
+    inverse, misses, slopes, dof = found.x.reshape(3, 3), found.fun, found.jac, 2.0 * count - 9.0
     matrix = np.linalg.inv(inverse)
     covariance = np.linalg.inv(slopes.T @ slopes) * (misses @ misses / dof)
     # dK = −K·dK⁻¹·K

@@ -9,30 +9,32 @@ from schemas.recording import AXES
 from tasks.specifications.estimate import ItemEstimate
 from tasks.specifications.evidence import UPS, Evidence
 from tasks.specifications.joint.gravity_fit import FEWEST_RESTS
-from tasks.specifications.joint.stretches import Stretches
+from tasks.specifications.joint.segment_motion import SegmentMotion
 
 Reasons = dict[str, Statement]
 
 
-def level_unknown(taken: Stretches, evidence: Evidence, up: str) -> bool:
+def level_unknown(motion: SegmentMotion, evidence: Evidence, up: str) -> bool:
     """Whether a rest with this axis up feels an unknown horizontal part of Earth's rotation."""
     of_face = [i for i, shown in enumerate(evidence.up) if shown == up]
-    return bool((taken.zero & taken.level_unknown)[of_face].any())
+    return bool((motion.zero & motion.level_unknown)[of_face].any())
 
 
 def table_reasons(
-    items: Mapping[str, ItemEstimate], taken: Stretches, evidence: Evidence
+    items: Mapping[str, ItemEstimate], motion: SegmentMotion, evidence: Evidence
 ) -> Reasons:
     """Why elements are null: what would determine them."""
-    absent = [up for up in UPS if not any(s == up and z for s, z in _rests(evidence, taken.zero))]
-    no_rest = [up for up in UPS if not any(s == up and a for s, a in _rests(evidence, taken.accel))]
-    unturned = [axis for axis, turned in zip(AXES, taken.turned, strict=True) if not turned]
-    unfelt = [axis for axis in AXES if not any(taken.accel[i] for i in evidence.points[axis])]
+    absent = [up for up in UPS if not any(s == up and z for s, z in _rests(evidence, motion.zero))]
+    no_rest = [
+        up for up in UPS if not any(s == up and a for s, a in _rests(evidence, motion.accel))
+    ]
+    unturned = [axis for axis, turned in zip(AXES, motion.turned, strict=True) if not turned]
+    unfelt = [axis for axis in AXES if not any(motion.accel[i] for i in evidence.points[axis])]
     causes = {
         "gyro_scale_factor": _not_turned(unturned, "gyro"),
         "gyro_cross_coupling": _not_turned(unturned, "gyro"),
         "gyro_fit_offset": _not_turned(
-            [a for a in AXES if not any(taken.gyro[i] for i in evidence.points[a])], "gyro"
+            [a for a in AXES if not any(motion.gyro[i] for i in evidence.points[a])], "gyro"
         ),
         "gyro_bias": _not_rested(absent, "gyro"),
         "gyro_g_sensitivity": _not_rested(absent, "gyro"),
@@ -44,7 +46,7 @@ def table_reasons(
     if evidence.gravity is None:
         why = ("the local gravity is not told", "未给出当地重力加速度")
         causes["accel_scale_factor"] = causes["accel_cross_coupling"] = why
-    level = ", ".join(up for up in UPS if level_unknown(taken, evidence, up))
+    level = ", ".join(up for up in UPS if level_unknown(motion, evidence, up))
     reasons = {}
     for name, item in items.items():
         null = item.undetermined

@@ -9,8 +9,8 @@ from tasks.specifications.earth_rotation import earth_rotation_message
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.joint.gravity_fit import GravityFit
 from tasks.specifications.joint.moves import MovesFit
+from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.specifications.joint.solution import Joint
-from tasks.specifications.joint.stretches import Stretches
 from tasks.specifications.linear import BLOCKING_EXCESS
 from tasks.words import texts
 
@@ -22,10 +22,10 @@ EARTH_NOT_REMOVED = Remark(
 )
 
 
-def earth_remarks(evidence: Evidence, joint: Joint, taken: Stretches) -> list[Remark]:
+def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> list[Remark]:
     """What was done with Earth's rotation."""
     latitude = evidence.latitude_deg
-    if not taken.gyro.any():
+    if not motion.gyro.any():
         return []
     if latitude is None:
         return [EARTH_NOT_REMOVED]
@@ -47,7 +47,7 @@ def earth_remarks(evidence: Evidence, joint: Joint, taken: Stretches) -> list[Re
             zh=f"{zh}。已按纬度 {latitude:g}° 作为已知输入扣除：偏值与 g 敏感系数均为扣除后的值。",
         )
     ]
-    if (taken.zero & ~np.isfinite(taken.motion.north).all(axis=1)).any():
+    if (motion.zero & ~np.isfinite(motion.mean.north).all(axis=1)).any():
         remarks.append(
             Remark(
                 code="north_unknown",
@@ -58,7 +58,7 @@ def earth_remarks(evidence: Evidence, joint: Joint, taken: Stretches) -> list[Re
                 "抵消，否则留在偏值中。",
             )
         )
-    undetermined = [a for a in AXES if not np.isfinite(joint.found["gyro_matrix"][a * 2].value)]
+    undetermined = [a for a in AXES if not np.isfinite(joint.estimates["gyro_matrix"][a * 2].value)]
     if undetermined:
         remarks.append(
             Remark(

@@ -1,168 +1,270 @@
-"""The joint fit of a unit on a table: every parameter with its value and its budget's lines."""
+"""The joint fit of a unit on a table: every parameter with its value and its budget's lines.
 
+The unit's model is a list of terms; a term appended to it is fitted with the rest.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from schemas.recording import AXES
-from tasks.model.simulate import Design, linearise, predict
-from tasks.model.term import Term, nominal_values, places
+from tasks.model.parameters import own
+from tasks.model.simulate import CHANNEL_COUNT, linearise, predict
+from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.site import earth_rotation
-from tasks.model.terms.standard import ACCEL_TERMS, GYRO_TERMS, STANDARD_TERMS
+from tasks.model.terms.standard import (
+    ACCEL_FIRST,
+    GYRO_BIAS,
+    GYRO_G_SENSITIVITY,
+    GYRO_MATRIX,
+    STANDARD_TERMS,
+)
 from tasks.specifications.earth_rotation import EarthRotationGain
-from tasks.specifications.estimate import UNDETERMINED, Estimate, linear_estimate
+from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
 from tasks.specifications.evidence import Evidence
-from tasks.specifications.joint.equipment import Disturbed, disturbed
-from tasks.specifications.joint.north import level_covariance
-from tasks.specifications.joint.stretches import Stretches
-from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
+from tasks.specifications.joint.equipment import EquipmentResponse, equipment_response
+from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
+from tasks.specifications.joint.zero_correction import Role, zero_corrected
 from tasks.specifications.linear import BirgeRatio
+from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.equipment import Equipment
 
-ROUNDS = 20  # of the zero correction; Earth's rotation settles in three
+MAX_ROUNDS = 20  # of the zero correction; Earth's rotation settles in three
 SETTLED = 1e-12  # of a parameter, in its own SI unit: nothing changes any more
-
-Found = dict[str, dict[str, Estimate]]
+ROLES: dict[str, Role] = {GYRO_BIAS.name: "bias", GYRO_G_SENSITIVITY.name: "g-sensitivity"}
 
 
 @dataclass(frozen=True)
 class Joint:
-    """What the joint fit found.
+    """What the joint fit gives.
 
-    found: by term, by parameter (names of `tasks.model.terms.standard`), in the term's SI unit.
+    estimates: by term, by parameter, in the term's SI unit.
     offset: by axis, rad/s, what the gyro reads at no rate in the attitude of its rate runs.
     excess: (6,) for each channel the largest factor by which its samples scatter too much.
-    covariance: (6, n, n) of the segment means, by whose inverse each channel was weighed.
+    covariance: (6, n, n) of the segment means, by whose inverse each channel is weighted.
     earth: what the rests show of Earth's rotation; where they refute it, it was not taken off.
     """
 
-    found: Found
-    offset: dict[str, Estimate]
+    estimates: dict[str, Estimates]
+    offset: Estimates
     excess: np.ndarray
     covariance: np.ndarray
     earth: EarthRotationGain | None
 
 
-def solve_jointly(evidence: Evidence, taken: Stretches, equipment: Equipment) -> Joint:
+@dataclass(frozen=True)
+class Operator:
+    """All p parameters as combinations of the segment means of all channels.
+
+    weights: (p, 6, n), NaN where the segments do not determine a parameter; excess: (p,).
+    """
+
+    weights: np.ndarray
+    excess: tuple[BirgeRatio, ...]
+
+    def values(self, means: np.ndarray, ideal: np.ndarray) -> np.ndarray:
+        """(p,) of means (n, 6); as an ideal unit has them where not determined."""
+        values = np.einsum("pcn,nc->p", self.weights, np.nan_to_num(means))
+        return np.where(np.isfinite(values), values, ideal)
+
+
+def solve_jointly(
+    evidence: Evidence,
+    motion: SegmentMotion,
+    equipment: Equipment,
+    terms: tuple[Term, ...] = STANDARD_TERMS,
+) -> Joint:
     """Both steps of the method (`zero_correction`), with Earth's rotation taken off, to rest.
 
     The accelerometers need one step: bias, scale factor, cross coupling and rate sensitivity by
     least squares over everything. What scatters is measured against the noise and against what
     the equipment may do to each segment. Earth's rotation is known but for the scale factor that
     reads it, so that it is predicted, taken off, and predicted again; where the rests refute it
-    nothing is taken off.
+    nothing is taken off. Terms that are not linear are linearised anew in each round.
     """
-    seen, latitude = evidence.earth, evidence.latitude_deg
-    taken_off = None if seen and seen.refuted else latitude
+    latitude = None if evidence.earth and evidence.earth.refuted else evidence.latitude_deg
 
-    def terms_at(moved: float) -> tuple[Term, ...]:
-        known = () if taken_off is None else (earth_rotation(np.radians(taken_off) + moved),)
-        return (*known, *STANDARD_TERMS)
+    def terms_at(off: float) -> tuple[Term, ...]:
+        known = () if latitude is None else (earth_rotation(np.radians(latitude) + off),)
+        return (*known, *terms)
 
-    design = linearise(STANDARD_TERMS, taken.motion, nominal_values(STANDARD_TERMS))
-    ideal = nominal_values(STANDARD_TERMS)
-    values, earth = ideal, np.zeros_like(evidence.means)
-    follows = disturbed(evidence, taken.motion, terms_at, ideal, equipment)
-    covariances = [np.nan_to_num(evidence.covariance(c)) + follows.covariance(c) for c in range(6)]
+    values = ideal = nominal_values(terms)
+    response = equipment_response(evidence, motion.mean, terms_at, ideal, equipment)
+    covariances = np.array([
+        np.nan_to_num(evidence.covariance(c)) + response.covariance(c) for c in range(CHANNEL_COUNT)
+    ])  # fmt: skip
     for c in range(len(AXES)):
-        covariances[c] += level_covariance(evidence, taken, c, latitude)
-    for _ in range(ROUNDS):
-        means = evidence.means - earth
-        solved = [
-            _channel(taken, design, c, means[:, c], covariance)
-            for c, covariance in enumerate(covariances)
-        ]
-        before, values = values, _values(solved, means, ideal)
+        covariances[c] += level_covariance(evidence, motion, c)
+    earth = np.zeros_like(evidence.means)
+    for _ in range(MAX_ROUNDS):
+        design = linearise(terms, motion.mean, values)
+        # What a linear model of these columns would not predict: nothing for the standard's terms.
+        curved = design.prediction - _linear(design.columns, values, design.prediction.shape)
+        known = earth + np.nan_to_num(curved)
+        operator = _operator(terms, design.columns, motion, evidence.means - known, covariances)
+        before, values = values, operator.values(evidence.means - known, ideal)
         if np.abs(values - before).max() < SETTLED:
             break
-        turned = predict(terms_at(0.0), taken.motion, values)
-        earth = np.nan_to_num(turned - predict(STANDARD_TERMS, taken.motion, values))
-    still = replace(evidence, means=evidence.means - earth)
-    follows = disturbed(evidence, taken.motion, terms_at, values, equipment)
+        with_earth = predict(terms_at(0.0), motion.mean, values)
+        earth = np.nan_to_num(with_earth - predict(terms, motion.mean, values))
+    reduced = replace(evidence, means=evidence.means - known)
+    response = equipment_response(evidence, motion.mean, terms_at, values, equipment)
     return Joint(
-        found=_found(still, solved, follows),
-        offset=_offsets(evidence, taken, solved, follows),
-        excess=np.array([max(e.factor for e in each.excess) for each in solved]),
-        covariance=np.array(covariances),
-        earth=seen,
-    )
+        estimates=_by_term(terms, [
+            _estimate(reduced, weights, excess, response)
+            for weights, excess in zip(operator.weights, operator.excess, strict=True)
+        ]),
+        offset=_offsets(terms, evidence, motion, operator, response),
+        excess=_largest_excess(operator),
+        covariance=covariances,
+        earth=evidence.earth,
+    )  # fmt: skip
 
 
-def _channel(
-    taken: Stretches, design: Design, channel: int, means: np.ndarray, covariance: np.ndarray
-) -> Solved:
-    """One channel's parameters, in the order of its terms."""
-    columns = np.nan_to_num(design.of_channel(channel)[1])
-    if not taken.alive[channel]:
-        return Solved(np.full(columns.T.shape, np.nan), (BirgeRatio(),) * columns.shape[1])
-    if channel >= len(AXES):
-        # Turning about its own axis, a misaligned sensor off the centre feels K_ij·r_j·ω_i².
-        own = np.nan_to_num(taken.motion.rate[:, channel - len(AXES), None]) ** 2
-        solved = least_squares(np.hstack([columns, own]), taken.accel, means, covariance)
-        return Solved(solved.operator[:-1], solved.excess[:-1])
-    rates, forces = columns[:, :3] * taken.turned, columns[:, 4:]
-    return zero_corrected(rates, forces, taken.gyro, taken.zero, means, covariance)
+def _linear(columns: Sequence[Column], values: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """(n, 6) sum of columns times values."""
+    total = np.zeros(shape)
+    for value, column in zip(values, columns, strict=True):
+        for channel, course in column.items():
+            total[:, channel] += value * course
+    return total
 
 
-def _parameters(channel: int) -> tuple[tuple[str, str], ...]:
-    """Term and parameter of each row of a channel's operator."""
-    axis = AXES[channel % 3]
-    terms = GYRO_TERMS if channel < len(AXES) else ACCEL_TERMS
-    return tuple(
-        (term.name, parameter.name)
+def _operator(
+    terms: tuple[Term, ...],
+    columns: Sequence[Column],
+    motion: SegmentMotion,
+    means: np.ndarray,
+    covariances: np.ndarray,
+) -> Operator:
+    """Both steps over all channels; those that share a parameter are solved together."""
+    mean = motion.mean
+    own_axis = own(ACCEL_FIRST, mean.rate**2)  # fitted beside the model: see `_roles`
+    every = [_seen(column) for column in (*columns, *own_axis)]
+    roles = _roles(terms) + ["dynamic"] * len(own_axis)
+    for p, unturned in enumerate(_about_unturned(terms, motion)):
+        every[p] = {} if unturned else every[p]
+    weights = np.zeros((len(columns), CHANNEL_COUNT, len(means)))
+    excess = [BirgeRatio()] * len(columns)
+    weights[[p for p in range(len(columns)) if not every[p]]] = np.nan
+    for group in _groups(every):
+        chosen = [p for p, column in enumerate(every) if group & column.keys()]
+        if not chosen:
+            continue
+        channels = sorted(group)
+        design = np.column_stack([
+            np.concatenate([every[p].get(c, np.zeros(len(means))) for c in channels])
+            for p in chosen
+        ])  # fmt: skip
+        solved = zero_corrected(
+            design, tuple(roles[p] for p in chosen),
+            np.concatenate([motion.used(c) for c in channels]),
+            np.concatenate([motion.zero_corrects(c) for c in channels]),
+            means[:, channels].T.ravel(), block_diag(*covariances[channels]),
+        )  # fmt: skip
+        for p, row, ratio in zip(chosen, solved.operator, solved.excess, strict=True):
+            if p < len(columns):
+                weights[p, channels], excess[p] = row.reshape(len(channels), -1), ratio
+    return Operator(weights, tuple(excess))
+
+
+def _seen(column: Column) -> dict[int, np.ndarray]:
+    """The channels that a column moves at all, zero where its motion is not known."""
+    filled = {channel: np.nan_to_num(course) for channel, course in column.items()}
+    return {channel: course for channel, course in filled.items() if course.any()}
+
+
+def _roles(terms: tuple[Term, ...]) -> list[Role]:
+    """For each parameter its part in the two steps.
+
+    Beside the model each accelerometer has a column of its own rate squared: turning about its
+    own axis, a misaligned sensor off the centre feels K_ij·r_j·ω_i².
+    """
+    standard = {term.name for term in STANDARD_TERMS}
+    return [
+        ROLES.get(term.name, "dynamic" if term.name in standard else "further")
+        for term in terms
+        for _ in term.parameters
+    ]
+
+
+def _about_unturned(terms: tuple[Term, ...], motion: SegmentMotion) -> list[bool]:
+    """For each parameter whether it is of the gyro's matrix, about an axis not read turning."""
+    unturned = {axis for axis, turned in zip(AXES, motion.turned, strict=True) if not turned}
+    return [
+        term.name == GYRO_MATRIX.name and parameter.name[1] in unturned
         for term in terms
         for parameter in term.parameters
-        if parameter.name[0] == axis
-    )
+    ]
 
 
-def _values(solved: list[Solved], means: np.ndarray, ideal: np.ndarray) -> np.ndarray:
-    """All parameters (p,) in the order of the standard terms, ideal where not determined."""
-    values = ideal.copy()
-    where = {
-        (term.name, parameter.name): place.start + i
-        for term, place in zip(STANDARD_TERMS, places(STANDARD_TERMS), strict=True)
-        for i, parameter in enumerate(term.parameters)
+def _groups(columns: Sequence[Column]) -> list[set[int]]:
+    """Channels that share a parameter, the others alone."""
+    groups = [{channel} for channel in range(CHANNEL_COUNT)]
+    for column in columns:
+        joined = [group for group in groups if group & column.keys()]
+        if len(joined) > 1:
+            apart = [group for group in groups if group not in joined]
+            groups = [*apart, set().union(*joined)]
+    return groups
+
+
+def _largest_excess(operator: Operator) -> np.ndarray:
+    factors = np.array([ratio.factor for ratio in operator.excess])
+    of_channel = operator.weights.any(axis=2)  # NaN counts: the channel was asked
+    return np.where(of_channel, factors[:, None], 1.0).max(axis=0)
+
+
+def _by_term(terms: tuple[Term, ...], estimates: Sequence[Estimate]) -> dict[str, Estimates]:
+    return {
+        term.name: dict(zip((p.name for p in term.parameters), estimates[place], strict=True))
+        for term, place in zip(terms, places(terms), strict=True)
     }
-    for channel, each in enumerate(solved):
-        found = each.operator @ np.nan_to_num(means[:, channel])
-        for key, value in zip(_parameters(channel), found, strict=True):
-            if np.isfinite(value):
-                values[where[key]] = value
-    return values
 
 
-def _found(evidence: Evidence, solved: list[Solved], follows: Disturbed) -> Found:
-    found: Found = {term.name: {} for term in STANDARD_TERMS}
-    for channel, each in enumerate(solved):
-        rows = zip(_parameters(channel), each.operator, each.excess, strict=True)
-        for (term, parameter), weights, excess in rows:
-            found[term][parameter] = _element(evidence, channel, weights, excess, follows)
-    return found
-
-
-def _element(
-    evidence: Evidence, channel: int, weights: np.ndarray, excess: BirgeRatio, follows: Disturbed
+def _estimate(
+    evidence: Evidence, weights: np.ndarray, excess: BirgeRatio, response: EquipmentResponse
 ) -> Estimate:
+    """Σ o·U over the channels, with its budget's lines; weights: o (6, n)."""
     if not np.isfinite(weights).all() or not weights.any():
         return UNDETERMINED
-    seen = linear_estimate(evidence, channel, weights, excess)
-    return seen.with_lines(*follows.lines(channel, weights))
+    channels = np.flatnonzero(weights.any(axis=1)).tolist()
+    parts = [linear_estimate(evidence, c, weights[c], excess) for c in channels]
+    lines = parts[0].lines if len(parts) == 1 else (_one_line(parts),)
+    return Estimate(sum(part.value for part in parts), (*lines, *response.lines(weights)))
+
+
+def _one_line(parts: Sequence[Estimate]) -> Contribution:
+    """What the data of several channels say of their sum, independent of one another."""
+    lines = [line for part in parts for line in part.lines]
+    u = np.array([line.quantity.u * line.sensitivity for line in lines])
+    total = float(np.linalg.norm(u))
+    quarters = (u**4 / [line.quantity.dof for line in lines]).sum()  # Welch and Satterthwaite
+    return observed(total, "", total**4 / quarters if quarters else np.inf)
 
 
 def _offsets(
-    evidence: Evidence, taken: Stretches, solved: list[Solved], follows: Disturbed
-) -> dict[str, Estimate]:
+    terms: tuple[Term, ...],
+    evidence: Evidence,
+    motion: SegmentMotion,
+    operator: Operator,
+    response: EquipmentResponse,
+) -> Estimates:
     """Mean of reading less K·rate over the rate points about each axis, its own gyro, rad/s."""
-    offsets: dict[str, Estimate] = {}
+    offsets: Estimates = {}
+    names = [(term.name, parameter.name) for term in terms for parameter in term.parameters]
     for i, axis in enumerate(AXES):
-        points = [k for k in evidence.points[axis] if taken.gyro[k]]
+        rows = [names.index((GYRO_MATRIX.name, axis + other)) for other in AXES]
+        points = [k for k in evidence.points[axis] if motion.gyro[k]]
         mean = np.zeros(len(evidence.segments))
         mean[points] = 1.0 / max(len(points), 1)
-        turned = mean @ np.nan_to_num(taken.motion.rate)
-        of_k = solved[i].operator[:3]
-        read = np.where(turned[:, None] == 0.0, 0.0, of_k)  # an axis nobody turned needs no K
-        weights = mean - turned @ read
-        excess = solved[i].excess[0]
-        offsets[axis] = _element(evidence, i, weights, excess, follows) if points else UNDETERMINED
+        turned = mean @ np.nan_to_num(motion.mean.rate)
+        of_k = operator.weights[rows]
+        # An axis nobody turned needs no K.
+        weights = -np.tensordot(turned, np.where(turned[:, None, None] == 0.0, 0.0, of_k), axes=1)
+        weights[i] += mean
+        excess = operator.excess[rows[0]]
+        offsets[axis] = _estimate(evidence, weights, excess, response) if points else UNDETERMINED
     return offsets

@@ -7,22 +7,27 @@ is linear in K_ij = K_i·ε_ij, and the smallest sum of squares is the same in e
 non-linear problem is solved exactly. Step 2, the zero correction: bias and g-sensitivity of the
 theoretical model from the rests, with step 1 put in; then step 1 again with the g-sensitivity
 taken off. At rest nothing turns, so that step 2 does not feel step 1 but through Earth's
-rotation, which the caller takes off round by round until nothing changes.
+rotation, which the caller takes off round by round until nothing changes. Terms beyond the
+standard's are fitted in both steps.
+
+An operator is kept, and not only its values: each uncertainty of the equipment goes through it.
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from tasks.specifications.linear import BirgeRatio, Solution, birge_ratio, solve
+from tasks.specifications.linear import RANK_TOLERANCE, BirgeRatio, Solution, birge_ratio, solve
 
 QUIETEST = 0.1  # of the median variance
 TINY = 1e-9  # of a variance: keeps a covariance that drift or tilt alone makes invertible
+Role = Literal["dynamic", "bias", "g-sensitivity", "further"]
 
 
 @dataclass(frozen=True)
 class Solved:
-    """Parameters of one channel as combinations of its segment means.
+    """Parameters as combinations of the means.
 
     operator: (p, n), NaN rows for parameters that the segments do not determine.
     excess: for each parameter, how much more its samples scatter than their noise.
@@ -35,7 +40,7 @@ class Solved:
 def least_squares(
     design: np.ndarray, used: np.ndarray, means: np.ndarray, covariance: np.ndarray
 ) -> Solved:
-    """A channel fitted over the used segments, by generalised least squares.
+    """Means fitted over the used segments, by generalised least squares.
 
     design: (n, p); used: (n,) bool; means: (n,); covariance: (n, n) of the means by noise and by
     what the equipment does to each.
@@ -52,36 +57,47 @@ def least_squares(
 
 
 def zero_corrected(
-    rates: np.ndarray,
-    forces: np.ndarray,
+    design: np.ndarray,
+    roles: tuple[Role, ...],
     used: np.ndarray,
     zero: np.ndarray,
     means: np.ndarray,
     covariance: np.ndarray,
 ) -> Solved:
-    """One gyro: three elements of K, bias, three of the g-sensitivity, in this order.
+    """Both steps for means (n,); design: (n, p), its columns with their roles.
 
-    rates (n, 3) rad/s, forces (n, 3) in local g: the regressors. used: the dynamic and static
-    segments; zero: the rests of step 2. Where no rest determines the g-sensitivity it is not
-    taken off, and the bias is not determined.
+    used: (n,) bool, the dynamic and static segments; zero: (n,) bool, the rests of step 2, where
+    bias and g-sensitivity stand beside the further columns. Where no rest determines the
+    g-sensitivity it is not taken off, and the bias is not determined. Without a column to correct
+    step 1 is all.
     """
-    ones = np.ones((len(means), 1))
-    at_rest = least_squares(np.hstack([ones, forces]), zero, means, covariance)
-    bias, sensitivity = at_rest.operator[:1], at_rest.operator[1:]
-    known = np.nan_to_num(sensitivity)
-    felt = np.eye(len(means)) - forces @ known  # a reading with what gravity does to it taken off
-    spread = felt @ covariance @ felt.T
-    turning = least_squares(np.hstack([rates, ones]), used, felt @ np.nan_to_num(means), spread)
-    scale = turning.operator[:3] @ felt
-    offset = bias if np.isfinite(bias).all() else turning.operator[3:] @ felt
-    design = np.hstack([rates, ones, forces * np.isfinite(sensitivity).all(axis=1)])
-    whole = np.nan_to_num(np.vstack([scale, offset, sensitivity]))
+    role = np.array(roles)
+    rest, g = np.isin(role, ("bias", "g-sensitivity", "further")), role == "g-sensitivity"
+    corrected = rest & (role != "further")
+    if not corrected.any():
+        return least_squares(design, used, means, covariance)
+    at_rest = least_squares(design[:, rest], zero, means, covariance)
+    operator = np.full(design.T.shape, np.nan)
+    operator[rest] = at_rest.operator
+    # A reading with what gravity does to it taken off.
+    reduced = np.eye(len(means)) - design[:, g] @ np.nan_to_num(operator[g])
+    spread = reduced @ covariance @ reduced.T
+    first = least_squares(design[:, ~g], used, reduced @ np.nan_to_num(means), spread)
+    by_all = np.full(design.T.shape, np.nan)
+    by_all[~g] = first.operator @ reduced
+    operator[~corrected] = by_all[~corrected]
     excess = BirgeRatio()
     if used.any():
-        solution = Solution(whole[:, used], np.ones(len(whole), bool))
+        undetermined = g & ~np.isfinite(operator).all(axis=1)
+        # Where no rest gives the bias, residuals are about that of step 1.
+        whole = np.where(np.isfinite(operator).all(axis=1)[:, None], operator, by_all)
+        solution = Solution(np.nan_to_num(whole[:, used]), np.ones(len(role), bool))
         block = covariance[np.ix_(used, used)]
-        excess = birge_ratio(solution, design[used], means[used], block)
-    return Solved(np.vstack([scale, bias, sensitivity]), (excess,) * 3 + at_rest.excess)
+        shown = np.where(undetermined, 0.0, design)[used]
+        excess = birge_ratio(solution, shown, means[used], block)
+    ratios = np.full(len(role), excess, dtype=object)
+    ratios[corrected] = at_rest.excess[0]
+    return Solved(operator, tuple(ratios))
 
 
 def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
@@ -94,5 +110,21 @@ def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
     floor = QUIETEST * np.median(variance) or 1.0
     raised = np.maximum(variance, floor)
     root = np.linalg.cholesky(covariance + np.diag(raised - variance + TINY * raised))
-    whitened = solve(np.linalg.solve(root, design))
-    return Solution(np.linalg.solve(root.T, whitened.operator.T).T, whitened.estimable)
+    basis, estimable = _told_apart(design)
+    whitened = solve(np.linalg.solve(root, design @ basis))
+    operator = basis @ np.linalg.solve(root.T, whitened.operator.T).T
+    return Solution(operator, estimable)
+
+
+def _told_apart(design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Combinations (p, r) of parameters that a design (n, p) tells apart; (p,) bool, which alone.
+
+    Of the design itself: whitening by a covariance that is nearly singular loses the digits.
+    """
+    scale = np.linalg.norm(design, axis=0)
+    scale[scale == 0] = 1.0
+    _, sizes, rows = np.linalg.svd(design / scale, full_matrices=False)
+    kept = rows[sizes > RANK_TOLERANCE * sizes.max(initial=0.0)]
+    if len(kept) == design.shape[1]:
+        return np.eye(len(kept)), np.ones(len(kept), bool)
+    return kept.T / scale[:, None], np.abs((kept**2).sum(axis=0) - 1.0) < 1e-6

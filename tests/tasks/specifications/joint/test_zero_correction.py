@@ -7,7 +7,7 @@ from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
-from tasks.specifications.joint.zero_correction import least_squares, zero_corrected
+from tasks.specifications.joint.zero_correction import Solved, least_squares, zero_corrected
 
 GRAVITY = 9.8
 RATES = (20.0, 60.0, 150.0, 300.0)
@@ -108,6 +108,13 @@ def drawn(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return rates, forces, np.eye(32) + drifting
 
 
+def corrected(rates: np.ndarray, forces: np.ndarray, *rest: np.ndarray) -> Solved:
+    """Three elements of K, the bias, three of the g-sensitivity."""
+    design = np.hstack([rates, np.ones((len(rates), 1)), forces])
+    roles = ("dynamic",) * 3 + ("bias",) + ("g-sensitivity",) * 3
+    return zero_corrected(design, roles, *rest)
+
+
 def test_repeating_the_two_steps_ends_where_the_operator_is() -> None:
     """Step 1 with the g-sensitivity put in, step 2 with step 1 put in, from nothing, by hand."""
     rates, forces, covariance = drawn(1)
@@ -123,7 +130,7 @@ def test_repeating_the_two_steps_ends_where_the_operator_is() -> None:
         k = np.linalg.lstsq(design.T @ weight @ design, design.T @ weight @ read, rcond=None)[0][:3]
         b, *g = _from_rests(ones, forces, at_rest) @ (means - rates @ k)[:12]
         g = np.array(g)
-    solved = zero_corrected(rates, forces, everything, rests, means, covariance)
+    solved = corrected(rates, forces, everything, rests, means, covariance)
     found = solved.operator @ means
     assert found[3:] == pytest.approx([b, *g], rel=1e-6)
     assert found[:3] == pytest.approx(k, rel=1e-6)
@@ -139,7 +146,7 @@ def test_what_is_put_in_comes_out_of_the_operator() -> None:
     k, b, g = np.array([1.0, 0.01, -0.02]), 0.3, np.array([0.1, -0.2, 0.05])
     means = rates @ k + b + forces @ g
     rests = np.arange(32) < 12
-    solved = zero_corrected(rates, forces, np.ones(32, bool), rests, means, covariance)
+    solved = corrected(rates, forces, np.ones(32, bool), rests, means, covariance)
     assert solved.operator @ means == pytest.approx([*k, b, *g], abs=1e-7)
     assert all(excess.factor == 1.0 for excess in solved.excess)
 
@@ -148,7 +155,7 @@ def test_without_rests_the_turns_alone_give_the_scale_factors() -> None:
     rates, forces, covariance = drawn(5)
     means = rates @ [1.0, 0.01, -0.02] + 0.3
     none = np.zeros(32, bool)
-    solved = zero_corrected(rates, forces, np.arange(32) >= 12, none, means, covariance)
+    solved = corrected(rates, forces, np.arange(32) >= 12, none, means, covariance)
     assert solved.operator[:3] @ means == pytest.approx([1.0, 0.01, -0.02], abs=1e-9)
     assert np.isnan(solved.operator[3:]).all()
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.motion.table import mean_rate
+from tasks.motion.table import EARTH_RATE, mean_rate
 from tasks.motion.whole import (
     Motion,
     attitude_recorded,
@@ -25,10 +25,10 @@ SAME_VERTICAL = np.cos(np.radians(10.0))  # encoders and gravity agree on the ax
 
 
 @dataclass(frozen=True)
-class Stretches:
+class SegmentMotion:
     """The mean motion of the segments, and what each may be used for.
 
-    motion: (n segments); a turn about the vertical has no mean north, which averages out.
+    mean: (n segments); a turn about the vertical has no mean north, which averages out.
     gyro, accel: (n,) bool, what may be fitted to each triad.
     alive: (6,) bool, channels that do not read one and the same number throughout.
     turned: (3,) bool, axes about which the gyro was recorded at two or more rates, or in a turn.
@@ -36,7 +36,7 @@ class Stretches:
     level_unknown: (n,) bool, rests in which the horizontal part of Earth's rotation is not known.
     """
 
-    motion: Motion
+    mean: Motion
     gyro: np.ndarray
     accel: np.ndarray
     alive: np.ndarray
@@ -44,8 +44,17 @@ class Stretches:
     zero: np.ndarray
     level_unknown: np.ndarray
 
+    def used(self, channel: int) -> np.ndarray:
+        """(n,) bool: the segments that step 1 fits to a channel, 0 to 5."""
+        triad = self.gyro if channel < len(AXES) else self.accel
+        return triad & self.alive[channel]
 
-def stretches(evidence: Evidence) -> Stretches:
+    def zero_corrects(self, channel: int) -> np.ndarray:
+        """(n,) bool: the rests that correct a channel's zero; none for an accelerometer."""
+        return self.zero & (channel < len(AXES)) & self.alive[channel]
+
+
+def segment_motion(evidence: Evidence) -> SegmentMotion:
     """The segments of a recording as the joint method takes them.
 
     Rests and rates that labels and witnesses contradict are taken as `gather` took them: the axis
@@ -60,8 +69,8 @@ def stretches(evidence: Evidence) -> Stretches:
     accel = np.array([segment.has_accel for segment in segments], bool)
     turned, alone = _turned_by_gyro(evidence, motion, gyro & moved)
     unknown = still & vertical & ~np.isfinite(motion.north).all(axis=1)
-    return Stretches(
-        motion=motion,
+    return SegmentMotion(
+        mean=motion,
         gyro=gyro & moved & (vertical | ~still) & ~alone,
         accel=accel & moved & vertical & (still | turning),
         alive=_alive(evidence),
@@ -158,3 +167,24 @@ def _beside_pairs(evidence: Evidence, unknown: np.ndarray) -> np.ndarray:
     faces = [up for up, indices in evidence.positions.items() if is_paired(evidence, indices)]
     of_such = np.array([up in faces for up in evidence.up], bool)
     return unknown & of_such & ~_paired(evidence)
+
+
+def level_covariance(evidence: Evidence, motion: SegmentMotion, gyro: int) -> np.ndarray:
+    """Covariance (n, n), (rad/s)², of one gyro's rests by a horizontal rate of unknown direction.
+
+    A gyro that lies level reads ωe·cos φ·cos(ψ + heading) with ψ unknown: half the square of the
+    amplitude, times the cosine of the turn between two headings of one face. The mean of two
+    headings 180° apart is free of it, and its scatter is not the unit's. Without a latitude the
+    whole of ωe is taken; without a heading a rest shares nothing with another.
+    """
+    n, latitude = len(evidence.segments), evidence.latitude_deg
+    amplitude = EARTH_RATE * (1.0 if latitude is None else np.cos(np.radians(latitude)))
+    still = np.array([segment.segment.kind == "static" for segment in evidence.segments], bool)
+    blind = still & motion.gyro & ~np.isfinite(motion.mean.north).all(axis=1)
+    level = blind * np.sqrt(np.clip(1.0 - np.nan_to_num(motion.mean.up[:, gyro]) ** 2, 0.0, 1.0))
+    turn = [segment.segment.turn_deg for segment in evidence.segments]
+    heading = np.radians([np.nan if degrees is None else degrees for degrees in turn])
+    same = np.array([[a == b for b in evidence.up] for a in evidence.up]).reshape(n, n)
+    shared = np.nan_to_num(np.cos(heading[:, None] - heading)) * same
+    np.fill_diagonal(shared, 1.0)
+    return np.asarray(0.5 * amplitude**2 * np.outer(level, level) * shared)
