@@ -11,9 +11,9 @@ from flows.printing import print_calibration, print_rows, print_verdict
 from flows.progress import working
 from flows.run_orders import procedure_of
 from flows.station import virtual_station
-from schemas.base import Unusable
 from schemas.orders import ProduceOrder
 from storage.home import Home, home
+from storage.whole_files import writing_in_home
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
 from tasks.station.virtual.config import truth
@@ -52,14 +52,8 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
 
 
 def _write(path: Path, text: str) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with writing_in_home(path):
         path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise Unusable(
-            f"{path} cannot be written ({error.strerror}); make room or give rights there, or let "
-            "MIMUCAL_HOME name a folder that can be written."
-        ) from error
 
 
 def _certificate_files(ahrs: bool) -> dict[str, str]:

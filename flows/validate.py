@@ -9,6 +9,7 @@ from schemas.base import Unusable
 from schemas.validation import ValidationRecord
 from storage.home import home
 from storage.settings import VALIDATION
+from storage.whole_files import writing_in_home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.validation.coverage import FEWEST_UNITS, Calibrate
@@ -36,12 +37,9 @@ def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None
         }
         record = make_record(methods, units, seed, code_version(), report)
     text = record.model_dump_json(indent=1) + "\n"
-    try:
-        record_file.parent.mkdir(parents=True, exist_ok=True)
+    with writing_in_home(record_file):
         record_file.write_text(text, encoding="utf-8")
         record_file.with_suffix(".html").write_text(validation_html(record), encoding="utf-8")
-    except OSError as error:
-        raise Unusable(f"{record_file} cannot be written ({error.strerror})") from error
     if as_json:
         print(text, end="")
         return

@@ -29,23 +29,30 @@ def drafted(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def writing_to(path: Path) -> Iterator[Path]:
-    """Gives a draft to write; on success it is on the disk, read-only, under `path`.
-
-    Makes the folder first. A disk that refuses raises Unusable.
-    """
+def writing_in_home(path: Path) -> Iterator[None]:
+    """Makes the folder of a file first; a disk that refuses raises Unusable with the way out."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with drafted(path) as draft:
-            yield draft
-            draft.chmod(0o444)
-            _to_disk(draft)
-        _to_disk(path.parent)
+        yield
     except OSError as error:
         raise Unusable(
             f"{path} cannot be written ({error.strerror or error}); make room or give rights "
             "there, or let MIMUCAL_HOME name a folder that can be written."
         ) from error
+
+
+@contextmanager
+def writing_to(path: Path) -> Iterator[Path]:
+    """Gives a draft to write; on success it is on the disk, read-only, under `path`.
+
+    Makes the folder first. A disk that refuses raises Unusable.
+    """
+    with writing_in_home(path):
+        with drafted(path) as draft:
+            yield draft
+            draft.chmod(0o444)
+            _to_disk(draft)
+        _to_disk(path.parent)
 
 
 def write_once(path: Path, data: bytes) -> None:

@@ -17,7 +17,7 @@ from storage.formats.content import as_raw, fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.whole_files import writing_to
+from storage.whole_files import writing_in_home, writing_to
 
 SHORT = 12  # hex digits of the digest in a run's id
 
@@ -181,15 +181,8 @@ def _write_columns(recording: Recording, home: Home) -> None:
     folder = home.columns / recording.digest
     if folder.exists():
         return
-    try:
+    with writing_in_home(folder), suppress(FileExistsError):  # somebody was faster with the same
         write_columns(recording, folder)
-    except FileExistsError:
-        return  # somebody else was faster with the same content
-    except OSError as error:
-        raise Unusable(
-            f"{folder} cannot be written ({error.strerror or error}); make room or give rights "
-            "there, or let MIMUCAL_HOME name a folder that can be written."
-        ) from error
 
 
 def _load_raw(run: Run, home: Home) -> Recording:

@@ -13,6 +13,7 @@ from storage.catalogue.runs import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
+from storage.whole_files import writing_in_home
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, RunRequest, acquire
 from tasks.station.ports import Ask
@@ -55,14 +56,8 @@ def acquire_run(
 
 
 def _open(raw: Path) -> RawWriter:
-    try:
-        raw.parent.mkdir(parents=True, exist_ok=True)
+    with writing_in_home(raw):
         return RawWriter(raw)
-    except OSError as error:
-        raise Unusable(
-            f"{raw} cannot be written ({error.strerror}); make room or give rights there, or let "
-            "MIMUCAL_HOME name a folder that can be written."
-        ) from error
 
 
 def _with_what_is_left(fault: Unusable, sink: RawWriter, raw: Path) -> str:
