@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from schemas.validation import (
@@ -21,6 +22,9 @@ from storage.formats.folder import read_folder
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests.shared import ABSENT, shared_path
+
+settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
+settings.load_profile("unhurried")
 
 GRAVITY = 9.8
 AXES = "xyz"

@@ -12,7 +12,7 @@ def setup(folder: Path, python: str) -> "subprocess.CompletedProcess[str]":
     environment = os.environ | {"PYTHON": python, "PATH": f"{folder}:{os.environ['PATH']}"}
     return subprocess.run(
         ["bash", str(SCRIPT)], cwd=folder, env=environment, capture_output=True, text=True,
-        timeout=60,
+        timeout=600,
     )  # fmt: skip
 
 

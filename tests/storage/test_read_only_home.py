@@ -63,7 +63,7 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
     home, run = read_only
     before = sorted(home.path.iterdir())
     command = [sys.executable, "-W", "error", "-c", READ, str(home.path)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
     assert done.stderr == ""
     said, refused = done.stdout.splitlines()
     assert said == f"{run.id} 300 []"

@@ -67,7 +67,7 @@ def server() -> Iterator[str]:
             yield connection
         finally:
             process.send_signal(2)  # SIGINT: break off what is open and stop
-            process.wait(timeout=30)
+            process.wait(timeout=300)
 
 
 def wait_for(connection: str, process: subprocess.Popen[bytes]) -> None:

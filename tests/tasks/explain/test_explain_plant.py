@@ -23,8 +23,6 @@ WIDE = 4  # rows of the mean that effects are compared on
 CLOSED = 0.95
 COVERAGE = 2.0  # standard uncertainties
 
-pytestmark = pytest.mark.timeout(240)
-
 
 @cache
 def recording(name: str) -> Recording:

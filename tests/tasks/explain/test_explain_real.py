@@ -17,8 +17,6 @@ EARTH = 15.04107  # deg/h
 LATITUDE = 51.0784  # deg, of the ring-laser unit's laboratory
 DELAYS = ("time_offset", "bandwidth")
 
-pytestmark = pytest.mark.timeout(240)
-
 
 @cache
 def explained(name: str) -> Explanation:

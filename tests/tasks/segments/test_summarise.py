@@ -34,7 +34,7 @@ def test_spikes_of_any_size_are_left_out_and_counted() -> None:
     assert np.abs(summary.mean).max() < 0.001
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(
     st.lists(st.integers(0, 2999), min_size=1, max_size=300, unique=True),
     st.floats(1.0, 1e6),
@@ -97,7 +97,7 @@ def test_a_spike_on_a_rounded_channel_is_left_out() -> None:
     assert summarise(stream(values), HELD, "label").far_rows.tolist() == [0, 0, 1, 0, 0, 0]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.0, 1.0), st.floats(0.05, 1.5))
 def test_a_step_of_more_than_two_standard_deviations_is_coarse(level: float, sigma: float) -> None:
     summary = summarise(stream(rounded(sigma, level)), HELD, "label", np.full(6, 0.01))

@@ -18,7 +18,6 @@ from tests.proof.real.on_shaft import SHAFT
 from tests.proof.real.present import RECORDINGS, doubtful, facts_of
 
 Real = Callable[[str], Recording]
-pytestmark = pytest.mark.timeout(240)
 
 
 @pytest.fixture(scope="module")

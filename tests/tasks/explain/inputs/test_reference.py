@@ -29,7 +29,6 @@ def clean(plant):
     return plant("plant_clean")
 
 
-@pytest.mark.timeout(300)
 def test_a_right_prediction_leaves_nothing_to_say(clean) -> None:
     said = reference_of(clean)
     answer = explain(clean, reference=said)
@@ -38,7 +37,6 @@ def test_a_right_prediction_leaves_nothing_to_say(clean) -> None:
     np.testing.assert_array_equal(answer.nominal, said.readings)
 
 
-@pytest.mark.timeout(300)
 def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean) -> None:
     answer = explain(clean, reference=reference_of(clean, change=1e-3))
     (finding,) = answer.findings
