@@ -8,7 +8,6 @@ from pathlib import Path
 from flows.printing import print_rows, stdout
 from flows.progress import counting
 from schemas.base import Unusable
-from tasks.explain.report.look import both
 from tasks.version import code_version
 from tests.proof.peers import page as peers_page
 from tests.proof.peers.installed import MISSING, peers_installed
@@ -27,12 +26,13 @@ from tests.proof.trial.evidence import (
 )
 from tests.proof.trial.figures import costs, figures
 from tests.proof.trial.hold import explain_blind, prepare
-from tests.proof.trial.page import page
+from tests.proof.trial.page import evidence_html
 from tests.proof.trial.pictures.headline import headline_svg
 from tests.proof.trial.score import ANSWERS, score_all
 from tests.proof.trial.seal import SEALED
 
 DEFAULT_OUT = "proof"
+MISSING_HTML = f'<p><span lang="en">{MISSING.en}</span><span lang="zh">{MISSING.zh}</span></p>'
 
 
 def run_prove(
@@ -67,9 +67,9 @@ def run_prove(
     print_rows(f"The sealed trial, {len(scores)} recordings", SUMMARY, summary(trial))
     console = stdout(markup=False)
     for each in figures(scores):
-        console.print(f"{each.what[0]}: {each.reached} (asked: {each.asked}), {each.of}")
+        console.print(f"{each.what.en}: {each.reached} (asked: {each.asked}), {each.of}")
     for line in costs(scores):
-        console.print(f"{line.what[0]}: {line.before}; with explain {line.after}")
+        console.print(f"{line.what.en}: {line.before}; with explain {line.after}")
     for what, figure in besides(trial):
         console.print(f"{what}: {figure}")
     for name in (*contents, "seals.txt"):
@@ -89,7 +89,7 @@ def prove_real(real: Path, folder: Path, seed: int) -> Results:
     contents = {
         "real.json": said,
         "real.md": real_page.markdown(results),
-        "real.html": real_page.page(results),
+        "real.html": real_page.real_html(results),
     }
     for name, text in contents.items():
         (folder / name).write_text(text, encoding="utf-8")
@@ -101,16 +101,16 @@ def _evidence(
 ) -> dict[str, str]:
     """The files by name: the trial, what the peers answered, and the real recordings if any."""
     said = as_data(trial) | {"peers": [each.said() for each in duties_of(beside)]}
-    more = peers_page.section(beside) if peers else [f"<p>{both(MISSING)}</p>"]
-    told = peers_page.markdown(beside) if peers else f"{MISSING[0]}\n"
+    more = [peers_page.section(beside) if peers else MISSING_HTML]
+    told = peers_page.markdown(beside) if peers else f"{MISSING.en}\n"
     if results is not None:
         said |= {"real": real_page.data(results)}
-        more += real_page.section(results)
+        more.append(real_page.section(results))
         told += "\n" + real_page.markdown(results)
     return {
         "evidence.json": json.dumps(said, indent=1, ensure_ascii=False) + "\n",
         "evidence.md": as_markdown(trial) + "\n" + told,
-        "evidence.html": page(trial, more),
+        "evidence.html": evidence_html(trial, more),
         "headline.svg": headline_svg(trial.scores),
     }
 

@@ -1,3 +1,10 @@
 """What the proof's pages say: each text in English and in Chinese."""
 
-Text = tuple[str, str]
+from schemas.discrepancy import Statement
+
+Text = Statement
+
+
+def bilingual(en: str, zh: str) -> Text:
+    """A text in both languages."""
+    return Statement(en=en, zh=zh)

@@ -2,10 +2,10 @@
 
 from importlib.util import find_spec
 
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 
 NEEDED = ("sklearn", "pysindy")
-MISSING: Text = (
+MISSING: Text = bilingual(
     "The peers were left out: pysindy or scikit-learn is missing; "
     "`.venv/bin/python -m pip install -e '.[peers]'` brings them.",
     "未与其他方法对比：缺少 pysindy 或 scikit-learn；可用 "

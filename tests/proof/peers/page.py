@@ -1,16 +1,17 @@
 """The section of evidence.html and evidence.md that holds the peers beside `explain`."""
 
 from collections.abc import Sequence
-from html import escape
+from pathlib import Path
 
-from tasks.explain.report.look import both, table
+from tasks.pages import page
 from tests.proof.peers.score import PeerScore
 from tests.proof.peers.table import Duties, duties_of
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 from tests.proof.trial.evidence import rate_words
 
-TITLE: Text = ("What an engineer would use today", "与现有方法的对比")
-METHOD: Text = (
+TEMPLATE = Path(__file__).parent / "templates" / "section.html"
+TITLE: Text = bilingual("What an engineer would use today", "与现有方法的对比")
+METHOD: Text = bilingual(
     "The same recordings, inputs and held-out segments, answered by four peers: means of the "
     "residuals against a threshold; forward stepwise regression with BIC over a generic library; "
     "sparse regression (SINDy, pysindy); a Gaussian process for the discrepancy (Kennedy & "
@@ -20,7 +21,7 @@ METHOD: Text = (
     "高斯过程失配项（Kennedy与O'Hagan）。其阈值以其他种子的无失配记录整定，虚警率约1 %。"
     "各回归方法均先按Allan方差白化。",
 )
-RULES: Text = (
+RULES: Text = bilingual(
     "Located: the channels named hold the largest share of what the standard's model leaves of "
     "the truth. Named: the first name is right, of the cases that have a name. Modelled: share of "
     "the gap closed, of means over the same 25 Hz blocks and against the same fit of the "
@@ -45,17 +46,13 @@ METHOD_WORDS = {
 }
 
 
-def section(scores: Sequence[PeerScore]) -> list[str]:
+def section(scores: Sequence[PeerScore]) -> str:
     """HTML in both languages; empty where no peer answered."""
     if not scores:
-        return []
-    rows = [[escape(word) for word in cells(each)] for each in duties_of(scores)]
-    return [
-        f"<h2>{both(TITLE)}</h2>",
-        f"<p>{both(METHOD)}</p>",
-        table(list(COLUMNS), rows, tuple(range(2, len(COLUMNS)))),
-        f'<p class="quiet">{both(RULES)}</p>',
-    ]
+        return ""
+    rows = [cells(duties) for duties in duties_of(scores)]
+    return page(TEMPLATE, title=TITLE, method=METHOD, rules=RULES, columns=COLUMNS, rows=rows,
+                numeric=range(2, len(COLUMNS)))  # fmt: skip
 
 
 def markdown(scores: Sequence[PeerScore]) -> str:
@@ -64,7 +61,7 @@ def markdown(scores: Sequence[PeerScore]) -> str:
         return ""
     lines = ["| " + " | ".join(COLUMNS) + " |", "|---" * len(COLUMNS) + "|"]
     lines += ["| " + " | ".join(cells(each)) + " |" for each in duties_of(scores)]
-    return "\n".join([f"## {TITLE[0]}", "", METHOD[0], "", *lines, "", RULES[0], ""])
+    return "\n".join([f"## {TITLE.en}", "", METHOD.en, "", *lines, "", RULES.en, ""])
 
 
 def cells(duties: Duties) -> list[str]:

@@ -10,7 +10,7 @@ from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hand.shaft import delay_by_phase, scale_by_gravity, slip_at
 from tests.proof.real.hide import TRANSFORMATIONS, Size, drawn_sizes, first_part
 from tests.proof.real.on_shaft import SHAFT
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 
 PART = 60.0  # s of the shaft, to be quick: seven strokes to and fro
 SEEN_ON_SHAFT = ("time_offset", "table_scale", "dropped_samples")
@@ -30,41 +30,51 @@ class Hidden:
         return TRANSFORMATIONS[self.name](untouched(folder, self.recording), self.size)
 
 
-TILT_ABSORBED: Text = (
+TILT_ABSORBED: Text = bilingual(
     "one axis: a lean along it is a bias, one across it a turn of the unit, and the standard's "
     "parameters take both whole",
     "单轴：沿轴倾斜等同零偏，垂直于轴倾斜等同产品转角，均被标准参数完全吸收",
 )
-LABELS_ONLY: Text = (
+LABELS_ONLY: Text = bilingual(
     "labels tell means of rests and turns only: stamps that are late or slip change none of them",
     "标签仅给出静止与转动的均值：时标偏移或滑移不改变这些均值",
 )
-SCALE_ABSORBED: Text = (
+SCALE_ABSORBED: Text = bilingual(
     "no gravity beside a turn of known angle: the gyro's scale factor takes it whole",
     "已知转角之外无重力参照：被陀螺标度因数完全吸收",
 )
 # What is not even tried: recording, transformations, why.
 NOT_HIDDEN: tuple[tuple[str, str, Text], ...] = (
     (
-        "vn200_imu0_rate_table, vn200_imu1_rate_table", "time_offset, dropped_samples",
-        ("steady turns were cut out by their author, ramps and times are gone",
-         "作者只保留匀速段，加减速段与时间信息已缺失"),
+        "vn200_imu0_rate_table, vn200_imu1_rate_table",
+        "time_offset, dropped_samples",
+        bilingual(
+            "steady turns were cut out by their author, ramps and times are gone",
+            "作者只保留匀速段，加减速段与时间信息已缺失",
+        ),
     ),
     (
-        "vn200_imu0_rate_table, vn200_imu1_rate_table", "table_scale",
-        ("rates are nominal and no accelerometer was kept while turning: " + SCALE_ABSORBED[0],
-         "仅有名义速率且转动时未保留加速度计：" + SCALE_ABSORBED[1]),
+        "vn200_imu0_rate_table, vn200_imu1_rate_table",
+        "table_scale",
+        bilingual(
+            "rates are nominal and no accelerometer was kept while turning: " + SCALE_ABSORBED.en,
+            "仅有名义速率且转动时未保留加速度计：" + SCALE_ABSORBED.zh,
+        ),
     ),
     (
-        "every recording without table angles", "axis_tilt",
-        ("a label says which axis points up, not where the base leans beside it",
-         "标签只说明哪一轴朝上，不说明基座倾向何方"),
+        "every recording without table angles",
+        "axis_tilt",
+        bilingual(
+            "a label says which axis points up, not where the base leans beside it",
+            "标签只说明哪一轴朝上，不说明基座倾向何方",
+        ),
     ),
     (
-        "xsens_multiposition", "all",
-        ("it tells no motion: explain refuses it", "未给出运动信息：解释程序拒绝处理"),
+        "xsens_multiposition",
+        "all",
+        bilingual("it tells no motion: explain refuses it", "未给出运动信息：解释程序拒绝处理"),
     ),
-)  # fmt: skip
+)
 
 
 def untouched(folder: Path, name: str) -> Recording:

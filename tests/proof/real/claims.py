@@ -10,6 +10,7 @@ from tests.proof.real.hand.shaft import excursion, jump_at, line_shared
 from tests.proof.real.on_rate_table import BENCH, SECOND
 from tests.proof.real.on_shaft import SHAFT
 from tests.proof.real.two_positions import MEMS, RING_LASER
+from tests.proof.text import bilingual
 
 BY_HAND = "ferraris_session"
 SEEN = 3.3  # amplitude over its surroundings that noise shows once in 2000 places
@@ -56,11 +57,15 @@ def _line(
     shown = ", ".join(f"{course:.1f}" for course in courses)
     where = ", ".join(CHANNELS[c] for c in channels)
     return Claim(
-        name, (f"a line at {at:g} Hz, there all the time", f"{at:g} Hz处始终存在的谱线"), truth,
-        (f"amplitude over its surroundings in {where}, rest by rest: {shown} (noise: 1)",
-         f"{where}中幅值与邻域之比，逐段：{shown}（噪声为1）"),
+        name,
+        bilingual(f"a line at {at:g} Hz, there all the time", f"{at:g} Hz处始终存在的谱线"),
+        truth,
+        bilingual(
+            f"amplitude over its surroundings in {where}, rest by rest: {shown} (noise: 1)",
+            f"{where}中幅值与邻域之比，逐段：{shown}（噪声为1）",
+        ),
         lambda answer: bool(lines_at(answer, at, 0.02)),
-    )  # fmt: skip
+    )
 
 
 def _powers(x: float, count: int) -> list[float]:
@@ -74,12 +79,17 @@ def _powers(x: float, count: int) -> list[float]:
 def _walk(recordings: Recordings, name: str, channels: tuple[int, ...], en: str, zh: str) -> Claim:
     tried = wander(recordings[name], channels)
     truth: Truth = (
-        "true" if tried.verdict == "true" else "false" if tried.verdict == "false"
+        "true"
+        if tried.verdict == "true"
+        else "false"
+        if tried.verdict == "false"
         else "cannot tell"
-    )  # fmt: skip
+    )
     return Claim(
-        name, (f"biases of the {en} wander", f"{zh}零偏随机游走"), truth,
-        (
+        name,
+        bilingual(f"biases of the {en} wander", f"{zh}零偏随机游走"),
+        truth,
+        bilingual(
             "second less first halves of the rests: so much by noise alone p = "
             f"{tried.p_noise:.2g}, so little by a walk that makes the misfit between the rests "
             f"p = {tried.p_walk:.2g}",
@@ -91,7 +101,7 @@ def _walk(recordings: Recordings, name: str, channels: tuple[int, ...], en: str,
             for each in findings(answer, "bias_random_walk")
             for c in channels
         ),
-    )  # fmt: skip
+    )
 
 
 def _bursts(recordings: Recordings) -> Claim:
@@ -104,18 +114,20 @@ def _bursts(recordings: Recordings) -> Claim:
     words = ", ".join(f"{a:.2f}/{b:.2f}" for a, b in shown)
     return Claim(
         SECOND,
-        (
+        bilingual(
             "four bursts that fade, at 505, 867, 1240 and 1301 s",
             "四次衰减振荡（505、867、1240、1301 s）",
         ),
         truth,
-        (f"largest deviation in the first/last second of each rest, m/s²: {words}; only z up was "
-         "handled while labelled as a rest",
-         f"各静止段首/末1 s最大偏离（m/s²）：{words}；仅z朝上段在标签内有搬动"),
+        bilingual(
+            f"largest deviation in the first/last second of each rest, m/s²: {words}; only z up "
+            "was handled while labelled as a rest",
+            f"各静止段首/末1 s最大偏离（m/s²）：{words}；仅z朝上段在标签内有搬动",
+        ),
         lambda answer: any(
             parameter(each, "decay") is not None for each in findings(answer, "unnamed")
         ),
-    )  # fmt: skip
+    )
 
 
 def _products(recordings: Recordings) -> Claim:
@@ -123,31 +135,37 @@ def _products(recordings: Recordings) -> Claim:
     truth: Truth = "false" if zero < 0.7 * nearest else "cannot tell"
     return Claim(
         SHAFT,
-        ("accelerometer y follows products and squares of the other forces",
-         "加速度计y跟随其他轴比力的乘积与平方"),
+        bilingual(
+            "accelerometer y follows products and squares of the other forces",
+            "加速度计y跟随其他轴比力的乘积与平方",
+        ),
         truth,
-        (f"misfit over the angle {1e3 * nearest:.1f} mm/s² if readings are rounded, "
-         f"{1e3 * zero:.1f} if they are cut off towards zero: mostly a matter of rounding",
-         f"随角度残差：四舍五入{1e3 * nearest:.1f} mm/s²，"
-         f"向零截断{1e3 * zero:.1f} mm/s²：主要为截断所致"),
+        bilingual(
+            f"misfit over the angle {1e3 * nearest:.1f} mm/s² if readings are rounded, "
+            f"{1e3 * zero:.1f} if they are cut off towards zero: mostly a matter of rounding",
+            f"随角度残差：四舍五入{1e3 * nearest:.1f} mm/s²，"
+            f"向零截断{1e3 * zero:.1f} mm/s²：主要为截断所致",
+        ),
         lambda answer: any(
             any(word in str(each["follows"]) for word in ("product", "squares"))
             for each in findings(answer, "unnamed", channel="accel_y")
         ),
-    )  # fmt: skip
+    )
 
 
 def _stepper(recordings: Recordings) -> Claim:
     at, coherence = line_shared(recordings[SHAFT])
     return Claim(
         SHAFT,
-        (f"a line at {at:.2f} Hz beyond the motion", f"运动以外的{at:.2f} Hz谱线"),
+        bilingual(f"a line at {at:.2f} Hz beyond the motion", f"运动以外的{at:.2f} Hz谱线"),
         "false" if coherence > 0.95 else "cannot tell",
-        (f"the encoder sees it, too: coherence with the gyro {coherence:.4f}; it is motion, which "
-         "a smoothed encoder rate damps",
-         f"编码器同样可见，与陀螺相干度{coherence:.4f}：属真实运动，被编码器速率的平滑削弱"),
+        bilingual(
+            f"the encoder sees it, too: coherence with the gyro {coherence:.4f}; it is motion, "
+            "which a smoothed encoder rate damps",
+            f"编码器同样可见，与陀螺相干度{coherence:.4f}：属真实运动，被编码器速率的平滑削弱",
+        ),
         lambda answer: bool(lines_at(answer, at, 0.1)),
-    )  # fmt: skip
+    )
 
 
 def _jump(recordings: Recordings) -> Claim:
@@ -156,9 +174,10 @@ def _jump(recordings: Recordings) -> Claim:
     brief = excursion(recordings[SHAFT], "gyro_z", when, until)
     value, u, off, scatter = np.degrees([jump.value, jump.u, brief.value, brief.u])
     return Claim(
-        SHAFT, (f"gyro z jumps at {when:.1f} s", f"陀螺z在{when:.1f} s处阶跃"),
+        SHAFT,
+        bilingual(f"gyro z jumps at {when:.1f} s", f"陀螺z在{when:.1f} s处阶跃"),
         "true" if abs(value) > 4.0 * u else "false",
-        (
+        bilingual(
             f"mean of the strokes after less before: {value:.3f} ± {u:.3f} deg/s; between "
             f"{when:.1f} and {until:.1f} s it is off by {off:.2f} ± {scatter:.2f} deg/s of the "
             "same place in other strokes: brief, no bias",
@@ -170,7 +189,7 @@ def _jump(recordings: Recordings) -> Claim:
             "jumps" in str(each["follows"]) or each["effect"] == "bias_step"
             for each in findings(answer, "bias_step", "unnamed", channel="gyro_z")
         ),
-    )  # fmt: skip
+    )
 
 
 def _as_many_as_rests(recordings: Recordings) -> Claim:
@@ -179,13 +198,14 @@ def _as_many_as_rests(recordings: Recordings) -> Claim:
     pairs = [np.degrees(means[np.abs(directions[:, a]) > 0, 0].mean()) for a in range(3)]
     shown = ", ".join(f"{value:.4f}" for value in pairs)
     return Claim(
-        BENCH, ("biases of the gyros follow acceleration squared", "陀螺零偏随加速度平方变化"),
+        BENCH,
+        bilingual("biases of the gyros follow acceleration squared", "陀螺零偏随加速度平方变化"),
         "cannot tell",
-        (
+        bilingual(
             f"gyro x, mean of each pair of rests in the order of time: {shown} deg/s. Bias, "
             "g- and g²-sensitivity are six parameters and fit any six rests; a slow drift fits too",
             f"陀螺x各对位置均值（按时间）：{shown} °/s。零偏、g与g²灵敏度共六个参数，"
             "任意六个位置均可吻合；缓慢漂移同样吻合",
         ),
         lambda answer: bool(findings(answer, "gyro_g2_sensitivity")),
-    )  # fmt: skip
+    )

@@ -5,6 +5,7 @@ import numpy as np
 from tests.proof.real.fact import Answer, Fact, Recordings, Told, findings, in_words, silent
 from tests.proof.real.hand.rate_table import ripple, together, waves_per_turn
 from tests.proof.real.hand.rests import means_of, misfit
+from tests.proof.text import bilingual
 
 FIRST, SECOND = "vn200_imu0_rate_table", "vn200_imu1_rate_table"
 BENCH = "vn200_57630_six_position"
@@ -37,22 +38,29 @@ def _ripple(recordings: Recordings) -> Fact:
         return Told(in_words(located), "right") if located else silent(answer)
 
     return Fact(
-        "ripple", (FIRST, SECOND),
-        ("the table's rate ripples 48 (and 44) times a turn", "转台速率每转波动48次（及44次）"),
+        "ripple",
+        (FIRST, SECOND),
+        bilingual(
+            "the table's rate ripples 48 (and 44) times a turn", "转台速率每转波动48次（及44次）"
+        ),
         (
-            ("strongest line of the turning gyro of IMU0, x and y turns at 30 deg/s",
-             "IMU0绕x、y轴30 °/s转动时的最强谱线"),
-            (f"the same in IMU1, which rode with it: coherence {alike:.3f}",
-             f"同台的IMU1，同法：相干度{alike:.3f}"),
+            bilingual(
+                "strongest line of the turning gyro of IMU0, x and y turns at 30 deg/s",
+                "IMU0绕x、y轴30 °/s转动时的最强谱线",
+            ),
+            bilingual(
+                f"the same in IMU1, which rode with it: coherence {alike:.3f}",
+                f"同台的IMU1，同法：相干度{alike:.3f}",
+            ),
         ),
         (depths[0], depths[1]),
-        (
+        bilingual(
             "motor cogging, or its drive: not told; turns about z have it not, which speaks for "
             "another set-up of the drive",
             "电机齿槽还是驱动引起，无法判断；绕z转动时没有，可能驱动设置不同",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _exchanged(recordings: Recordings) -> Fact:
@@ -78,22 +86,29 @@ def _exchanged(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right") if said else silent(answer)
 
     return Fact(
-        "exchanged", (FIRST, SECOND),
-        ("z rests of the two units were exchanged", "两台产品的z位置数据互换"),
+        "exchanged",
+        (FIRST, SECOND),
+        bilingual("z rests of the two units were exchanged", "两台产品的z位置数据互换"),
         (
-            ("misfit of the accelerometers' six rests to bias and matrix, IMU0 and IMU1",
-             "六位置加速度计数据对零偏与矩阵模型的残差（IMU0、IMU1）"),
-            ("the same with the z rests exchanged; in brackets with x, with y",
-             "互换z静止数据后的残差；括号内为互换x、y"),
+            bilingual(
+                "misfit of the accelerometers' six rests to bias and matrix, IMU0 and IMU1",
+                "六位置加速度计数据对零偏与矩阵模型的残差（IMU0、IMU1）",
+            ),
+            bilingual(
+                "the same with the z rests exchanged; in brackets with x, with y",
+                "互换z静止数据后的残差；括号内为互换x、y",
+            ),
         ),
         (
             _pair(before),
             f"{_pair(after['z'])} ({_pair(after['x'])}; {_pair(after['y'])})",
         ),
-        ("when and by whom; one recording alone cannot tell: `unnamed` is right",
-         "何时何人所致不明；单一记录无法判断，故“未命名”为正确"),
+        bilingual(
+            "when and by whom; one recording alone cannot tell: `unnamed` is right",
+            "何时何人所致不明；单一记录无法判断，故“未命名”为正确",
+        ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _reversed(recordings: Recordings) -> Fact:
@@ -104,22 +119,23 @@ def _reversed(recordings: Recordings) -> Fact:
         return silent(answer)
 
     return Fact(
-        "reversed", (BENCH,),
-        ("labels of x and y are upside down", "x、y位置标签颠倒"),
+        "reversed",
+        (BENCH,),
+        bilingual("labels of x and y are upside down", "x、y位置标签颠倒"),
         (
-            ("reading along the label: x, x, y, y", "沿标签方向的读数：x、x、y、y"),
-            ("the same for z, z", "z、z，同法"),
+            bilingual("reading along the label: x, x, y, y", "沿标签方向的读数：x、x、y、y"),
+            bilingual("the same for z, z", "z、z，同法"),
         ),
         (
             ", ".join(f"{value:.2f}" for value in along[:4]) + " m/s²",
             ", ".join(f"{value:.2f}" for value in along[4:]) + " m/s²",
         ),
-        (
+        bilingual(
             "whether the labels or a unit turned half round about z: the same data",
             "标签错误，还是产品绕z转了180°：数据相同",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _size(left: np.ndarray) -> float:

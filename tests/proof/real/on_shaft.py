@@ -22,6 +22,7 @@ from tests.proof.real.hand.shaft import (
     delay_by_pattern,
     delay_by_phase,
 )
+from tests.proof.text import bilingual
 
 SHAFT = "encoder_mpu6050_pitch_slow"
 DATASHEET = Measured(42.0, 4.0, "Hz")  # MPU-6050 register map, DLPF_CFG 3, of a higher order
@@ -29,8 +30,12 @@ DATASHEET = Measured(42.0, 4.0, "Hz")  # MPU-6050 register map, DLPF_CFG 3, of a
 
 def on_shaft(recordings: Recordings) -> list[Fact]:
     """What the encoder rig holds."""
-    return [_gyro_delay(recordings), _gravity_delay(recordings), _low_pass(recordings),
-            _rounding(recordings)]  # fmt: skip
+    return [
+        _gyro_delay(recordings),
+        _gravity_delay(recordings),
+        _low_pass(recordings),
+        _rounding(recordings),
+    ]
 
 
 def total_delay(answer: Answer) -> tuple[float, float] | None:
@@ -59,20 +64,24 @@ def _gyro_delay(recordings: Recordings) -> Fact:
     recording = recordings[SHAFT]
     by_angle = delay_by_angle(recording)
     return Fact(
-        "gyro_delay", (SHAFT,), ("the gyro is late against the encoder", "陀螺相对编码器滞后"),
+        "gyro_delay",
+        (SHAFT,),
+        bilingual("the gyro is late against the encoder", "陀螺相对编码器滞后"),
         (
-            ("phase of the cross spectrum, 1 to 13 Hz", "互谱相位（1～13 Hz）"),
-            ("lag at which the summed gyro follows the encoder's angle best",
-             "积分陀螺与编码器角度最吻合的滞后"),
+            bilingual("phase of the cross spectrum, 1 to 13 Hz", "互谱相位（1～13 Hz）"),
+            bilingual(
+                "lag at which the summed gyro follows the encoder's angle best",
+                "积分陀螺与编码器角度最吻合的滞后",
+            ),
         ),
         (str(delay_by_phase(recording)), str(by_angle)),
-        (
+        bilingual(
             "4.8 ms of it is the maker's low-pass; whether the rest lies in the encoder's reading "
             "or in the bus is not told",
             "其中4.8 ms为厂家低通滤波；其余来自编码器读数还是总线无法判断",
         ),
         lambda answer: _told_delay(answer, by_angle),
-    )  # fmt: skip
+    )
 
 
 def _gravity_delay(recordings: Recordings) -> Fact:
@@ -85,21 +94,26 @@ def _gravity_delay(recordings: Recordings) -> Fact:
         return Told(in_words(both), "wrong") if both else silent(answer)
 
     return Fact(
-        "gravity_delay", (SHAFT,),
-        ("the accelerometers are late, too, but less than the gyro", "加速度计也滞后，但小于陀螺"),
+        "gravity_delay",
+        (SHAFT,),
+        bilingual(
+            "the accelerometers are late, too, but less than the gyro", "加速度计也滞后，但小于陀螺"
+        ),
         (
-            ("turn of gravity's pattern with the rate", "重力方向随角速率的偏转"),
-            ("lag at which gravity's pattern over the angle fits best, no lever arm",
-             "重力随角度变化最吻合的滞后（不计杆臂）"),
+            bilingual("turn of gravity's pattern with the rate", "重力方向随角速率的偏转"),
+            bilingual(
+                "lag at which gravity's pattern over the angle fits best, no lever arm",
+                "重力随角度变化最吻合的滞后（不计杆臂）",
+            ),
         ),
         (str(late), str(pattern)),
-        (
+        bilingual(
             "the two ways differ by what a lever arm takes, more than their scatter; no catalogue "
             "name has one delay for each triad: a single τ must be wrong for one of them",
             "两法之差源于杆臂项，大于各自离散；目录中没有两组传感器时延不同的因素：单一τ必有一组不准",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _low_pass(recordings: Recordings) -> Fact:
@@ -116,17 +130,23 @@ def _low_pass(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right" if close else "right name, value off")
 
     return Fact(
-        "low_pass", (SHAFT,),
-        (f"the gyro's low-pass, time constant {known:.1f} ms", f"陀螺低通，时间常数{known:.1f} ms"),
+        "low_pass",
+        (SHAFT,),
+        bilingual(
+            f"the gyro's low-pass, time constant {known:.1f} ms",
+            f"陀螺低通，时间常数{known:.1f} ms",
+        ),
         (
-            ("gain at the stepper's 12.8 Hz beside the gain at 1 to 5 Hz",
-             "步进电机12.8 Hz处与1～5 Hz处增益之比"),
-            ("the maker's setting", "厂家设定值"),
+            bilingual(
+                "gain at the stepper's 12.8 Hz beside the gain at 1 to 5 Hz",
+                "步进电机12.8 Hz处与1～5 Hz处增益之比",
+            ),
+            bilingual("the maker's setting", "厂家设定值"),
         ),
         (str(seen), str(DATASHEET)),
-        ("its order: one frequency shows one number", "滤波阶数：单一频率只能给出一个数"),
+        bilingual("its order: one frequency shows one number", "滤波阶数：单一频率只能给出一个数"),
         told,
-    )  # fmt: skip
+    )
 
 
 def _rounding(recordings: Recordings) -> Fact:
@@ -139,17 +159,23 @@ def _rounding(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right") if said else silent(answer)
 
     return Fact(
-        "rounding", (SHAFT,),
-        ("accelerometers in steps of 0.01 g, cut off towards zero", "加速度计步长0.01 g，向零截断"),
+        "rounding",
+        (SHAFT,),
+        bilingual(
+            "accelerometers in steps of 0.01 g, cut off towards zero",
+            "加速度计步长0.01 g，向零截断",
+        ),
         (
-            ("every reading is a whole number of steps", "全部读数为步长的整数倍"),
-            ("accelerometer y over the angle: misfit if rounded, and if cut off",
-             "加速度计y随角度的变化：四舍五入与截断两种模型的残差"),
+            bilingual("every reading is a whole number of steps", "全部读数为步长的整数倍"),
+            bilingual(
+                "accelerometer y over the angle: misfit if rounded, and if cut off",
+                "加速度计y随角度的变化：四舍五入与截断两种模型的残差",
+            ),
         ),
         (
             f"{steps['accel_y']:.5f} m/s²",
             f"{1e3 * nearest:.1f} and {1e3 * zero:.1f} mm/s²",
         ),
-        ("where it was cut: in the logger's text or before", "截断发生在记录程序还是之前"),
+        bilingual("where it was cut: in the logger's text or before", "截断发生在记录程序还是之前"),
         told,
-    )  # fmt: skip
+    )

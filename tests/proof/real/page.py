@@ -1,18 +1,18 @@
 """What was held on real recordings: a section of a page in both languages, Markdown, and data."""
 
 from collections.abc import Sequence
-from html import escape
+from pathlib import Path
 from typing import Any
 
-from tasks.explain.report.look import both, document, table
+from tasks.pages import inline, page
 from tests.proof.real.cases import NOT_HIDDEN
-from tests.proof.real.fact import Fact, Told
 from tests.proof.real.hold import Results
 from tests.proof.real.score import Score, as_data
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 
-TITLE: Text = ("Real recordings with a known secret", "真实记录：已知的秘密")
-METHOD: Text = (
+TEMPLATES = Path(__file__).parent / "templates"
+TITLE: Text = bilingual("Real recordings with a known secret", "真实记录：已知的秘密")
+METHOD: Text = bilingual(
     "Recordings of other people's hardware. First by hand: spectra, means, lags and comparisons "
     "of two units, sharing no code with explain, each effect in two independent ways. Then known "
     "transformations are hidden in them, sizes drawn from a seed, and every recording is "
@@ -20,7 +20,7 @@ METHOD: Text = (
     "他人硬件的真实记录。先作人工分析：谱、均值、滞后与两台产品比对，不与解释程序共用代码，每一因素以两种独立方法验证。"
     "再将已知变换隐藏其中，大小由种子抽取，由只得到该记录文件夹的进程解释。",
 )
-RULES: Text = (
+RULES: Text = bilingual(
     "The untouched recording's answer is the baseline. A hidden transformation is found if its "
     "name is in the answer and what is stated beyond the baseline holds the hidden amount in its "
     "95 % interval. Any other new name is wrong; where nothing can be seen, any new name is.",
@@ -28,20 +28,36 @@ RULES: Text = (
     "出现其他新名称为错误；不可见时出现任何新名称均为错误。",
 )
 FACTS: tuple[Text, ...] = (
-    ("what is there", "真实因素"), ("recording", "记录"), ("by hand", "人工分析"),
-    ("a second way", "第二种方法"), ("not known", "未知"), ("explain says", "解释结果"), ("", ""),
-)  # fmt: skip
+    bilingual("what is there", "真实因素"),
+    bilingual("recording", "记录"),
+    bilingual("by hand", "人工分析"),
+    bilingual("a second way", "第二种方法"),
+    bilingual("not known", "未知"),
+    bilingual("explain says", "解释结果"),
+    bilingual("", ""),
+)
 CLAIMS: tuple[Text, ...] = (
-    ("recording", "记录"), ("explain says, or said", "解释程序的（曾有）判断"),
-    ("it does now", "目前是否作此判断"), ("by hand", "人工结论"), ("evidence", "依据"),
-)  # fmt: skip
+    bilingual("recording", "记录"),
+    bilingual("explain says, or said", "解释程序的（曾有）判断"),
+    bilingual("it does now", "目前是否作此判断"),
+    bilingual("by hand", "人工结论"),
+    bilingual("evidence", "依据"),
+)
 HIDDEN: tuple[Text, ...] = (
-    ("recording", "记录"), ("hidden", "隐藏的变换"), ("size", "大小"), ("by hand", "人工分析"),
-    ("explain states", "解释程序给出"), ("new names", "新名称"), ("outcome", "结果"), ("s", "s"),
-)  # fmt: skip
+    bilingual("recording", "记录"),
+    bilingual("hidden", "隐藏的变换"),
+    bilingual("size", "大小"),
+    bilingual("by hand", "人工分析"),
+    bilingual("explain states", "解释程序给出"),
+    bilingual("new names", "新名称"),
+    bilingual("outcome", "结果"),
+    bilingual("s", "s"),
+)
 REASONS: tuple[Text, ...] = (
-    ("recording", "记录"), ("transformation", "变换"), ("why", "原因"),
-)  # fmt: skip
+    bilingual("recording", "记录"),
+    bilingual("transformation", "变换"),
+    bilingual("why", "原因"),
+)
 IN_CHINESE = {
     "right": "正确", "right name, value off": "名称正确，数值有偏", "wrong": "错误",
     "silent": "未提及", "explain failed": "解释程序出错", "true": "真", "false": "假",
@@ -52,57 +68,57 @@ IN_CHINESE = {
 MADE = {True: "yes", False: "no", None: "explain failed"}
 
 
-def section(results: Results) -> list[str]:
+def section(results: Results) -> str:
     """The HTML of it, in both languages, to stand in a page."""
     claims = [
-        [escape(claim.recording), both(claim.what), _said(MADE[made]), _said(claim.truth),
-         both(claim.evidence)]
+        [claim.recording, claim.what, translated(MADE[made]), translated(claim.truth),
+         claim.evidence]
         for claim, made in results.claims
     ]  # fmt: skip
-    hidden = [[_said(cell) for cell in cells(each)] for each in results.scores]
-    reasons = [[escape(a), escape(b), both(why)] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
-    return [
-        f"<h2>{both(TITLE)}</h2>",
-        f"<p>{both(METHOD)}</p>",
-        table(["", ""], [[escape(a), escape(b)] for a, b in summary(results)]),
-        f"<h3>{both(('Really there', '真实存在的因素'))}</h3>",
-        *(_card(fact, told, results) for fact, told in results.facts),
-        f"<h3>{both(('Claims that look doubtful', '存疑的判断'))}</h3>",
-        table(_heads(CLAIMS), claims),
-        f"<h3>{both(('Hidden', '隐藏的变换'))}</h3>",
-        f"<p>{both(RULES)}</p>",
-        table(_heads(HIDDEN), hidden, (len(HIDDEN) - 1,)),
-        *_figures(results, ""),
-        f"<h3>{both(('What cannot be hidden there', '无法隐藏之处'))}</h3>",
-        table(_heads(REASONS), reasons),
-    ]
+    return page(
+        TEMPLATES / "section.html",
+        title=TITLE,
+        method=METHOD,
+        rules=RULES,
+        summary=summary(results),
+        facts=results.facts,
+        fact_columns=FACTS,
+        claims=claims,
+        claim_columns=CLAIMS,
+        hidden=[[translated(cell) for cell in cells(score)] for score in results.scores],
+        hidden_columns=HIDDEN,
+        reasons=(*NOT_HIDDEN, *_unseen(results)),
+        reason_columns=REASONS,
+        pictures=results.pictures,
+        inline=inline,
+        translated=translated,
+    )
 
 
-def page(results: Results) -> str:
+def real_html(results: Results) -> str:
     """The section as a page of its own."""
-    origin = f"<p>seed {results.seed}, {escape(results.code_version)}</p>"
-    return document(TITLE[0], [*section(results), origin])
+    return page(TEMPLATES / "real.html", section=inline(section(results)), results=results)
 
 
 def markdown(results: Results) -> str:
     """The same as Markdown, in English, without the pictures."""
     facts = [
-        [fact.what[0], ", ".join(fact.recordings), f"{fact.how[0][0]}: {fact.size[0]}",
-         f"{fact.how[1][0]}: {fact.size[1]}", fact.unknown[0],
+        [fact.what.en, ", ".join(fact.recordings), f"{fact.how[0].en}: {fact.size[0]}",
+         f"{fact.how[1].en}: {fact.size[1]}", fact.unknown.en,
          "; ".join(each.words for each in told), "; ".join(each.outcome for each in told)]
         for fact, told in results.facts
     ]  # fmt: skip
     claims = [
-        [claim.recording, claim.what[0], MADE[made], claim.truth, claim.evidence[0]]
+        [claim.recording, claim.what.en, MADE[made], claim.truth, claim.evidence.en]
         for claim, made in results.claims
     ]
-    reasons = [[a, b, why[0]] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
+    reasons = [[a, b, why.en] for a, b, why in (*NOT_HIDDEN, *_unseen(results))]
     return "\n".join(
         [
-            f"# {TITLE[0]}", "", METHOD[0], "", *_rows(("", ""), summary(results)),
+            f"# {TITLE.en}", "", METHOD.en, "", *_rows(("", ""), summary(results)),
             "## Really there", "", *_rows(_english(FACTS), facts),
             "## Claims that look doubtful", "", *_rows(_english(CLAIMS), claims),
-            "## Hidden", "", RULES[0], "",
+            "## Hidden", "", RULES.en, "",
             *_rows(_english(HIDDEN), [cells(each) for each in results.scores]),
             "## What cannot be hidden there", "",
             *_rows(_english(REASONS), reasons),
@@ -121,13 +137,13 @@ def data(results: Results) -> dict[str, Any]:
         "explaining_seconds": results.explaining,
         "summary": dict(summary(results)),
         "facts": [
-            {"key": fact.key, "what": fact.what[0], "size": list(fact.size),
+            {"key": fact.key, "what": fact.what.en, "size": list(fact.size),
              "told": {name: vars(each) for name, each in zip(fact.recordings, told, strict=True)}}
             for fact, told in results.facts
         ],
         "claims": [
-            {"recording": claim.recording, "what": claim.what[0], "made": made,
-             "truth": claim.truth, "evidence": claim.evidence[0]}
+            {"recording": claim.recording, "what": claim.what.en, "made": made,
+             "truth": claim.truth, "evidence": claim.evidence.en}
             for claim, made in results.claims
         ],
         "hidden": [as_data(each) for each in results.scores],
@@ -184,44 +200,13 @@ def _holds(score: Score) -> bool:
     return hand is not None and abs(hand.value - score.case.size.value) <= 2.0 * hand.u
 
 
-def _card(fact: Fact, told: Sequence[Told], results: Results) -> str:
-    """A fact with its pictures."""
-    said = "<br>".join(
-        f"{escape(each.words)} <b>({_said(each.outcome)})</b>" for each in told
-    )  # fmt: skip
-    parts = (
-        escape(", ".join(fact.recordings)),
-        *(f"{both(how)}: {escape(size)}" for how, size in zip(fact.how, fact.size, strict=True)),
-        both(fact.unknown),
-        said,
-    )
-    rows = "".join(
-        f"<dt>{both(head)}</dt><dd>{part}</dd>"
-        for head, part in zip(FACTS[1:-1], parts, strict=True)
-    )
-    pictures = "".join(_figures(results, fact.key))
-    return f'<div class="card"><h3>{both(fact.what)}</h3><dl>{rows}</dl>{pictures}</div>'
-
-
-def _figures(results: Results, key: str) -> list[str]:
-    return [
-        f"<figure>{each.svg}<figcaption>{both(each.caption)}</figcaption></figure>"
-        for each in results.pictures
-        if each.fact == key
-    ]
-
-
-def _said(words: str) -> str:
+def translated(words: str) -> Text:
     """Words of the tables in both languages, where they are not names or numbers."""
-    return both((words, IN_CHINESE.get(words, words)))
-
-
-def _heads(texts: Sequence[Text]) -> list[str]:
-    return [both(text) for text in texts]
+    return bilingual(words, IN_CHINESE.get(words, words))
 
 
 def _english(texts: Sequence[Text]) -> list[str]:
-    return [text[0] for text in texts]
+    return [text.en for text in texts]
 
 
 def _of(count: int, of: int) -> str:

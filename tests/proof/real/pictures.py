@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.report.svg import AFTER, BEFORE, FINDINGS
+from tasks.pages.chart import AFTER, BEFORE, FINDINGS
 from tests.proof.real.chart import Mark, Series, chart
 from tests.proof.real.fact import Recordings
 from tests.proof.real.hand.lines import amplitude
@@ -25,7 +25,7 @@ from tests.proof.real.on_rate_table import FIRST, SECOND
 from tests.proof.real.on_shaft import SHAFT
 from tests.proof.real.score import Score
 from tests.proof.real.two_positions import MEMS, RING_LASER
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 
 LAGS = np.linspace(-0.01, 0.05, 61)  # s
 SHIFT = 0.010  # s, hidden for the picture
@@ -43,9 +43,13 @@ class Picture:
 def pictures_of(recordings: Recordings, scores: Sequence[Score]) -> list[Picture]:
     """Every picture."""
     drawn = {
-        "earth": _earth, "gyro_delay": _delay, "low_pass": _phase, "ripple": _ripple,
-        "exchanged": _exchanged, "mains": _mains,
-    }  # fmt: skip
+        "earth": _earth,
+        "gyro_delay": _delay,
+        "low_pass": _phase,
+        "ripple": _ripple,
+        "exchanged": _exchanged,
+        "mains": _mains,
+    }
     made = [replace(draw(recordings), fact=key) for key, draw in drawn.items()]
     return made + _hidden(scores)
 
@@ -67,11 +71,14 @@ def _earth(recordings: Recordings) -> Picture:
         for name, side in ((words, 1.0), ("", -1.0))
     ]
     svg = chart("Rests by Earth's rate", "min", "deg/h", drawn, marks)
-    return Picture(svg, (
-        "The ring-laser unit at rest: gyro x in batches of 30 s, x up and then down, beside "
-        "± Earth's vertical rate at the latitude told.",
-        "激光陀螺产品静止：陀螺x每30 s均值，先朝上后朝下，与按纬度计算的地球自转垂直分量比较。",
-    ))  # fmt: skip
+    return Picture(
+        svg,
+        bilingual(
+            "The ring-laser unit at rest: gyro x in batches of 30 s, x up and then down, beside "
+            "± Earth's vertical rate at the latitude told.",
+            "激光陀螺产品静止：陀螺x每30 s均值，先朝上后朝下，与按纬度计算的地球自转垂直分量比较。",
+        ),
+    )
 
 
 def _delay(recordings: Recordings) -> Picture:
@@ -80,16 +87,20 @@ def _delay(recordings: Recordings) -> Picture:
     drawn = [
         Series(name, 1e3 * LAGS, 1e3 * lag_course(each, LAGS), colour)
         for name, each, colour in (
-            ("as recorded", recording, AFTER), ("10 ms hidden", late, BEFORE)
+            ("as recorded", recording, AFTER),
+            ("10 ms hidden", late, BEFORE),
         )
-    ]  # fmt: skip
+    ]
     found = delay_by_angle(recording).value
     marks = [Mark(f"{1e3 * found:.1f} ms", 1e3 * found, FINDINGS[1])]
-    return Picture(chart("Delay of the gyro", "lag, ms", "misfit, mrad", drawn, marks), (
-        "The encoder's angle less the summed gyro, by the lag between them: the gyro is late, and "
-        "a hidden shift adds to it by its full size.",
-        "编码器角度与积分陀螺之差随滞后的变化：陀螺滞后，隐藏的时移按其全量叠加。",
-    ))  # fmt: skip
+    return Picture(
+        chart("Delay of the gyro", "lag, ms", "misfit, mrad", drawn, marks),
+        bilingual(
+            "The encoder's angle less the summed gyro, by the lag between them: the gyro is late, "
+            "and a hidden shift adds to it by its full size.",
+            "编码器角度与积分陀螺之差随滞后的变化：陀螺滞后，隐藏的时移按其全量叠加。",
+        ),
+    )
 
 
 def _phase(recordings: Recordings) -> Picture:
@@ -104,11 +115,14 @@ def _phase(recordings: Recordings) -> Picture:
         Series("a delay, by the angle", course, delay, AFTER),
         Series("measured", frequency[good], np.degrees(phase), FINDINGS[1], dots=True),
     ]
-    return Picture(chart("Phase of the gyro", "Hz", "phase, deg", drawn), (
-        "Phase from the encoder's rate to the gyro where they are coherent (0.98 and more): a "
-        "straight line through zero is a delay.",
-        "编码器速率到陀螺的相位（相干度不低于0.98）：过零直线即为纯时延。",
-    ))  # fmt: skip
+    return Picture(
+        chart("Phase of the gyro", "Hz", "phase, deg", drawn),
+        bilingual(
+            "Phase from the encoder's rate to the gyro where they are coherent (0.98 and more): a "
+            "straight line through zero is a delay.",
+            "编码器速率到陀螺的相位（相干度不低于0.98）：过零直线即为纯时延。",
+        ),
+    )
 
 
 def _ripple(recordings: Recordings) -> Picture:
@@ -121,11 +135,13 @@ def _ripple(recordings: Recordings) -> Picture:
         y = np.array([np.degrees(amplitude(t, rate, order * turning)) for order in orders])
         drawn.append(Series(name[6:10].upper(), orders, y, colour))
     return Picture(
-        chart("Ripple of the rate table", "waves a turn", "deg/s", drawn), (
-        "Both units on the rate table, x up, 30 deg/s: amplitude over waves a turn. What both see "
-        "alike is the table's.",
-        "同台两产品，30 °/s：幅值随每转波数的变化。两者一致者来自转台。",
-    ))  # fmt: skip
+        chart("Ripple of the rate table", "waves a turn", "deg/s", drawn),
+        bilingual(
+            "Both units on the rate table, x up, 30 deg/s: amplitude over waves a turn. What both "
+            "see alike is the table's.",
+            "同台两产品，30 °/s：幅值随每转波数的变化。两者一致者来自转台。",
+        ),
+    )
 
 
 def _exchanged(recordings: Recordings) -> Picture:
@@ -140,11 +156,13 @@ def _exchanged(recordings: Recordings) -> Picture:
         Series("with the z rests of IMU1", at + 0.05, 1e3 * swapped, AFTER, dots=True),
     ]
     return Picture(
-        chart("Rests exchanged", "rest: +x, −x, +y, −y, +z, −z", "accel z, mm/s²", drawn), (
-        "What bias and matrix leave of accelerometer z in six rests: nothing, once the z rests of "
-        "the two units are exchanged.",
-        "六位置下加速度计z的残差：将两台产品z位置数据互换后残差消失。",
-    ))  # fmt: skip
+        chart("Rests exchanged", "rest: +x, −x, +y, −y, +z, −z", "accel z, mm/s²", drawn),
+        bilingual(
+            "What bias and matrix leave of accelerometer z in six rests: nothing, once the z rests "
+            "of the two units are exchanged.",
+            "六位置下加速度计z的残差：将两台产品z位置数据互换后残差消失。",
+        ),
+    )
 
 
 def _mains(recordings: Recordings) -> Picture:
@@ -154,11 +172,14 @@ def _mains(recordings: Recordings) -> Picture:
         t, values = readings(recording, rest)
         y = np.array([1e3 * amplitude(t, values[:, 3], at) for at in places])
         drawn.append(Series(f"x {rest.up}", places, y, colour))
-    return Picture(chart("Mains, folded", "Hz", "accel x, mm/s²", drawn), (
-        "The MEMS unit in two positions: the same line at 40 Hz, which is 60 Hz at 100 samples a "
-        "second.",
-        "MEMS产品两个位置：同一条40 Hz谱线，即100 Hz采样下的60 Hz。",
-    ))  # fmt: skip
+    return Picture(
+        chart("Mains, folded", "Hz", "accel x, mm/s²", drawn),
+        bilingual(
+            "The MEMS unit in two positions: the same line at 40 Hz, which is 60 Hz at 100 samples "
+            "a second.",
+            "MEMS产品两个位置：同一条40 Hz谱线，即100 Hz采样下的60 Hz。",
+        ),
+    )
 
 
 def _hidden(scores: Sequence[Score]) -> list[Picture]:
@@ -173,13 +194,20 @@ def _hidden(scores: Sequence[Score]) -> list[Picture]:
         for words, colour, which in (("by hand", AFTER, "by_hand"), ("explain", BEFORE, "stated")):
             told = [(x, m) for x, one in zip(size, each, strict=True) if (m := getattr(one, which))]
             if told:
-                x, y, u = (np.array(column) for column in zip(
-                    *((x, m.value, 2.0 * m.u) for x, m in told), strict=True))  # fmt: skip
+                x, y, u = (
+                    np.array(column)
+                    for column in zip(*((x, m.value, 2.0 * m.u) for x, m in told), strict=True)
+                )
                 drawn.append(Series(words, x, y, colour, dots=True, bars=u))
-        made.append(Picture(
-            chart(f"{name}, hidden and found", f"hidden, {unit}", f"found, {unit}", drawn), (
-            f"{name} hidden in the shaft's recording, and what was found beyond the untouched one. "
-            "Bars: 95 %. No dot: not found.",
-            f"在转轴记录中隐藏{name}后与原记录相比新发现的量；短线为95 %区间，无点表示未发现。",
-        )))  # fmt: skip
+        made.append(
+            Picture(
+                chart(f"{name}, hidden and found", f"hidden, {unit}", f"found, {unit}", drawn),
+                bilingual(
+                    f"{name} hidden in the shaft's recording, and what was found beyond the "
+                    "untouched one. Bars: 95 %. No dot: not found.",
+                    f"在转轴记录中隐藏{name}后与原记录相比新发现的量；"
+                    "短线为95 %区间，无点表示未发现。",
+                ),
+            )
+        )
     return made

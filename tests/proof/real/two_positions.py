@@ -15,6 +15,7 @@ from tests.proof.real.fact import (
 )
 from tests.proof.real.hand.lines import amplitude, strongest
 from tests.proof.real.hand.rests import half_difference, readings, rests, vertical_earth_rate
+from tests.proof.text import bilingual
 
 RING_LASER, MEMS = "ln100_two_position", "adi_mems_two_position"
 ALIASED_MAINS = 40.0  # Hz: 60 Hz, sampled at 100 Hz
@@ -44,19 +45,23 @@ def _earth(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right" if right else "right name, value off")
 
     return Fact(
-        "earth", (RING_LASER,), ("Earth's rotation", "地球自转"),
+        "earth",
+        (RING_LASER,),
+        bilingual("Earth's rotation", "地球自转"),
         (
-            ("half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"),
-            ("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
+            bilingual(
+                "half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"
+            ),
+            bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
         ),
         (str(seen), str(known)),
-        (
+        bilingual(
             "two positions show only the vertical part, and would show a g-sensitivity of the same "
             "size alike: the agreement with the latitude is what speaks for Earth",
             "两位置只反映垂直分量，且与同样大小的g灵敏度无法区分；判定依据是与纬度计算值一致",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _no_earth(recordings: Recordings) -> Fact:
@@ -70,20 +75,23 @@ def _no_earth(recordings: Recordings) -> Fact:
         return Told(in_words(said), "wrong" if said else "right")
 
     return Fact(
-        "no_earth", (MEMS,),
-        ("Earth's rotation cannot be seen", "看不到地球自转"),
+        "no_earth",
+        (MEMS,),
+        bilingual("Earth's rotation cannot be seen", "看不到地球自转"),
         (
-            ("half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"),
-            ("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
+            bilingual(
+                "half of gyro x up less down; u by batches", "陀螺x朝上减朝下之半；分批估计u"
+            ),
+            bilingual("15.041 deg/h · sin(latitude told)", "15.041 °/h × sin(所给纬度)"),
         ),
         (str(seen), str(known)),
-        (
+        bilingual(
             "what is seen has the other sign: g-sensitivity or a bias that moved between the "
             "positions, which two positions do not separate",
             "实测差值符号相反：为g灵敏度或两位置之间的零偏变化，两位置无法区分",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _mains(recordings: Recordings) -> Fact:
@@ -99,22 +107,25 @@ def _mains(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right") if said else silent(answer)
 
     return Fact(
-        "mains", (MEMS,),
-        ("a line at 40 Hz in the accelerometers: mains of 60 Hz, folded at 100 Hz",
-         "加速度计40 Hz谱线：60 Hz工频在100 Hz采样下混叠"),
+        "mains",
+        (MEMS,),
+        bilingual(
+            "a line at 40 Hz in the accelerometers: mains of 60 Hz, folded at 100 Hz",
+            "加速度计40 Hz谱线：60 Hz工频在100 Hz采样下混叠",
+        ),
         (
-            ("spectrum of accelerometer x, x up", "加速度计x频谱（x朝上）"),
-            ("the same with x down, a minute later", "一分钟后x朝下，同法"),
+            bilingual("spectrum of accelerometer x, x up", "加速度计x频谱（x朝上）"),
+            bilingual("the same with x down, a minute later", "一分钟后x朝下，同法"),
         ),
         (seen[0], seen[1]),
-        (
+        bilingual(
             "40, 60 and 140 Hz look alike at 100 Hz; that it keeps to 60 Hz within 2e-4, in a land "
             "with 60 Hz, speaks for the mains, not its way in",
             "100 Hz采样下40、60、140 Hz不可区分；与60 Hz相差小于2e-4且当地电网为60 Hz，支持工频；"
             "耦合途径未知",
         ),
         told,
-    )  # fmt: skip
+    )
 
 
 def _strongest_line(recordings: Recordings) -> Fact:
@@ -132,17 +143,20 @@ def _strongest_line(recordings: Recordings) -> Fact:
         return Told(in_words(said), "right") if said else silent(answer)
 
     return Fact(
-        "strongest_line", (RING_LASER,),
-        ("its strongest line, in all three gyros, moves between the positions",
-         "最强谱线（三轴陀螺均有），两位置间频率有移动"),
+        "strongest_line",
+        (RING_LASER,),
+        bilingual(
+            "its strongest line, in all three gyros, moves between the positions",
+            "最强谱线（三轴陀螺均有），两位置间频率有移动",
+        ),
         (
-            ("spectrum of gyro z, x up", "陀螺z频谱（x朝上）"),
-            ("the same with x down", "x朝下，同法"),
+            bilingual("spectrum of gyro z, x up", "陀螺z频谱（x朝上）"),
+            bilingual("the same with x down", "x朝下，同法"),
         ),
         (seen[0], seen[1]),
-        (
+        bilingual(
             "sampled at 64 Hz, anything below 32 Hz may be folded: the source is not told",
             "64 Hz采样的32 Hz以下均可能为混叠，来源无法判断",
         ),
         told,
-    )  # fmt: skip
+    )

@@ -56,8 +56,8 @@ def as_data(trial: Trial) -> dict[str, Any]:
         "machine": asdict(trial.machine),
         "seals_sha256": trial.seals,
         "seconds": trial.seconds,
-        "figures": [asdict(each) | {"what": each.what[0]} for each in figures(trial.scores)],
-        "costs": [asdict(each) | {"what": each.what[0]} for each in costs(trial.scores)],
+        "figures": [asdict(each) | {"what": each.what.en} for each in figures(trial.scores)],
+        "costs": [asdict(each) | {"what": each.what.en} for each in costs(trial.scores)],
         "failed": [each.number for each in trial.scores if each.failed],
         "totals": {name: _plain(each) for name, each in totals_of(trial.scores).items()},
         "rows": [_plain(each) for each in rows_of(trial.scores)],
@@ -73,7 +73,7 @@ def _case(score: Score) -> dict[str, Any]:
 
 
 def _failure(failure: Failure) -> dict[str, Any]:
-    causes = [en for en, _ in failure.causes]
+    causes = [cause.en for cause in failure.causes]
     return {"case": failure.score.number, "kind": failure.kind, "causes": causes}
 
 
@@ -84,10 +84,10 @@ def _plain(row: Row) -> dict[str, Any]:
 
 def as_markdown(trial: Trial) -> str:
     """What was asked and reached, what missing it costs, all tables and every failure."""
-    asked = [(each.what[0], each.asked, each.reached, each.of) for each in figures(trial.scores)]
-    cost = [(each.what[0], each.before, each.after) for each in costs(trial.scores)]
+    asked = [(each.what.en, each.asked, each.reached, each.of) for each in figures(trial.scores)]
+    cost = [(each.what.en, each.before, each.after) for each in costs(trial.scores)]
     failed = [
-        failure_cells(each, "; ".join(en for en, _ in each.causes))
+        failure_cells(each, "; ".join(cause.en for cause in each.causes))
         for each in failures(trial.scores)
     ]
     return "\n".join(

@@ -3,18 +3,18 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 from tests.proof.trial.certificate import UNNAMED
 from tests.proof.trial.known_causes import FAINT, KNOWN_CAUSES, NOT_KNOWN
 from tests.proof.trial.score import Score
 
 KINDS: dict[str, Text] = {
-    "failed": ("explain failed", "解释失败"),
-    "false alarm": ("false alarm", "误报"),
-    "wrong": ("a wrong name", "名称错误"),
-    "unnamed": ("left unnamed", "未予命名"),
-    "in part": ("only some of several named", "多个因素仅部分命名"),
-    "missed": ("nothing found", "未检出"),
+    "failed": bilingual("explain failed", "解释失败"),
+    "false alarm": bilingual("false alarm", "误报"),
+    "wrong": bilingual("a wrong name", "名称错误"),
+    "unnamed": bilingual("left unnamed", "未予命名"),
+    "in part": bilingual("only some of several named", "多个因素仅部分命名"),
+    "missed": bilingual("nothing found", "未检出"),
 }
 
 

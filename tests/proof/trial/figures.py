@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from tests.proof.text import Text
+from tests.proof.text import Text, bilingual
 from tests.proof.trial.score import Score
 from tests.proof.trial.table import Rate
 
@@ -35,38 +35,54 @@ def figures(scores: Sequence[Score]) -> list[Figure]:
     given = _rate(outside, "wrong")
     inside = counting(pair.inside for pair in pairs)
     return [
-        _at_most(("false alarms on clean recordings", "无隐藏因素时的误报"), alarms, FALSE),
+        _at_most(
+            bilingual("false alarms on clean recordings", "无隐藏因素时的误报"), alarms, FALSE
+        ),
         *(_right(named, z, least) for z, least in ((30.0, RIGHT), (10.0, RIGHT_FAINT))),
-        _at_most(("recordings with a wrong name", "出现错误名称的记录"), wrong, WRONG),
-        _at_most(("outside the catalogue, yet given a name", "目录外因素却被命名"), given, 0.0),
+        _at_most(bilingual("recordings with a wrong name", "出现错误名称的记录"), wrong, WRONG),
+        _at_most(
+            bilingual("outside the catalogue, yet given a name", "目录外因素却被命名"), given, 0.0
+        ),
         _closed(named),
         Figure(
-            ("parameters inside their stated 95 % interval", "参数真值落在其95 %区间内"),
-            f"{100 * COVERAGE[0]:.0f}–{100 * COVERAGE[1]:.0f} %", percent(inside), counted(inside),
+            bilingual("parameters inside their stated 95 % interval", "参数真值落在其95 %区间内"),
+            f"{100 * COVERAGE[0]:.0f}–{100 * COVERAGE[1]:.0f} %",
+            percent(inside),
+            counted(inside),
             None if inside.share is None else COVERAGE[0] <= inside.share <= COVERAGE[1],
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _at_most(what: Text, rate: Rate, most: float) -> Figure:
     asked = f"≤ {100 * most:g} %" if most else "0 %"
-    return Figure(what, asked, percent(rate), counted(rate),
-                  None if rate.share is None else rate.share <= most)  # fmt: skip
+    return Figure(
+        what,
+        asked,
+        percent(rate),
+        counted(rate),
+        None if rate.share is None else rate.share <= most,
+    )
 
 
 def _right(named: Sequence[Score], z: float, least: float) -> Figure:
     some = [each for each in named if each.asked_z == z]
     rate, pair = _rate(some, "right"), _rate(some, "right_or_twin")
-    what = (f"right name first, z = {z:g}", f"首个名称正确，z = {z:g}")
+    what = bilingual(f"right name first, z = {z:g}", f"首个名称正确，z = {z:g}")
     of = f"{counted(rate)}; a pair with the truth counted: {percent(pair)}"
-    return Figure(what, f"≥ {100 * least:g} %", percent(rate), of,
-                  None if rate.share is None else rate.share >= least)  # fmt: skip
+    return Figure(
+        what,
+        f"≥ {100 * least:g} %",
+        percent(rate),
+        of,
+        None if rate.share is None else rate.share >= least,
+    )
 
 
 def _closed(named: Sequence[Score]) -> Figure:
     """Of one effect alone at z 10 and more."""
     gaps = [each.gap for each in named if each.gap is not None and each.asked_z]
-    what = ("gap to the truth closed, median", "与真值之差的闭合比例（中位数）")
+    what = bilingual("gap to the truth closed, median", "与真值之差的闭合比例（中位数）")
     asked = f"≥ {CLOSED:g}"
     if not gaps:
         return Figure(what, asked, "–", "no case", None)
@@ -96,32 +112,34 @@ def costs(scores: Sequence[Score]) -> list[CostLine]:
     unseen = [not each.names for each, _ in kept]
     return [
         CostLine(
-            ("certificates off by more than their stated U", "偏差超过所声明U的证书"),
+            bilingual("certificates off by more than their stated U", "偏差超过所声明U的证书"),
             words(counting(cost.before > 1.0 for cost in known)),
             words(counting(cost.after > 1.0 for cost in known)),
         ),
         CostLine(
-            ("largest error of a value, median over the certificates", "证书最大偏差的中位数"),
+            bilingual(
+                "largest error of a value, median over the certificates", "证书最大偏差的中位数"
+            ),
             f"{median(cost.before for cost in known):.2g} U",
             f"{median(cost.after for cost in known):.2g} U",
         ),
         CostLine(
-            ("units that fail and are passed", "实际不合格却判为合格"),
+            bilingual("units that fail and are passed", "实际不合格却判为合格"),
             words(counting(cost.wrong_before and not cost.conforms for cost in known)),
             words(counting(cost.wrong_after and not cost.conforms for cost in known)),
         ),
         CostLine(
-            ("units that conform and are failed", "实际合格却判为不合格"),
+            bilingual("units that conform and are failed", "实际合格却判为不合格"),
             words(counting(cost.wrong_before and cost.conforms for cost in known)),
             words(counting(cost.wrong_after and cost.conforms for cost in known)),
         ),
         CostLine(
-            ("units that cannot be judged, U has grown too large", "因U过大而无法判定"),
+            bilingual("units that cannot be judged, U has grown too large", "因U过大而无法判定"),
             words(counting(cost.verdict_before == "inconclusive" for cost in known)),
             words(counting(cost.verdict_after == "inconclusive" for cost in known)),
         ),
         CostLine(
-            ("recordings on which nothing was noticed", "未察觉任何异常的记录"),
+            bilingual("recordings on which nothing was noticed", "未察觉任何异常的记录"),
             words(counting(cost.unnoticed for cost in known)),
             words(counting(unseen)),
         ),

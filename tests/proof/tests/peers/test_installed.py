@@ -25,4 +25,4 @@ def test_missing_library_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert installed.peers_installed()
     monkeypatch.setattr(installed, "find_spec", lambda name: None)
     assert not installed.peers_installed()
-    assert ".[peers]" in installed.MISSING[0]
+    assert ".[peers]" in installed.MISSING.en

@@ -149,7 +149,7 @@ def test_peer_that_failed_found_nothing(trial: Trial) -> None:
 def test_recording_that_no_peer_answered_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "sealed/0001").mkdir(parents=True)
     assert score_peers(tmp_path / "sealed", tmp_path / "answers") == []
-    assert section([]) == []
+    assert section([]) == ""
     assert markdown([]) == ""
 
 
@@ -173,7 +173,7 @@ def test_table_has_a_row_for_each_kind_and_method(trial: Trial) -> None:
     assert rows[0].model == pytest.approx(1.0)
     assert rows[0].abstain == Rate(0, 0)
     assert rows[0].said()["locate"] == Rate(1, 1).said()
-    page, text = "\n".join(section(scores)), markdown(scores)
+    page, text = section(scores), markdown(scores)
     assert page.count("<tr>") == 1 + len(METHODS)
     assert "对比" in page
     assert text.count("| one effect, z 10 |") == len(METHODS)

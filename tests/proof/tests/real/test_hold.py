@@ -17,9 +17,10 @@ from tests.proof.real.fact import Claim, Fact, Told
 from tests.proof.real.hand.measured import Measured
 from tests.proof.real.hide import Size
 from tests.proof.real.hold import Results, explained, write
-from tests.proof.real.page import data, markdown, page
+from tests.proof.real.page import data, markdown, real_html
 from tests.proof.real.pictures import Picture
 from tests.proof.real.score import Score
+from tests.proof.text import bilingual
 
 
 def test_recording_that_was_written_is_read_again(shaft: Recording, tmp_path: Path) -> None:
@@ -41,16 +42,27 @@ def test_recordings_are_explained_by_number(tmp_path: Path, shared_real: Path) -
 def results() -> Results:
     told = Told("time_offset 0.012 ± 0.0001 s", "right")
     fact = Fact(
-        "delay", ("shaft",), ("late <", "滞后"), (("phase", "相位"), ("angle", "角度")),
-        ("12 ms", "11.9 ms"), ("whose", "来源"), lambda answer: told,
-    )  # fmt: skip
-    claim = Claim("shaft", ("a line", "谱线"), "false", ("gone", "消失"), lambda answer: True)
+        "delay",
+        ("shaft",),
+        bilingual("late <", "滞后"),
+        (bilingual("phase", "相位"), bilingual("angle", "角度")),
+        ("12 ms", "11.9 ms"),
+        bilingual("whose", "来源"),
+        lambda answer: told,
+    )
+    claim = Claim(
+        "shaft",
+        bilingual("a line", "谱线"),
+        "false",
+        bilingual("gone", "消失"),
+        lambda answer: True,
+    )
     hidden = Hidden("shaft", "time_offset", Size(0.01, "s"))
     measured = Measured(0.01, 1e-4, "s")
     score = Score(hidden, ("time_offset",), True, measured, measured, 3.0, None)
-    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), ("absorbed", "被吸收"))
+    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), bilingual("absorbed", "被吸收"))
     quiet = Score(unseen, (), False, None, None, 2.0, None)
-    picture = Picture("<svg></svg>", ("delay", "时延"))
+    picture = Picture("<svg></svg>", bilingual("delay", "时延"))
     return Results(
         1, "test", ((fact, (told,)),), ((claim, True),), (score, quiet), (picture,), 9.0, 8.0
     )
@@ -61,7 +73,7 @@ def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> Non
     assert json.loads(json.dumps(said)) == said
     assert said["summary"]["hidden and visible: found, value right"] == "1 of 1"
     assert said["summary"]["doubtful claims that it makes now and are false"] == "1 of 1"
-    html, plain = page(results), markdown(results)
+    html, plain = real_html(results), markdown(results)
     assert "late &lt;" in html
     assert "被吸收" in html
     assert "absorbed" in plain
@@ -101,8 +113,10 @@ def test_command_takes_the_folder_and_says_in_one_sentence_what_is_wrong(tmp_pat
     command = [sys.executable, "-m", "tests.proof", "--real", str(tmp_path)]
     done = subprocess.run(
         [*command, "--out", str(tmp_path / "out"), "--json"],
-        capture_output=True, text=True, timeout=60,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 2
     assert "there is no recording" in done.stderr
     assert "Traceback" not in done.stderr

@@ -8,6 +8,7 @@ from tests.proof.real.cases import NOT_HIDDEN, Hidden, hidden_cases
 from tests.proof.real.hide import TRANSFORMATIONS, Size
 from tests.proof.real.page import cells
 from tests.proof.real.score import Score, as_data, scored
+from tests.proof.text import bilingual
 
 
 def answer(*findings: tuple[str, str, float, float]) -> dict[str, Any]:
@@ -49,7 +50,7 @@ def test_shift_counts_by_the_change_of_all_delay(after: dict[str, Any], outcome:
 
 def test_nothing_new_is_right_where_nothing_is_hidden_or_seen() -> None:
     zero = Hidden("shaft", "time_offset", Size(0.0, "s"))
-    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), ("absorbed", "被吸收"))
+    unseen = Hidden("shaft", "axis_tilt", Size(0.01, "rad"), bilingual("absorbed", "被吸收"))
     named = answer(LOW_PASS, ("axis_tilt", "east", 0.01, 1e-3))
     for case in (zero, unseen):
         assert score(case, answer(LOW_PASS)).outcome == "rightly nothing new"
@@ -70,5 +71,5 @@ def test_every_transformation_is_hidden_in_three_sizes_and_zero() -> None:
         sizes = [c.size.value for c in cases if c.name == name and c.recording.startswith("enc")]
         assert len(sizes) == 4
         assert sizes[0] == 0.0 < min(sizes[1:])
-    assert all(why[0] and why[1] for *_, why in NOT_HIDDEN)
+    assert all(why.en and why.zh for *_, why in NOT_HIDDEN)
     assert hidden_cases(1) == cases != hidden_cases(2)

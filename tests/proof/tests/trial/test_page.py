@@ -6,12 +6,13 @@ from xml.etree import ElementTree
 
 import pytest
 
+from tests.proof.text import bilingual
 from tests.proof.trial import failures
 from tests.proof.trial.compare import Compared
 from tests.proof.trial.evidence import Trial, as_data, as_markdown
 from tests.proof.trial.failures import failing
 from tests.proof.trial.figures import costs, figures
-from tests.proof.trial.page import page
+from tests.proof.trial.page import evidence_html
 from tests.proof.trial.pictures.cases import cases_svg
 from tests.proof.trial.pictures.cost import cost_svg
 from tests.proof.trial.pictures.headline import headline_svg
@@ -44,7 +45,7 @@ def trial(scores: list[Score]) -> Trial:
 
 
 def test_figures_stand_beside_what_was_asked(scores: list[Score]) -> None:
-    said = {each.what[0]: (each.reached, each.met) for each in figures(scores)}
+    said = {each.what.en: (each.reached, each.met) for each in figures(scores)}
     assert said == {
         "false alarms on clean recordings": ("50 %", False),
         "right name first, z = 30": ("100 %", True),
@@ -63,7 +64,7 @@ def test_a_figure_without_cases_is_neither_met_nor_missed(scores: list[Score]) -
 
 
 def test_units_wrongly_passed_and_wrongly_failed_are_told_apart(scores: list[Score]) -> None:
-    said = {line.what[0]: (line.before, line.after) for line in costs(scores)}
+    said = {line.what.en: (line.before, line.after) for line in costs(scores)}
     nothing, all_three = "0 % (0 of 3)", "100 % (3 of 3)"
     assert said["units that fail and are passed"] == (nothing, nothing)
     assert said["units that conform and are failed"] == (all_three, nothing)
@@ -93,7 +94,7 @@ def test_what_is_right_does_not_fail(answered: Answered) -> None:
 def test_known_causes_are_found_by_what_is_true_and_what_was_said(
     answered: Answered, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cause = ("a tilt acts like an arm here", "此处倾斜与杆臂作用相同")
+    cause = bilingual("a tilt acts like an arm here", "此处倾斜与杆臂作用相同")
     monkeypatch.setattr(failures, "KNOWN_CAUSES", {("lever_arm", "axis_tilt"): cause})
     assert failures.causes(answered(LEVER, "axis_tilt")) == (cause,)
     assert failures.causes(answered(LEVER | TILT, "lever_arm")) == (failures.NOT_KNOWN,)
@@ -101,7 +102,7 @@ def test_known_causes_are_found_by_what_is_true_and_what_was_said(
 
 
 def test_page_says_everything_in_both_languages_and_takes_further_sections(trial: Trial) -> None:
-    html = page(trial, ["<h2>Peers</h2>", "<h2>Real recordings</h2>"])
+    html = evidence_html(trial, ["<h2>Peers</h2>", "<h2>Real recordings</h2>"])
     assert html.index("What fails") < html.index("<h2>Peers</h2>") < html.index("Real recordings")
     assert "3 of 5 recordings hide physics" in html
     assert "5个记录中有3个" in html

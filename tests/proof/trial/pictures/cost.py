@@ -1,24 +1,29 @@
 """How wrong the certificate is without the physics, and with it found: a dumbbell per effect."""
 
 from collections.abc import Sequence
-from math import log10
 from statistics import median
+from typing import TYPE_CHECKING, Any
 
-from tasks.explain.report.svg import AFTER, BEFORE, GREY, INK, PALE, label, line, picture
+import numpy as np
+
+from tasks.pages.chart import AFTER, BEFORE, INK, PALE, draw
 from tests.proof.trial.cost import Cost
 from tests.proof.trial.pictures.outcome import legend
 from tests.proof.trial.score import Score
 from tests.proof.trial.table import by_effect
 
-WIDTH, NAMES, END, LINE, TOP = 900.0, 230.0, 800.0, 19.0, 62.0
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 LOWEST, HIGHEST = 0.01, 1000.0  # U; what is beyond is drawn at the end
+ENTRIES = (("as the clauses give it", BEFORE), ("with what was found taken off", AFTER))
 
 
 def costs_by_effect(scores: Sequence[Score]) -> dict[str, list[Cost]]:
     """The costs of each effect alone, in the order of the table."""
     costs = {
-        each.name: [e.cost for e in scores if e.effects == (each.name,) and e.cost is not None]
-        for each in by_effect(scores)
+        row.name: [s.cost for s in scores if s.effects == (row.name,) and s.cost is not None]
+        for row in by_effect(scores)
     }
     return {name: some for name, some in costs.items() if some}
 
@@ -26,35 +31,33 @@ def costs_by_effect(scores: Sequence[Score]) -> dict[str, list[Cost]]:
 def cost_svg(scores: Sequence[Score]) -> str:
     """The median largest error in U before and after, each case as a tick, on a log axis."""
     groups = costs_by_effect(scores)
-    foot = TOP + LINE * len(groups) + 4
-    entries = [("as the clauses give it", BEFORE), ("with what was found taken off", AFTER)]
-    parts = legend(entries, NAMES, 18)
-    parts.append(label(END, foot + 16, "dots: medians; ticks: single recordings", 12, "end", GREY))
-    for power in range(-2, 4):
-        x = _x(10.0**power)
-        one = power == 0
-        parts.append(line(x, TOP - 14, x, foot, INK if one else PALE, 1.2 if one else 1.0))
-        words = "stated U" if one else f"{10.0**power:g} U"
-        parts.append(label(x, TOP - 20, words, 12, "middle", INK if one else GREY, bold=one))
-    for n, (name, costs) in enumerate(groups.items()):
-        y = TOP + LINE * n
-        parts += [label(NAMES - 12, y + 4, name, 12.5, "end"), *_dumbbell(y, costs)]
-    return picture(WIDTH, foot + 24, "Error of the certificate, before and after", parts)
+
+    def content(figure: "Figure") -> None:
+        legend(figure, ENTRIES, loc="outside upper left")
+        axes = figure.subplots()
+        for place, costs in enumerate(groups.values()):
+            _draw_dumbbell(axes, place, costs)
+        axes.set(xscale="log", xlim=(LOWEST, HIGHEST), ylim=(max(len(groups), 1) - 0.4, -0.6))
+        axes.set_yticks(range(len(groups)), groups)
+        powers = 10.0 ** np.arange(-2, 4)
+        axes.set_xticks(powers, ["stated U" if p == 1 else f"{p:g} U" for p in powers])
+        axes.minorticks_off()
+        axes.tick_params(length=0, labeltop=True, labelbottom=False)
+        axes.grid(axis="x", color=PALE)
+        axes.set_axisbelow(True)
+        axes.axvline(1.0, color=INK, linewidth=1.2)
+        axes.spines[["left", "bottom"]].set_visible(False)
+        axes.set_xlabel("dots: medians; ticks: single recordings", loc="right")
+
+    height = 120 + 20 * len(groups)
+    return draw("Error of the certificate, before and after", 900, height, content)
 
 
-def _dumbbell(y: float, costs: Sequence[Cost]) -> list[str]:
-    before, after = (_x(median(values)) for values in (
+def _draw_dumbbell(axes: Any, place: int, costs: Sequence[Cost]) -> None:
+    before, after = (np.clip(values, LOWEST, HIGHEST) for values in (
         [cost.before for cost in costs], [cost.after for cost in costs]
     ))  # fmt: skip
-    parts = [line(before, y, after, y, "#b0b0b0", 3.0)]
-    for cost in costs:
-        parts.append(line(_x(cost.before), y - 6, _x(cost.before), y - 1, BEFORE, 1.0))
-        parts.append(line(_x(cost.after), y + 1, _x(cost.after), y + 6, AFTER, 1.0))
-    for x, colour in ((before, BEFORE), (after, AFTER)):
-        parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4.5" fill="{colour}"/>')
-    return parts
-
-
-def _x(ratio: float) -> float:
-    place = log10(min(max(ratio, LOWEST), HIGHEST) / LOWEST) / log10(HIGHEST / LOWEST)
-    return NAMES + place * (END - NAMES)
+    axes.vlines(before, place - 0.35, place - 0.08, color=BEFORE, linewidth=1.0)
+    axes.vlines(after, place + 0.08, place + 0.35, color=AFTER, linewidth=1.0)
+    axes.plot([median(before), median(after)], [place, place], color="#b0b0b0", linewidth=3.0)
+    axes.scatter([median(before), median(after)], [place, place], c=[BEFORE, AFTER], s=70, zorder=3)

@@ -1,17 +1,18 @@
 """What became of a case, as a colour and in words."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from typing import Any
 
-from tasks.explain.report.svg import GREY, label, width_of
+from tasks.pages.chart import GREY
 from tests.proof.trial.score import Score
 
 RIGHT, TWIN, ABSTAINED, MISSED, WRONG = "#0072b2", "#56b4e9", "#bbbbbb", "#ffffff", "#d55e00"
 LIMIT = "#009e73"
-SIDE = 12.0  # of a square
 LEGEND = (
     ("right", RIGHT), ("a pair with the truth in it", TWIN), ("left unnamed", ABSTAINED),
     ("nothing found", MISSED), ("a wrong name", WRONG),
 )  # fmt: skip
+OUTLINE: dict[str, Any] = {"edgecolor": GREY, "linewidth": 0.6}
 
 
 def outcome(score: Score) -> tuple[str, str]:
@@ -29,18 +30,16 @@ def outcome(score: Score) -> tuple[str, str]:
     return MISSED, "nothing found"
 
 
-def square(x: float, y: float, colour: str, side: float = SIDE) -> str:
-    """The mark of a case; x and y are its upper left corner."""
-    return (
-        f'<rect x="{x:.1f}" y="{y:.1f}" width="{side:g}" height="{side:g}" '
-        f'fill="{colour}" stroke="{GREY}" stroke-width="0.6"/>'
-    )
+def squares(axes: Any, x: Iterable[float], y: float, colours: list[str], size: float) -> None:
+    """The marks of cases in a row; `size` is a side in px."""
+    x = list(x)
+    axes.scatter(x, [y] * len(x), c=colours, marker="s", s=size**2, clip_on=False, **OUTLINE)
 
 
-def legend(entries: Sequence[tuple[str, str]], x: float, y: float, size: float = 13) -> list[str]:
-    """Coloured squares with their words, in one line; y is its base line."""
-    parts, at = [], x
-    for words, colour in entries:
-        parts += [square(at, y - 10.5, colour), label(at + SIDE + 6, y, words, size)]
-        at += SIDE + 18 + 0.92 * width_of(words, size)
-    return parts
+def legend(figure: Any, entries: Iterable[tuple[str, str]], **where: Any) -> None:
+    """Coloured squares with their words, in one line."""
+    from matplotlib.patches import Patch
+
+    handles = [Patch(facecolor=colour, label=words, **OUTLINE) for words, colour in entries]
+    figure.legend(handles=handles, ncols=len(handles), handlelength=1.0, handleheight=1.0,
+                  columnspacing=1.2, handletextpad=0.5, **where)  # fmt: skip
