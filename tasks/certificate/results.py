@@ -146,7 +146,7 @@ def _group(
         sentences=(
             *(_about(name, limits, specification, two) if known else ()),
             *(contained(calibration, name, specification) if known else ()),
-            *_missing(calibration, name, elements, definition),
+            *_missing(calibration, name, elements, definition, two),
         ),
     )  # fmt: skip
 
@@ -156,6 +156,8 @@ def _columns(
 ) -> tuple[Message, ...]:
     """The headings of the values: one, or those of both values."""
     if definition is None or definition.second_value is None:
+        return (message("certificate-column"),)
+    if definition.key in specification.printed_once:
         return (message("certificate-column"),)
     key = slug(definition.key)
     first = first_known(
@@ -232,6 +234,7 @@ def _missing(
     name: str,
     elements: tuple[str, ...],
     definition: ItemDefinition | None,
+    two: bool,
 ) -> list[Message]:
     """Why an element, or the whole item, has no number."""
     item, causes = calibration.items.get(name), list[Sayable]()
@@ -242,7 +245,7 @@ def _missing(
         causes.append(message("certificate-missing.item"))
     elif any(item.value.get(element) is None for element in elements):
         causes.append(message("conformity-no-cause"))
-    second = definition.second_value if definition else None
+    second = definition.second_value if definition and two else None
     if item and second and getattr(item, second) is None:
         causes.append(message("certificate-missing.second"))
     return [message("certificate-missing", cause=cause) for cause in causes]

@@ -32,8 +32,8 @@ class Specification:
 
     method: how orders and results call it; standard: the document; procedure: the clauses that a
     result names. items: in the order of a result; required: the keys of those that the document
-    asks for, in its order. conditions: of points and environment. interval_months: until
-    recalibration is due. layout: of the certificate's results; reported_conditions: what it says
+    asks for, in its order; printed_once: those whose second value equals the first. conditions:
+    of points and environment. interval_months: until recalibration is due. layout: of the certificate's results; reported_conditions: what it says
     of the measurement (`tasks.certificate.conditions`). equipment: the limits that the document
     itself recommends, and equipment_source where. rate_sensor: how results call what senses the
     rate.
@@ -55,6 +55,7 @@ class Specification:
     gather: Callable[[Recording], Any]
     estimate: Callable[[Any, Equipment], ClauseResult]
     required: tuple[str, ...] = ()
+    printed_once: tuple[str, ...] = ()
     reported_conditions: tuple[str, ...] = ("dwell", "positions", "attitudes", "mounting")
     rate_sensor: Literal["gyro", "ahrs"] = "gyro"
 

@@ -33,10 +33,7 @@ JOINT = replace(
     JJF2003,
     method="joint",
     procedure="JJF 2003-2022, 5.1, 5.2, joint least squares with zero correction",
-    items=tuple(
-        replace(item, second_value=None) if item.key == "gyro_g_sensitivity" else item
-        for item in JJF2003.items  # whose g-sensitivity is that without Earth's rotation
-    ),
+    printed_once=("gyro_g_sensitivity",),  # the fit removes Earth's rotation from it
     check=check,
     estimate=estimate,
 )
