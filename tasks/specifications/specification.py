@@ -33,10 +33,10 @@ class Specification:
     method: how orders and results call it; standard: the document; procedure: the clauses that a
     result names. items: in the order of a result; required: the keys of those that the document
     asks for, in its order; printed_once: those whose second value equals the first. conditions:
-    of points and environment. interval_months: until recalibration is due. layout: of the certificate's results; reported_conditions: what it says
-    of the measurement (`tasks.certificate.conditions`). equipment: the limits that the document
-    itself recommends, and equipment_source where. rate_sensor: how results call what senses the
-    rate.
+    of points and environment. interval_months: until recalibration is due. layout: of the
+    certificate's results; reported_conditions: what it says of the measurement
+    (`tasks.certificate.conditions`). equipment: the limits that the document itself recommends,
+    and equipment_source where. rate_sensor: how results call what senses the rate.
 
     check raises Unusable for a recording that the method cannot serve; gather sorts its segments;
     estimate makes the items of them, the equipment's errors among their uncertainties.
