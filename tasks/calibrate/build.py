@@ -2,38 +2,38 @@
 
 from collections.abc import Mapping
 
-from schemas.calibration import Calibration, EnvironmentSeen, Item, SegmentUsed
+from schemas.calibration import (
+    Calibration,
+    EnvironmentSeen,
+    Information,
+    Item,
+    Remark,
+    SegmentUsed,
+)
 from schemas.recording import Stream
-from tasks.calibrate.evaluation import Evaluation
-from tasks.calibrate.information import information
-from tasks.segments.check import check_segments
-from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.specification import Specification
-from tasks.words import say
+from tasks.words import Sayable, say
 
 
 def build(
     specification: Specification,
     evidence: Evidence,
-    result: ClauseResult,
     items: Mapping[str, Item],
-    evaluation: Evaluation,
+    unavailable: Mapping[str, Sayable],
     *,
+    remarks: tuple[Remark, ...],
+    information: Mapping[str, Information],
+    settings: Mapping[str, str | float],
     run: str,
     code_version: str,
 ) -> Calibration:
-    """The document of a calibration; items: with their budgets, in the specification's order."""
+    """The document of a calibration; items: with their budgets, in the specification's order.
+
+    unavailable: why items, or elements of them, have no value; settings: of the evaluation.
+    """
     recording = evidence.recording
-    checked = check_segments(
-        recording,
-        evidence.segments,
-        evidence.turning_points,
-        specification.conditions,
-        channels=evidence.channel_names,
-        may_stand_still=evidence.may_stand_still,
-    )
-    missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
+    missing = {key: unavailable[key] for key in items if key in unavailable}
     return Calibration(
         recording_id=recording.manifest.recording_id,
         run=run,
@@ -44,13 +44,13 @@ def build(
         settings={
             "gravity_m_s2": evidence.gravity,
             "latitude_deg": evidence.latitude_deg,
-            **evaluation.settings,
+            **settings,
         },
         items=dict(items),
-        information=information(evidence, items, specification.rate_sensor),
+        information=dict(information),
         unavailable={key: say(why, "en") for key, why in missing.items()},
         unavailable_zh={key: say(why, "zh") for key, why in missing.items()},
-        remarks=(*result.remarks, *evaluation.remarks, *checked),
+        remarks=remarks,
         segments=tuple(_used(evidence, i) for i in range(len(evidence.segments))),
         environment=_environment(recording.environment),
     )

@@ -23,7 +23,8 @@ from tasks.words.rounding import USUAL_K
 
 ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little
 MAX_BITS = 64.0
-EXAMPLE = "the example's"
+EXAMPLE: UncertaintyKind = "as the specification's example"
+BY_EXAMPLE = "the example's"
 NO_SPECIFICATION = (UNKNOWN, "table and fixture not known")
 
 
@@ -83,7 +84,7 @@ class Evaluation:
         return {
             e: self.budget(definition, e, estimate)
             for e, estimate in estimates.items()
-            if estimate.has_uncertainty
+            if estimate.has_uncertainty and (self.kind != EXAMPLE or estimate.has_repeatability)
         }
 
     def _second_value(
@@ -131,7 +132,7 @@ def evaluation_for(
     equipment = with_limits(equipment, own)
     settings: dict[str, str | float] = {"uncertainty": kind}
     table, bits = TABLE, _bits(recording)
-    if kind != "as the specification's example":
+    if kind != EXAMPLE:
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
@@ -140,8 +141,10 @@ def evaluation_for(
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
         table = equipment.rates[0][1].u
-    settings["u1 of the table"] = f"{table:g} ({own['rate'].source if 'rate' in own else EXAMPLE})"
-    settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({EXAMPLE})"
+    settings["u1 of the table"] = (
+        f"{table:g} ({own['rate'].source if 'rate' in own else BY_EXAMPLE})"
+    )
+    settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({BY_EXAMPLE})"
     return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
 
 

@@ -1,7 +1,7 @@
-"""A motion with a small rotation more somewhere between ground and unit.
+"""A motion with an additional small rotation somewhere between ground and unit.
 
 To first order in the angle. A rotation by ε about a direction u turns what is fixed in n by
-−ε·u in the body; what turns outside it is seen from the turned body too, and ε̇ is felt.
+−ε·u in the body; so does the rate of what turns outside it, and ε̇ adds to the rate.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ def with_small_rotation(
     change: np.ndarray,
     outside: np.ndarray,
 ) -> Motion:
-    """The motion with a small rotation more.
+    """The motion with the rotation added.
 
     direction: (n, 3) or (3,) unit vector in the body. angle, change: (n,) rad and rad/s.
     outside: (n, 3) rad/s, rate in the body of all that turns outside of where it happens.
@@ -46,13 +46,13 @@ def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return product
 
 
-def slope(t: np.ndarray, course: np.ndarray) -> np.ndarray:
-    """Derivative of a course (n,) or (n, k) on nearly even times, of fourth order inside."""
-    first = np.gradient(course, t, axis=0)
+def slope(t: np.ndarray, signal: np.ndarray) -> np.ndarray:
+    """Derivative of a signal (n,) or (n, k) on nearly even times, of fourth order inside."""
+    first = np.gradient(signal, t, axis=0)
     if len(t) < 7:
         return first
     step = (t[-1] - t[0]) / (len(t) - 1)
-    inner = (course[:-4] - 8 * course[1:-3] + 8 * course[3:-1] - course[4:]) / (12 * step)
+    inner = (signal[:-4] - 8 * signal[1:-3] + 8 * signal[3:-1] - signal[4:]) / (12 * step)
     even = np.abs(t[4:] - t[:-4] - 4 * step) < 0.02 * step
     first[2:-2][even] = inner[even]
     return first

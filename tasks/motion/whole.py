@@ -1,7 +1,7 @@
-"""What the unit went through over a whole recording, once for everybody.
+"""The motion of the unit over a whole recording.
 
 From the table's encoders where they were recorded, else from a reference pose, else from the
-segments' labels. Where nothing tells, the motion is unknown (NaN), never assumed.
+segments' labels. Where there is none of these, the motion is unknown (NaN), never assumed.
 Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
@@ -15,9 +15,9 @@ import numpy as np
 from schemas.recording import AXES, Recording, Segment, Stream, Up
 from tasks.motion.reported_rate import is_rate_of
 from tasks.motion.smooth import smooth_derivatives
-from tasks.motion.table import mount_of
+from tasks.motion.table import axis_directions, mount_of
 
-STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not told and only ratios are taken
+STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 POSE = ("qw", "qx", "qy", "qz")
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
 
@@ -86,9 +86,9 @@ class Motion:
         """
         moved = np.linalg.norm(np.diff(np.nan_to_num(self.up), axis=0), axis=1)
         turned = np.linalg.norm(np.nan_to_num(self.rate), axis=1) * self.interval
-        most = SEAM + 3.0 * np.maximum(turned[1:], turned[:-1])
+        limit = SEAM + 3.0 * np.maximum(turned[1:], turned[:-1])
         known = self.known[1:] & self.known[:-1]
-        seams = (np.flatnonzero((moved > most) & known) + 1).tolist()
+        seams = (np.flatnonzero((moved > limit) & known) + 1).tolist()
         return tuple(slice(a, b) for a, b in pairwise([0, *seams, len(self.t)]))
 
     @property
@@ -106,12 +106,12 @@ class Motion:
             rate=self.rate[rows],
             acceleration=self.acceleration[rows],
             axes=self.axes and self.axes.taken(rows),
-            recorded={name: course[rows] for name, course in self.recorded.items()},
+            recorded={name: signal[rows] for name, signal in self.recorded.items()},
         )
 
 
 def attitude_recorded(recording: Recording) -> bool:
-    """Whether encoders or a reference pose tell the attitude, and not the labels alone."""
+    """Whether encoders or a reference pose give the attitude, and not the labels alone."""
     by_table = recording.table is not None and bool(recording.manifest.station.table_axes)
     pose = recording.reference
     return by_table or (pose is not None and set(POSE) <= set(pose.columns))
@@ -135,7 +135,7 @@ def unit_vector(up: Up | None) -> np.ndarray:
 
 
 def gravity_of(recording: Recording) -> float:
-    """Local gravity, m/s²; the standard one where it is not told."""
+    """Local gravity, m/s²; the standard one where it is not stated."""
     return recording.manifest.station.gravity_m_s2 or STANDARD_GRAVITY
 
 
@@ -157,10 +157,9 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     angle, speed, change = smooth_derivatives(table.t, angles, at)
     speed = _as_reported(table, [axis.name for axis in axes], angles, at, speed)
     heading = recording.manifest.station.heading_deg
-    vertical, level = (np.tile(each, (len(at), 1)) for each in np.eye(3)[[2, 1]])
+    vertical, level = (np.tile(unit, (len(at), 1)) for unit in np.eye(3)[[2, 1]])
     vectors = [vertical, _north(heading, len(at)), level]
-    for k, axis in enumerate(axes):
-        direction = np.array(axis.direction) / np.linalg.norm(axis.direction)
+    for k, direction in enumerate(axis_directions(recording.manifest.station)):
         vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
         vectors.append(np.tile(direction, (len(at), 1)))
     up, north, base, *spins = vectors
@@ -169,8 +168,8 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
         own = speed[:, k, None] * spins[k]
         acceleration += change[:, k, None] * spins[k] - np.cross(rate, own)
         rate += own
-    seen = TableAxes(angle, speed, np.stack(spins, axis=1), base)
-    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording), seen)
+    turning = TableAxes(angle, speed, np.stack(spins, axis=1), base)
+    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording), turning)
     return _mounted(recording, payload)
 
 
@@ -182,13 +181,13 @@ def _as_reported(
     for k, name in enumerate(names):
         reported = table.columns.get(f"{name}_rate")
         if reported is not None and is_rate_of(table.t, angles[:, k], reported):
-            course = np.interp(at, table.t, reported)
-            speed[:, k] = np.where(np.isfinite(speed[:, k]), course, np.nan)
+            rate = np.interp(at, table.t, reported)
+            speed[:, k] = np.where(np.isfinite(speed[:, k]), rate, np.nan)
     return speed
 
 
 def _north(heading: float | None, count: int) -> np.ndarray:
-    """North in the table's frame at zero angles, Rz(−heading)ᵀ·(0, 1, 0); NaN if not told."""
+    """North in the table's frame at zero angles, Rz(−heading)ᵀ·(0, 1, 0); NaN if not stated."""
     psi = np.radians(np.nan if heading is None else heading)
     return np.tile([-np.sin(psi), np.cos(psi), 0.0], (count, 1))
 
@@ -214,8 +213,8 @@ def _mounted(recording: Recording, payload: Motion) -> Motion:
         return _in_frame(payload, mount_of(manifest, whole))
     body, axes = _unknown(recording, payload.t), payload.axes
     if axes is not None:
-        nowhere = (np.full_like(axes.directions, np.nan), np.full_like(axes.base, np.nan))
-        body = replace(body, axes=replace(axes, directions=nowhere[0], base=nowhere[1]))
+        directions, base = np.full_like(axes.directions, np.nan), np.full_like(axes.base, np.nan)
+        body = replace(body, axes=replace(axes, directions=directions, base=base))
     for segment in own:
         rows = (payload.t >= segment.t_start) & (payload.t < segment.t_end)
         part = _in_frame(payload.taken(rows), mount_of(manifest, segment))
@@ -277,7 +276,7 @@ def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
 
 
 def _labelled_rate(segment: Segment) -> float | None:
-    """Rate (rad/s) about the segment's axis, None where the label tells none."""
+    """Rate (rad/s) about the segment's axis, None where the label has none."""
     if segment.kind == "static":
         return 0.0
     if segment.kind == "rate" and segment.rate_deg_s is not None:

@@ -91,24 +91,17 @@ def _rate(
     witness = message("segments-table") if point.by_table else gyro
     if point.contradicted and point.shown is not None:
         text = message(
-            "segments-rate-contradicted",
-            segment=name,
-            axis=axis,
-            witness=witness,
-            label=f"{np.degrees(point.label):+g}",
-            shown=f"{np.degrees(point.shown):+.4f}",
+            "segments-rate-contradicted", segment=name, axis=axis, witness=witness,
+            label=f"{np.degrees(point.label):+g}", shown=f"{np.degrees(point.shown):+.4f}",
             taken=message(f"segments-{'table-rate-used' if point.by_table else 'left-out'}"),
-        )
+        )  # fmt: skip
         yield remark("rate_contradicted", text, (name,), blocks_pass=True)
     if point.unsteady:
         text = message(
-            "segments-unsteady-rate",
-            segment=name,
-            witness=witness,
-            wander=f"{np.degrees(point.wander):.4f}",
-            clause=conditions.steadiness_clause,
+            "segments-unsteady-rate", segment=name, witness=witness,
+            wander=f"{np.degrees(point.wander):.4f}", clause=conditions.steadiness_clause,
             percent=f"{100 * conditions.steadiness:g}",
-        )
+        )  # fmt: skip
         yield remark("unsteady_rate", text, (name,), blocks_pass=True)
 
 
@@ -145,13 +138,10 @@ def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> It
         if length < shortest:
             continue
         text = message(
-            "segments-stuck",
-            segment=name,
-            channel=channels[channel],
-            value=f"{values[start]:.6g}",
-            rows=length,
+            "segments-stuck", segment=name, channel=channels[channel],
+            value=f"{values[start]:.6g}", rows=length,
             time=f"{recording.imu.t[rows.start + start]:.2f}",
-        )
+        )  # fmt: skip
         yield remark("stuck", text, (name,), blocks_pass=True)
 
 
@@ -197,13 +187,10 @@ def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterato
     short = {s.segment.name: _lasts(s) for s in held if _lasts(s) < conditions.dwell_s - 1e-6}
     if short:
         text = message(
-            "segments-short-dwell",
-            short=len(short),
-            held=len(held),
-            asked=f"{conditions.dwell_s:.0f}",
-            clause=conditions.dwell_clause,
+            "segments-short-dwell", short=len(short), held=len(held),
+            asked=f"{conditions.dwell_s:.0f}", clause=conditions.dwell_clause,
             listed=", ".join(f"{name} {lasts:.1f} s" for name, lasts in short.items()),
-        )
+        )  # fmt: skip
         yield remark("short_dwell", text, tuple(short), blocks_pass=True)
 
 
@@ -264,13 +251,10 @@ def _environment(
         if not len(values) or (values.min() >= low and values.max() <= high):
             continue
         text = message(
-            "segments-environment",
-            segment=segment.segment.name,
+            "segments-environment", segment=segment.segment.name,
             quantity=message(f"segments-{column}"),
             worst=f"{values.max() if values.max() > high else values.min():.1f}",
-            unit=ENVIRONMENT_UNITS[column],
-            low=f"{low:g}",
-            high=f"{high:g}",
+            unit=ENVIRONMENT_UNITS[column], low=f"{low:g}", high=f"{high:g}",
             clause=conditions.environment_clause,
-        )
+        )  # fmt: skip
         yield remark("environment", text, (segment.segment.name,), blocks_pass=True)

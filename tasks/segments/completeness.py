@@ -57,11 +57,9 @@ def _null_rows(recording: Recording) -> Iterator[Remark]:
         nulls = {name: count for name, count in counts.items() if count}
         if nulls:
             text = message(
-                "segments-null-rows",
-                triad=triad[0].removesuffix("_x"),
-                count=len(nulls),
+                "segments-null-rows", triad=triad[0].removesuffix("_x"), count=len(nulls),
                 listed=", ".join(f"{segment} {count}" for segment, count in nulls.items()),
-            )
+            )  # fmt: skip
             yield remark("null_rows", text, tuple(nulls))
 
 

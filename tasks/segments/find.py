@@ -12,8 +12,8 @@ ENCODER_STEP = np.radians(0.0025)  # rad: a coarser encoder is judged by its own
 ROUNDING = 1e-6  # rad: smaller differences are arithmetic, not encoder steps
 QUIET = 8.0  # standard deviations above the quietest tenth that are still rest
 ALIGNED = np.cos(np.radians(10.0))  # a labelled axis points up within this, biases included
-FEWEST_ROWS = 10
-PLACED = np.cos(np.radians(3.0))  # an axis that nobody labelled was put upright within this
+MIN_RECORDING_ROWS = 10
+UPRIGHT = np.cos(np.radians(3.0))  # an axis without a label was put upright within this
 TURNING_RATE = np.radians(5.0)  # rad/s above the usual reading: a steady turn, not a rest
 GRAVITY_LIKE = (5.0, 15.0)  # m/s²: scale factors and biases of a poor unit included
 RESTING_RATE = np.radians(1.0)  # rad/s of the table below which it rests
@@ -33,12 +33,12 @@ def find_segments(recording: Recording) -> tuple[Segment, ...]:
     rest gets `up` where an accelerometer points up or down within 3°: a fixture put it there.
     """
     imu, table = recording.imu, recording.table
-    if len(imu) < FEWEST_ROWS:
+    if len(imu) < MIN_RECORDING_ROWS:
         return ()
     quiet = _quiet_rows(imu) if table is None else _steady_rows(recording.manifest, imu.t, table)
     offset = np.median(recording.imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
     found: list[Segment] = []
-    for start, stop in _stretches(recording.imu.t, quiet):
+    for start, stop in _intervals(recording.imu.t, quiet):
         segment = _classified(recording, start, stop, len(found) + 1, offset)
         if segment is not None:
             found.append(segment)
@@ -84,7 +84,7 @@ def _moving_variance(values: np.ndarray, window: int) -> np.ndarray:
     return np.maximum(square - mean**2, 0.0)
 
 
-def _stretches(t: np.ndarray, flags: np.ndarray) -> list[tuple[float, float]]:
+def _intervals(t: np.ndarray, flags: np.ndarray) -> list[tuple[float, float]]:
     """Start and end (s) of the runs of True that last long enough, margins taken off."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
     runs = ((float(t[a]) + MARGIN, float(t[b - 1]) - MARGIN) for a, b in edges.reshape(-1, 2))
@@ -94,7 +94,7 @@ def _stretches(t: np.ndarray, flags: np.ndarray) -> list[tuple[float, float]]:
 def _classified(
     recording: Recording, start: float, stop: float, number: int, offset: np.ndarray
 ) -> Segment | None:
-    """The stretch as a segment: a rest, or a steady turn that the encoders confirm.
+    """The interval as a segment: a rest, or a steady turn that the encoders confirm.
 
     offset: (3,) what the gyro reads in most quiet rows, rad/s.
     """
@@ -104,7 +104,7 @@ def _classified(
     if rate is None or np.linalg.norm(rate) < RESTING_RATE:
         gyro = recording.imu.stack_rows(GYRO, recording.imu.rows(start, stop)).mean(axis=0)
         if rate is None and np.linalg.norm(gyro - offset) > TURNING_RATE:
-            return None  # it turns, and nobody recorded how fast
+            return None  # it turns, and how fast was not recorded
         return rest.model_copy(update={"up": _up_axis(recording.imu, rest)})
     axis = int(np.abs(rate).argmax())
     if abs(rate[axis]) < ALIGNED * np.linalg.norm(rate):
@@ -115,15 +115,15 @@ def _classified(
 
 
 def _up_axis(imu: Stream, segment: Segment) -> Up | None:
-    """The axis that points up in a rest that nobody labelled; it must be within 3°."""
+    """The axis that points up in a rest without a label; it must be within 3°."""
     accel = imu.stack_rows(ACCEL, imu.rows(segment.t_start, segment.t_end))
-    return up_of(np.median(accel, axis=0), PLACED) if len(accel) else None
+    return up_of(np.median(accel, axis=0), UPRIGHT) if len(accel) else None
 
 
 def up_of(accel: np.ndarray, within: float = ALIGNED) -> Up | None:
     """The axis along which a (3,) mean specific force lies, with its sign.
 
-    within: cosine of the largest angle, 10° unless told.
+    within: cosine of the largest angle, 10° unless given.
 
     None where no axis does, or where what is read is not gravity at all.
     """

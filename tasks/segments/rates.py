@@ -19,14 +19,14 @@ OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
 PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
 SLOWEST_POINT = np.radians(0.05)  # rad/s: slower is a rest
-READOUT = np.radians(0.01)  # rad/s
+READOUT = np.radians(0.01)  # rad/s: what an encoder's step makes of a rate
 
 
 @dataclass(frozen=True)
 class TurningPoint:
     """The input rate of one turning segment about its labelled axis.
 
-    rate: rad/s, NaN where the label is contradicted and nobody else tells.
+    rate: rad/s, NaN where the label is contradicted and there are no encoders.
     label: rad/s. shown: rad/s, what the witness shows; None without one.
     by_table: whether the encoders are the witness.
     contradicted, unsteady: what the witness says of the label and of the rate's steadiness.
@@ -57,9 +57,9 @@ def turning_points(
     for i, segment in turning.items():
         body = by_table[i]
         if body is not None:
-            points[i] = _told_by_table(recording, segment, body)
+            points[i] = _by_encoders(recording, segment, body)
         else:
-            points[i] = _told_by_gyro(recording, segment, lines[_axis(segment.segment)])
+            points[i] = _by_gyro_and_label(recording, segment, lines[_axis(segment.segment)])
     return points
 
 
@@ -68,7 +68,7 @@ def _axis(segment: Segment) -> Axis:
     return segment.axis
 
 
-def _told_by_table(recording: Recording, segment: SegmentMean, body: np.ndarray) -> TurningPoint:
+def _by_encoders(recording: Recording, segment: SegmentMean, body: np.ndarray) -> TurningPoint:
     label = float(np.radians(segment.segment.rate_deg_s or 0.0))
     shown = float(body[AXES.index(_axis(segment.segment))])
     thirds = [mean_rate(recording, part) for part in _thirds(segment.segment)]
@@ -86,7 +86,7 @@ def _told_by_table(recording: Recording, segment: SegmentMean, body: np.ndarray)
     )
 
 
-def _told_by_gyro(
+def _by_gyro_and_label(
     recording: Recording, segment: SegmentMean, line: tuple[float, float]
 ) -> TurningPoint:
     label = float(np.radians(segment.segment.rate_deg_s or 0.0))

@@ -10,7 +10,13 @@ from schemas.calibration import Remark
 from schemas.recording import AXES
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import Evidence
-from tasks.specifications.linear import BLOCKING_EXCESS, BirgeRatio
+from tasks.specifications.linear import (
+    BLOCKING_EXCESS,
+    BirgeRatio,
+    Solution,
+    birge_ratio,
+    solve,
+)
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.type_b import resolution
@@ -46,6 +52,11 @@ class Estimate:
         """Whether there is a value, and every line of its budget is known."""
         sizes = (line.quantity.u * line.sensitivity for line in self.lines)
         return self.determined and all(map(math.isfinite, sizes))
+
+    @property
+    def has_repeatability(self) -> bool:
+        """Whether what Appendix A adds up is known."""
+        return all(map(math.isfinite, self.repeated))
 
     def scaled(self, factor: float) -> "Estimate":
         """The same in another unit."""
@@ -135,6 +146,37 @@ def linear_estimate(
     if rounding > 0.0:
         lines = (*lines, resolution(float(np.sqrt(3.0 * rounding)), "", 1.0))
     return Estimate(value, lines)
+
+
+@dataclass(frozen=True)
+class MeansFit:
+    """Parameters (p) fitted to combinations of one channel's segment means."""
+
+    solution: Solution
+    excess: BirgeRatio
+    estimates: tuple[Estimate, ...]
+
+
+def fit_means(
+    evidence: Evidence,
+    channel: int,
+    design: np.ndarray,
+    outputs: np.ndarray,
+    expected: np.ndarray | float = 0.0,
+) -> MeansFit:
+    """Least squares of a (m, p) design to m outputs of a channel.
+
+    outputs: (m, n), each a combination of all segment means. expected: (m, m) covariance of the
+    outputs beside that of the data, which is then no excess of scatter.
+    """
+    solution, used = solve(design), outputs.any(axis=0)
+    readings = outputs[:, used] @ evidence.means[used, channel]
+    noise = evidence.covariance(channel)[np.ix_(used, used)]
+    covariance = outputs[:, used] @ noise @ outputs[:, used].T + expected
+    excess = birge_ratio(solution, design, readings, covariance)
+    operator = np.where(solution.estimable[:, None], solution.operator, np.nan)
+    estimates = (linear_estimate(evidence, channel, row @ outputs, excess) for row in operator)
+    return MeansFit(solution, excess, tuple(estimates))
 
 
 def u_of_means(evidence: Evidence, channel: int, weights: np.ndarray) -> np.ndarray:

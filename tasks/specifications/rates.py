@@ -1,10 +1,16 @@
-"""The rate points about an axis, as both specifications ask for them: 7 to 11, both ways."""
+"""The rate points about an axis, as both specifications take them: a line, 7 to 11 points."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.calibration import Remark
+from tasks.specifications.estimate import Estimate, fit_means
+from tasks.specifications.evidence import Evidence
+from tasks.specifications.linear import BirgeRatio
+from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.type_b import turning_rate
 from tasks.words import message, remark
 
 FEWEST_RATES, MOST_RATES = 7, 11
@@ -20,15 +26,43 @@ def rate_remarks(axis: str, rates: np.ndarray, clause: str) -> Iterator[Remark]:
     distinct = distinct_rates(rates)
     if not FEWEST_RATES <= len(distinct) <= MOST_RATES:
         text = message(
-            "specifications-number-of-rates",
-            axis=axis,
-            count=len(distinct),
-            rates=", ".join(f"{rate:+g}" for rate in distinct),
-            clause=clause,
-            fewest=FEWEST_RATES,
+            "specifications-number-of-rates", axis=axis, count=len(distinct),
+            rates=", ".join(f"{rate:+g}" for rate in distinct), clause=clause, fewest=FEWEST_RATES,
             most=MOST_RATES,
-        )
+        )  # fmt: skip
         yield remark("number_of_rates", text, blocks_pass=True)
     if distinct[0] >= 0 or distinct[-1] <= 0:
         text = message("specifications-one-direction", axis=axis)
         yield remark("one_direction", text, blocks_pass=True)
+
+
+@dataclass(frozen=True)
+class LineFit:
+    """Slope and offset of a gyro's output over the table's rate, with their budgets' lines."""
+
+    slope: Estimate
+    offset: Estimate
+    excess: BirgeRatio
+
+
+def fit_line(
+    evidence: Evidence,
+    channel: int,
+    points: Sequence[int],
+    equipment: Equipment,
+    rests: Sequence[int] = (),
+) -> LineFit:
+    """Least squares over the rate points, eq. (5) of JJF 2003 and eq. (14) of JJF 1536.
+
+    rests: whose mean is subtracted from the output of each point.
+    """
+    rates = evidence.rate[list(points)]
+    seconds = np.array([evidence.segments[i].seconds for i in points])
+    outputs = np.eye(len(evidence.segments))[list(points)]
+    outputs[:, list(rests)] = -1.0 / max(1, len(rests))
+    fit = fit_means(evidence, channel, np.column_stack([rates, np.ones(len(rates))]), outputs)
+    slope, offset = (
+        estimate.with_lines(*turning_rate(equipment, fit.estimates[0].value, row, rates, seconds))
+        for estimate, row in zip(fit.estimates, fit.solution.operator, strict=True)
+    )
+    return LineFit(slope, offset, fit.excess)

@@ -148,13 +148,9 @@ def _remarks(evidence: AhrsEvidence, turns: Turns, zero_known: bool) -> Iterator
     rate = max(evidence.turn_rate[i] for i in turns.index)
     if count < TURNS_ASKED or rate < 0.8 * RATE_ASKED:
         text = message(
-            "jjf1536-turns-as-agreed",
-            axis=turns.axis,
-            count=f"{count:.0f}",
-            rate=f"{rate:.0f}",
-            turns_asked=TURNS_ASKED,
-            rate_asked=f"{RATE_ASKED:.0f}",
-        )
+            "jjf1536-turns-as-agreed", axis=turns.axis, count=f"{count:.0f}", rate=f"{rate:.0f}",
+            turns_asked=TURNS_ASKED, rate_asked=f"{RATE_ASKED:.0f}",
+        )  # fmt: skip
         yield remark("turns_as_agreed", text)
     longer = abs(_shares(turns) @ seconds)
     if longer > 0.01 * seconds.max() and not zero_known:
@@ -168,12 +164,9 @@ def _angle_remarks(evidence: AhrsEvidence, i: int, angle: float) -> Iterator[Rem
     labelled, turned = label_angle(label), f"{np.degrees(angle):+.2f}"
     if abs(angle - labelled) > LABELLED:
         text = message(
-            "jjf1536-turned-angle-contradicted",
-            segment=label.name,
-            axis=label.axis or "",
-            label=f"{np.degrees(labelled):+.2f}",
-            table=turned,
-        )
+            "jjf1536-turned-angle-contradicted", segment=label.name, axis=label.axis or "",
+            label=f"{np.degrees(labelled):+.2f}", table=turned,
+        )  # fmt: skip
         yield remark("turned_angle_contradicted", text, (label.name,), blocks_pass=True)
     over = angle - TURN * round(angle / TURN)
     if abs(over) > WHOLE or abs(angle) < WHOLE:

@@ -20,9 +20,7 @@ def sampling_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
     }
     if slow:
         text = message(
-            "jjf1536-slow-sampling",
-            count=len(slow),
-            rate=f"{min(slow.values()):.3g}",
+            "jjf1536-slow-sampling", count=len(slow), rate=f"{min(slow.values()):.3g}",
             asked=f"{SLOWEST_SAMPLING:.0f}",
-        )
+        )  # fmt: skip
         yield remark("slow_sampling", text, tuple(slow), blocks_pass=True)

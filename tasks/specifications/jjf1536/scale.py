@@ -8,16 +8,13 @@ from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
 from tasks.specifications.estimate import (
     ClauseResult,
-    Estimate,
     ItemEstimate,
-    linear_estimate,
     undetermined_vector,
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
-from tasks.specifications.linear import BLOCKING_EXCESS, birge_ratio, solve
-from tasks.specifications.rates import distinct_rates, rate_remarks
+from tasks.specifications.linear import BLOCKING_EXCESS
+from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
 from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import turning_rate
 from tasks.words import Sayable, clauses, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
@@ -26,7 +23,7 @@ Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate poi
 
 
 def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
-    """K (3,) of eq. (14): the output of each point less the rests, against the input rate."""
+    """K (3,) of eq. (14): the output of each point less the mean of the rests, eq. (11) to (13)."""
     elements = undetermined_vector()
     missing: list[Sayable] = []
     remarks: list[Remark] = []
@@ -37,10 +34,11 @@ def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
             missing.append(message("specifications-rates-needed", axis=axis, count=count))
             continue
         rests = _rests(evidence, points, axis)
-        elements[axis], factor = _fit(evidence, channel, points, rests, equipment)
+        line = fit_line(evidence, channel, points, equipment, [i for side in rests for i in side])
+        elements[axis] = line.slope
         remarks += rate_remarks(axis, evidence.rate[points], "7.1.1 c)")
         remarks += _rest_remarks(axis, rests)
-        remarks += scatter_remark("jjf1536-line-scatter", axis, factor)
+        remarks += scatter_remark("jjf1536-line-scatter", axis, line.excess.factor)
     remarks += _other_rate_remarks(evidence)
     readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
     readings += ("jjf1536.table_rate",) if evidence.has_table else ()
@@ -69,35 +67,6 @@ def _rests(evidence: AhrsEvidence, points: list[int], axis: Axis) -> Rests:
     return start, end
 
 
-def _fit(
-    evidence: AhrsEvidence,
-    channel: int,
-    points: list[int],
-    rests: Rests,
-    equipment: Equipment,
-) -> tuple[Estimate, float]:
-    """K with the lines of its budget, and how much more than the noise the points scatter."""
-    held = [i for side in rests for i in side]
-    indices = [*points, *held]
-    outputs = np.hstack([  # F_j = F̄_j − F̄_r, eq. (12), F̄_r the mean of the rests, eq. (11)
-        np.eye(len(points)),
-        np.full((len(points), len(held)), -1.0 / max(1, len(held))),
-    ])  # fmt: skip
-    F = outputs @ evidence.means[indices, channel]
-    covariance = outputs @ evidence.covariance(channel)[np.ix_(indices, indices)] @ outputs.T
-    rates = evidence.rate[points]
-    seconds = np.array([evidence.segments[i].seconds for i in points])
-    design = np.column_stack([rates, np.ones(len(points))])  # eq. (13)
-    solution = solve(design)
-    excess = birge_ratio(solution, design, F, covariance)
-    slope = np.where(solution.estimable[0], solution.operator[0], np.nan)
-    weights = np.zeros(len(evidence.segments))
-    np.add.at(weights, indices, slope @ outputs)
-    scale = linear_estimate(evidence, channel, weights, excess)
-    lines = turning_rate(equipment, scale.value, solution.operator[0], rates, seconds)
-    return scale.with_lines(*lines), excess.factor
-
-
 def _other_rate_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
     """Rate points about an axis that did not read them: another one was turned."""
     for segment, rate in zip(evidence.segments, evidence.rate, strict=True):
@@ -105,12 +74,9 @@ def _other_rate_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
         if axis is None or not np.isfinite(rate) or not reads_another_rate(segment, rate):
             continue
         text = message(
-            "jjf1536-rate-not-read",
-            segment=name,
-            axis=axis,
-            rate=f"{np.degrees(rate):+.2f}",
+            "jjf1536-rate-not-read", segment=name, axis=axis, rate=f"{np.degrees(rate):+.2f}",
             reading=f"{np.degrees(segment.mean[AXES.index(axis)]):+.2f}",
-        )
+        )  # fmt: skip
         yield remark("rate_not_read", text, (name,), blocks_pass=True)
 
 

@@ -57,11 +57,9 @@ def earth_remarks(evidence: Evidence, gyro_k: np.ndarray) -> Iterator[Remark]:
         return
     state = earth.state if earth else "not_visible"
     text = message(
-        f"jjf2003-earth-rotation-{state.replace('_', '-')}",
-        shown=earth_rotation_message(earth),
-        rate=f"{DEG * EARTH_RATE * np.sin(np.radians(latitude)):.5f}",
-        latitude=f"{latitude:g}",
-    )
+        f"jjf2003-earth-rotation-{state.replace('_', '-')}", shown=earth_rotation_message(earth),
+        rate=f"{DEG * EARTH_RATE * np.sin(np.radians(latitude)):.5f}", latitude=f"{latitude:g}",
+    )  # fmt: skip
     yield remark("earth_rotation" if state == "present" else f"earth_rotation_{state}", text)
     if not np.isfinite(gyro_k).all():
         yield remark("scale_factor_assumed", message("earth-rotation-scale-factor-assumed"))

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import AXES
-from tasks.specifications.estimate import Estimate, linear_estimate, u_of_means
+from tasks.specifications.estimate import Estimate, fit_means, u_of_means
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.jjf2003.positions import averages, input_matrix
-from tasks.specifications.linear import Solution, birge_ratio, solve
+from tasks.specifications.linear import Solution, solve
 from tasks.uncertainty.type_b import Weights
 
 BIAS = 3  # column of eq. (7), (10) after the three inputs
@@ -57,26 +57,20 @@ def fit_positions(
     tilts: variance, unit of the channel squared, that errors of table and fixture give the
     reading of a position in which the channel's axis lies level; they are no excess of scatter.
     """
-    design = input_matrix(tuple(positions))
-    solution, average = solve(design), averages(evidence, positions)
-    operator = np.where(solution.estimable[:, None], solution.operator, np.nan)
+    design, average = input_matrix(tuple(positions)), averages(evidence, positions)
     rows, factors = [], np.ones(3)
     for i in range(3):
-        channel = first + i
-        used = average.any(axis=0)
-        weights = average[:, used]
-        readings = weights @ evidence.means[used, channel]
-        covariance = weights @ evidence.covariance(channel)[np.ix_(used, used)] @ weights.T
-        lying = [up[1] != AXES[i] for up in positions]
-        expected = covariance + tilts * np.diag(lying)
-        excess = birge_ratio(solution, design, readings, expected)
-        factors[i] = excess.factor
-        u = excess.factor * u_of_means(evidence, channel, average)
-        row = []
-        for column in range(BIAS + 1):
-            estimate = linear_estimate(evidence, channel, operator[column] @ average, excess)
-            counted = np.abs(solution.operator[column]) > ROUNDING
-            row.append(replace(estimate, repeated=tuple(map(float, u[counted]))))
-        rows.append(tuple(row))
+        level = np.diag([up[1] != AXES[i] for up in positions])
+        fit = fit_means(evidence, first + i, design, average, tilts * level)
+        factors[i] = fit.excess.factor
+        u = fit.excess.factor * u_of_means(evidence, first + i, average)
+        counted = np.abs(fit.solution.operator) > ROUNDING
+        rows.append(
+            tuple(
+                replace(estimate, repeated=tuple(map(float, u[c])))
+                for estimate, c in zip(fit.estimates, counted, strict=True)
+            )
+        )
+    solution = solve(design)
     ups = tuple(positions)
     return PositionFit(tuple(rows), factors, solution, average, ups, evidence.mounted_once)

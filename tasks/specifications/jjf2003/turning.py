@@ -21,8 +21,7 @@ from tasks.specifications.estimate import (
     off_diagonal,
 )
 from tasks.specifications.evidence import Evidence
-from tasks.specifications.linear import birge_ratio, solve
-from tasks.specifications.rates import distinct_rates, rate_remarks
+from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
 from tasks.words import Sayable, clauses, message, remark
@@ -63,30 +62,13 @@ def turning_items(evidence: Evidence, equipment: Equipment) -> ClauseResult:
 
 def _fit_rates(evidence: Evidence, j: int, points: list[int], equipment: Equipment) -> Column:
     """Eq. (5) for the rate points about axis j."""
-    rates = evidence.rate[points]
-    seconds = np.array([evidence.segments[i].seconds for i in points])
-    design = np.column_stack([rates, np.ones(len(points))])
-    solution = solve(design)
-    weights = np.zeros((2, len(evidence.segments)))
-    weights[:, points] = np.where(solution.estimable[:, None], solution.operator, np.nan)
-    scale, factors, offset = [], np.ones(3), UNDETERMINED
-    for i in range(3):
-        readings = evidence.means[points, i]
-        covariance = evidence.covariance(i)[np.ix_(points, points)]
-        excess = birge_ratio(solution, design, readings, covariance)
-        factors[i] = excess.factor
-        slope = linear_estimate(evidence, i, weights[0], excess)
-        table = (equipment, slope.value)
-        lines = type_b.turning_rate(*table, solution.operator[0], rates, seconds)
-        scale.append(slope.with_lines(*lines))
-        if i == j:
-            lines = type_b.turning_rate(*table, solution.operator[1], rates, seconds)
-            offset = linear_estimate(evidence, i, weights[1], excess).with_lines(*lines)
+    lines = [fit_line(evidence, i, points, equipment) for i in range(3)]
+    factors = [line.excess.factor for line in lines]
     remarks = (
-        *rate_remarks(AXES[j], rates, "7.2.1.1 c)"),
-        *excess_remarks("jjf2003-line-scatter", factors.tolist(), axis=AXES[j]),
+        *rate_remarks(AXES[j], evidence.rate[points], "7.2.1.1 c)"),
+        *excess_remarks("jjf2003-line-scatter", factors, axis=AXES[j]),
     )
-    return Column(tuple(scale), offset, remarks=remarks)
+    return Column(tuple(line.slope for line in lines), lines[j].offset, remarks=remarks)
 
 
 def _fit_turns(evidence: Evidence, j: int, equipment: Equipment) -> Column:

@@ -223,3 +223,9 @@ def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run) -> None:
         item |= {"uncertainty_kind": "type A", "k": 2.0}
     old["settings"] = {"gravity_m_s2": 9.8, "latitude_deg": 0.0}
     assert Calibration.model_validate(old).items["gyro_bias"].budgets == {}
+
+
+def test_as_the_example_an_element_without_repeatability_has_no_uncertainty(real) -> None:
+    bias = calibrated(real("vn200_imu1_rate_table"), kind=EXAMPLE).items["accel_bias"]
+    assert bias.value["x"] is not None
+    assert bias.U["x"] is None
