@@ -1,18 +1,16 @@
 """What leaving the physics out does to the certificate: each item before and after."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.discrepancy import Consequence, VerdictChange
-from schemas.recording import ANGLE, Recording, Stream
+from schemas.recording import ANGLE, Recording
 from schemas.tolerance import Decision, Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.channels import CHANNELS
+from tasks.explain.correction.corrected import corrected
 from tasks.explain.explanation import Explanation
 from tasks.specifications.items import ITEMS
 from tasks.specifications.register import specification_for
@@ -47,43 +45,28 @@ def consequences(
     An element is listed where it moves by more than 0.05 U. Verdicts are compared where limits
     are given. Empty, with the reason as a remark, where the clauses give no items.
     """
-    found = explanation.findings
-    none = Consequences(((),) * len(found), ((),) * len(found))
-    if not found:
+    contributions = [finding.contribution for finding in explanation.findings]
+    count = len(contributions)
+    none = Consequences(((),) * count, ((),) * count)
+    if not count:
         return none
     if all(name in recording.imu.columns for name in ANGLE):
         return replace(none, remarks=(message("explain-items-by-angles"),))
     try:
         before = _calibrated(recording)
-        after = [_calibrated(without(recording, (each.contribution,))) for each in found]
-        every = after[0] if len(found) == 1 else _calibrated(
-            without(recording, [each.contribution for each in found])
-        )  # fmt: skip
+        after = [_calibrated(corrected(recording, (each,))) for each in contributions]
+        whole = after[0] if count == 1 else _calibrated(corrected(recording, contributions))
     except Unusable as fault:
         return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
-    judged = _judge(tolerance, before)
+    changes = _verdict_changes(tolerance, before, [*after, whole])
+    together = tuple(moved(before, whole))
     return Consequences(
         of_findings=tuple(tuple(moved(before, each)) for each in after),
-        changes=tuple(tuple(judged(each)) for each in after),
-        together=tuple(moved(before, every)),
-        changes_together=tuple(judged(every)),
-        remarks=_of_all_together(tuple(moved(before, every)), tuple(judged(every)), len(found)),
+        changes=tuple(changes[:-1]),
+        together=together,
+        changes_together=changes[-1],
+        remarks=_remark_together(together, changes[-1], count),
     )
-
-
-def without(recording: Recording, contributions: Sequence[np.ndarray]) -> Recording:
-    """The recording less what each contribution (n, 6), rad/s and m/s², added to its readings.
-
-    Rows where a contribution is not known stay as they were read.
-    """
-    added = np.zeros((len(recording.imu), len(CHANNELS)))
-    for each in contributions:
-        added += np.nan_to_num(each, nan=0.0)
-    columns = dict(recording.imu.columns)
-    for channel, name in enumerate(CHANNELS):
-        if name in columns and added[:, channel].any():
-            columns[name] = columns[name] - added[:, channel]
-    return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
 def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
@@ -101,11 +84,11 @@ def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
             )
 
 
-def moved_by(seen: Consequence) -> float:
+def moved_by(consequence: Consequence) -> float:
     """By how many U an element moves; 0 where it has no value or no U."""
-    if seen.before is None or seen.after is None or not seen.U:
+    if consequence.before is None or consequence.after is None or not consequence.U:
         return 0.0
-    return abs(seen.after - seen.before) / seen.U
+    return abs(consequence.after - consequence.before) / consequence.U
 
 
 def _calibrated(recording: Recording) -> Calibration:
@@ -114,38 +97,37 @@ def _calibrated(recording: Recording) -> Calibration:
     return calibrate(specification, recording, run="", code_version="")
 
 
-def _judge(
-    tolerance: Tolerance | None, before: Calibration
-) -> Callable[[Calibration], Iterator[VerdictChange]]:
-    """Compares verdicts with those before; finds none where there are no limits for the items."""
+def _verdict_changes(
+    tolerance: Tolerance | None, before: Calibration, after: Sequence[Calibration]
+) -> list[tuple[VerdictChange, ...]]:
+    """For each calibration its verdicts beside those before; none without limits for the items."""
     if tolerance is None:
-        return lambda _: iter(())
+        return [()] * len(after)
     try:
-        first = conformity.decide(before, tolerance)
+        first = _verdicts(conformity.decide(before, tolerance))
     except Unusable:  # limits of another specification's items
-        return lambda _: iter(())
-    return lambda after: _changes(first, conformity.decide(after, tolerance))
+        return [()] * len(after)
+    return [_changes(first, _verdicts(conformity.decide(each, tolerance))) for each in after]
 
 
-def _changes(before: Decision, after: Decision) -> Iterator[VerdictChange]:
-    now = _of_items(after)
-    for item, verdict in _of_items(before).items():
-        if now[item] != verdict:
-            yield VerdictChange(item=item, before=verdict, after=now[item])
-    if before.verdict != after.verdict:
-        yield VerdictChange(item=OVERALL, before=before.verdict, after=after.verdict)
+def _changes(before: dict[str, str], after: dict[str, str]) -> tuple[VerdictChange, ...]:
+    return tuple(
+        VerdictChange(item=item, before=verdict, after=after[item])
+        for item, verdict in before.items()
+        if after[item] != verdict
+    )
 
 
-def _of_items(decision: Decision) -> dict[str, str]:
-    """The worst verdict of each item's elements."""
+def _verdicts(decision: Decision) -> dict[str, str]:
+    """The worst verdict of each item's elements, and that of the certificate as a whole."""
     worst: dict[str, str] = {}
-    for made in decision.limits:
-        said = worst.get(made.item, "pass")
-        worst[made.item] = max(said, made.verdict, key=SEVERITY.index)
-    return worst
+    for limit in decision.limits:
+        verdicts = (worst.get(limit.item, "pass"), limit.verdict)
+        worst[limit.item] = max(verdicts, key=SEVERITY.index)
+    return worst | {OVERALL: decision.verdict}
 
 
-def _of_all_together(
+def _remark_together(
     together: tuple[Consequence, ...], changes: tuple[VerdictChange, ...], findings: int
 ) -> tuple[Sayable, ...]:
     """The sentence about all findings at once, where there are several."""

@@ -12,7 +12,7 @@ from schemas.discrepancy import FoundParameter, Statement
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
-from tasks.explain.correction.consequences import without
+from tasks.explain.correction.corrected import corrected
 from tasks.explain.correction.sensitivity import sensitivities
 from tasks.explain.explanation import Finding
 from tasks.model.simulate import predict
@@ -58,7 +58,7 @@ def run(ideal_run: Callable[..., Recording]) -> Recording:
 def displaced(run: Recording) -> tuple[Recording, Finding]:
     """A run of a unit off the axes, and the finding that says where it is."""
     found = lever_arm(run)
-    return without(run, (-found.contribution,)), found
+    return corrected(run, (-found.contribution,)), found
 
 
 def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
@@ -122,7 +122,7 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     )
     term = earth_rotation(math.pi / 2)
     found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
-    on_earth = without(recording, (-found.contribution,))
+    on_earth = corrected(recording, (-found.contribution,))
     by_clause = calibrated(on_earth).items["gyro_g_sensitivity"]
     assert by_clause.value["xx"] == pytest.approx(math.degrees(7.292115e-5), rel=1e-4)
     adopted = adopt(on_earth, [found], calibrated, (term,), whole_motion(on_earth))

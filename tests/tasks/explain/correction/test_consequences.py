@@ -9,7 +9,8 @@ from explained import explanation, finding, nothing_added
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
-from tasks.explain.correction.consequences import consequences, without
+from tasks.explain.correction.consequences import consequences
+from tasks.explain.correction.corrected import corrected
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
 
@@ -25,7 +26,7 @@ def biased(recording: Recording, channel: int, size: float) -> np.ndarray:
 
 
 def added_to(recording: Recording, contribution: np.ndarray) -> Recording:
-    return without(recording, (-contribution,))
+    return corrected(recording, (-contribution,))
 
 
 def limits(item: str, unit: str, magnitude: float) -> Tolerance:
@@ -99,7 +100,7 @@ def test_no_finding_has_no_consequence(run: Recording) -> None:
 def test_rows_where_a_contribution_is_not_known_stay_as_they_were_read(run: Recording) -> None:
     added = biased(run, 0, 1.0)
     added[5] = np.nan
-    less = without(run, (added,)).imu.columns["gyro_x"]
+    less = corrected(run, (added,)).imu.columns["gyro_x"]
     read = run.imu.columns["gyro_x"]
     assert less[5] == read[5]
     assert less[6] == pytest.approx(read[6] - 1.0)
