@@ -50,7 +50,7 @@ def time_axis(axes: "Axes", most: int = 10) -> None:
     from matplotlib.ticker import MaxNLocator
 
     start, end = axes.get_xlim()
-    unit, size = next(each for each in CLOCKS if end - start > 3.0 * each[1] or each[0] == "s")
+    unit, size = next(clock for clock in CLOCKS if end - start > 3.0 * clock[1] or clock[0] == "s")
     ticks = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(start / size, end / size)
     inside = [tick for tick in ticks if start <= tick * size <= end]
     axes.set_xticks([tick * size for tick in inside], [f"{tick:g}" for tick in inside])

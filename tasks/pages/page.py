@@ -1,10 +1,9 @@
 """HTML by templates: `templates/base.html` has the style, a folder beside its code the content."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tasks.words import LANGUAGES, Message, Sayable, message, texts
+from tasks.words import LANGUAGES, Sayable, message, texts
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -15,8 +14,8 @@ BASE = Path(__file__).parent / "templates"
 def page(template: Path, **values: Any) -> str:
     """The HTML of a template that extends base.html, which needs nothing from elsewhere.
 
-    Templates have `say(id, …)` for a message of the catalogues, the filter `said` for anything
-    sayable, and the filter `listed` for several of these; all of it is escaped.
+    Templates have `say(id, …)` for a message of the catalogues, and the filter `text` for anything
+    sayable; both are escaped.
     """
     # Late: only who writes a page needs them.
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -28,7 +27,7 @@ def page(template: Path, **values: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"said": _said, "listed": _listed}
+    environment.filters |= {"text": _text}
     names = texts(message("language-name"))
     environment.globals |= {"say": _message, "languages": LANGUAGES, "language_name": names}
     return environment.get_template(template.name).render(**values) + "\n"
@@ -41,24 +40,18 @@ def inline(svg: str) -> "Markup":
     return Markup(svg)
 
 
-def _said(what: Sayable) -> "Markup":
+def _text(said: Sayable) -> "Markup":
     """In every language, of which the page shows one; once where all are the same."""
     from markupsafe import Markup
 
-    if hasattr(what, "__html__"):
-        return Markup(what)
-    by_language = texts(what)
+    if hasattr(said, "__html__"):
+        return Markup(said)
+    by_language = texts(said)
     if len(set(by_language.values())) == 1:
         return Markup("{}").format(by_language[LANGUAGES[0]])
     span = Markup('<span lang="{}">{}</span>')
-    return Markup("").join(span.format(*each) for each in by_language.items())
+    return Markup("").join(span.format(language, text) for language, text in by_language.items())
 
 
 def _message(id_: str, **arguments: Any) -> "Markup":
-    return _said(message(id_, **arguments))
-
-
-def _listed(what: Iterable[Sayable]) -> "Markup":
-    from markupsafe import Markup
-
-    return _said(Message("list-separator")).join(map(_said, what)) if what else Markup("")
+    return _text(message(id_, **arguments))

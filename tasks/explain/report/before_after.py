@@ -8,15 +8,16 @@ from scipy.fft import next_fast_len, rfft
 from schemas.recording import MEASURED
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
-from tasks.explain.report.excess import Cells
+from tasks.explain.report.cells import Cells
 from tasks.explain.report.names import channel_title
 from tasks.pages.chart import AFTER, BEFORE, draw, time_axis
 from tasks.words import say
+from tasks.words.quantities import power_of_ten
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDTH, HEAD, ROW = 1200, 76, 224  # px
+WIDTH, HEAD, ROW, PLOT, FOOT = 1200, 88, 224, 152, 46  # px
 MAX_CHANNELS = 3  # that are shown
 BINS = 70  # of the logarithm of the frequency
 SHOWN = 0.98  # share of the cells that fit into the picture
@@ -28,9 +29,14 @@ ACCEL_UNITS = (("m/s²", 0.5, 1.0), ("mm/s²", 5e-4, 1e3), ("µm/s²", 0.0, 1e6)
 def before_after_svg(explanation: Explanation, cells: Cells) -> str:
     """The picture; its words are English with the field's symbols."""
     shown = affected(explanation, cells)
+    height = HEAD + ROW * (len(shown) - 1) + PLOT + FOOT
 
     def content(figure: "Figure") -> None:
-        rows = figure.subplots(len(shown), 2, squeeze=False, width_ratios=(2, 1))
+        figure.set_layout_engine("none")  # it would cost as much again as the drawing
+        rows = figure.subplots(len(shown), 2, squeeze=False, gridspec_kw={
+            "width_ratios": (2, 1), "left": 60 / WIDTH, "right": 1 - 14 / WIDTH, "wspace": 0.12,
+            "top": 1 - HEAD / height, "bottom": FOOT / height, "hspace": (ROW - PLOT) / PLOT,
+        })  # fmt: skip
         for channel, (over_time, over_frequency) in zip(shown, rows, strict=True):
             _draw_means(over_time, cells, channel)
             _draw_spectra(over_frequency, explanation, channel)
@@ -38,7 +44,6 @@ def before_after_svg(explanation: Explanation, cells: Cells) -> str:
         rows[0][1].annotate("Its spectrum, white noise = 1", (0, 1), xytext=(0, 62), **HEADING)
         _draw_legend(rows[0][0], bool(explanation.findings))
 
-    height = HEAD + ROW * len(shown)
     return draw("Residuals before and after", WIDTH, height, content)
 
 
@@ -145,6 +150,8 @@ def _draw_spectra(axes: Any, explanation: Explanation, channel: int) -> None:
     axes.set(xlim=(frequency[0], frequency[-1]),
              ylim=(max(low, 1e-3), 2.0 * max(float(np.nanmax(whole)), 5.0)))  # fmt: skip
     axes.minorticks_off()
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda power, _: power_of_ten(round(np.log10(power)))[1:] or "1")
 
 
 def spectrum(t: np.ndarray, whitened: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

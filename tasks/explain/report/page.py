@@ -9,7 +9,7 @@ from tasks.explain.correction.consequences import moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report import names, statements
 from tasks.explain.report.before_after import before_after_svg
-from tasks.explain.report.excess import cells_of
+from tasks.explain.report.cells import cells_of
 from tasks.explain.report.files import appear, prediction
 from tasks.explain.report.verdict import detected, tested
 from tasks.explain.report.where import where_svg

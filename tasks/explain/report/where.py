@@ -9,7 +9,7 @@ import numpy as np
 from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.recording import MEASURED, Segment
 from tasks.explain.channels import CHANNELS
-from tasks.explain.report.excess import Cells
+from tasks.explain.report.cells import Cells
 from tasks.explain.report.names import capital, channel_title
 from tasks.pages.chart import FINDINGS, GREY, PALE, draw, time_axis
 from tasks.words import say

@@ -41,13 +41,13 @@ def chart(
 
     def content(figure: "Figure") -> None:
         axes = figure.subplots()
-        for one in series:
-            style = "o" if one.dots else "-"
-            axes.errorbar(one.x, one.y, one.bars, fmt=style, color=one.colour, markersize=7,
-                          linewidth=1.8, elinewidth=1.4, label=one.name)  # fmt: skip
+        for line in series:
+            style = "o" if line.dots else "-"
+            axes.errorbar(line.x, line.y, line.bars, fmt=style, color=line.colour, markersize=7,
+                          linewidth=1.8, elinewidth=1.4, label=line.name)  # fmt: skip
         for mark in marks:
-            line = axes.axhline if mark.across else axes.axvline
-            line(mark.at, color=mark.colour, linewidth=1.6, label=mark.name or None)
+            draw_line = axes.axhline if mark.across else axes.axvline
+            draw_line(mark.at, color=mark.colour, linewidth=1.6, label=mark.name or None)
         axes.set_xlabel(x_name, loc="right")
         axes.set_ylabel(y_name, loc="top")
         axes.grid(axis="y", color=PALE)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tasks.pages.chart import INK, draw
+from tasks.pages.chart import GREY, INK, draw
 from tests.proof.trial.pictures.outcome import (
     LEGEND,
     LIMIT,
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 BINS = 10
-Z = "z: signal beside the noise, after the standard's parameters took their part\n"
+Z = "z: signal beside the noise, after the standard's parameters took their part"
+BARS = "* or a pair that holds the truth; bars: 95 % intervals"
 SHORT = ("right", "pair", "unnamed", "missed", "wrong")
 
 
@@ -37,7 +38,9 @@ def headline_svg(scores: Sequence[Score]) -> str:
         naming.set_title("One effect alone: is it named?", **TITLE)
         legend(naming, [*series, (KNOWS, LIMIT)], **BELOW_TITLE)
         draw_power(naming, kept, kept)
-        naming.set_xlabel(Z + "* or a pair that holds the truth; bars: 95 % intervals", loc="right")
+        naming.set_xlabel(Z, loc="right")
+        naming.annotate(BARS, (1, 0), xytext=(0, -44), xycoords="axes fraction", color=GREY,
+                        textcoords="offset points", ha="right")  # fmt: skip
         hiding.set_title("How much of it do the standard's parameters hide?", **TITLE)
         entries = zip(SHORT, (colour for _, colour in LEGEND), strict=True)
         legend(hiding, entries, **BELOW_TITLE)
@@ -72,4 +75,4 @@ def _draw_hiding(axes: Any, kept: Sequence[Score]) -> None:
     axes.set(xlim=(0, 1), ylim=(0, 1.1 * (foot.max() or 1)), yticks=[])
     axes.spines["left"].set_visible(False)
     axes.xaxis.set_major_formatter(lambda share, _: f"{100 * share:.0f} %")
-    axes.set_xlabel("share of the effect's power that they absorb\nheight: recordings", loc="right")
+    axes.set_xlabel("share of the effect's power that they absorb; height: recordings", loc="right")

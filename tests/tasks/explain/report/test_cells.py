@@ -9,7 +9,7 @@ from made_report import added_to, explanation, finding, recording, tilt
 from schemas.recording import Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.report.before_after import affected, spectrum
-from tasks.explain.report.excess import cells_of
+from tasks.explain.report.cells import cells_of
 
 
 def test_noise_alone_shows_no_excess() -> None:
