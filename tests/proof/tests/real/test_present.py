@@ -88,7 +88,7 @@ def test_only_exchanged_z_rests_fit_bias_and_matrix(recordings: Recordings) -> N
 
 
 def test_doubtful_claims_are_judged(recordings: Recordings) -> None:
-    truths = {(each.recording, each.what[0]): each.truth for each in doubtful(recordings)}
+    truths = {(each.recording, each.what.en): each.truth for each in doubtful(recordings)}
     bench = "vn200_57630_six_position"
     assert truths[bench, "a line at 14.158 Hz, there all the time"] == "true"
     assert truths["adi_mems_two_position", "a line at 36.702 Hz, there all the time"] == "false"
