@@ -1,28 +1,30 @@
-"""A list of terms fitted to a recording's rows: weighted least squares, Gauss and Newton.
+"""A list of terms fitted to a recording's rows, weighted by their white noise.
 
-Linear parameters are solved by the normal equations, those of the input by iterating. The
-weights follow the white noise; the covariance is the sandwich N⁻¹·(ΦᵀW Σ WΦ)·N⁻¹ with the whole
-noise Σ, drift included, so that it holds for samples that are not independent.
+The covariance is the sandwich N⁻¹·(ΦᵀW Σ WΦ)·N⁻¹ with the whole noise Σ, drift included, so that
+it holds for samples that are not independent.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.base import Unusable
+from tasks.model.gauss_newton import Step, gauss_newton
+from tasks.model.model import Model
 from tasks.model.noise import RowNoise
-from tasks.model.simulate import CHANNEL_COUNT, Design, linearise, predict
-from tasks.model.term import Parameter, Term, nominal_values, parameters_of
+from tasks.model.regression import NormalEquations, determined, inverse
+from tasks.model.simulate import CHANNEL_COUNT
+from tasks.model.term import Column, Parameter, Term, parameters_of
 from tasks.motion.whole import Motion
 
-MOST_STEPS = 30
+MAX_STEPS = 30
 SMALL_STEP = 1e-9  # of a parameter's plausible range: converged
-RANK = 1e-11  # of the largest eigenvalue of the scaled normal matrix
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What a fit found, SI throughout.
+    """The parameters of a list of terms, SI throughout.
 
     values, u: (p,), NaN where the rows do not determine a parameter; covariance: (p, p).
     residuals: (n, 6) reading minus prediction, NaN where a row was not used.
@@ -54,101 +56,76 @@ def fit(
     noise: RowNoise,
     start: np.ndarray | None = None,
 ) -> Fit:
-    """Fit a list of terms to readings (n, 6) in rad/s and m/s².
+    """Fit a list of terms and their continuous shapes to readings (n, 6) in rad/s and m/s².
 
     Readings that are NaN and rows whose motion a channel's terms do not know are not used.
     start: (p,) first values, those of an ideal unit unless given.
-    Raises Unusable where the iteration does not come to rest.
+    Raises Unusable where the iteration does not converge.
     """
-    values = nominal_values(terms) if start is None else start.astype(float)
     ranges = np.array([high - low for low, high in (p.plausible for p in parameters_of(terms))])
-    for _ in range(MOST_STEPS):
-        equations = _Equations.of(linearise(terms, motion, values), readings, noise)
-        inverse, estimable = _inverse(equations.normal)
-        step = inverse @ equations.right
-        values = values + step
-        if (np.abs(step) <= SMALL_STEP * ranges).all():
-            break
-    else:
+
+    def settled(model: Model, step: Step) -> bool:
+        small = SMALL_STEP * ranges[model.free]
+        return bool((np.abs(step.change[: len(small)]) <= small).all())
+
+    def whiten(columns: Sequence[Column], misfit: np.ndarray) -> NormalEquations:
+        return _whitened(columns, misfit, noise)
+
+    model = Model.of(terms, None if start is None else start.astype(float))
+    model, converged = gauss_newton(model, motion, readings, whiten, settled, MAX_STEPS)
+    if not converged:
         names = ", ".join(term.name for term in terms)
         raise Unusable(
-            f"the fit of {names} did not settle in {MOST_STEPS} steps; the recording does not "
+            f"the fit of {names} did not settle in {MAX_STEPS} steps; the recording does not "
             "determine these terms together: leave one out"
         )
-    return _finished(terms, motion, readings, noise, values, equations, inverse, estimable)
+    return _finished(model, motion, readings, noise)
 
 
-@dataclass(frozen=True)
-class _Equations:
-    """Normal equations at some values: normal (p, p), right (p,), weights (n, 6), 0: not used."""
-
-    design: Design
-    normal: np.ndarray
-    right: np.ndarray
-    weights: np.ndarray
-
-    @classmethod
-    def of(cls, design: Design, readings: np.ndarray, noise: RowNoise) -> "_Equations":
-        count = len(design.columns)
-        normal, right = np.zeros((count, count)), np.zeros(count)
-        weights = np.zeros_like(readings)
-        for channel in range(CHANNEL_COUNT):
-            which, columns = design.of_channel(channel)
-            used = np.isfinite(readings[:, channel]) & (noise.white[:, channel] > 0)
-            used &= np.isfinite(columns).all(axis=1)
-            if not which or not used.any():
-                continue
-            weights[used, channel] = 1.0 / noise.white[used, channel]
-            miss = np.where(used, readings[:, channel] - design.prediction[:, channel], 0.0)
-            weighted = _weighted(columns, weights[:, channel])
-            normal[np.ix_(which, which)] += _weighted(columns, used).T @ weighted
-            right[which] += weighted.T @ miss
-        return cls(design, normal, right, weights)
-
-    def spread(self, noise: RowNoise) -> np.ndarray:
-        """Covariance (p, p) of the right side, ΦᵀW Σ WΦ, by the whole noise."""
-        spread = np.zeros_like(self.normal)
-        for channel in np.flatnonzero(self.weights.any(axis=0)):
-            which, columns = self.design.of_channel(int(channel))
-            weighted = _weighted(columns, self.weights[:, channel])
-            spread[np.ix_(which, which)] += noise.gram(int(channel), weighted)
-        return spread
+def _whitened(columns: Sequence[Column], misfit: np.ndarray, noise: RowNoise) -> NormalEquations:
+    grams, which = [], []
+    for channel in range(CHANNEL_COUNT):
+        own = [q for q, column in enumerate(columns) if channel in column]
+        stack = np.column_stack([*(columns[q][channel] for q in own), misfit[:, channel]])
+        used = _used(stack, noise.white[:, channel])
+        white = np.where(used, noise.white[:, channel], 1.0)
+        stack = np.where(used[:, None], stack, 0.0) / np.sqrt(white)[:, None]
+        grams.append(stack.T @ stack)
+        which.append(np.array(own, int))
+    return NormalEquations(tuple(grams), tuple(which), len(columns))
 
 
-def _weighted(columns: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Columns (n, k) times weights (n,); zero where the weight is, whatever the column says."""
-    return np.where((weights > 0)[:, None], columns, 0.0) * weights[:, None]
+def _used(stack: np.ndarray, white: np.ndarray) -> np.ndarray:
+    """(n,) bool: rows of columns and misfit (n, k + 1) that a channel's fit uses."""
+    return np.asarray(np.isfinite(stack).all(axis=1) & (white > 0) & (stack.shape[1] > 1))
 
 
-def _inverse(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Generalised inverse (p, p) of the normal matrix and which parameters it determines."""
-    scale = np.sqrt(np.diag(normal))
-    scale[scale == 0] = 1.0
-    scaled = normal / np.outer(scale, scale)
-    inverse = np.linalg.pinv(scaled, rcond=RANK, hermitian=True)
-    resolution = np.diag(inverse @ scaled)
-    return inverse / np.outer(scale, scale), np.abs(resolution - 1.0) < 1e-6
-
-
-def _finished(
-    terms: tuple[Term, ...],
-    motion: Motion,
-    readings: np.ndarray,
-    noise: RowNoise,
-    values: np.ndarray,
-    equations: _Equations,
-    inverse: np.ndarray,
-    estimable: np.ndarray,
-) -> Fit:
-    miss = readings - predict(terms, motion, values)
-    used = equations.weights > 0
-    square = np.where(used, miss**2 * equations.weights, 0.0)
+def _finished(model: Model, motion: Motion, readings: np.ndarray, noise: RowNoise) -> Fit:
+    design = model.design(motion)
+    misfit = readings - design.prediction
+    normal, _, _ = _whitened(design.columns, misfit, noise).normal()
+    solution, spread = inverse(normal), np.zeros_like(normal)
+    used = np.zeros(readings.shape, bool)
+    for channel in range(CHANNEL_COUNT):
+        which, columns = design.of_channel(channel)
+        stack = np.column_stack([columns, misfit[:, channel]])
+        used[:, channel] = _used(stack, noise.white[:, channel])
+        if not used[:, channel].any():
+            continue
+        weights = np.where(used[:, channel], 1.0 / noise.white[:, channel], 0.0)
+        weighted = np.where(used[:, channel, None], columns, 0.0) * weights[:, None]
+        spread[np.ix_(which, which)] += noise.gram(channel, weighted)
+    rows = np.flatnonzero(model.free)
+    inner = np.ix_(rows, rows)
+    covariance, estimable = np.zeros_like(model.covariance), np.zeros(len(model.values), bool)
+    covariance[inner] = (solution @ spread @ solution)[: len(rows), : len(rows)]
+    estimable[rows] = determined(normal, solution)[: len(rows)]
     return Fit(
-        terms=terms,
-        values=np.where(estimable, values, np.nan),
+        terms=model.terms,
+        values=np.where(estimable, model.values, np.nan),
         estimable=estimable,
-        covariance=inverse @ equations.spread(noise) @ inverse,
-        residuals=np.where(used, miss, np.nan),
-        chi2=float(square.sum()),
-        degrees=int(used.sum()) - int(np.linalg.matrix_rank(inverse, hermitian=True)),
+        covariance=covariance,
+        residuals=np.where(used, misfit, np.nan),
+        chi2=float(np.where(used, misfit**2 / noise.white, 0.0).sum()),
+        degrees=int(used.sum()) - round(float(np.trace(solution @ normal))),
     )

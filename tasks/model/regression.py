@@ -1,8 +1,45 @@
-"""Normal equations solved: the generalised inverse that every fit shares."""
+"""Whitened normal equations of a linearised model: what every fit of a list of terms solves.
+
+Whoever knows the noise whitens: by the variance of each row (`tasks.model.fit`), in the transformed
+domain (`tasks.explain.regression`). From there on all fits are the same algebra.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.model.term import Column
+
 RANK = 1e-9  # of the largest eigenvalue of the scaled normal matrix: smaller ones are rounding
+RESOLVED = 1e-6  # a parameter is determined where its resolution is one within this
+
+
+@dataclass(frozen=True)
+class NormalEquations:
+    """A model linearised at its values, whitened.
+
+    grams: for each of six channels the products (k + 1, k + 1) of its whitened columns and, last,
+    of its misfit, reading minus prediction. which: (k,) for each channel, which of the `count`
+    columns it has.
+    """
+
+    grams: tuple[np.ndarray, ...]
+    which: tuple[np.ndarray, ...]
+    count: int
+
+    def normal(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Normal matrix (q, q), right side (q,) and chi-squared over all channels."""
+        normal, right, misfit = np.zeros((self.count, self.count)), np.zeros(self.count), 0.0
+        for gram, which in zip(self.grams, self.which, strict=True):
+            normal[np.ix_(which, which)] += gram[:-1, :-1]
+            right[which] += gram[:-1, -1]
+            misfit += float(gram[-1, -1])
+        return normal, right, misfit
+
+
+Whiten = Callable[[Sequence[Column], np.ndarray], NormalEquations]
+"""Columns and misfit (n, 6) of a model -> its normal equations, by what is known of the noise."""
 
 
 def inverse(normal: np.ndarray) -> np.ndarray:
@@ -13,3 +50,8 @@ def inverse(normal: np.ndarray) -> np.ndarray:
     kept = values > RANK * max(float(values[-1]), 0.0) if len(values) else np.zeros(0, bool)
     turned = vectors[:, kept]
     return np.asarray((turned / values[kept]) @ turned.T * scale[:, None] * scale)
+
+
+def determined(normal: np.ndarray, solution: np.ndarray) -> np.ndarray:
+    """(p,) bool: parameters that the equations determine, by their generalised inverse (p, p)."""
+    return np.asarray(np.abs(np.diag(solution @ normal) - 1.0) < RESOLVED)

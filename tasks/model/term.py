@@ -19,6 +19,7 @@ from tasks.motion.whole import Motion
 
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
 Text = tuple[str, str]  # English, Chinese
+TermKey = tuple[str, int]
 COUNTS = "1"  # unit of a shape that is a whole number
 
 
@@ -62,7 +63,7 @@ class Term(Effect):
     variant: int = 0
 
     @property
-    def key(self) -> tuple[str, int]:
+    def key(self) -> TermKey:
         """By which a term is recognised, whatever its shape."""
         return self.name, self.variant
 

@@ -10,12 +10,12 @@ from scipy.stats import chi2
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
-from tasks.explain.evidence.held_out import CrossValidation, cross_validation
-from tasks.explain.regression.equations import Equations, equations_of
+from tasks.explain.evidence.held_out import cross_validation
+from tasks.explain.regression.equations import equations_of
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import whole_effect
 from tasks.explain.search.stepwise import FALSE_ALARMS
-from tasks.model.regression import inverse
+from tasks.model.cross_validation import CrossValidation
+from tasks.model.regression import NormalEquations, inverse
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, places
 
@@ -32,7 +32,7 @@ class Evidence:
 
     fit: FittedSelection
     groups: tuple[FindingGroup, ...]
-    whole: Equations
+    whole: NormalEquations
     folds: CrossValidation
     own: tuple[tuple[list[int], np.ndarray], ...]
     known: tuple[int, ...]
@@ -58,7 +58,7 @@ class Evidence:
                     known.append(len(columns))
                     mine.append(len(columns))
                     values.append(1.0)
-                    columns.append(whole_effect(model, term, blocks.motion, design.prediction))
+                    columns.append(model.effect_of(term, blocks.motion, design.prediction))
                 fitted = [p for p in range(place.start, place.stop) if p in position]
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()

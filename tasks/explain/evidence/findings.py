@@ -108,7 +108,7 @@ def _checked_parameters(
         return []
     others = {other.key for other in fit.model.terms if other.name == absorbed_by}
     rest = fit.model.without({term.key} | others)
-    alone = fitted(rest.with_free(free), fit.blocks, fit.noises)
+    alone = fitted(rest.with_term(free), fit.blocks, fit.noises)
     count = len(free.parameters)
     return [
         FoundParameter(

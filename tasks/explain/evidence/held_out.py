@@ -1,63 +1,18 @@
 """How a model predicts segments that its fit did not use: every fourth one, in turn."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.equations import Equations
 from tasks.explain.regression.spectrum import Noise
+from tasks.model.cross_validation import CrossValidation
+from tasks.model.regression import NormalEquations
 from tasks.model.term import Column
 
 FOLDS = 4
-RIDGE = 1e-9  # of a column's power: what no other fold determines is as good as free
 CELL_LENGTH = 30.0  # s of what has no segments
-
-
-@dataclass(frozen=True)
-class CrossValidation:
-    """Whitened Gram matrices of a model's columns and misfit: on all rows, and on each fold."""
-
-    whole: Equations
-    folds: tuple[Equations, ...]
-
-    def deviance(self, kept: Sequence[int], added: np.ndarray, prior: np.ndarray) -> np.ndarray:
-        """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
-
-        What the others leave uncertain is uncertain in the prediction: e ~ N(0, 1 + J·C·Jᵀ).
-        kept: the columns that are fitted. added: (q,) what is put back into the misfit of the
-        columns that are not. prior: (q,) precision beforehand, of changes about `added`.
-        """
-        total = np.zeros(6)
-        rows = list(kept)
-        power = np.diag(self.whole.normal()[0])[rows] + prior[rows]
-        scale = 1.0 / np.sqrt(np.maximum(power, 1e-300))
-        least = np.diag(np.full(len(rows), RIDGE))
-        for fold in self.folds:
-            normal, right = self._others(fold)
-            right = right + normal @ added
-            own = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
-            own = own * scale[:, None] * scale + least
-            change = added.copy()
-            change[rows] -= scale * np.linalg.solve(own, scale * right[rows])
-            for channel, (gram, which) in enumerate(zip(fold.grams, fold.which, strict=True)):
-                factors = np.append(change[which], 1.0)
-                score, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
-                score[which] = gram[:-1] @ factors
-                more[np.ix_(which, which)] = gram[:-1, :-1]
-                mine = own + more[np.ix_(rows, rows)] * scale[:, None] * scale
-                own_score = scale * score[rows]
-                fitted = own_score @ np.linalg.solve(mine, own_score)
-                total[channel] += factors @ gram @ factors - fitted
-                total[channel] += np.linalg.slogdet(mine)[1] - np.linalg.slogdet(own)[1]
-        return total
-
-    def _others(self, fold: Equations) -> tuple[np.ndarray, np.ndarray]:
-        """Normal matrix and right side of all rows but the fold's."""
-        (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
-        return normal - hidden, right - hidden_right
 
 
 def cross_validation(
@@ -71,14 +26,16 @@ def cross_validation(
     cells = fold_cells(observed)
     grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
     folds = tuple(
-        Equations(
+        NormalEquations(
             tuple(part[np.arange(len(part)) % FOLDS == k].sum(axis=0) for part, _ in grams),
             tuple(which for _, which in grams),
             len(columns),
         )
         for k in range(FOLDS)
     )
-    whole = Equations(tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns))
+    whole = NormalEquations(
+        tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns)
+    )
     return CrossValidation(whole, folds)
 
 

@@ -9,8 +9,8 @@ from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import Model
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.model.model import Model
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values, places
 from tasks.model.terms.standard import STANDARD_TERMS

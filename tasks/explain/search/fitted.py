@@ -11,7 +11,6 @@ from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, with_columns
 from tasks.explain.search.proposals import with_proposed_shapes
 from tasks.explain.search.refit import (
-    Model,
     fitted,
     linearised,
     model_of,
@@ -25,6 +24,7 @@ from tasks.explain.search.stepwise import (
     noises_beside,
     search,
 )
+from tasks.model.model import Model
 from tasks.model.terms.timing import TIME_OFFSET
 
 MAX_SEARCHES = 3  # each after a fit of all that was selected in its real form

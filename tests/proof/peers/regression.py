@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.explain.evidence.held_out import FOLDS, RIDGE
+from tasks.explain.evidence.held_out import FOLDS
+from tasks.model.cross_validation import DIFFUSE
 from tests.proof.peers.peer import HeldOut
 from tests.proof.peers.seen import SAME, Equations, Seen
 
@@ -48,7 +49,7 @@ def surprise(equations: Equations, fold: int, chosen: Sequence[int]) -> tuple[fl
     size = np.sqrt(np.maximum(np.diag(whole)[which], 1e-300))
     square = likelihood = 0.0
     for gram, sign in ((whole, 1.0), (equations.without(fold), -1.0)):
-        normal = gram[np.ix_(which, which)] / size[:, None] / size + RIDGE * np.eye(len(which))
+        normal = gram[np.ix_(which, which)] / size[:, None] / size + DIFFUSE * np.eye(len(which))
         right = gram[which, -1] / size
         square += sign * float(gram[-1, -1] - right @ np.linalg.solve(normal, right))
         likelihood += sign * float(np.linalg.slogdet(normal)[1])

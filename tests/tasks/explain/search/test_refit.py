@@ -7,7 +7,8 @@ from engine_run import GRAVITY, NOISY, QUIET, motion, noise, observed, read, wit
 from tasks.explain.channels import GYROS
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.empirical_terms import sinusoid
-from tasks.explain.search.refit import Model, fitted, linearised, model_of, with_later_clock
+from tasks.explain.search.refit import fitted, linearised, model_of, with_later_clock
+from tasks.model.model import Model
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values, places
 from tasks.model.terms.electronics import BANDWIDTH

@@ -1,0 +1,53 @@
+"""How well a linearised model predicts the part of the rows that its fit did not use."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tasks.model.regression import NormalEquations
+
+DIFFUSE = 1e-9  # of a column's power: what no other fold determines is as good as free
+
+
+@dataclass(frozen=True)
+class CrossValidation:
+    """A model's normal equations on all rows, and on each fold of them."""
+
+    whole: NormalEquations
+    folds: tuple[NormalEquations, ...]
+
+    def deviance(self, fitted: Sequence[int], values: np.ndarray, prior: np.ndarray) -> np.ndarray:
+        """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
+
+        What the others leave uncertain is uncertain in the prediction: e ~ N(0, 1 + J·C·Jᵀ).
+        fitted: the columns that are fitted. values: (q,) of columns that are put back into the
+        misfit first. prior: (q,) precision beforehand, of changes about `values`.
+        """
+        total = np.zeros(len(self.whole.grams))
+        rows = list(fitted)
+        power = np.diag(self.whole.normal()[0])[rows] + prior[rows]
+        scale = 1.0 / np.sqrt(np.maximum(power, 1e-300))
+        least = np.diag(np.full(len(rows), DIFFUSE))
+        for fold in self.folds:
+            normal, right = self._training(fold)
+            right = right + normal @ values
+            known = normal[np.ix_(rows, rows)] + np.diag(prior[rows])
+            known = known * scale[:, None] * scale + least
+            change = values.copy()
+            change[rows] -= scale * np.linalg.solve(known, scale * right[rows])
+            for channel, (gram, which) in enumerate(zip(fold.grams, fold.which, strict=True)):
+                left = np.append(change[which], 1.0)
+                gradient, more = np.zeros(fold.count), np.zeros((fold.count, fold.count))
+                gradient[which] = gram[:-1] @ left
+                more[np.ix_(which, which)] = gram[:-1, :-1]
+                both = known + more[np.ix_(rows, rows)] * scale[:, None] * scale
+                scaled = scale * gradient[rows]
+                total[channel] += left @ gram @ left - scaled @ np.linalg.solve(both, scaled)
+                total[channel] += np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1]
+        return total
+
+    def _training(self, fold: NormalEquations) -> tuple[np.ndarray, np.ndarray]:
+        """Normal matrix and right side of all rows but the fold's."""
+        (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
+        return normal - hidden, right - hidden_right
