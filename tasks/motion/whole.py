@@ -193,7 +193,11 @@ def _north(heading: float | None, count: int) -> np.ndarray:
 
 
 def _turned(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) turned by angles (n,) rad about one unit direction (Rodrigues)."""
+    """Vectors (n, 3) turned by angles (n,) rad about one unit direction (Rodrigues).
+
+    By hand, because a matrix for each of a million rows, as scipy's Rotation makes, is nine times
+    the memory.
+    """
     if not angle.any():
         return vector
     along = (vector @ direction)[:, None] * direction

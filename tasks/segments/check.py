@@ -11,8 +11,9 @@ import numpy as np
 
 from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
-from tasks.segments.completeness import ENVIRONMENT_UNITS, completeness_remarks
+from tasks.segments.completeness import completeness_remarks
 from tasks.segments.conditions import Conditions
+from tasks.segments.environment import environment_not_recorded, environment_remarks
 from tasks.segments.find import up_of
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import (
@@ -51,7 +52,7 @@ def check_segments(
         if not may_stand_still:
             remarks.extend(_stuck(recording, segment, channels))
         remarks.extend(_lost(recording, segment))
-        remarks.extend(_environment(recording, segment, conditions))
+        remarks.extend(environment_remarks(recording, segment, conditions))
         if i in points:
             remarks.extend(_rate(segment, points[i], conditions, channels))
     return (
@@ -59,7 +60,8 @@ def check_segments(
         *_short(segments, conditions),
         *_coarse(segments, channels),
         *_overlapping(segments),
-        *completeness_remarks(recording, segments, conditions),
+        *completeness_remarks(recording, segments),
+        *environment_not_recorded(recording, conditions),
     )
 
 
@@ -233,28 +235,3 @@ def _overlapping(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
         )
         names = dict.fromkeys(name for pair in pairs for name in pair)
         yield remark("overlapping_segments", text, tuple(names), blocks_pass=True)
-
-
-def _environment(
-    recording: Recording, segment: SegmentMean, conditions: Conditions
-) -> Iterator[Remark]:
-    """Air temperature and humidity outside the specification's limits during the segment."""
-    if recording.environment is None:
-        return
-    limits = {
-        "temperature": conditions.temperature_degc,
-        "humidity": conditions.humidity_percent,
-    }
-    rows = recording.environment.rows(segment.t_start, segment.t_end)
-    for column, (low, high) in limits.items():
-        values = recording.environment.columns.get(column, np.empty(0))[rows]
-        if not len(values) or (values.min() >= low and values.max() <= high):
-            continue
-        text = message(
-            "segments-environment", segment=segment.segment.name,
-            quantity=message(f"segments-{column}"),
-            worst=f"{values.max() if values.max() > high else values.min():.1f}",
-            unit=ENVIRONMENT_UNITS[column], low=f"{low:g}", high=f"{high:g}",
-            clause=conditions.environment_clause,
-        )  # fmt: skip
-        yield remark("environment", text, (segment.segment.name,), blocks_pass=True)

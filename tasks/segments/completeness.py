@@ -1,4 +1,4 @@
-"""Checks of what a recording lacks: rows, triads, table readings, the environment."""
+"""Checks of what a recording lacks: rows, triads, table readings."""
 
 from collections.abc import Iterator
 
@@ -7,29 +7,17 @@ import numpy as np
 from schemas.calibration import Remark
 from schemas.recording import MEASURED, TRIADS, Recording
 from tasks.motion.smooth import covered
-from tasks.segments.conditions import Conditions
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.words import message, remark
 
-ENVIRONMENT_UNITS = {"temperature": "°C", "humidity": "%RH"}
-
 
 def completeness_remarks(
-    recording: Recording, segments: tuple[SegmentMean, ...], conditions: Conditions
+    recording: Recording, segments: tuple[SegmentMean, ...]
 ) -> Iterator[Remark]:
     """What is missing for some segments, or for the whole recording."""
     yield from _without_rows(recording)
     yield from _null_rows(recording)
     yield from _table_gap(recording, segments)
-    yield from _environment_not_recorded(recording, conditions)
-
-
-def _environment_not_recorded(recording: Recording, conditions: Conditions) -> Iterator[Remark]:
-    recorded = recording.environment.columns if recording.environment is not None else {}
-    if not set(ENVIRONMENT_UNITS) <= set(recorded):
-        clause = conditions.environment_clause
-        text = message("segments-environment-not-recorded", clause=clause)
-        yield remark("environment_not_recorded", text, blocks_pass=True)
 
 
 def _without_rows(recording: Recording) -> Iterator[Remark]:
