@@ -7,6 +7,8 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
 
+Origin = Literal["label", "found"]
+
 CHANNELS = GYRO + ACCEL
 GYRO_COLUMNS = slice(0, 3)
 ACCEL_COLUMNS = slice(3, 6)
@@ -35,7 +37,7 @@ class SegmentMean:
     """
 
     segment: Segment
-    origin: Literal["label", "found"]
+    origin: Origin
     rows: int
     t_start: float
     t_end: float
@@ -144,7 +146,7 @@ def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.
 def summarise(
     imu: Stream,
     segment: Segment,
-    origin: Literal["label", "found"],
+    origin: Origin,
     step: np.ndarray | None = None,
 ) -> SegmentMean | None:
     """The summary of one segment, or None where the recording has no row of it.
@@ -203,7 +205,7 @@ def _far_by_channel(values: np.ndarray, step: np.ndarray) -> dict[int, np.ndarra
 
 
 def summarise_all(
-    recording: Recording, segments: tuple[Segment, ...], origin: Literal["label", "found"]
+    recording: Recording, segments: tuple[Segment, ...], origin: Origin
 ) -> tuple[SegmentMean, ...]:
     """Summaries of every static, rate and rotation segment that the recording has rows of."""
     measured = (s for s in segments if s.kind in MEASURED)

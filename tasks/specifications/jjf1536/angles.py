@@ -5,13 +5,13 @@ from its beginning to its end divided by the time between. The same holds for N 
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
 from tasks.segments.summarise import (
     GYRO_COLUMNS,
+    Origin,
     SegmentMean,
     allan_variances,
     far_rows,
@@ -20,8 +20,6 @@ from tasks.segments.summarise import (
     summarise,
 )
 from tasks.specifications.jjf1536.noise import AngleNoise, fit_angle_noise, slow_allan
-
-Origin = Literal["label", "found"]
 
 AS_LONG = 0.9  # of the longest rest: rests that show noise as slow as it does
 STEP_ROWS = 8000  # rows that the resolution of an angle is looked for in

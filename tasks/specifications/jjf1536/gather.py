@@ -1,7 +1,6 @@
 """The evidence of a recording for JJF 1536: its segments summarised and sorted."""
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
     MIN_ROWS,
+    Origin,
     SegmentMean,
     rows_of,
     summarise_all,
@@ -38,7 +38,7 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     by_angle = has_angles(recording)
     rates = as_rates(recording) if by_angle else recording
     labels = recording.manifest.segments
-    origin: Literal["label", "found"] = "label" if labels else "found"
+    origin: Origin = "label" if labels else "found"
     wanted = labels or find_segments(rates)
     wanted = tuple(s for s in wanted if rows_of(rates, s) >= MIN_ROWS)
     measured = tuple(s for s in wanted if s.kind in MEASURED)

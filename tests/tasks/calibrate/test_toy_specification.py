@@ -7,6 +7,7 @@ from schemas.base import Unusable
 from schemas.recording import AXES, GYRO, Recording
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
+from tasks.certificate.results import sections
 from tasks.conformity import decide
 from tasks.segments.conditions import Conditions
 from tasks.specifications.estimate import (
@@ -80,8 +81,13 @@ def test_a_toy_is_decided_on(ideal_run) -> None:
     assert all(d.verdict == "pass" for d in decide(made, tolerance(1.0)).limits)
 
 
-def test_a_toy_says_its_layout_and_symbols_in_every_language() -> None:
-    titles = [say(section.title, language) for section in TOY.layout for language in ("en", "zh")]
-    assert titles == ["Biases", "零偏"]
-    assert RESTING_RATE.symbol("x") == "b_rx"
-    assert say(RESTING_RATE.element_title("x"), "en") == "Bias of the X gyro"
+def test_a_toy_is_laid_out_for_a_certificate_in_every_language(ideal_run) -> None:
+    made = calibrate(TOY, ideal_run(Bg=[0.01, 0.0, 0.0]), run="r", code_version="v")
+    (section,) = sections(made, decide(made, tolerance(1.0)), TOY)
+    assert [say(section.title, language) for language in ("en", "zh")] == ["Biases", "零偏"]
+    (group,) = section.groups
+    assert [say(row.name, "en") for row in group.rows] == [
+        f"Bias of the {axis} gyro" for axis in "XYZ"
+    ]
+    assert [f"{row.letter}_{row.sub}" for row in group.rows] == ["b_rx", "b_ry", "b_rz"]
+    assert all(row.value and row.U and row.limits for row in group.rows)
