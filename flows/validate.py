@@ -12,7 +12,7 @@ from storage.settings import VALIDATION
 from storage.whole_files import writing_in_home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.validation.coverage import FEWEST_UNITS, Calibrate
+from tasks.validation.coverage import MIN_UNITS, Calibrate
 from tasks.validation.make import make_record
 from tasks.validation.page import validation_html
 from tasks.version import code_version
@@ -23,9 +23,9 @@ def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None
 
     Raises Unusable for fewer units than a record needs, where it would go into the home.
     """
-    if out is None and units < FEWEST_UNITS:
+    if out is None and units < MIN_UNITS:
         raise Unusable(
-            f"--units {units}: a study of fewer than {FEWEST_UNITS} units shows nothing and would "
+            f"--units {units}: a study of fewer than {MIN_UNITS} units shows nothing and would "
             "replace the record in the home; say with --out where it is to be written"
         )
     record_file = out or home().path / VALIDATION

@@ -1,7 +1,7 @@
-"""What the segment means say of drift, once everything is fitted away that moves them otherwise.
+"""Error contrasts of the segment means, which drift and white noise alone move.
 
 Rates, gravity, and the horizontal parts of Earth's rotation and of the tilt are fitted away; the
-likelihood of what is left is that of restricted maximum likelihood (Patterson and Thompson,
+likelihood of the residuals is that of restricted maximum likelihood (Patterson and Thompson,
 Biometrika 58, 1971).
 """
 
@@ -14,68 +14,68 @@ from tasks.motion.table import EARTH_RATE
 from tasks.segments.summarise import SegmentMean
 from tasks.uncertainty.drift import LEVELS, TREND, WALK, Contrasts
 
-UPS: tuple[Up, ...] = get_args(Up)
-FEWEST_CONTRASTS = 4
+FACES: tuple[Up, ...] = get_args(Up)
+MIN_CONTRASTS = 4
 # Across the vertical, rad/s and m/s²: Earth's rotation; gravity by a tilt of 20″ (Table 1).
-ACROSS = (EARTH_RATE, 1e-3)
+LEVEL_FIELD = (EARTH_RATE, 1e-3)
 
 
 def contrasts(
     segments: tuple[SegmentMean, ...], shapes: np.ndarray, variance: np.ndarray, channel: int
 ) -> Contrasts:
-    """What one channel's means (white variances (n,)) say of its drift, with the rest removed."""
+    """The error contrasts of one channel's means; variance: (n,) white variances of the means."""
     used = [
         i
         for i, segment in enumerate(segments)
         if variance[i] > 0
         and np.isfinite(segment.mean[channel])
-        and _is_known(segment.segment, channel)
+        and _has_known_input(segment.segment, channel)
     ]
-    nothing = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)))
+    none = Contrasts(np.zeros((len(LEVELS), 0)), np.zeros((len(LEVELS), 3, 0)))
     if not used:
-        return nothing
-    scale = 1.0 / np.sqrt([variance[i] + _left_across(segments[i], channel) ** 2 for i in used])
+        return none
+    scale = 1.0 / np.sqrt([variance[i] + _level_residual(segments[i], channel) ** 2 for i in used])
     design = _design([segments[i] for i in used], channel) * scale[:, None]
     size = np.linalg.norm(design, axis=0)
-    left, weight, _ = np.linalg.svd(design[:, size > 0] / size[size > 0])
-    free = left[:, (weight > 1e-9 * weight[0]).sum() :]
-    if free.shape[1] < FEWEST_CONTRASTS:
-        return nothing
+    vectors, weight, _ = np.linalg.svd(design[:, size > 0] / size[size > 0])
+    null_space = vectors[:, (weight > 1e-9 * weight[0]).sum() :]
+    if null_space.shape[1] < MIN_CONTRASTS:
+        return none
     means = np.array([segments[i].mean[channel] for i in used])
-    rest = free.T @ (means * scale)
-    seen = free.T @ (shapes[:, used][:, :, used] * scale[:, None] * scale) @ free
+    residual = null_space.T @ (means * scale)
+    covariance = null_space.T @ (shapes[:, used][:, :, used] * scale[:, None] * scale) @ null_space
     value, gain = [], []
     for level in range(len(LEVELS)):
-        modes = np.linalg.eigh(seen[level])[1]
-        drifts = seen[[level, WALK, TREND]]
-        value.append(modes.T @ rest)
+        modes = np.linalg.eigh(covariance[level])[1]
+        drifts = covariance[[level, WALK, TREND]]
+        value.append(modes.T @ residual)
         gain.append((modes * (drifts @ modes)).sum(axis=1).clip(min=0.0))
     return Contrasts(np.array(value), np.array(gain))
 
 
-def _is_known(label: Segment, channel: int) -> bool:
+def _has_known_input(label: Segment, channel: int) -> bool:
     """Whether a segment's inputs are known to the level of a bias.
 
     A turn about a gyro's own axis is not: the table's rate and the straightness of the line come
-    in. Nor is a rest in which an accelerometer lies flat: each setting of the table tilts it anew.
+    in. Nor is a rest in which an accelerometer lies level: each setting of the table tilts it anew.
     """
     if label.up is None or label.kind == "rotation":
         return False
     if label.kind == "static":
-        return channel < len(AXES) or not _is_flat(label, channel)
+        return channel < len(AXES) or not _is_level(label, channel)
     return label.rate_deg_s is not None and label.axis != dict(enumerate(AXES)).get(channel)
 
 
-def _left_across(segment: SegmentMean, channel: int) -> float:
+def _level_residual(segment: SegmentMean, channel: int) -> float:
     """What parts of a turn leave of the field across the vertical, as one more noise of a mean."""
     label = segment.segment
-    if label.kind != "rate" or label.rate_deg_s is None or not _is_flat(label, channel):
+    if label.kind != "rate" or label.rate_deg_s is None or not _is_level(label, channel):
         return 0.0
     share = np.sinc(label.rate_deg_s * segment.seconds / 360.0)
-    return ACROSS[channel // len(AXES)] * abs(float(share))
+    return LEVEL_FIELD[channel // len(AXES)] * abs(float(share))
 
 
-def _is_flat(label: Segment, channel: int) -> bool:
+def _is_level(label: Segment, channel: int) -> bool:
     """Whether a channel's axis lies across the vertical."""
     return (label.up or "")[1:] != AXES[channel % len(AXES)]
 
@@ -83,9 +83,9 @@ def _is_flat(label: Segment, channel: int) -> bool:
 def _design(segments: list[SegmentMean], channel: int) -> np.ndarray:
     """Columns (n, …) of what moves a channel's mean without drift: bias, gravity, turning, field.
 
-    The horizontal part of Earth's rotation reaches the gyros that lie flat, by the heading of the
-    rest; where it is not told, anything goes. An accelerometer that lies flat in a run of rates is
-    tilted by one amount in all of it.
+    The horizontal part of Earth's rotation reaches the gyros that lie level, by the heading of the
+    rest; a rest of unknown heading has a column of its own. An accelerometer that lies level in a
+    run of rates is tilted by one amount in all of it.
     """
     columns = [np.ones(len(segments))]
     for axis in AXES:
@@ -96,17 +96,17 @@ def _design(segments: list[SegmentMean], channel: int) -> np.ndarray:
         if channel < len(AXES):
             columns.append(about)
     labels = [segment.segment for segment in segments]
-    flat = [s.kind == "static" and _is_flat(s, channel) for s in labels]
+    level = [s.kind == "static" and _is_level(s, channel) for s in labels]
     if channel >= len(AXES):
-        turning = [s.kind == "rate" and _is_flat(s, channel) for s in labels]
+        turning = [s.kind == "rate" and _is_level(s, channel) for s in labels]
         columns += [np.array([t and s.up == up for t, s in zip(turning, labels, strict=True)],
-                             float) for up in UPS]  # fmt: skip
+                             float) for up in FACES]  # fmt: skip
     for i, label in enumerate(labels):
-        if flat[i] and label.turn_deg is None:
+        if level[i] and label.turn_deg is None:
             columns.append(np.eye(len(labels))[i])
-    for up in UPS:
-        held = np.array([f and s.up == up for f, s in zip(flat, labels, strict=True)])
-        told = held * np.array([s.turn_deg is not None for s in labels])
+    for up in FACES:
+        held = np.array([at_rest and s.up == up for at_rest, s in zip(level, labels, strict=True)])
+        with_heading = held * np.array([s.turn_deg is not None for s in labels])
         heading = np.radians([s.turn_deg or 0.0 for s in labels])
-        columns += [told * np.cos(heading), told * np.sin(heading).round(9)]
+        columns += [with_heading * np.cos(heading), with_heading * np.sin(heading).round(9)]
     return np.column_stack(columns)

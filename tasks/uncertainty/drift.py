@@ -5,8 +5,8 @@ Within a segment, noise hides a drift that is slower than the segment; between s
 A drift that a short recording hides is not zero: the strengths are means over the likelihood.
 
 Flicker has to end somewhere for a bias to have a mean over all time. It is taken as relaxations
-spread evenly over the logarithm of their time up to a longest one, of which the data tell
-little: covariance h·E₁(|τ|/L), Allan variance 2·ln 2·h below L (S(f) = h/f above 1/(2πL)).
+spread evenly over the logarithm of their time up to a longest one, which the data hardly
+determine: covariance h·E₁(|τ|/L), Allan variance 2·ln 2·h below L (S(f) = h/f above 1/(2πL)).
 """
 
 import math
@@ -22,11 +22,11 @@ LEVELS = (100.0, 1e3, 5e3)  # s: the longest relaxation of which flicker is made
 WALK, TREND = len(LEVELS), len(LEVELS) + 1  # what follows the flickers in an array of drifts
 DRIFTS = len(LEVELS) + 2
 FLICKER_ALLAN = 2.0 * np.log(2.0)  # Allan variance of flicker noise, per unit of h
-MOST_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
-# In the contrast that shows the drift best, as parts of the white noise there: the faintest drift
-# that is looked at, and what flicker, walk and trend exceed as often as not, beforehand.
-FAINTEST, USUAL = 0.01, (1.0, 0.5, 0.05)
-STEPS = 9  # strengths of a drift on each of two grids
+MAX_DEGREES = 100.0  # no Allan variance counts more: the shapes are not exact
+# In the contrast that shows the drift best, as parts of the white noise there: the smallest
+# strength on the grid, and the prior medians of flicker, walk and trend.
+FAINTEST_SHARE, PRIOR_MEDIAN = 0.01, (1.0, 0.5, 0.05)
+GRID_POINTS = 9  # strengths of a drift on each of two grids
 INSTANT = 1e-3  # s: a segment of one row has no length
 
 
@@ -59,7 +59,7 @@ class PooledAllan:
     @property
     def degrees(self) -> np.ndarray:
         """How much each level counts in the likelihood."""
-        return np.minimum(MOST_DEGREES, _differences(len(self.tau)) * self.segments)
+        return np.minimum(MAX_DEGREES, _differences(len(self.tau)) * self.segments)
 
 
 def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
@@ -88,21 +88,21 @@ def drift_allan(tau: np.ndarray) -> np.ndarray:
     return np.array([*flickers, tau / 3.0, tau**2 / 2.0])
 
 
-def drift_strengths(seen: Contrasts, allan: PooledAllan) -> np.ndarray:
+def drift_strengths(contrasts: Contrasts, allan: PooledAllan) -> np.ndarray:
     """Mean strength (DRIFTS,) of each flicker, of walk and of trend over their likelihood.
 
     Without contrasts between segments the Allan variances know of flicker only. The first, wide
     grid finds where the second, fine one has to be.
     """
-    units = _units(seen, allan)
-    grids = [_wide_grid(seen, allan, shape, unit) for shape, unit in enumerate(units)]
-    chance = _chances(grids, units, seen, allan)
-    grids = [_closer(grid, _marginal(chance, shape)) for shape, grid in enumerate(grids)]
-    chance = _chances(grids, units, seen, allan)
+    scales = _detectable_strengths(contrasts, allan)
+    grids = [_wide_grid(contrasts, allan, shape, scale) for shape, scale in enumerate(scales)]
+    posterior = _posterior(grids, scales, contrasts, allan)
+    grids = [_fine_grid(grid, _marginal(posterior, shape)) for shape, grid in enumerate(grids)]
+    posterior = _posterior(grids, scales, contrasts, allan)
     strengths = np.zeros(DRIFTS)
-    strengths[: len(LEVELS)] = chance.sum(axis=tuple(range(2, chance.ndim))) @ grids[0]
+    strengths[: len(LEVELS)] = posterior.sum(axis=tuple(range(2, posterior.ndim))) @ grids[0]
     for shape in range(1, len(grids)):
-        strengths[len(LEVELS) + shape - 1] = _marginal(chance, shape) @ grids[shape]
+        strengths[len(LEVELS) + shape - 1] = _marginal(posterior, shape) @ grids[shape]
     return strengths
 
 
@@ -117,74 +117,80 @@ def _differences(levels: int) -> np.ndarray:
     return 2.0 ** np.arange(levels, 0, -1) - 1
 
 
-def _units(seen: Contrasts, allan: PooledAllan) -> list[float]:
-    """Strength of flicker, walk and trend that is just seen where it shows best."""
-    if seen.value.size:
-        return [float(1.0 / seen.gain[:, shape].max()) for shape in range(seen.gain.shape[1])]
-    seen_first = math.sqrt(2.0 / float(allan.degrees[-1]))  # of the longest blocks' white noise
-    return [seen_first * allan.white / float(allan.tau[-1]) / FLICKER_ALLAN]
+def _detectable_strengths(contrasts: Contrasts, allan: PooledAllan) -> list[float]:
+    """Strength of flicker, walk and trend that equals the white noise where it shows best."""
+    if contrasts.value.size:
+        return [
+            float(1.0 / contrasts.gain[:, shape].max()) for shape in range(contrasts.gain.shape[1])
+        ]
+    detectable = math.sqrt(2.0 / float(allan.degrees[-1]))  # of the longest blocks' white noise
+    return [detectable * allan.white / float(allan.tau[-1]) / FLICKER_ALLAN]
 
 
-def _wide_grid(seen: Contrasts, allan: PooledAllan, shape: int, unit: float) -> np.ndarray:
-    """Strengths from what hides under the white noise to more than all there is."""
-    largest = 10.0 * FAINTEST * unit
+def _wide_grid(contrasts: Contrasts, allan: PooledAllan, shape: int, scale: float) -> np.ndarray:
+    """Strengths (0 first) from below the white noise to more than the data hold."""
+    largest = 10.0 * FAINTEST_SHARE * scale
     if shape == 0:
         largest = max(largest, 3.0 * float(allan.variance.max()) / FLICKER_ALLAN)
-    if seen.value.size:
-        gain = seen.gain[:, shape].sum(axis=1).min()
-        largest = max(largest, 10.0 * float((seen.value[0] ** 2).sum() / gain))
-    return np.append(0.0, np.geomspace(FAINTEST * unit, largest, STEPS))
+    if contrasts.value.size:
+        gain = contrasts.gain[:, shape].sum(axis=1).min()
+        largest = max(largest, 10.0 * float((contrasts.value[0] ** 2).sum() / gain))
+    return np.append(0.0, np.geomspace(FAINTEST_SHARE * scale, largest, GRID_POINTS))
 
 
-def _closer(grid: np.ndarray, chance: np.ndarray) -> np.ndarray:
-    """As many strengths where the likelihood is."""
-    likely = np.flatnonzero(chance[1:] > 1e-3 * chance.max()) + 1
-    low, high = (likely[0], likely[-1]) if len(likely) else (1, 1)
-    fine = np.geomspace(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)], STEPS)
+def _fine_grid(grid: np.ndarray, posterior: np.ndarray) -> np.ndarray:
+    """As many strengths where the posterior is."""
+    supported = np.flatnonzero(posterior[1:] > 1e-3 * posterior.max()) + 1
+    low, high = (supported[0], supported[-1]) if len(supported) else (1, 1)
+    fine = np.geomspace(grid[max(low - 1, 1)], grid[min(high + 1, len(grid) - 1)], GRID_POINTS)
     return np.append(0.0, fine)
 
 
-def _marginal(chance: np.ndarray, shape: int) -> np.ndarray:
-    """Probability of each strength of one drift, whatever the level and the others are."""
-    return chance.sum(axis=tuple(axis for axis in range(chance.ndim) if axis != shape + 1))
+def _marginal(posterior: np.ndarray, shape: int) -> np.ndarray:
+    """Marginal posterior of the strengths of one drift."""
+    return posterior.sum(axis=tuple(axis for axis in range(posterior.ndim) if axis != shape + 1))
 
 
-def _chances(
-    grids: list[np.ndarray], units: list[float], seen: Contrasts, allan: PooledAllan
+def _posterior(
+    grids: list[np.ndarray], scales: list[float], contrasts: Contrasts, allan: PooledAllan
 ) -> np.ndarray:
-    """Probability (LEVELS, …) of each level at which flicker ends, and of each set of strengths.
+    """Posterior (LEVELS, …) of the level at which flicker ends and of the strengths.
 
-    Beforehand all levels are as likely, and each drift's share of the sum of itself and its USUAL
-    strength lies anywhere between 0 and 1 alike (uniform shrinkage prior: Daniels, Canad. J.
-    Statist. 27, 1999).
+    A priori all levels are equally probable, and the share of each drift in the sum of itself and
+    its PRIOR_MEDIAN strength is uniform between 0 and 1 (uniform shrinkage prior: Daniels, Canad.
+    J. Statist. 27, 1999).
     """
-    known = np.moveaxis(np.array(np.meshgrid(*grids, indexing="ij")), 0, -1)
-    likelihood = np.array([_likelihood(known, level, seen, allan) for level in range(len(LEVELS))])
-    chance = np.exp(likelihood - likelihood.max())
-    for shape, (grid, unit) in enumerate(zip(grids, units, strict=True)):
-        prior = _prior(grid, USUAL[shape] * unit)
-        chance *= prior.reshape([-1 if j == shape else 1 for j in range(len(grids))])
-    return chance / chance.sum()
+    strengths = np.moveaxis(np.array(np.meshgrid(*grids, indexing="ij")), 0, -1)
+    likelihood = np.array(
+        [_likelihood(strengths, level, contrasts, allan) for level in range(len(LEVELS))]
+    )
+    posterior = np.exp(likelihood - likelihood.max())
+    for shape, (grid, scale) in enumerate(zip(grids, scales, strict=True)):
+        prior = _prior(grid, PRIOR_MEDIAN[shape] * scale)
+        posterior *= prior.reshape([-1 if j == shape else 1 for j in range(len(grids))])
+    return posterior / posterior.sum()
 
 
-def _likelihood(known: np.ndarray, level: int, seen: Contrasts, allan: PooledAllan) -> np.ndarray:
+def _likelihood(
+    strengths: np.ndarray, level: int, contrasts: Contrasts, allan: PooledAllan
+) -> np.ndarray:
     """Logarithm of the likelihood (…) of strengths (…, 1 or 3) with flicker to one level."""
-    shown = known.shape[-1]
-    slow = known @ drift_allan(allan.tau)[[level, WALK, TREND]][:shown]
+    shown = strengths.shape[-1]
+    slow = strengths @ drift_allan(allan.tau)[[level, WALK, TREND]][:shown]
     white = np.maximum(white_of(allan.variance - slow, allan.tau), 1e-3 * allan.white)
     expected = white[..., None] / allan.tau + slow
     likelihood = -0.5 * (np.log(expected) + allan.variance / expected) @ allan.degrees
-    if seen.value.size:
-        spread = known @ seen.gain[level] + (white / allan.white)[..., None]
-        likelihood -= 0.5 * (np.log(spread) + seen.value[level] ** 2 / spread).sum(axis=-1)
+    if contrasts.value.size:
+        spread = strengths @ contrasts.gain[level] + (white / allan.white)[..., None]
+        likelihood -= 0.5 * (np.log(spread) + contrasts.value[level] ** 2 / spread).sum(axis=-1)
     return likelihood
 
 
-def _prior(grid: np.ndarray, usual: float) -> np.ndarray:
-    """What each strength (0 first) stands for, if s/(s + usual) is uniform between 0 and 1."""
+def _prior(grid: np.ndarray, median: float) -> np.ndarray:
+    """Prior weight of each strength (0 first), if s/(s + median) is uniform between 0 and 1."""
     edges = np.concatenate([[0.5 * grid[1]], np.sqrt(grid[1:-1] * grid[2:])])
-    above = usual / (edges + usual)  # how often it exceeds each edge: no difference from 1
-    return np.concatenate([[edges[0] / (edges[0] + usual)], -np.diff(above), above[-1:]])
+    above = median / (edges + median)  # probability to exceed each edge, not 1 − probability
+    return np.concatenate([[edges[0] / (edges[0] + median)], -np.diff(above), above[-1:]])
 
 
 def flicker_integral(x: np.ndarray) -> np.ndarray:

@@ -83,8 +83,8 @@ def monte_carlo(
         tolerance = numerical_tolerance(u, digits)
         spread = np.std(figures, axis=0, ddof=1) / math.sqrt(len(figures))
         if np.all(2.0 * spread[settling] <= tolerance):
-            found = _result(np.sort(np.concatenate(blocks)), probability, tolerance)
-            return found if settling.start is None else replace(found, u=math.nan)
+            result = _result(np.sort(np.concatenate(blocks)), probability, tolerance)
+            return result if settling.start is None else replace(result, u=math.nan)
     raise Unusable(
         f"Monte Carlo did not settle to {digits} digits within {MAX_TRIALS} trials; ask for fewer "
         "digits"
@@ -113,16 +113,16 @@ def shortest_interval(ordered: np.ndarray, probability: float) -> Interval:
     return Interval(float(ordered[first]), float(ordered[first + count]), probability)
 
 
-def with_monte_carlo(budget: Budget, found: MonteCarlo) -> Budget:
+def with_monte_carlo(budget: Budget, result: MonteCarlo) -> Budget:
     """The budget with u and interval from Monte Carlo; value and lines stay the linear ones.
 
     The value is that of the item's equation at the estimates. The interval is the
     probabilistically symmetric one, U half its length, k = U/u. Where the draws have no standard
     deviation, u stays that of the law of propagation.
     """
-    interval = found.symmetric
+    interval = result.symmetric
     U = (interval.high - interval.low) / 2.0
-    u = budget.u_c if math.isnan(found.u) else found.u
+    u = budget.u_c if math.isnan(result.u) else result.u
     return budget.model_copy(
         update={
             "u_c": u,

@@ -28,7 +28,7 @@ from tasks.uncertainty.drift import (
     white_of,
 )
 
-LONG = 0.5  # of the longest segment: shorter ones know less of drift, at other block lengths
+MIN_LENGTH = 0.5  # of the longest segment: shorter ones know less of drift, at other block lengths
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class ChannelNoise:
     drift: (DRIFTS, 6) flicker h of S(f) = h/f, unit², by where it ends (`drift.LEVELS`); random
         walk, unit²/s; slope², unit²/s².
     shapes: (DRIFTS, segments, segments) covariance of the segment means per unit of each drift.
-    contrasts: (6,) how many independent contrasts between segments told the drift.
+    contrasts: (6,) how many independent contrasts between segments determine the drift.
     """
 
     white: np.ndarray
@@ -65,16 +65,16 @@ def fit_noise(
         return ChannelNoise(np.zeros((0, 6)), none, np.zeros((DRIFTS, 0, 0)), np.zeros(6))
     if up is not None and rate is not None:
         segments = tuple(map(_corrected, segments, up, rate))
-    still = _white(segments, np.zeros((DRIFTS, 6)))
+    white_only = _white(segments, np.zeros((DRIFTS, 6)))
     shapes = drift_shapes(segments)
     seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
     drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
     for channel in range(6):
         pooled = _pooled_allan(segments, channel)
         if pooled is not None:
-            seen = contrasts(segments, shapes, still[:, channel] / seconds, channel)
-            drift[:, channel] = drift_strengths(seen, pooled)
-            count[channel] = seen.value.shape[1]
+            errors = contrasts(segments, shapes, white_only[:, channel] / seconds, channel)
+            drift[:, channel] = drift_strengths(errors, pooled)
+            count[channel] = errors.value.shape[1]
     return ChannelNoise(_white(segments, drift), drift, shapes, count)
 
 
@@ -111,7 +111,7 @@ def _pooled_allan(segments: tuple[SegmentMean, ...], channel: int) -> PooledAlla
     measured = [s for s in measured if s.segment.kind == "static"] or measured
     levels = max((len(s.tau) for s in measured), default=0)
     longest = max((s.seconds for s in measured), default=0.0)
-    full = [s for s in measured if len(s.tau) == levels and s.seconds > LONG * longest]
+    full = [s for s in measured if len(s.tau) == levels and s.seconds > MIN_LENGTH * longest]
     finest = np.array([s.allan[0, channel] for s in full])
     # A shaking turn would hide the flicker of the quiet segments under its white noise.
     if not full:
@@ -128,12 +128,12 @@ def _white(segments: tuple[SegmentMean, ...], drift: np.ndarray) -> np.ndarray:
     """N² (segments, 6) of each segment: its Allan variances less the drift, never negative."""
     white = np.full((len(segments), 6), np.nan)
     for levels in {len(segment.tau) for segment in segments} - {0}:
-        alike = [i for i, segment in enumerate(segments) if len(segment.tau) == levels]
-        tau = np.array([segments[i].tau for i in alike])
+        same = [i for i, segment in enumerate(segments) if len(segment.tau) == levels]
+        tau = np.array([segments[i].tau for i in same])
         slow = np.tensordot(drift.T, drift_allan(tau), axes=1)
-        seen = np.array([segments[i].allan.T for i in alike])
-        excess = white_of(seen - slow.swapaxes(0, 1), tau[:, None])
-        white[alike] = np.maximum(excess, [_rounding(segments[i]) for i in alike])
+        allan = np.array([segments[i].allan.T for i in same])
+        excess = white_of(allan - slow.swapaxes(0, 1), tau[:, None])
+        white[same] = np.maximum(excess, [_rounding(segments[i]) for i in same])
     moving = np.array([segment.segment.kind == "rotation" for segment in segments])
     if moving.any():  # what varies there is the turn itself, not noise
         white[moving] = _median_known(white[~moving])

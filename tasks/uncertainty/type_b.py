@@ -11,7 +11,7 @@ differently, by how the table has to stand for it. A fixture is wrong by the sam
 as the unit stays mounted: in all positions of a recording with one mounting, else in each face
 anew. Cosine errors (α²/2 ≈ 1e-9 for 10″) are left out.
 
-A sensitivity is the derivative by the estimate of the input: by what is told, not by what is true.
+A sensitivity is the derivative by the estimate of the input, at the stated value.
 Where several independent errors of one limit act it is their root sum of squares, never negative.
 """
 
@@ -25,7 +25,7 @@ from tasks.uncertainty.budget import Contribution, InputQuantity
 from tasks.uncertainty.equipment import Equipment, Limit
 from tasks.words import message
 
-SLOWLY = math.sqrt(2.0)  # rad: over a smaller angle a ripple within the turn does not average out
+MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out
 HEADINGS = 2  # at which 7.2.2.1 holds each face
 ROUNDING = 1e-12  # of a sum: what is less is zero
 
@@ -67,7 +67,7 @@ def turning_rate(
             balanced = abs(total) < ROUNDING * float(np.abs(weights[held]).sum())
             lines.append(_line(limit, 0.0 if balanced else -slope * total))
     if equipment.ripple is not None:
-        turned = np.maximum(np.abs(rates) * seconds, SLOWLY)
+        turned = np.maximum(np.abs(rates) * seconds, MIN_RIPPLE_ANGLE)
         lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights / turned))))
     return tuple(lines)
 
@@ -97,7 +97,7 @@ def turned_angle(
 def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ...]:
     """What the direction of the rotation axis does to K_ij of 7.2.1 and 7.2.3, per radian.
 
-    The gyro reads K·(ω along its axes), so an input axis off by α feeds α·ω to the gyro's other
+    The gyro reads K·(ω along its axes), so an input axis off by α adds α·ω to the gyro's other
     inputs: c = √Σ K_ik² over the axes k ≠ j turned about. For a cross coupling that is K_ii
     itself, for a scale factor only its cross couplings (silent). One mounting for all rates, so
     nothing averages.
@@ -121,7 +121,7 @@ def gyro_g_sensitivity(
 ) -> tuple[Contribution, ...]:
     """g_ij of eq. (8), (U_up − U_down)/2; rad/s per g.
 
-    An attitude error α changes the Earth rate on the axis by ωe·α and feeds α·g to the two other
+    An attitude error α changes the Earth rate on the axis by ωe·α and adds α·g to the two other
     columns: c = √((K·ωe)² + across²), halved for table angles (four positions), by √2 for what
     each of two faces has of its own, whole for one mounting. across: √Σ g_ik² over the other axes
     k (silent).
@@ -196,9 +196,9 @@ def ahrs_zero_offset(
     c = 1/(√n·T), 1/(2T) for four; an axis off its heading by the fixture's α reads ωe·α·T:
     c = ωe/√n (silent).
     """
-    each = 1.0 / math.sqrt(positions)
-    angles = tuple(_line(limit, each / seconds) for limit in equipment.angles)
-    return angles + tuple(_line(limit, each * EARTH_RATE) for limit in equipment.squareness)
+    share = 1.0 / math.sqrt(positions)
+    angles = tuple(_line(limit, share / seconds) for limit in equipment.angles)
+    return angles + tuple(_line(limit, share * EARTH_RATE) for limit in equipment.squareness)
 
 
 def ahrs_misalignment(
@@ -233,19 +233,19 @@ def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
 
     A fixture that is mounted once tilts all faces alike.
     """
-    each = sum(limit.u**2 for limit in equipment.angles) / HEADINGS
+    angles = sum(limit.u**2 for limit in equipment.angles) / HEADINGS
     own = (equipment.axes, None if mounted_once else equipment.fixture)
-    return each + sum(limit.u**2 for limit in own if limit is not None)
+    return angles + sum(limit.u**2 for limit in own if limit is not None)
 
 
 def _of_each_face(
     equipment: Equipment, per_radian: float, weights: Weights
 ) -> tuple[Contribution, ...]:
     """What a mean over faces takes over of table angles, table axes and fixture."""
-    each = per_radian * float(np.linalg.norm(weights.rests))
+    rest = per_radian * float(np.linalg.norm(weights.rests))
     face = per_radian * float(np.linalg.norm(weights.faces))
     mounting = per_radian * float(np.linalg.norm(weights.mountings))
-    lines = [_line(limit, each) for limit in equipment.angles]
+    lines = [_line(limit, rest) for limit in equipment.angles]
     if equipment.axes is not None:
         lines.append(_line(equipment.axes, face))
     if equipment.fixture is not None:

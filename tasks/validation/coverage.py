@@ -13,7 +13,7 @@ from schemas.recording import Recording
 from schemas.validation import Check, Coverage
 from tasks.validation import run1536, run2003
 from tasks.validation.draw import Case, draw_case
-from tasks.validation.record import STILL, checked
+from tasks.validation.record import WITHOUT_EARTH, checked
 from tasks.words import message
 
 Calibrate = Callable[..., Calibration]
@@ -21,8 +21,8 @@ Truth = dict[str, dict[str, float]]
 Run = Callable[[Case, int], tuple[Recording, Truth]]
 
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
-ASKED = (0.93, 0.97)  # of the cases, that a 95 % interval holds the truth: less is no evidence
-FEWEST_UNITS = 1000
+TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval: less is no evidence
+MIN_UNITS = 1000
 RUNS: dict[str, tuple[Run, float]] = {
     "jjf2003": (run2003.record, run2003.RATE_HZ),
     "joint": (run2003.record, run2003.RATE_HZ),
@@ -37,28 +37,28 @@ def simulate(method: str, seed: int, ideal: bool = False) -> tuple[Recording, Tr
     record, rate_hz = RUNS[method]
     recording, truth = record(draw_case(seed, rate_hz, ideal), seed)
     if method == "joint":  # its g-sensitivity is without Earth's rotation
-        truth = {**truth, "gyro_g_sensitivity": truth[STILL]}
+        truth = {**truth, "gyro_g_sensitivity": truth[WITHOUT_EARTH]}
     return recording, truth
 
 
 def errors_of(calibration: Calibration, truth: Truth) -> Errors:
     """Errors and stated uncertainties of every element whose truth is known."""
-    found: Errors = {}
+    errors: Errors = {}
     for name, item in calibration.items.items():
-        found[name] = {
+        errors[name] = {
             element: (value - truth[name][element], u, _half_width(item, element, u), U)
             for element, value in item.value.items()
             if name in truth and value is not None
             and (u := item.u[element]) is not None and (U := item.U[element]) is not None
         }  # fmt: skip
-        still, u_still = item.value_without_earth_rotation, item.u_without_earth_rotation
-        if calibration.method != "joint" and still and u_still and name == "gyro_g_sensitivity":
-            found[STILL] = {
-                element: (value - truth[STILL][element], u, NORMAL_95 * u, item.k * u)
-                for element, value in still.items()
-                if value is not None and (u := u_still[element]) is not None
+        values, us = item.value_without_earth_rotation, item.u_without_earth_rotation
+        if calibration.method != "joint" and values and us and name == "gyro_g_sensitivity":
+            errors[WITHOUT_EARTH] = {
+                element: (value - truth[WITHOUT_EARTH][element], u, NORMAL_95 * u, item.k * u)
+                for element, value in values.items()
+                if value is not None and (u := us[element]) is not None
             }
-    return {name: elements for name, elements in found.items() if elements}
+    return {name: elements for name, elements in errors.items() if elements}
 
 
 def _half_width(item: Item, element: str, u: float) -> float:
@@ -79,11 +79,11 @@ def study(
 ) -> dict[str, dict[str, Coverage]]:
     """Coverage of every item by each method over as many units, in a process for each core."""
     jobs = [(m, methods[m], seed + i) for i in range(units) for m in methods]
-    found: dict[str, list[Errors]] = {method: [] for method in methods}
+    errors_of_methods: dict[str, list[Errors]] = {method: [] for method in methods}
     for done, (method, errors) in enumerate(_in_processes(jobs), start=1):
-        found[method].append(errors)
+        errors_of_methods[method].append(errors)
         report(done, len(jobs))
-    return {method: summarise(errors) for method, errors in found.items()}
+    return {method: summarise(errors) for method, errors in errors_of_methods.items()}
 
 
 def _in_processes(jobs: list[tuple[str, Calibrate, int]]) -> Iterator[tuple[str, Errors]]:
@@ -146,13 +146,13 @@ def coverage_check(coverage: Coverage) -> Check:
     Intervals that hold it more often are longer than they need be, which is said; they let no
     bad unit pass.
     """
-    low, high = (f"{100 * share:.0f}" for share in ASKED)
-    long = ".too-long" if coverage.inside_95 > ASKED[1] else ""
+    low, high = (f"{100 * share:.0f}" for share in TARGET_SHARE)
+    long = ".too-long" if coverage.inside_95 > TARGET_SHARE[1] else ""
     return checked(
-        coverage.units >= FEWEST_UNITS and coverage.inside_95 >= ASKED[0],
+        coverage.units >= MIN_UNITS and coverage.inside_95 >= TARGET_SHARE[0],
         message(
             f"validation-coverage{long}", share=f"{100 * coverage.inside_95:.1f} %",
             values=coverage.elements, units=coverage.units, low=low, high=high,
-            fewest=FEWEST_UNITS,
+            fewest=MIN_UNITS,
         ),
     )  # fmt: skip

@@ -32,12 +32,14 @@ def fingerprint(method: str) -> str:
 
 
 def code(text: str) -> str:
-    """What a source file computes, in one form: without comments, docstrings and layout."""
+    """What a source file computes, in one form: no comments, docstrings, layout or sentences."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(node, DOCUMENTED) and body and ast.get_docstring(node) is not None:
             node.body = body[1:]
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "message":
+            node.args, node.keywords = [], []
     return ast.dump(tree)
 
 

@@ -16,9 +16,9 @@ from tasks.validation.record import checked
 from tasks.validation.run2003 import matrix, vector
 from tasks.words import message
 
-SAME = 1e-3  # of u: the clauses' values are the same formulas
-ALIKE = 0.01  # of u: the joint fit looks the attitude up at other times within a segment
-CLOSE = 1e-6  # relative, of combined uncertainty and degrees of freedom
+MAX_DIFFERENCE = 1e-3  # of u: the clauses' values are the same formulas
+MAX_DIFFERENCE_JOINT = 0.01  # of u: the joint fit takes the attitude at other times of a segment
+MAX_BUDGET_DIFFERENCE = 1e-6  # relative, of combined uncertainty and degrees of freedom
 Values = dict[str, dict[str, float]]
 
 
@@ -27,7 +27,7 @@ def independent_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str
     recording, _ = simulate(method, seed)
     calibration = calibrate(recording, run="simulated", code_version="-")
     plain = PLAIN[method](recording)
-    limit = ALIKE if method == "joint" else SAME
+    limit = MAX_DIFFERENCE_JOINT if method == "joint" else MAX_DIFFERENCE
     gtc = _gtc()
     return {
         name: _check(item, plain[name], limit, gtc)
@@ -37,18 +37,18 @@ def independent_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str
 
 
 def _check(item: Item, plain: dict[str, float], limit: float, gtc: Any) -> Check:
-    apart = [
+    differences = [
         abs(value - plain[e]) / float(item.u[e] or np.nan)
         for e, value in item.value.items()
         if value is not None
     ]
-    worst = max(apart, default=np.inf)
+    worst = max(differences, default=np.inf)
     budgets = max((gtc_difference(b, gtc) for b in item.budgets.values()), default=np.inf)
     return checked(
-        worst <= limit and budgets <= CLOSE,
+        worst <= limit and budgets <= MAX_BUDGET_DIFFERENCE,
         message(
             "validation-independent", values=f"{worst:.1e}", limit=f"{limit:g}",
-            budgets=f"{budgets:.1e}", close=f"{CLOSE:.0e}",
+            budgets=f"{budgets:.1e}", close=f"{MAX_BUDGET_DIFFERENCE:.0e}",
         ),
     )  # fmt: skip
 
@@ -93,12 +93,12 @@ def plain_2003(recording: Recording) -> Values:
         turning = read[fast, 3:].mean(axis=0)
         p[:, j] = (np.mean(rests, axis=0)[3:] - turning) / rate[fast][0] ** 2
     rows: list[list[float]] = []
-    told: list[np.ndarray] = []
+    readings: list[np.ndarray] = []
     for s, m in means:
         if s.item == "twelve_position" and s.up:
             rows.append([(s.up[1] == a) * (1.0 if s.up[0] == "+" else -1.0) for a in AXES] + [1.0])
-            told.append(m)
-    both, *_ = np.linalg.lstsq(np.array(rows), np.array(told), rcond=None)
+            readings.append(m)
+    both, *_ = np.linalg.lstsq(np.array(rows), np.array(readings), rcond=None)
     return {
         "gyro_scale_factor": vector(np.diag(Kg)),
         "gyro_cross_coupling": matrix(Kg, off_diagonal=True),

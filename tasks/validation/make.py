@@ -9,7 +9,7 @@ from tasks.validation.coverage import Calibrate, coverage_check, study
 from tasks.validation.examples import example_check
 from tasks.validation.fingerprint import fingerprint
 from tasks.validation.independent import independent_checks
-from tasks.validation.record import STILL, WITH_EARTH
+from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH
 from tasks.validation.recovery import recovery_checks
 
 
@@ -27,27 +27,28 @@ def make_record(
     began = time.monotonic()
     independent = {m: independent_checks(m, calibrate, seed) for m, calibrate in methods.items()}
     recovered = {m: recovery_checks(m, calibrate, seed) for m, calibrate in methods.items()}
-    found = {}
+    methods_made = {}
     for method, coverages in study(methods, units, seed, report).items():
         items = {}
         for name, coverage in coverages.items():
-            alike = WITH_EARTH if name == STILL else name  # the same clause and the same budget
+            # The same clause and the same budget.
+            clause_item = G_SENSITIVITY if name == WITHOUT_EARTH else name
             checks: dict[Evidence, Check] = {
-                "worked example": example_check(alike),
+                "worked example": example_check(clause_item),
                 "coverage": coverage_check(coverage),
             }
             if name in recovered[method]:
                 checks["truth recovery"] = recovered[method][name]
-            if alike in independent[method]:
-                checks["independent program"] = independent[method][alike]
+            if clause_item in independent[method]:
+                checks["independent program"] = independent[method][clause_item]
             items[name] = ItemValidation(checks=checks, coverage=coverage)
-        found[method] = MethodValidation(fingerprint=fingerprint(method), items=items)
+        methods_made[method] = MethodValidation(fingerprint=fingerprint(method), items=items)
     return ValidationRecord.model_validate(
         {
             "made_on": date.today(),
             "code_version": code_version,
             "seed": seed,
             "seconds": round(time.monotonic() - began, 1),
-            "methods": found,
+            "methods": methods_made,
         }
     )

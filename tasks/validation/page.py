@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from schemas.validation import EVIDENCE, Coverage, ValidationRecord
 from tasks.pages import draw, inline, page
-from tasks.validation.coverage import ASKED
+from tasks.validation.coverage import TARGET_SHARE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,7 +28,7 @@ def validation_html(record: ValidationRecord) -> str:
         record=record,
         rows=rows,
         valid=sum(item.valid for _, _, item in rows),
-        asked=[f"{100 * share:.0f}" for share in ASKED],
+        asked=[f"{100 * share:.0f}" for share in TARGET_SHARE],
         evidence=EVIDENCE,
         picture=inline(_picture(covered)) if covered else "",
     )
@@ -39,9 +39,9 @@ def _picture(rows: list[tuple[str, Coverage]]) -> str:
 
     def content(figure: "Figure") -> None:
         axes = figure.subplots()
-        axes.axvspan(*ASKED, color=ASKED_FOR)
+        axes.axvspan(*TARGET_SHARE, color=ASKED_FOR)
         for place, (_, coverage) in enumerate(rows):
-            inside = ASKED[0] <= coverage.inside_95 <= ASKED[1]
+            inside = TARGET_SHARE[0] <= coverage.inside_95 <= TARGET_SHARE[1]
             colour = GOOD if inside else BAD
             low, high = (max(end, LOWEST) for end in coverage.confidence)
             axes.hlines(place, low, high, color=colour, linewidth=2)

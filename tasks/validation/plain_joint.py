@@ -31,7 +31,7 @@ def plain_joint(recording: Recording) -> Values:
     rows = [(t >= s.t_start) & (t < s.t_end) for s in segments]
     columns = np.array([recording.imu.columns[name] for name in GYRO + ACCEL])
     means = np.array([columns[:, which].mean(axis=1) for which in rows])
-    up, earth = _seen(recording, rows, np.radians(station.latitude_deg or 0.0))
+    up, earth = _vertical_and_earth_rate(recording, rows, np.radians(station.latitude_deg or 0.0))
     rate = np.array([[(s.axis == a) * (s.rate_deg_s or 0.0) * DEGREE for a in AXES]
                      for s in segments])  # fmt: skip
     at_rest = np.array([s.kind == "static" for s in segments])
@@ -42,8 +42,8 @@ def plain_joint(recording: Recording) -> Values:
         still = means[:, :3] - earth @ K.T
         new = [_gyro(rate, up, at_rest, still[:, i], covariance[i], one) for i in range(3)]
         K, bias, g = (np.array(part) for part in zip(*new, strict=True))
-    felt = np.hstack([gravity * up, one, (rate + earth) ** 2])
-    accel = np.array([_least(felt, means[:, 3 + i], covariance[3 + i]) for i in range(3)])
+    design = np.hstack([gravity * up, one, (rate + earth) ** 2])
+    accel = np.array([_gls(design, means[:, 3 + i], covariance[3 + i]) for i in range(3)])
     read = means[:, :3] - rate @ K.T
     offset = [read[[s.kind == "rate" and s.axis == a for s in segments], i].mean()
               for i, a in enumerate(AXES)]  # fmt: skip
@@ -70,18 +70,18 @@ def _gyro(
 ) -> tuple[np.ndarray, float, np.ndarray]:
     """K (3,), bias and g-sensitivity (3,) per g: the rests first, then all with those taken off."""
     both = np.hstack([one, up])
-    zero = _least(both[at_rest], read[at_rest], covariance[np.ix_(at_rest, at_rest)])
+    block = covariance[np.ix_(at_rest, at_rest)]
+    zero = _gls(both[at_rest], read[at_rest], block)
     pick = np.zeros((4, len(read)))
     unit = np.eye(int(at_rest.sum()))
-    block = covariance[np.ix_(at_rest, at_rest)]
-    pick[:, at_rest] = np.column_stack([_least(both[at_rest], e, block) for e in unit])
+    pick[:, at_rest] = np.column_stack([_gls(both[at_rest], e, block) for e in unit])
     left = np.eye(len(read)) - up @ pick[1:]
-    line = _least(np.hstack([rate, one]), left @ read, left @ covariance @ left.T)
+    line = _gls(np.hstack([rate, one]), left @ read, left @ covariance @ left.T)
     return line[:3], float(zero[0]), zero[1:]
 
 
-def _least(design: np.ndarray, read: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """The smallest (y − Hθ)ᵀ·C⁻¹·(y − Hθ), by a QR decomposition.
+def _gls(design: np.ndarray, read: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Generalised least squares: the smallest (y − Hθ)ᵀ·C⁻¹·(y − Hθ), by a QR decomposition.
 
     No variance counts as less than a tenth of the median one, as the method has it.
     """
@@ -95,7 +95,7 @@ def _least(design: np.ndarray, read: np.ndarray, covariance: np.ndarray) -> np.n
     return np.asarray(solve_triangular(r, q.T @ white[:, -1]) / scale)
 
 
-def _seen(
+def _vertical_and_earth_rate(
     recording: Recording, rows: list[np.ndarray], latitude: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Mean vertical and mean Earth rotation (n, 3), rad/s, in the body, by the table's angles."""

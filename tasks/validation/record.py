@@ -11,8 +11,8 @@ from tasks.validation.fingerprint import fingerprint
 from tasks.words import Message, message, statement
 
 SHIPPED = "record.json"
-WITH_EARTH = "gyro_g_sensitivity"
-STILL = "gyro_g_sensitivity_without_earth_rotation"
+G_SENSITIVITY = "gyro_g_sensitivity"
+WITHOUT_EARTH = "gyro_g_sensitivity_without_earth_rotation"
 
 
 def checked(passed: bool, sentence: Message) -> Check:
@@ -37,8 +37,9 @@ def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict
         return dict.fromkeys(calibration.items, stale)
     doubts = {}
     for name in calibration.items:
-        parts = [STILL] if name == WITH_EARTH and STILL in method.items else []
-        failed = filter(None, (_failed(name, method.items.get(part)) for part in (name, *parts)))
+        both = name == G_SENSITIVITY and WITHOUT_EARTH in method.items
+        parts = (name, WITHOUT_EARTH) if both else (name,)
+        failed = filter(None, (_failed(name, method.items.get(part)) for part in parts))
         if reason := next(failed, None):
             doubts[name] = reason
     return doubts

@@ -2,10 +2,10 @@
 
 from schemas.validation import Check
 from tasks.validation.coverage import Calibrate, errors_of, simulate
-from tasks.validation.record import STILL, checked
+from tasks.validation.record import WITHOUT_EARTH, checked
 from tasks.words import message
 
-CLOSE = 1e-9  # in the printed unit of the item
+MAX_ERROR = 1e-9  # in the printed unit of the item
 
 
 def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, Check]:
@@ -16,9 +16,9 @@ def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, C
     checks = {}
     for name, elements in errors.items():
         largest = max(abs(error) for error, *_ in elements.values())
-        unit = calibration.items["gyro_g_sensitivity" if name == STILL else name].unit
+        unit = calibration.items["gyro_g_sensitivity" if name == WITHOUT_EARTH else name].unit
         stated = message(
-            "validation-recovery", error=f"{largest:.1e}", unit=unit, close=f"{CLOSE:.0e}"
+            "validation-recovery", error=f"{largest:.1e}", unit=unit, close=f"{MAX_ERROR:.0e}"
         )
-        checks[name] = checked(largest <= CLOSE, stated)
+        checks[name] = checked(largest <= MAX_ERROR, stated)
     return checks

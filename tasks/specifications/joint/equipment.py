@@ -19,7 +19,7 @@ from tasks.motion.whole import Motion
 from tasks.specifications.evidence import Evidence
 from tasks.uncertainty.budget import Contribution
 from tasks.uncertainty.equipment import Equipment
-from tasks.uncertainty.type_b import SLOWLY
+from tasks.uncertainty.type_b import MIN_RIPPLE_ANGLE
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
 
@@ -100,7 +100,7 @@ class EquipmentResponse:
     def _ripple_share(self) -> np.ndarray:
         """(n,) rms of what a ripple leaves in the mean rate of a run; zero where none is held."""
         held = ~self.by_angle & (self.speed > 0)
-        return held * 1.0 / np.maximum(self.turned, SLOWLY)
+        return held * 1.0 / np.maximum(self.turned, MIN_RIPPLE_ANGLE)
 
     def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
         held = np.flatnonzero(~self.by_angle & (self.speed > 0))

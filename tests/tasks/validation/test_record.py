@@ -50,6 +50,11 @@ def test_what_is_said_about_the_code_is_not_in_its_fingerprint(told: str) -> Non
     assert code(told) == code(PLAIN)
 
 
+def test_a_sentence_that_numbers_are_put_into_is_not_in_the_fingerprint() -> None:
+    said = 'why = message("dwell-short", seconds=f"{t:.1f}")'
+    assert code(said) == code('why = message("dwell-too-short", time=str(t))')
+
+
 def test_what_the_code_computes_is_in_its_fingerprint() -> None:
     assert code(PLAIN.replace("2", "3")) != code(PLAIN)
     assert code('TEXT = "about"') != code('TEXT = "of"')
