@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import ANGLE, TRIADS, Manifest, Recording, Stream
-from storage.formats.checks import known_columns
-from storage.formats.mcap.topics import ENVIRONMENT, PLACE, present
+from storage.formats.checks import PLACE, known_columns
+from storage.formats.mcap.topics import ENVIRONMENT, present
 
 NANO = 1_000_000_000
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from schemas.base import Unusable
 from storage.formats.content import NANO
-from storage.formats.mcap.cdr import FIELDS, MalformedError, Texts, decode
+from storage.formats.mcap.cdr import MalformedError, Texts, decode
 from storage.formats.mcap.chunk_reader import Batch, Contents, scan
+from storage.formats.mcap.definitions import FIELDS
 
 STAMP = ("sec", "nanosec")
 

@@ -11,50 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from storage.formats.mcap.definitions import FIELDS, SEQUENCE
+
 ORIGIN = 4  # alignment counts from behind the four bytes that name the byte order
-SEQUENCE = 0  # a field of so many elements says their number itself
-
-Field = tuple[str, str, int]
 Texts = Mapping[str, tuple[str, ...]]
-
-_HEADER: tuple[Field, ...] = (("sec", "i4", 1), ("nanosec", "u4", 1), ("frame_id", "text", 1))
-
-FIELDS: dict[str, tuple[Field, ...]] = {
-    "sensor_msgs/msg/Imu": (
-        *_HEADER,
-        ("orientation", "f8", 4),
-        ("orientation_covariance", "f8", 9),
-        ("angular_velocity", "f8", 3),
-        ("angular_velocity_covariance", "f8", 9),
-        ("linear_acceleration", "f8", 3),
-        ("linear_acceleration_covariance", "f8", 9),
-    ),
-    "sensor_msgs/msg/Temperature": (*_HEADER, ("temperature", "f8", 1), ("variance", "f8", 1)),
-    "sensor_msgs/msg/RelativeHumidity": (
-        *_HEADER,
-        ("relative_humidity", "f8", 1),
-        ("variance", "f8", 1),
-    ),
-    "sensor_msgs/msg/FluidPressure": (
-        *_HEADER,
-        ("fluid_pressure", "f8", 1),
-        ("variance", "f8", 1),
-    ),
-    "sensor_msgs/msg/JointState": (
-        *_HEADER,
-        ("name", "text", SEQUENCE),
-        ("position", "f8", SEQUENCE),
-        ("velocity", "f8", SEQUENCE),
-        ("effort", "f8", SEQUENCE),
-    ),
-    "geometry_msgs/msg/PoseStamped": (
-        *_HEADER,
-        ("position", "f8", 3),
-        ("orientation", "f8", 4),
-    ),
-    "geometry_msgs/msg/Vector3Stamped": (*_HEADER, ("vector", "f8", 3)),
-    "std_msgs/msg/Float64": (("data", "f8", 1),),
-}
 
 
 class MalformedError(ValueError):

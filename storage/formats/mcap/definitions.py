@@ -1,5 +1,7 @@
 """The definitions of the ROS 2 message types in a raw recording, as `ros2msg` schema text."""
 
+from collections.abc import Iterator
+
 _COVARIED = "geometry_msgs/{0} {1}\nfloat64[9] {1}_covariance"
 
 DEFINITIONS: dict[str, str] = {
@@ -34,6 +36,11 @@ DEFINITIONS: dict[str, str] = {
 }
 
 
+Field = tuple[str, str, int]  # name, type as numpy writes it or "text", number of elements
+SEQUENCE = 0  # a field of so many elements carries their number itself
+PRIMITIVES = {"float64": "f8", "int32": "i4", "uint32": "u4", "string": "text"}
+
+
 def schema_text(kind: str) -> str:
     """The definition of `package/msg/Type`, and behind it those of the types it uses."""
     root = kind.replace("/msg/", "/")
@@ -53,3 +60,28 @@ def _used_by(root: str) -> list[str]:
                 used.append(name)
                 queue.append(name)
     return used
+
+
+def _fields(root: str) -> Iterator[Field]:
+    """The fields of a type in their order; numbers side by side in a part are one field."""
+    for line in DEFINITIONS[root].splitlines():
+        kind, name = line.split()
+        kind, _, count = kind.partition("[")
+        if kind in PRIMITIVES:
+            elements = int(count.strip("]") or SEQUENCE) if count else 1
+            yield name, PRIMITIVES[kind], elements
+            continue
+        parts = list(_fields(kind))
+        if all(part[1:] == ("f8", 1) for part in parts):
+            yield name, "f8", len(parts)
+        else:
+            yield from parts
+
+
+def _messages() -> dict[str, tuple[Field, ...]]:
+    parts = {used for root in DEFINITIONS for used in _used_by(root)}
+    roots = [root for root in DEFINITIONS if root not in parts]
+    return {root.replace("/", "/msg/"): tuple(_fields(root)) for root in roots}
+
+
+FIELDS = _messages()  # of each type of message, `package/msg/Type`

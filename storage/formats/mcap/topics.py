@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import ACCEL, ANGLE, GYRO, Stream
+from storage.formats.checks import PLACE
 from storage.formats.mcap.cdr import Texts
 
 IMU = "sensor_msgs/msg/Imu"
@@ -28,7 +29,6 @@ TABLE_TOPIC = "/table"
 REFERENCE_TOPIC = "/reference/pose"
 
 ATTITUDE = ("qx", "qy", "qz", "qw")  # the order of geometry_msgs/Quaternion
-PLACE = ("px", "py", "pz")
 TRIAD_FIELDS = ((GYRO, "angular_velocity"), (ACCEL, "linear_acceleration"))
 
 
