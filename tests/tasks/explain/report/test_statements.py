@@ -11,7 +11,6 @@ from tasks.explain.report.statements import strength_of_evidence, times_more_pro
 from tasks.model.effect import effect_name
 from tasks.words import say
 from tasks.words import texts as in_languages
-from tasks.words.quantities import probability, quantity
 
 
 def texts(discrepancy: Discrepancy) -> tuple[str, str]:
@@ -149,26 +148,6 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
     assert "，另有 6 个参数（k = 2）" in zh
 
 
-@pytest.mark.parametrize(
-    ("value", "U", "unit", "shown"),
-    [
-        (9.66, 0.4, "deg/h", "(9.66 ± 0.40) °/h"),
-        (0.00268333, 0.000111, "deg/s", "(9.66 ± 0.40) °/h"),
-        (np.radians(1.5), np.radians(0.2), "rad/s", "(1.50 ± 0.20) °/s"),
-        (-4.5e-4, 2.4e-5, "rad", "(−450 ± 24) µrad"),
-        (3.2e-12, 4e-13, "s", "(0.00320 ± 0.00040) ns"),
-        (0.25, 0.01, "m", "(250 ± 10) mm"),
-        (1.5e9, 3e7, "1", "(1.500 ± 0.030)×10⁹"),
-        (2.1e-6, 1e-7, "(rad/s)/(m/s2)^2", "(120.3 ± 5.8)×10⁻⁶ (°/s)/(m/s²)²"),
-        (0.0, 3e-8, "1", "(0 ± 30)×10⁻⁹"),
-        (12.0, 0.0, "deg/s", "12.0 °/s"),
-        (1e-5, 2.0, "deg/s", "(0.0 ± 2.0) °/s"),
-    ],
-)
-def test_numbers_of_every_size_are_readable(value, U, unit, shown) -> None:
-    assert quantity(value, U, unit) == shown
-
-
 def test_words_of_evidence_follow_its_size() -> None:
     assert [say(strength_of_evidence(x), "en").split()[0] for x in (50.0, 8.0, 3.0, -1.0)] == [
         "very", "strong", "some", "no",
@@ -176,4 +155,3 @@ def test_words_of_evidence_follow_its_size() -> None:
     beyond, times = times_more_probable(1e6), times_more_probable(np.log(5.0))
     assert in_languages(beyond) == {"en": "more than 10¹⁰⁰ times", "zh": "10¹⁰⁰ 倍以上"}
     assert in_languages(times) == {"en": "5 times", "zh": "5 倍"}
-    assert probability(0.0) == "p < 10⁻¹²"
