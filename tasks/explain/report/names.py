@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 
-from schemas.discrepancy import FoundParameter, Statement, VerdictChange
+from schemas.discrepancy import Consequence, FoundParameter, Statement, VerdictChange
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import OVERALL
 from tasks.specifications.items import ITEMS
 from tasks.words import Message, Sayable, known, message, texts
-from tasks.words.quantities import quantity
+from tasks.words.quantities import multiple, quantity
 from tasks.words.rounding import USUAL_K
 
 
@@ -38,6 +38,14 @@ def change_title(change: VerdictChange) -> Message:
     """«fail → pass»."""
     before, after = verdict_title(change.before), verdict_title(change.after)
     return message("report-change", before=before, after=after)
+
+
+def shift_text(moved: Consequence) -> str:
+    """By how many U an element of the certificate moves, with its sign; empty where it does not."""
+    if moved.before is None or moved.after in (None, moved.before) or not moved.U:
+        return ""
+    assert moved.after is not None
+    return multiple((moved.after - moved.before) / moved.U)
 
 
 def capital(said: Sayable) -> Statement:

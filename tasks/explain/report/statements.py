@@ -11,11 +11,12 @@ from tasks.explain.report.names import (
     element_title,
     lower,
     parameter_text,
+    shift_text,
     verdict_title,
 )
 from tasks.model.effect import effect_name
 from tasks.words import Message, Sayable, clauses, message
-from tasks.words.quantities import multiple, percent, plain, power_of_ten, quantities
+from tasks.words.quantities import percent, plain, power_of_ten, quantities
 
 MAX_PARAMETERS, MAX_PLACES = 3, 2  # in a sentence; tables hold all of them
 MAX_POWER = 100  # a power of ten beyond which the size of a probability says no more
@@ -113,14 +114,10 @@ def on_certificate(finding: FindingSaid) -> Sayable:
 
 
 def _consequence(moved: Consequence) -> Message:
-    assert moved.before is not None
-    assert moved.after is not None
-    assert moved.U is not None
-    values = quantities([moved.before, moved.after], moved.U, moved.unit)
+    made = quantities([moved.before, moved.after], moved.U, moved.unit)
     return message(
         "report-moves-most", element=element_title(moved.item, moved.element),
-        before=values.text(0), after=values.text(1),
-        times=multiple((moved.after - moved.before) / moved.U),
+        before=made.text(0), after=made.text(1), times=shift_text(moved),
     )  # fmt: skip
 
 
