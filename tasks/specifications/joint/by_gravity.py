@@ -24,8 +24,8 @@ from tasks.specifications.estimate import (
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.joint.gravity_fit import UPPER, GravityFit, fit_gravity
 from tasks.specifications.joint.moves import MovesFit, fit_moves, gather_moves
-from tasks.specifications.joint.reasons import hand_reasons
-from tasks.specifications.joint.remarks import fit_remarks, hand_earth_remark, reference_remark
+from tasks.specifications.joint.reasons import gravity_reasons
+from tasks.specifications.joint.remarks import gravity_remarks
 from tasks.specifications.joint.zero_correction import least_squares
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.equipment import Equipment
@@ -57,14 +57,8 @@ def joint_by_gravity(evidence: Evidence, equipment: Equipment) -> ClauseResult:
         **_gyro_items(evidence, matrix, bias, sensitivity),
         **_accel_items(equipment, evidence, rests, fitted),
     }
-    remarks = (
-        reference_remark(),
-        *fit_remarks(fitted, moved),
-        *hand_earth_remark(evidence),
-    )
-    return ClauseResult(
-        items, hand_reasons(evidence, items, fitted is not None, len(rests)), remarks
-    )
+    reasons = gravity_reasons(evidence, items, fitted is not None, len(rests))
+    return ClauseResult(items, reasons, tuple(gravity_remarks(evidence, fitted, moved)))
 
 
 def _zero(

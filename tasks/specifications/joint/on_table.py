@@ -6,15 +6,15 @@ from tasks.specifications.estimate import (
     ClauseResult,
     ItemEstimate,
     diagonal,
+    excess_remarks,
     off_diagonal,
     scaled,
     undetermined_matrix,
 )
 from tasks.specifications.evidence import UPS, Evidence
 from tasks.specifications.jjf2003.positions import position_remarks
-from tasks.specifications.joint.claims import claim_remarks
 from tasks.specifications.joint.reasons import level_unknown, table_reasons
-from tasks.specifications.joint.remarks import earth_remarks, scatter_remarks
+from tasks.specifications.joint.remarks import earth_remarks, procedure_remarks
 from tasks.specifications.joint.segment_motion import SegmentMotion, segment_motion
 from tasks.specifications.joint.solution import Joint, solve_jointly
 from tasks.uncertainty.equipment import Equipment
@@ -31,9 +31,9 @@ def joint_on_table(evidence: Evidence, equipment: Equipment) -> ClauseResult:
     items = {**_gyro_items(joint, motion, evidence), **_accel_items(joint, evidence)}
     remarks = (
         *position_remarks(evidence),
-        *claim_remarks(evidence),
+        *procedure_remarks(evidence),
         *earth_remarks(evidence, joint, motion),
-        *scatter_remarks(joint),
+        *excess_remarks("joint-scatter", joint.excess.tolist()),
     )
     return ClauseResult(items, table_reasons(items, motion, evidence), remarks)
 

@@ -1,148 +1,108 @@
-"""What the reader of a joint calibration must know: Earth's rotation, scatter, the reference."""
+"""What the reader of a joint calibration must know: procedure, Earth's rotation, the reference."""
+
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from schemas.calibration import Remark
-from schemas.recording import AXES
-from tasks.segments.summarise import CHANNELS
+from schemas.recording import AXES, Axis
 from tasks.specifications.earth_rotation import earth_rotation_message
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import UPS, Evidence
 from tasks.specifications.joint.gravity_fit import GravityFit
 from tasks.specifications.joint.moves import MovesFit
 from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.specifications.joint.solution import Joint
-from tasks.specifications.linear import BLOCKING_EXCESS
-from tasks.words import texts
+from tasks.words import message, remark
 
-EARTH_NOT_REMOVED = Remark(
-    code="earth_not_removed",
-    en="The latitude is not told: Earth's rotation was not removed, and the diagonal of the "
-    "g-sensitivity contains its vertical part.",
-    zh="未给出纬度：未扣除地球自转，g 敏感系数对角元含其竖直分量。",
-)
+FEWEST_RATES = 4  # claim 4 of the patent, in each direction
+EARTH_NOT_REMOVED = remark("earth_not_removed", message("joint-earth-not-removed"))
 
 
-def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> list[Remark]:
+def procedure_remarks(evidence: Evidence) -> Iterator[Remark]:
+    """Claims 2 to 4: turns forward and back at four or more rising rates, in six orientations."""
+    few = tuple(name for axis in AXES for name in _few(evidence, axis))
+    if few:
+        said = message("joint-number-of-rates", fewest=FEWEST_RATES, rates=few)
+        yield remark("number_of_rates", said, blocks_pass=True)
+    turned = {evidence.up[i] for axis in AXES for i in _recorded(evidence, axis)}
+    absent = [up for up in UPS if up not in turned]
+    if absent and len(absent) < len(UPS):
+        said = message("joint-orientations-not-turned", ups=", ".join(absent))
+        yield remark("orientations_not_turned", said)
+    falling = [axis for axis in AXES if not _rising(evidence, axis)]
+    if falling:
+        said = message("joint-rates-not-rising", axes=", ".join(falling))
+        yield remark("rates_not_rising", said)
+
+
+def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> Iterator[Remark]:
     """What was done with Earth's rotation."""
     latitude = evidence.latitude_deg
     if not motion.gyro.any():
-        return []
+        return
     if latitude is None:
-        return [EARTH_NOT_REMOVED]
-    shown = texts(earth_rotation_message(joint.earth))
-    en, zh = shown["en"], shown["zh"]
+        yield EARTH_NOT_REMOVED
+        return
+    shown = earth_rotation_message(joint.earth)
     if joint.earth and joint.earth.refuted:
-        return [
-            Remark(
-                code="earth_rotation_not_shown",
-                en=f"{en}. It was not taken off: bias and g-sensitivity are as the data have them.",
-                zh=f"{zh}。未予扣除：偏值与 g 敏感系数即为数据所示。",
-            )
-        ]
-    remarks = [
-        Remark(
-            code="earth_removed",
-            en=f"{en}. At {latitude:g}° latitude it was taken off as a known input: bias and "
-            "g-sensitivity are given without it.",
-            zh=f"{zh}。已按纬度 {latitude:g}° 作为已知输入扣除：偏值与 g 敏感系数均为扣除后的值。",
-        )
-    ]
+        yield remark("earth_rotation_not_shown", message("joint-earth-not-shown", shown=shown))
+        return
+    removed = message("joint-earth-removed", shown=shown, latitude=f"{latitude:g}")
+    yield remark("earth_removed", removed)
     if (motion.zero & ~np.isfinite(motion.mean.north).all(axis=1)).any():
-        remarks.append(
-            Remark(
-                code="north_unknown",
-                en="Where north lay in the rests is not told: only the vertical part of Earth's "
-                "rotation was removed; the horizontal part cancels between two headings 180° "
-                "apart and is else in the bias.",
-                zh="静止位置的北向未知：仅扣除地球自转的竖直分量；水平分量在相差 180° 的两个方位间"
-                "抵消，否则留在偏值中。",
-            )
-        )
-    undetermined = [a for a in AXES if not np.isfinite(joint.estimates["gyro_matrix"][a * 2].value)]
-    if undetermined:
-        remarks.append(
-            Remark(
-                code="scale_factor_assumed",
-                en="Where this run gives no gyro scale factor, 1 was taken to remove Earth's "
-                "rotation.",
-                zh="本次未得陀螺标度因数处，扣除地球自转时取 1。",
-            )
-        )
-    return remarks
+        yield remark("north_unknown", message("joint-north-unknown"))
+    if not all(joint.estimates["gyro_matrix"][axis * 2].determined for axis in AXES):
+        yield remark("scale_factor_assumed", message("earth-rotation-scale-factor-assumed"))
 
 
-def scatter_remarks(joint: Joint) -> list[Remark]:
-    """One remark on the channels that the model does not follow within their noise."""
-    exceeding = np.flatnonzero(joint.excess > 1.0)
-    if not len(exceeding):
-        return []
-    listed = ", ".join(f"{CHANNELS[i]} {joint.excess[i]:.1f}" for i in exceeding)
-    return [
-        Remark(
-            code="excess_scatter",
-            en=f"The segments disagree with the model more than the noise explains ({listed} "
-            "times); the uncertainties were enlarged by as much.",
-            zh=f"各段与模型的偏差超过噪声（{listed} 倍），不确定度已按此放大。",
-            blocks_pass=bool(joint.excess.max() > BLOCKING_EXCESS),
-        )
-    ]
-
-
-def reference_remark() -> Remark:
-    return Remark(
-        code="gravity_alone",
-        en="No table and no labels: gravity was the only reference, in rests found in the data.",
-        zh="无转台数据和分段标注：仅以重力为参考，静止段由数据自动识别。",
-        blocks_pass=True,
-    )
-
-
-def fit_remarks(fitted: GravityFit | None, moved: MovesFit | None) -> list[Remark]:
-    """How well the rests and the moves follow the model."""
-    remarks = []
+def gravity_remarks(
+    evidence: Evidence, fitted: GravityFit | None, moved: MovesFit | None
+) -> Iterator[Remark]:
+    """The reference, how well rests and moves follow the model, and Earth's rotation."""
+    yield remark("gravity_alone", message("joint-gravity-alone"), blocks_pass=True)
     if fitted is not None:
-        rms = float(np.sqrt(np.mean(fitted.misses**2)))
-        factor = fitted.excess.factor
-        more, more_zh = (
-            (
-                f", {factor:.1f} times what the noise explains; the uncertainties were enlarged by "
-                "as much",
-                f"，为噪声的 {factor:.1f} 倍，不确定度已按此放大",
-            )
-            if factor > 1.0
-            else (", no more than the noise explains", "，未超过噪声")
-        )
-        remarks.append(
-            Remark(
-                code="gravity_residual",
-                en=f"The specific force of the {len(fitted.misses)} rests misses gravity by "
-                f"{rms:.2g} m/s² (rms){more}.",
-                zh=f"{len(fitted.misses)} 个静止位置的比力与重力之差为 {rms:.2g} m/s²（均方根）"
-                f"{more_zh}。",
-            )
-        )
+        rests, rms = len(fitted.misses), f"{np.sqrt(np.mean(fitted.misses**2)):.2g}"
+        said = message("joint-gravity-residual", rests=rests, rms=rms)
+        if fitted.excess.factor > 1.0:
+            factor = f"{fitted.excess.factor:.1f}"
+            said = message("joint-gravity-residual-excess", rests=rests, rms=rms, factor=factor)
+        yield remark("gravity_residual", said)
     if moved is not None:
-        angle = np.degrees(moved.miss)
-        remarks.append(
-            Remark(
-                code="moves_residual",
-                en=f"Over {moved.moves} moves the integrated gyro misses the vertical by "
-                f"{angle:.2g}° (rms); the gyro's uncertainties are from this scatter.",
-                zh=f"{moved.moves} 次运动中，陀螺积分与竖直方向之差为 {angle:.2g}°（均方根），"
-                "陀螺的不确定度由该离散性得到。",
-            )
-        )
-    return remarks
+        angle = f"{np.degrees(moved.miss):.2g}"
+        said = message("joint-moves-residual", moves=moved.moves, angle=angle)
+        yield remark("moves_residual", said)
+    if evidence.latitude_deg is None:
+        yield EARTH_NOT_REMOVED
+    else:
+        yield remark("north_unknown", message("joint-vertical-removed"))
 
 
-def hand_earth_remark(evidence: Evidence) -> list[Remark]:
-    if evidence.latitude_deg is not None:
-        return [
-            Remark(
-                code="north_unknown",
-                en="Only the vertical part of Earth's rotation was removed: where north lay in the "
-                "rests is not known.",
-                zh="仅扣除地球自转的竖直分量：静止位置的北向未知。",
-            )
-        ]
-    return [EARTH_NOT_REMOVED]
+def _recorded(evidence: Evidence, axis: Axis) -> tuple[int, ...]:
+    """The points about an axis at which the gyro was recorded; all where the unit has no gyro."""
+    gyro = [segment.has_gyro for segment in evidence.segments]
+    return tuple(i for i in evidence.points[axis] if gyro[i] or not any(gyro))
+
+
+def _few(evidence: Evidence, axis: Axis) -> Iterator[str]:
+    """Directions of turning about an axis with too few rates, and how many they have."""
+    rates = np.round(np.degrees(evidence.rate[list(_recorded(evidence, axis))]), 1)
+    for sign, mark in ((1, "+"), (-1, "-")):
+        count = len({rate for rate in rates if rate * sign > 0})
+        if count < FEWEST_RATES:
+            yield f"{mark}{axis} {count}"
+
+
+def _rising(evidence: Evidence, axis: Axis) -> bool:
+    """Whether the rates of each direction and orientation rise in time."""
+    points = sorted(_recorded(evidence, axis), key=lambda i: evidence.segments[i].t_start)
+    for sign in (1, -1):
+        for up in {evidence.up[i] for i in points}:
+            sizes = [
+                abs(evidence.rate[i])
+                for i in points
+                if evidence.up[i] == up and evidence.rate[i] * sign > 0
+            ]
+            if any(b < 0.99 * a for a, b in pairwise(sizes)):
+                return False
+    return True

@@ -7,17 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from schemas.recording import AXES
-from tasks.model.parameters import own
 from tasks.model.simulate import CHANNEL_COUNT, linearise, predict
 from tasks.model.term import Column, Term, nominal_values, places
 from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import (
-    ACCEL_FIRST,
-    GYRO_BIAS,
-    GYRO_G_SENSITIVITY,
     GYRO_MATRIX,
     STANDARD_TERMS,
 )
@@ -25,15 +20,14 @@ from tasks.specifications.earth_rotation import EarthRotationGain
 from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.joint.equipment import EquipmentResponse, equipment_response
+from tasks.specifications.joint.mean_operator import Operator, operator_of
 from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
-from tasks.specifications.joint.zero_correction import Role, zero_corrected
 from tasks.specifications.linear import BirgeRatio
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.equipment import Equipment
 
 MAX_ROUNDS = 20  # of the zero correction; Earth's rotation settles in three
 SETTLED = 1e-12  # of a parameter, in its own SI unit: nothing changes any more
-ROLES: dict[str, Role] = {GYRO_BIAS.name: "bias", GYRO_G_SENSITIVITY.name: "g-sensitivity"}
 
 
 @dataclass(frozen=True)
@@ -52,22 +46,6 @@ class Joint:
     excess: np.ndarray
     covariance: np.ndarray
     earth: EarthRotationGain | None
-
-
-@dataclass(frozen=True)
-class Operator:
-    """All p parameters as combinations of the segment means of all channels.
-
-    weights: (p, 6, n), NaN where the segments do not determine a parameter; excess: (p,).
-    """
-
-    weights: np.ndarray
-    excess: tuple[BirgeRatio, ...]
-
-    def values(self, means: np.ndarray, ideal: np.ndarray) -> np.ndarray:
-        """(p,) of means (n, 6); as an ideal unit has them where not determined."""
-        values = np.einsum("pcn,nc->p", self.weights, np.nan_to_num(means))
-        return np.where(np.isfinite(values), values, ideal)
 
 
 def solve_jointly(
@@ -103,7 +81,7 @@ def solve_jointly(
         # What a linear model of these columns would not predict: nothing for the standard's terms.
         curved = design.prediction - _linear(design.columns, values, design.prediction.shape)
         known = earth + np.nan_to_num(curved)
-        operator = _operator(terms, design.columns, motion, evidence.means - known, covariances)
+        operator = operator_of(terms, design.columns, motion, evidence.means - known, covariances)
         before, values = values, operator.values(evidence.means - known, ideal)
         if np.abs(values - before).max() < SETTLED:
             break
@@ -130,85 +108,6 @@ def _linear(columns: Sequence[Column], values: np.ndarray, shape: tuple[int, ...
         for channel, course in column.items():
             total[:, channel] += value * course
     return total
-
-
-def _operator(
-    terms: tuple[Term, ...],
-    columns: Sequence[Column],
-    motion: SegmentMotion,
-    means: np.ndarray,
-    covariances: np.ndarray,
-) -> Operator:
-    """Both steps over all channels; those that share a parameter are solved together."""
-    mean = motion.mean
-    own_axis = own(ACCEL_FIRST, mean.rate**2)  # fitted beside the model: see `_roles`
-    every = [_seen(column) for column in (*columns, *own_axis)]
-    roles = _roles(terms) + ["dynamic"] * len(own_axis)
-    for p, unturned in enumerate(_about_unturned(terms, motion)):
-        every[p] = {} if unturned else every[p]
-    weights = np.zeros((len(columns), CHANNEL_COUNT, len(means)))
-    excess = [BirgeRatio()] * len(columns)
-    weights[[p for p in range(len(columns)) if not every[p]]] = np.nan
-    for group in _groups(every):
-        chosen = [p for p, column in enumerate(every) if group & column.keys()]
-        if not chosen:
-            continue
-        channels = sorted(group)
-        design = np.column_stack([
-            np.concatenate([every[p].get(c, np.zeros(len(means))) for c in channels])
-            for p in chosen
-        ])  # fmt: skip
-        solved = zero_corrected(
-            design, tuple(roles[p] for p in chosen),
-            np.concatenate([motion.used(c) for c in channels]),
-            np.concatenate([motion.zero_corrects(c) for c in channels]),
-            means[:, channels].T.ravel(), block_diag(*covariances[channels]),
-        )  # fmt: skip
-        for p, row, ratio in zip(chosen, solved.operator, solved.excess, strict=True):
-            if p < len(columns):
-                weights[p, channels], excess[p] = row.reshape(len(channels), -1), ratio
-    return Operator(weights, tuple(excess))
-
-
-def _seen(column: Column) -> dict[int, np.ndarray]:
-    """The channels that a column moves at all, zero where its motion is not known."""
-    filled = {channel: np.nan_to_num(course) for channel, course in column.items()}
-    return {channel: course for channel, course in filled.items() if course.any()}
-
-
-def _roles(terms: tuple[Term, ...]) -> list[Role]:
-    """For each parameter its part in the two steps.
-
-    Beside the model each accelerometer has a column of its own rate squared: turning about its
-    own axis, a misaligned sensor off the centre feels K_ij·r_j·ω_i².
-    """
-    standard = {term.name for term in STANDARD_TERMS}
-    return [
-        ROLES.get(term.name, "dynamic" if term.name in standard else "further")
-        for term in terms
-        for _ in term.parameters
-    ]
-
-
-def _about_unturned(terms: tuple[Term, ...], motion: SegmentMotion) -> list[bool]:
-    """For each parameter whether it is of the gyro's matrix, about an axis not read turning."""
-    unturned = {axis for axis, turned in zip(AXES, motion.turned, strict=True) if not turned}
-    return [
-        term.name == GYRO_MATRIX.name and parameter.name[1] in unturned
-        for term in terms
-        for parameter in term.parameters
-    ]
-
-
-def _groups(columns: Sequence[Column]) -> list[set[int]]:
-    """Channels that share a parameter, the others alone."""
-    groups = [{channel} for channel in range(CHANNEL_COUNT)]
-    for column in columns:
-        joined = [group for group in groups if group & column.keys()]
-        if len(joined) > 1:
-            apart = [group for group in groups if group not in joined]
-            groups = [*apart, set().union(*joined)]
-    return groups
 
 
 def _largest_excess(operator: Operator) -> np.ndarray:
