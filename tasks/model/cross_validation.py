@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.model.regression import NormalEquations
+from tasks.model.regression import WhitenedEquations
 
 DIFFUSE = 1e-9  # of a column's power: what no other fold determines is as good as free
 
@@ -14,8 +14,8 @@ DIFFUSE = 1e-9  # of a column's power: what no other fold determines is as good 
 class CrossValidation:
     """A model's normal equations on all rows, and on each fold of them."""
 
-    whole: NormalEquations
-    folds: tuple[NormalEquations, ...]
+    whole: WhitenedEquations
+    folds: tuple[WhitenedEquations, ...]
 
     def deviance(self, fitted: Sequence[int], values: np.ndarray, prior: np.ndarray) -> np.ndarray:
         """−2·ln of the likelihood (6,) of each fold as a fit to all the others predicts it.
@@ -47,7 +47,7 @@ class CrossValidation:
                 total[channel] += np.linalg.slogdet(both)[1] - np.linalg.slogdet(known)[1]
         return total
 
-    def _training(self, fold: NormalEquations) -> tuple[np.ndarray, np.ndarray]:
+    def _training(self, fold: WhitenedEquations) -> tuple[np.ndarray, np.ndarray]:
         """Normal matrix and right side of all rows but the fold's."""
         (normal, right, _), (hidden, hidden_right, _) = self.whole.normal(), fold.normal()
         return normal - hidden, right - hidden_right

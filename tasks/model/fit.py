@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model
 from tasks.model.noise import RowNoise
-from tasks.model.regression import NormalEquations, determined, inverse
+from tasks.model.regression import WhitenedEquations, determined, inverse
 from tasks.model.simulate import CHANNEL_COUNT
 from tasks.model.term import Column, Parameter, Term, parameters_of
 from tasks.motion.whole import Motion
@@ -68,7 +68,7 @@ def fit(
         small = SMALL_STEP * ranges[model.free]
         return bool((np.abs(step.change[: len(small)]) <= small).all())
 
-    def whiten(columns: Sequence[Column], misfit: np.ndarray) -> NormalEquations:
+    def whiten(columns: Sequence[Column], misfit: np.ndarray) -> WhitenedEquations:
         return _whitened(columns, misfit, noise)
 
     model = Model.of(terms, None if start is None else start.astype(float))
@@ -82,7 +82,7 @@ def fit(
     return _finished(model, motion, readings, noise)
 
 
-def _whitened(columns: Sequence[Column], misfit: np.ndarray, noise: RowNoise) -> NormalEquations:
+def _whitened(columns: Sequence[Column], misfit: np.ndarray, noise: RowNoise) -> WhitenedEquations:
     grams, which = [], []
     for channel in range(CHANNEL_COUNT):
         own = [q for q, column in enumerate(columns) if channel in column]
@@ -92,7 +92,7 @@ def _whitened(columns: Sequence[Column], misfit: np.ndarray, noise: RowNoise) ->
         stack = np.where(used[:, None], stack, 0.0) / np.sqrt(white)[:, None]
         grams.append(stack.T @ stack)
         which.append(np.array(own, int))
-    return NormalEquations(tuple(grams), tuple(which), len(columns))
+    return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
 
 def _used(stack: np.ndarray, white: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.model.model import Model
-from tasks.model.regression import NormalEquations, Whiten, inverse
+from tasks.model.regression import Whiten, WhitenedEquations, inverse
 from tasks.motion.whole import Motion
 
 
@@ -30,7 +30,7 @@ class Step:
     change: np.ndarray
     covariance: np.ndarray
     gain: float
-    equations: NormalEquations
+    equations: WhitenedEquations
 
     @property
     def u(self) -> np.ndarray:

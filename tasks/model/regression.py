@@ -16,7 +16,7 @@ RESOLVED = 1e-6  # a parameter is determined where its resolution is one within 
 
 
 @dataclass(frozen=True)
-class NormalEquations:
+class WhitenedEquations:
     """A model linearised at its values, whitened.
 
     grams: for each of six channels the products (k + 1, k + 1) of its whitened columns and, last,
@@ -38,7 +38,7 @@ class NormalEquations:
         return normal, right, misfit
 
 
-Whiten = Callable[[Sequence[Column], np.ndarray], NormalEquations]
+Whiten = Callable[[Sequence[Column], np.ndarray], WhitenedEquations]
 """Columns and misfit (n, 6) of a model -> its normal equations, by what is known of the noise."""
 
 

@@ -15,7 +15,7 @@ from tasks.explain.regression.equations import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.cross_validation import CrossValidation
-from tasks.model.regression import NormalEquations, inverse
+from tasks.model.regression import WhitenedEquations, inverse
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, places
 
@@ -32,7 +32,7 @@ class Evidence:
 
     fit: FittedSelection
     groups: tuple[FindingGroup, ...]
-    whole: NormalEquations
+    whole: WhitenedEquations
     folds: CrossValidation
     own: tuple[tuple[list[int], np.ndarray], ...]
     known: tuple[int, ...]

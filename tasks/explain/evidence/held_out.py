@@ -8,7 +8,7 @@ import numpy as np
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.cross_validation import CrossValidation
-from tasks.model.regression import NormalEquations
+from tasks.model.regression import WhitenedEquations
 from tasks.model.term import Column
 
 FOLDS = 4
@@ -26,14 +26,14 @@ def cross_validation(
     cells = fold_cells(observed)
     grams = [_grams_of_cells(columns, misfit, observed, c, n, cells) for c, n in enumerate(noises)]
     folds = tuple(
-        NormalEquations(
+        WhitenedEquations(
             tuple(part[np.arange(len(part)) % FOLDS == k].sum(axis=0) for part, _ in grams),
             tuple(which for _, which in grams),
             len(columns),
         )
         for k in range(FOLDS)
     )
-    whole = NormalEquations(
+    whole = WhitenedEquations(
         tuple(part.sum(axis=0) for part, _ in grams), folds[0].which, len(columns)
     )
     return CrossValidation(whole, folds)

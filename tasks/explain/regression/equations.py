@@ -6,7 +6,7 @@ import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise, transformed, weighted
-from tasks.model.regression import NormalEquations, Whiten
+from tasks.model.regression import Whiten, WhitenedEquations
 from tasks.model.term import Column
 
 
@@ -15,7 +15,7 @@ def equations_of(
     misfit: np.ndarray,
     observed: Blocks,
     noises: Sequence[Noise],
-) -> NormalEquations:
+) -> WhitenedEquations:
     """Whitened Gram matrices of columns and misfit (n, 6)."""
     grams, which = [], []
     for channel, noise in enumerate(noises):
@@ -27,7 +27,7 @@ def equations_of(
         stack /= np.sqrt(noise.variance(frequency))
         grams.append(stack @ stack.T)
         which.append(np.array(own, int))
-    return NormalEquations(tuple(grams), tuple(which), len(columns))
+    return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
 
 def whitening(observed: Blocks, noises: Sequence[Noise]) -> Whiten:
