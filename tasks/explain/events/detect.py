@@ -28,15 +28,16 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     used = np.where(masked, np.nan, readings)
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
-    noise = noise_by_rate(used - predicted, motion)
-    lost = find_lost_samples(t, readings, motion, predicted, noise, masked)
+    lost = find_lost_samples(t, readings, motion, predicted, masked)
     events: tuple[Event, ...] = (*limits,) if lost is None else (lost, *limits)
     residual = readings - predicted
     if events:
         corrected = Events(events, masked).corrected(t, readings, predicted)
         residual = corrected - plain_prediction(corrected, motion, masked)
     steps = find_quantisation(used, readings - residual, quantisers)
-    level = without_dead(noise) if steps is None else steps.noise_floor(without_dead(noise))
+    level = without_dead(noise_by_rate(used - predicted, motion))
+    if steps is not None:
+        level = steps.noise_floor(level)
     spikes, at_spikes = find_spikes(np.where(masked, np.nan, residual), level, motion)
     # In the order in which they act: when a reading was taken, limit, rounding.
     last = tuple(event for event in (steps, spikes) if event is not None)

@@ -47,16 +47,16 @@ class LostSamples(Event):
 
 
 def find_lost_samples(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, noise: np.ndarray,
-    masked: np.ndarray,
-) -> LostSamples | None:  # fmt: skip
+    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, masked: np.ndarray
+) -> LostSamples | None:
     """Losses that the stamps do not show.
 
-    predicted, noise: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs.
+    predicted: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs.
     """
     if len(t) < 3 or not motion.known.any():
         return None
     interval = float(np.median(np.diff(t)))
+    noise = noise_by_rate(readings - predicted, motion)
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
     oscillating = oscillates(motion)

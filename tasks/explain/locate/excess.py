@@ -8,7 +8,6 @@ import numpy as np
 from tasks.explain.locate.run import Moments, Run
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
-from tasks.motion.whole import Motion
 
 MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less cannot be seen
 
@@ -18,20 +17,21 @@ class Design:
     """The design matrix of the standard's model in one channel, of k regressors.
 
     values: (n, k), zero where the motion is not known. known: (n,) bool.
-    inverse: (k, k) of the normal matrix.
+    inverse: (k, k) of the normal matrix. sums: (m, k) of the values over the blocks of the run.
     """
 
     values: np.ndarray
     known: np.ndarray
     inverse: np.ndarray
+    sums: np.ndarray
 
     @classmethod
-    def of(cls, motion: Motion, channel: int) -> Self:
+    def of(cls, run: Run, channel: int) -> Self:
         """The design matrix of channel 0 to 5."""
-        values = regressors(motion, channel)
+        values = regressors(run.motion, channel)
         known = np.isfinite(values).all(axis=1)
         values[~known] = 0.0
-        return cls(values, known, inverse(values.T @ values))
+        return cls(values, known, inverse(values.T @ values), run.block_sums(values))
 
     def residual(self, signal: np.ndarray) -> np.ndarray:
         """(n,) of a signal what is not absorbed; zero where it or the motion is not known."""
@@ -59,14 +59,13 @@ class Design:
 class ChannelExcess:
     """One channel's excess, and the standard's model beside it.
 
-    values: (n,) in standard deviations of the noise. moments: of the m blocks. design: the
-    model's, and its sums (m, k) over the blocks. factor, unit: to print a value.
+    values: (n,) in standard deviations of the noise. moments: of the m blocks. factor, unit: to
+    print a value.
     """
 
     values: np.ndarray
     moments: Moments
     design: Design
-    sums: np.ndarray
     factor: float
     unit: str
 
@@ -74,8 +73,7 @@ class ChannelExcess:
     def of(cls, run: Run, values: np.ndarray, design: Design, channel: int, noise: float) -> Self:
         """noise: one standard deviation, rad/s or m/s²."""
         factor, unit = (float(np.degrees(noise)), "°/s") if channel < 3 else (noise, "m/s²")
-        moments = run.moments(values, design.known)
-        return cls(values, moments, design, run.block_sums(design.values), factor, unit)
+        return cls(values, run.moments(values, design.known), design, factor, unit)
 
     @property
     def power(self) -> float:

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial, reduce
+from functools import cached_property, partial, reduce
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from schemas.discrepancy import Dimension
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Recording, Segment
@@ -38,6 +39,13 @@ class Partition:
     cells: tuple[Message, ...]
     circumstance: Callable[[Sequence[int]], Sayable]
     recorded: bool = False
+
+    @cached_property
+    def indicator(self) -> csr_array:
+        """(k, m) sparse: 1 where a block lies in a cell."""
+        known = np.flatnonzero(self.cell >= 0)
+        shape = len(self.cells), len(self.cell)
+        return csr_array((np.ones(len(known)), (self.cell[known], known)), shape=shape)
 
 
 def partitions_of(

@@ -64,15 +64,9 @@ def cost(parameters: int, searched: int, intervals: int) -> float:
 
 def partition_pattern(run: Run, partition: Partition, excess: ChannelExcess, tried: int) -> Pattern:
     """What a partition says of an excess; rows of unknown cell do not count."""
-    known, count = partition.cell >= 0, len(partition.cells)
-    cell = partition.cell[known]
-
-    def per_cell(values: np.ndarray) -> np.ndarray:
-        return np.bincount(cell, values[known], count)
-
     blocks = excess.moments
-    cells = Moments(*map(per_cell, (blocks.rows, blocks.first, blocks.second)))
-    sums = np.column_stack([per_cell(column) for column in excess.sums.T])
+    cells = Moments(*(partition.indicator @ v for v in (blocks.rows, blocks.first, blocks.second)))
+    sums = partition.indicator @ excess.design.sums
     steps, absorbed = excess.design.fit_steps(cells.rows, sums, cells.first)
     varies, gathers = fit_information(absorbed / excess.power), 0.0
     held = float(cells.second.sum())
@@ -84,6 +78,7 @@ def partition_pattern(run: Run, partition: Partition, excess: ChannelExcess, tri
     share = float(cells.second[chosen].sum()) / excess.power
     if varies >= gathers or (share < MIN_HELD and absorbed > MIN_HELD * excess.power):
         description = _variation(partition, cells, steps, absorbed / excess.power, excess)
+        known = partition.cell >= 0
         return Pattern(partition.dimension, max(varies, gathers) - paid, description, known)
     time = float(cells.rows[chosen].sum() / blocks.rows.sum())
     description = message(
@@ -131,7 +126,7 @@ def change_point_pattern(run: Run, excess: ChannelExcess) -> Pattern | None:
     # Of what is before and after each moment, (2, moments) each.
     rows, first, second = np.stack([ends[:, at], ends[:, -1:] - ends[:, at]], axis=1)
     parted = concentration(rows, second - first**2 / rows, ends[2, -1])
-    sums = np.cumsum(excess.sums, axis=0)[at]
+    sums = np.cumsum(excess.design.sums, axis=0)[at]
     left = rows[0] - np.einsum("mi,ij,mj->m", sums, excess.design.inverse, sums)
     left = np.maximum(left, MIN_VISIBLE * rows[0])
     absorbed = first[0] ** 2 / left / excess.power

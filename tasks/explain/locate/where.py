@@ -32,7 +32,7 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     if not explanation.findings:
         return ()
     run = Run.of(explanation.recording)
-    designs = tuple(Design.of(run.motion, channel) for channel in range(len(CHANNELS)))
+    designs = tuple(Design.of(run, channel) for channel in range(len(CHANNELS)))
     noise = noise_scales(explanation.noise)
     return tuple(_entries(run, finding, designs, noise) for finding in explanation.findings)
 

@@ -5,7 +5,6 @@ import pytest
 
 from tasks.explain.events.delays import delays_by_grid, oscillates
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
-from tasks.explain.events.noise import noise_by_rate
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
@@ -39,8 +38,7 @@ def read(lost: float, at: float) -> np.ndarray:
 def losses(readings: np.ndarray) -> LostSamples | None:
     motion, masked = shaft(), np.zeros((len(T), 6), bool)
     predicted = plain_prediction(readings, motion, masked)
-    noise = noise_by_rate(readings - predicted, motion)
-    return find_lost_samples(T, readings, motion, predicted, noise, masked)
+    return find_lost_samples(T, readings, motion, predicted, masked)
 
 
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])
