@@ -1,6 +1,6 @@
 """Partitions of a run into cells: by its motion, by time and by what was recorded."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
 
@@ -181,18 +181,19 @@ def _listed(names: Sequence[Sayable], frame: str | None, cells: Sequence[int]) -
 
 def by_records(recording: Recording, t: np.ndarray) -> Iterator[Partition]:
     """By the unit's own temperature and by every other signal that was recorded."""
-    imu, room = recording.imu, recording.environment
-    for name, signal in imu.columns.items():
-        own = np.interp(t, imu.t, signal)
+    for name, signal in recording.imu.columns.items():
+        own = np.interp(t, recording.imu.t, signal)
         if name == "temperature":
             title = message("locate-unit-temperature")
             yield _by_value("temperature", own, title, UNITS[name], recorded=True)
         elif name not in (*GYRO, *ACCEL, *ANGLE):
             yield _by_value("recorded", own, name, "", recorded=True)
-    columns: Mapping[str, np.ndarray] = room.columns if room is not None else {}
-    for name, signal in columns.items():
+    room = recording.environment
+    if room is None:
+        return
+    for name, signal in room.columns.items():
         known = np.isfinite(signal)
-        if room is not None and known.any():
+        if known.any():
             own = np.interp(t, room.t[known], signal[known])
             variable = message(f"locate-air-{name}") if name in UNITS else name
             yield _by_value("recorded", own, variable, UNITS.get(name, ""), recorded=True)
