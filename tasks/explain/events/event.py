@@ -91,8 +91,9 @@ def channel_names(channels: tuple[int, ...]) -> Argument:
     return tuple(message(f"channel-{CHANNELS[channel]}") for channel in channels)
 
 
-def amplitude_parameter(channel: int, value: float, u: float, suffix: str = "") -> FoundParameter:
-    """An amplitude in one channel, named after it."""
-    return FoundParameter(
-        name=CHANNELS[channel] + suffix, value=value, unit=UNITS[channel // 3], u=u
-    )
+def amplitude_parameter(
+    channel: int, amplitude: complex, u: float, suffix: str = ""
+) -> FoundParameter:
+    """The size of an amplitude in one channel, named after it."""
+    name, unit = CHANNELS[channel] + suffix, UNITS[channel // 3]
+    return FoundParameter(name=name, value=float(np.abs(amplitude)), unit=unit, u=u)

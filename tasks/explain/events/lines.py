@@ -174,5 +174,4 @@ def _amplitudes(line: Line, harmonic: int = 1) -> Iterator[FoundParameter]:
     """Amplitudes of a line, by channel; a harmonic's carry its number."""
     suffix = f"_{harmonic}" if harmonic > 1 else ""
     for channel in line.channels:
-        size = float(np.abs(line.amplitudes[channel]))
-        yield amplitude_parameter(channel, size, float(line.u[channel]), suffix)
+        yield amplitude_parameter(channel, line.amplitudes[channel], float(line.u[channel]), suffix)

@@ -61,22 +61,19 @@ class RingingFit:
         self, number: FoundParameter, relative_u: float, p_value: float, description: Message
     ) -> Ringing:
         """The event; number: of the oscillations. relative_u: of the decay time."""
-        found = [
+        u = np.abs(self.amplitude) / np.sqrt(np.maximum(self.gain, 1e-300))
+        parameters = (
             number,
             FoundParameter(
                 name="frequency", value=self.frequency, unit="Hz",
                 u=relative_u / (2 * np.pi * self.decay),
             ),
             FoundParameter(name="decay", value=self.decay, unit="s", u=relative_u * self.decay),
-        ]  # fmt: skip
-        for channel in self.channels:
-            size = float(np.abs(self.amplitude[channel]))
-            found.append(
-                amplitude_parameter(channel, size, size / float(np.sqrt(self.gain[channel])))
-            )
+            *(amplitude_parameter(c, self.amplitude[c], float(u[c])) for c in self.channels),
+        )  # fmt: skip
         amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
         return Ringing(
-            "unnamed", self.channels, tuple(found), p_value, description, self.starts, amplitude,
+            "unnamed", self.channels, parameters, p_value, description, self.starts, amplitude,
             self.frequency, self.decay,
         )  # fmt: skip
 
