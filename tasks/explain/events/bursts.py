@@ -8,12 +8,7 @@ from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import channel_names
-from tasks.explain.events.noise import (
-    RATE_CHANGE,
-    equalised,
-    median_by_state,
-    motion_states,
-)
+from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, damped_wave
 from tasks.explain.events.spectrum import peak_offset

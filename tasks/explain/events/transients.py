@@ -10,12 +10,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 from scipy.stats import gamma
 
-from tasks.explain.events.noise import (
-    RATE_CHANGE,
-    equalised,
-    median_by_state,
-    motion_states,
-)
+from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
 from tasks.motion.whole import Motion
 
 DECAYS = (0.3, 0.9, 2.7)  # s, that are tried
