@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
-from tasks.segments.find import find_segments, up_of
+from tasks.segments.find import find_segments, segments_of, up_of
 
 
 def test_every_labelled_point_of_the_plant_is_found_again(plant) -> None:
@@ -58,3 +58,20 @@ def test_what_is_not_gravity_points_nowhere() -> None:
     assert up_of(np.array([0.0, 0.0, 980.0])) is None
     assert up_of(np.array([7.0, 7.0, 0.0])) is None
     assert up_of(np.full(3, np.nan)) is None
+
+
+def test_labelled_segments_are_taken_in_the_order_of_time() -> None:
+    def labelled(name: str, start: float) -> dict[str, object]:
+        return {"name": name, "kind": "static", "up": "+z", "t_start": start, "t_end": start + 1}
+
+    manifest = Manifest.model_validate(
+        {
+            "format": "mimu-recording/1",
+            "recording_id": "t",
+            "unit": {"manufacturer": "", "model": "", "serial": ""},
+            "station": {"id": "t"},
+            "segments": [labelled("late", 5.0), labelled("early", 1.0)],
+        }
+    )
+    recording = Recording(manifest, Stream(np.arange(10.0), {"gyro_x": np.zeros(10)}))
+    assert [segment.name for segment in segments_of(recording)] == ["early", "late"]
