@@ -1,4 +1,4 @@
-## Events in the readings: what a certificate's reader is told of each.
+## Events: artefacts of the readings, as findings and remarks describe them.
 
 events-saturation = the { $sensors } stop at { $limit }: { $count } readings lie there and none beyond
 events-quantisation = the { $sensors } step by { $step }, { $ratio } times the noise

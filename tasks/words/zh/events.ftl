@@ -1,4 +1,4 @@
-## 读数中的事件：向证书读者说明的内容。
+## 事件：读数中的异常，用于结论与附注。
 
 events-saturation = { $sensors }输出止于 { $limit }：有 { $count } 个读数停在该处，无一超出
 events-quantisation = { $sensors }的步距为 { $step }，是噪声的 { $ratio } 倍
