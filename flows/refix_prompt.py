@@ -9,6 +9,7 @@ from flows.progress import CONSOLE
 from schemas.base import Unusable
 from schemas.procedure import Refix
 from tasks.station.ports import Ask
+from tasks.words import message, texts
 
 
 def at_terminal() -> Ask | None:
@@ -24,7 +25,7 @@ async def _ask(refix: Refix) -> None:
     terminal = sys.stdin.fileno()
     termios.tcflush(terminal, termios.TCIFLUSH)
     CONSOLE.print(f"{refix.instruction}\n{refix.instruction_zh}", markup=False)
-    CONSOLE.print("Then press Enter. 完成后按回车键。", markup=False)
+    CONSOLE.print(*texts(message("flows-press-enter")).values(), markup=False)
     loop, pressed = asyncio.get_running_loop(), asyncio.Event()
     loop.add_reader(terminal, pressed.set)
     try:

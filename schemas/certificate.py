@@ -11,7 +11,7 @@ from schemas.recording import Manifest
 from schemas.station import Equipment, LimitShape
 from schemas.tolerance import Decision
 
-WIDEST = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
+MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LimitName = Literal[
     "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
@@ -34,7 +34,7 @@ class EquipmentLimit(Frozen):
     For «normal» it is an expanded uncertainty with k = 2.
     """
 
-    half_width: Annotated[float, Field(gt=0, le=WIDEST, allow_inf_nan=False, strict=True)]
+    half_width: Annotated[float, Field(gt=0, le=MAX_HALF_WIDTH, allow_inf_nan=False, strict=True)]
     distribution: LimitShape
     source: str = Field(min_length=1)
 

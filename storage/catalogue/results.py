@@ -17,7 +17,7 @@ from storage.catalogue import database, tables
 from storage.catalogue.runs import Run
 from storage.home import Home
 
-SHORT = 12  # hex digits in a result's id
+ID_DIGITS = 12  # hex digits in a result's id
 CIRCUMSTANCES = ("code_version", "procedure", "settings", "segments")
 
 
@@ -90,7 +90,7 @@ def find(reference: str, home: Home) -> Result:
 
 def result_id(supersedes: str | None, document: str) -> str:
     """The id that a document has in its place; it tells when either was changed."""
-    return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:SHORT]
+    return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:ID_DIGITS]
 
 
 def calibration_of(row: sql.Row) -> Calibration:

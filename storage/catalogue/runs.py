@@ -19,7 +19,7 @@ from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.whole_files import writing_in_home, writing_to
 
-SHORT = 12  # hex digits of the digest in a run's id
+ID_DIGITS = 12  # hex digits of the digest in a run's id
 
 
 class Run(Frozen):
@@ -144,7 +144,7 @@ def unit_id(connection: sql.Connection, unit: Unit) -> int:
 
 def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
     manifest, t = recording.manifest, recording.imu.t
-    run = f"r{recording.digest[:SHORT]}"
+    run = f"r{recording.digest[:ID_DIGITS]}"
     is_new = database.add_new(
         connection,
         tables.runs,
@@ -196,7 +196,7 @@ def _load_raw(run: Run, home: Home) -> Recording:
     if recording.digest != run.digest:
         raise Unusable(
             f"The raw recording {path} is not what was taken in (digest "
-            f"{recording.digest[:SHORT]}); move it away and import {run.recording_id} again "
+            f"{recording.digest[:ID_DIGITS]}); move it away and import {run.recording_id} again "
             "from its source."
         )
     return recording

@@ -5,8 +5,8 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, TRIADS, Manifest, Stream
 
-LONGEST = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
-GREATEST = 1e9  # in rad/s, m/s², rad, °C, Pa: no sensor reads it, and its square must not overflow
+MAX_TIME_S = 2**51 / 1e9  # s (26 days); beyond it a float64 does not tell nanoseconds apart
+MAX_VALUE = 1e9  # in rad/s, m/s², rad, °C, Pa: no sensor reads it, and its square must not overflow
 REFERENCE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
 ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")
@@ -69,12 +69,12 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
                 f"{where}: column {column}, row {row + 1}: the value is {_said(values[row])}; "
                 f"{_way_out(column in triads)}."
             )
-        beyond = np.abs(values) > GREATEST
+        beyond = np.abs(values) > MAX_VALUE
         if beyond.any():
             row = int(beyond.argmax())
             raise Unusable(
                 f"{where}: column {column}, row {row + 1}: the value is {values[row]:.6g}, which "
-                f"no sensor reads (more than {GREATEST:.0e}); correct it, or remove the row."
+                f"no sensor reads (more than {MAX_VALUE:.0e}); correct it, or remove the row."
             )
     measured = name != "imu" or ANGLE[0] in stream.columns
     if not measured and all(absent(stream, triad).all() for triad in TRIADS):
@@ -92,8 +92,8 @@ def _check_time(where: str, t: np.ndarray) -> None:
             f"{where}: column t, row {row + 1}: the value is {_said(t[row])}; "
             "every row needs a time in seconds."
         )
-    if np.abs(t).max() > LONGEST:
-        row = int((np.abs(t) > LONGEST).argmax())
+    if np.abs(t).max() > MAX_TIME_S:
+        row = int((np.abs(t) > MAX_TIME_S).argmax())
         raise Unusable(
             f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days; "
             "let the time start near zero."

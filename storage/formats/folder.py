@@ -13,7 +13,7 @@ from storage.formats.manifest import manifest_of
 from storage.formats.stream_file import read_table
 
 MANIFEST = "manifest.json"
-LONG = 80  # characters of a name in a sentence
+MAX_LENGTH = 80  # characters of a name in a sentence
 
 
 def read_folder(folder: Path) -> Recording:
@@ -81,7 +81,7 @@ def _path(folder: Path, manifest: Manifest, name: str) -> Path:
 
 
 def _short(file: str) -> str:
-    return repr(file if len(file) <= LONG else f"{file[:LONG]}…")
+    return repr(file if len(file) <= MAX_LENGTH else f"{file[:MAX_LENGTH]}…")
 
 
 def _stream(path: Path, name: str, manifest: Manifest) -> Stream:

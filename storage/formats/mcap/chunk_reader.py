@@ -21,8 +21,8 @@ from mcap.records import Channel, Metadata, Schema
 from storage.formats.mcap.chunk_writer import MAGIC, MESSAGE, RECORD
 
 THREADS = 2
-RUN = 2**24  # bytes of messages outside of chunks that are taken together
-AHEAD = 16  # chunks that are open at the same time
+MAX_RUN_BYTES = 2**24  # bytes of messages outside of chunks that are taken together
+CHUNKS_AHEAD = 16  # chunks that are open at the same time
 CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
 DESCRIPTIONS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
@@ -100,7 +100,7 @@ def scan(
 
         # Without a summary, a channel is known only after the chunk that introduces it.
         run = pool.map if contents.channels else map
-        while group := list(islice(chunks, AHEAD)):
+        while group := list(islice(chunks, CHUNKS_AHEAD)):
             for fault, decoded in run(pieces, group):
                 contents.damage = contents.damage or fault
                 for piece in decoded:
@@ -155,7 +155,7 @@ def _merged(data: mmap.mmap, places: list[tuple[int, int]]) -> Iterator[tuple[in
     run: tuple[int, int] | None = None
     for start, stop in places:
         loose = data[start] == Opcode.MESSAGE
-        if run and loose and run[1] == start and stop - run[0] <= RUN:
+        if run and loose and run[1] == start and stop - run[0] <= MAX_RUN_BYTES:
             run = (run[0], stop)
             continue
         if run:

@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ANGLE, FORMAT, Manifest, Recording, Station, Stream, Unit
-from storage.formats.checks import LONGEST, check_columns, check_stream
+from storage.formats.checks import MAX_TIME_S, check_columns, check_stream
 from storage.formats.content import NANO, as_raw, fingerprint, together
 from storage.formats.manifest import manifest_of
 from storage.formats.mcap.bag import Bag, Topic
@@ -106,7 +106,7 @@ def _origin(own: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
         origin = own[-1].get("origin_ns", "0")
         return int(origin) if origin.isdecimal() else 0
     earliest = min(int(times[0]) for times in stamps)
-    return earliest if earliest > LONGEST * NANO else 0
+    return earliest if earliest > MAX_TIME_S * NANO else 0
 
 
 def _cut_off(file: Bag, since: np.ndarray) -> str:
