@@ -183,16 +183,16 @@ def _range(measured: tuple[float, float] | None, unit: str) -> Sayable:
 
 def _trace(certificate: Certificate) -> tuple[Field, ...]:
     """Where the result comes from, so that it can be made again."""
-    made, station = certificate.calibration, certificate.manifest.station
+    calibration, station = certificate.calibration, certificate.manifest.station
     gravity, latitude = station.gravity_m_s2, station.latitude_deg
-    settings = "; ".join(f"{name} = {value}" for name, value in made.settings.items())
+    settings = "; ".join(f"{name} = {value}" for name, value in calibration.settings.items())
     return (
-        field("recording", given(made.recording_id)),
-        field("run", given(made.run)),
-        field("digest", given(made.digest)),
-        field("method", message(f"certificate-method.{made.method}")),
-        field("procedure", given(made.procedure)),
-        field("code-version", given(made.code_version)),
+        field("recording", given(calibration.recording_id)),
+        field("run", given(calibration.run)),
+        field("digest", given(calibration.digest)),
+        field("method", message(f"certificate-method.{calibration.method}")),
+        field("procedure", given(calibration.procedure)),
+        field("code-version", given(calibration.code_version)),
         field("settings", given(settings)),
         field("station", given(station.id)),
         field("gravity", given(None if gravity is None else f"{as_given(gravity)} m/s²")),

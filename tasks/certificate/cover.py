@@ -94,25 +94,25 @@ def scope(decision: Decision, specification: Specification) -> Message | None:
     """How many of the items the verdict speaks of; None where it speaks of none."""
     if not decision.limits:
         return None
-    limited = dict.fromkeys(made.item for made in decision.limits)
-    failed = {made.item for made in decision.limits if made.verdict == "fail"}
-    undecided = {made.item for made in decision.limits if made.verdict == "inconclusive"}
-    said = message(
+    limited = dict.fromkeys(limit.item for limit in decision.limits)
+    failed = {limit.item for limit in decision.limits if limit.verdict == "fail"}
+    undecided = {limit.item for limit in decision.limits if limit.verdict == "inconclusive"}
+    sentence = message(
         f"certificate-scope.{decision.verdict}",
         limited=len(limited), items=len({*specification.required, *limited}), failed=len(failed),
         decided=len(failed | (limited.keys() - undecided)),
     )  # fmt: skip
     for what, count in (
         ("in-part", sum(not _whole(decision, item) for item in limited)),
-        ("near", len({made.item for made in decision.limits if made.marginal})),
+        ("near", len({limit.item for limit in decision.limits if limit.marginal})),
     ):
         if count:
-            said = message(f"certificate-scope.{what}", scope=said, count=count)
-    return said
+            sentence = message(f"certificate-scope.{what}", scope=sentence, count=count)
+    return sentence
 
 
 def _whole(decision: Decision, item: str) -> bool:
     """Whether every element that the specification names has a limit."""
     named = ITEMS[item].elements if item in ITEMS else ()
-    limited = {made.element for made in decision.limits if made.item == item}
+    limited = {limit.element for limit in decision.limits if limit.item == item}
     return limited == {"all"} or limited >= set(named)

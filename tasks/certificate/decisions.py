@@ -27,30 +27,30 @@ def conformity(decision: Decision) -> tuple[Field, ...]:
 def _rules(decision: Decision) -> list[Field]:
     """Each rule in words; the items that it is for where there are several."""
     limits: dict[Message, list[LimitDecision]] = {}
-    for made in decision.limits:
-        limits.setdefault(_rule(made), []).append(made)
+    for limit in decision.limits:
+        limits.setdefault(_rule(limit), []).append(limit)
     if len(limits) == 1:
         ((rule, under),) = limits.items()
         return [field("rule", _with_figures(rule, under))]
     fields = []
     for number, (rule, under) in enumerate(limits.items(), start=1):
-        items = tuple(map(item_title, dict.fromkeys(made.item for made in under)))
+        items = tuple(map(item_title, dict.fromkeys(limit.item for limit in under)))
         of_items = message("certificate-rule-of", items=items, rule=_with_figures(rule, under))
         fields.append(Field(message("certificate-field.rule-number", number=number), of_items))
     return fields
 
 
-def _rule(made: LimitDecision) -> Message:
+def _rule(limit: LimitDecision) -> Message:
     """The rule of one limit: its guard band, and what it asks of U."""
-    factor = abs(made.guard_band_factor)
-    side = "-outwards" if made.rule == "guard_band" and made.guard_band_factor < 0 else ""
+    factor = abs(limit.guard_band_factor)
+    side = "-outwards" if limit.rule == "guard_band" and limit.guard_band_factor < 0 else ""
     w = "U" if factor == 1 else f"{factor:g} U"
-    rule = message(f"certificate-rule.{slug(made.rule)}{side}", w=w)
-    one_sided = None in (made.lower, made.upper)
-    if made.min_capability is not None and not one_sided:
-        needed = max(made.min_capability, made.guard_band_factor)
+    rule = message(f"certificate-rule.{slug(limit.rule)}{side}", w=w)
+    one_sided = None in (limit.lower, limit.upper)
+    if limit.min_capability is not None and not one_sided:
+        needed = max(limit.min_capability, limit.guard_band_factor)
         rule = message("certificate-rule.capability", rule=rule, needed=f"{needed:g}")
-    if one_sided and made.guard_band_factor <= 0 and made.U_max is None:
+    if one_sided and limit.guard_band_factor <= 0 and limit.U_max is None:
         rule = message("certificate-rule.unbounded", rule=rule)
     return rule
 
@@ -62,7 +62,7 @@ def _with_figures(rule: Sayable, under: list[LimitDecision]) -> Sayable:
         if largest is not None:
             U_max = quantity_text(str(text(largest)), unit)
             parts.append(message("certificate-rule.bound", item=item_title(item), U_max=U_max))
-    factors = sorted({made.k for made in under if made.k is not None})
+    factors = sorted({limit.k for limit in under if limit.k is not None})
     if factors:
         k = " … ".join(f"{k:g}" for k in dict.fromkeys((factors[0], factors[-1])))
         parts.append(message("certificate-rule.coverage-factor", k=k))
@@ -74,13 +74,13 @@ def _specific_risks(decision: Decision) -> list[Field]:
     parts = []
     for kind in ("acceptance", "rejection"):
         risks = [
-            (risk, made)
-            for made in decision.limits
-            if (risk := getattr(made, f"false_{kind}")) is not None
+            (risk, limit)
+            for limit in decision.limits
+            if (risk := getattr(limit, f"false_{kind}")) is not None
         ]
         if risks:
-            risk, made = max(risks, key=lambda pair: pair[0])
-            chance, whose = probability_text(risk), symbol(made.item, made.element)
+            risk, limit = max(risks, key=lambda pair: pair[0])
+            chance, whose = probability_text(risk), symbol(limit.item, limit.element)
             parts.append(message(f"certificate-risk.{kind}", chance=chance, symbol=whose))
     return [field("risk", message("certificate-risk", parts=clauses(parts)))] if parts else []
 
@@ -88,11 +88,11 @@ def _specific_risks(decision: Decision) -> list[Field]:
 def _global_risks(decision: Decision) -> list[Field]:
     """Risks over the production, for the worst element of each item that has a prior."""
     worst: dict[str, tuple[float, float]] = {}
-    for made in decision.limits:
-        if made.global_risks:
-            consumer, producer = worst.get(made.item, (-math.inf, -math.inf))
-            risks = made.global_risks
-            worst[made.item] = max(consumer, risks.consumer), max(producer, risks.producer)
+    for limit in decision.limits:
+        if limit.global_risks:
+            consumer, producer = worst.get(limit.item, (-math.inf, -math.inf))
+            risks = limit.global_risks
+            worst[limit.item] = max(consumer, risks.consumer), max(producer, risks.producer)
     parts = [
         message(
             "certificate-global-risk.item", item=item_title(item),
@@ -107,8 +107,8 @@ def _global_risks(decision: Decision) -> list[Field]:
 
 def _marks(decision: Decision) -> Sayable:
     parts = [message("certificate-marks.absent")]
-    if any(made.probability_of_conformity is not None for made in decision.limits):
+    if any(limit.probability_of_conformity is not None for limit in decision.limits):
         parts.append(message("certificate-marks.chance"))
-    if any(made.marginal for made in decision.limits):
+    if any(limit.marginal for limit in decision.limits):
         parts.append(message("certificate-marks.conditional"))
     return clauses(parts)

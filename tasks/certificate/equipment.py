@@ -75,15 +75,15 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
                 sources=tuple(dict.fromkeys(map(source, recommended))),
             )
         )  # fmt: skip
-    parts += [_taken(name_of(line), half_width(line)) for line in assumed]
+    parts += [_assumed(name_of(line), half_width(line)) for line in assumed]
     if _latitude_of_second_values(calibration, limits):
-        parts.append(_taken(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
+        parts.append(_assumed(LATITUDE.name, f"{math.degrees(LATITUDE.half_width):g}°"))
     # The plate tilts with the unit's base, whose length nobody states.
     flatness = message(by_document("flatness", specification))
     return message("certificate-limits", parts=clauses(parts)), flatness
 
 
-def _taken(name: Sayable, known: str) -> Message:
+def _assumed(name: Sayable, known: str) -> Message:
     return message("certificate-limits.assumed", limit=name, known=f"±{known}")
 
 

@@ -93,13 +93,15 @@ def _contained(
 def _row(shown: Information) -> InformationRow:
     U: Elements = shown.U or {}
     elements = tuple(shown.value)
-    made = column([shown.value[e] for e in elements], [U.get(e) for e in elements], shown.k)
-    cells = {e: Cell(e, made.values[i], made.uncertainties[i]) for i, e in enumerate(elements)}
-    known = any(value is not None for value in made.values)
+    printed = column([shown.value[e] for e in elements], [U.get(e) for e in elements], shown.k)
+    cells = {
+        e: Cell(e, printed.values[i], printed.uncertainties[i]) for i, e in enumerate(elements)
+    }
+    known = any(value is not None for value in printed.values)
     return InformationRow(
         title=Statement(en=shown.title, zh=shown.title_zh),
         unit=unit_text(shown.unit),
-        exponent=made.exponent,
+        exponent=printed.exponent,
         lines=tuple(_lines(cells)) if known else (),
         sentences=quoted(shown.en, shown.zh),
     )

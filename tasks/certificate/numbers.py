@@ -7,7 +7,7 @@ from tasks.specifications.items import second_value
 from tasks.words.rounding import USUAL_K, column
 
 # Items whose numbers are written in one power of ten, so that they can be compared.
-ALIKE = {
+SAME_EXPONENT = {
     "gyro_cross_coupling": "accel_cross_coupling",
     "accel_cross_coupling": "gyro_cross_coupling",
 }
@@ -30,21 +30,23 @@ class Numbers:
 
 
 def numbers(calibration: Calibration, name: str, elements: tuple[str, ...], two: bool) -> Numbers:
-    """The numbers of an item; an item alike shares the power of ten."""
+    """The numbers of an item; cross couplings of both triads share the power of ten."""
     items = calibration.items
-    item, alike = items.get(name), items.get(ALIKE.get(name, ""))
+    item, paired = items.get(name), items.get(SAME_EXPONENT.get(name, ""))
     second = getattr(item, second_value(name) or "", None) if two else None
     U = item.U if item else {}
     own = item.U_without_earth_rotation if item and second else None
     sources = ((item.value if item else {}, U), (second or {}, own or U))
     pairs = [(value.get(e), u.get(e)) for value, u in sources for e in elements]
-    others = [(value, alike.U.get(e)) for e, value in alike.value.items()] if alike else []
+    others = [(value, paired.U.get(e)) for e, value in paired.value.items()] if paired else []
     every, n = [*pairs, *others], len(elements)
-    made = column([value for value, _ in every], [u for _, u in every], item.k if item else USUAL_K)
+    printed = column(
+        [value for value, _ in every], [u for _, u in every], item.k if item else USUAL_K
+    )
     return Numbers(
-        made.exponent,
-        made.values[:n],
-        made.values[n : 2 * n],
-        made.uncertainties[:n],
-        made.uncertainties[n : 2 * n],
+        printed.exponent,
+        printed.values[:n],
+        printed.values[n : 2 * n],
+        printed.uncertainties[:n],
+        printed.uncertainties[n : 2 * n],
     )

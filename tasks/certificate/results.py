@@ -8,19 +8,13 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
 from schemas.discrepancy import Statement
-from schemas.tolerance import Decision, LimitDecision, Verdict
-from tasks.certificate.fields import first_known, given, slug
+from schemas.tolerance import Decision, LimitDecision
+from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
-from tasks.certificate.numbers import Numbers, numbers
+from tasks.certificate.numbers import numbers
+from tasks.certificate.rows import Row, row
 from tasks.certificate.statements import determined, identifiers
-from tasks.conformity.limits import (
-    accepted_text,
-    limits_text,
-    probability_text,
-    quantity_title,
-    relative_text,
-    verdict_title,
-)
+from tasks.conformity.limits import quantity_title, relative_text
 from tasks.conformity.reasons import unavailable
 from tasks.specifications.items import (
     MATRIX_ELEMENTS,
@@ -32,35 +26,6 @@ from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.typography import FULL_STOPS, clause
 from tasks.words.units import unit_text
-
-
-@dataclass(frozen=True)
-class Mark:
-    """The verdict on one limit: its key and words, and the probability of conformity."""
-
-    verdict: Verdict
-    conditional: bool
-    words: Message
-    chance: str | None
-
-
-@dataclass(frozen=True)
-class Row:
-    """One element: name, symbol, value, second value, U, limits and marks; None: no number.
-
-    U_second: of the second value. limits: the limits and, where they differ, the acceptance
-    limits AL.
-    """
-
-    name: Sayable
-    letter: str
-    sub: str
-    value: str | None
-    second: str | None
-    U: str | None
-    U_second: str | None
-    limits: tuple[str, ...]
-    marks: tuple[Mark, ...]
 
 
 @dataclass(frozen=True)
@@ -125,7 +90,7 @@ def _group(
     elements = _elements(item, definition)
     columns = _columns(definition, specification)
     two = len(columns) > 1
-    made = numbers(calibration, name, elements, two)
+    printed = numbers(calibration, name, elements, two)
     limits = [limit for limit in decision.limits if limit.item == name]
     shorts = identifiers(calibration)
     known = determined(item)
@@ -137,11 +102,11 @@ def _group(
         k=f"{item.k:g}" if item else "",
         kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}") if item else None,
         unit=unit_text(item.unit if item else definition.unit if definition else ""),
-        exponent=made.exponent,
+        exponent=printed.exponent,
         columns=columns,
-        U_apart=made.separate,
-        rows=tuple(_row(definition, e, made, i, limits, two) for i, e in enumerate(elements)),
-        matrices=_matrices(definition, elements, columns, (made.values, made.seconds)),
+        U_apart=printed.separate,
+        rows=tuple(row(definition, e, printed, i, limits, two) for i, e in enumerate(elements)),
+        matrices=_matrices(definition, elements, columns, (printed.values, printed.seconds)),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
             *(_about(name, limits, specification, two) if known else ()),
@@ -169,46 +134,6 @@ def _columns(
 def _elements(item: Item | None, definition: ItemDefinition | None) -> tuple[str, ...]:
     named = definition.elements if definition else ()
     return tuple(dict.fromkeys((*named, *(item.value if item else ()))))
-
-
-def _row(
-    definition: ItemDefinition | None,
-    element: str,
-    shown: Numbers,
-    i: int,
-    limits: list[LimitDecision],
-    two: bool,
-) -> Row:
-    own = [limit for limit in limits if limit.element == element]
-    return Row(
-        name=definition.element_title(element) if definition else given(element),
-        letter=definition.letter if definition else "",
-        sub=definition.element_subscript(element) if definition else "",
-        value=shown.values[i],
-        second=shown.seconds[i],
-        U=shown.U[i],
-        U_second=shown.U_second[i],
-        limits=tuple(line for limit in own for line in _limit_lines(limit, shown.exponent, two)),
-        marks=tuple(map(_mark, own)),
-    )
-
-
-def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[str, ...]:
-    """The limits and, where they differ, the acceptance limits AL, without a unit.
-
-    two: whether the item shows two values; (a), (b) then name the column.
-    """
-    limits, accepted = limits_text(limit, exponent), accepted_text(limit, exponent)
-    if two:
-        limits = f"({'a' if limit.applied_to == 'value' else 'b'}) {limits}"
-    return (limits, f"AL {accepted}") if accepted else (limits,)
-
-
-def _mark(limit: LimitDecision) -> Mark:
-    """The verdict as it stands beside a value; no probability where nothing was decided."""
-    chance = limit.probability_of_conformity
-    shown = None if chance is None else probability_text(chance)
-    return Mark(limit.verdict, limit.marginal, verdict_title(limit), shown)
 
 
 def _about(

@@ -128,8 +128,10 @@ def remarks(calibration: Calibration) -> tuple[Message, ...]:
 
 def _remark(remark: Remark) -> Message:
     """The remark; its segments where the sentence does not name them, and what it prevents."""
-    said = quoted(remark.en, remark.zh)
+    sentence = quoted(remark.en, remark.zh)
     named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
     if not all(named):
-        said = message("certificate-remark", remark=said, segments=", ".join(remark.segments))
-    return message("certificate-remark.blocks", remark=said) if remark.blocks_pass else said
+        sentence = message(
+            "certificate-remark", remark=sentence, segments=", ".join(remark.segments)
+        )
+    return message("certificate-remark.blocks", remark=sentence) if remark.blocks_pass else sentence

@@ -28,8 +28,8 @@ Doubts = Mapping[str, tuple[Sayable, ...]]
 
 
 @dataclass(frozen=True)
-class Known:
-    """What is known of one element: value, expanded and standard uncertainty, degrees of freedom.
+class Measured:
+    """The measured value of one element: its U, its standard uncertainty, its degrees of freedom.
 
     U and u are above zero where they are not None.
     """
@@ -63,10 +63,10 @@ def decide(
     element, another unit.
     """
     doubts_of = doubts_of or {}
-    decisions = tuple(_all(calibration, tolerance, doubts_of)) if tolerance else ()
+    decisions = tuple(_decisions(calibration, tolerance, doubts_of)) if tolerance else ()
     reasons: list[Sayable] = [] if tolerance else [message("conformity-no-tolerance")]
-    reasons += _of_limits(calibration, decisions, doubts_of)
-    for item in dict.fromkeys(made.item for made in decisions):
+    reasons += _reasons(calibration, decisions, doubts_of)
+    for item in dict.fromkeys(decided.item for decided in decisions):
         reasons += doubts_of.get(item, ())
     reasons += doubts
     reasons += [Statement(en=r.en, zh=r.zh) for r in calibration.remarks if r.blocks_pass]
@@ -97,20 +97,20 @@ def expired(equipment: Iterable[Equipment], on: date) -> tuple[Message, ...]:
 
 
 def _overall(decisions: tuple[LimitDecision, ...], reasons: tuple[Statement, ...]) -> Verdict:
-    if any(made.verdict == "fail" for made in decisions):
+    if any(decided.verdict == "fail" for decided in decisions):
         return "fail"
-    if decisions and not reasons and all(made.verdict == "pass" for made in decisions):
+    if decisions and not reasons and all(decided.verdict == "pass" for decided in decisions):
         return "pass"
     return "inconclusive"
 
 
 def _marginal(decisions: tuple[LimitDecision, ...], verdict: Verdict) -> bool:
     """One doubtful element makes a pass conditional; one beyond doubt makes a fail a plain one."""
-    marks = [made.marginal for made in decisions if made.verdict == verdict]
+    marks = [decided.marginal for decided in decisions if decided.verdict == verdict]
     return {"pass": any(marks), "fail": all(marks), "inconclusive": False}[verdict]
 
 
-def _all(
+def _decisions(
     calibration: Calibration, tolerance: Tolerance, doubts_of: Doubts
 ) -> Iterator[LimitDecision]:
     for limit in tolerance.limits:
@@ -118,21 +118,21 @@ def _all(
         item, rule = calibration.items.get(limit.item), criterion(tolerance, limit)
         undecided = withdrawn(calibration, limit.item) or bool(doubts_of.get(limit.item))
         for element in limited(item, limit):
-            yield _made(limit, rule, element, item, undecided)
+            yield _decision(limit, rule, element, item, undecided)
 
 
-def _made(
+def _decision(
     limit: Limit, rule: Criterion, element: str, item: Item | None, undecided: bool
 ) -> LimitDecision:
-    known = _known(item, limit, element)
+    measured = _measured(item, limit, element)
     lower, upper = bounds(limit)
     return LimitDecision(
         item=limit.item,
         element=element,
         unit=limit.unit,
         applied_to=limit.applied_to,
-        value=known.value,
-        U=known.U,
+        value=measured.value,
+        U=measured.U,
         k=item.k if item else None,
         lower=lower,
         upper=upper,
@@ -141,29 +141,29 @@ def _made(
         guard_band_factor=rule.factor,
         min_capability=rule.min_capability,
         U_max=rule.U_max,
-        **(_by_rule(rule, known) if known.U else {}),
-        **_decided(limit, rule, known, undecided),
+        **(_acceptance(rule, measured) if measured.U else {}),
+        **_verdict(limit, rule, measured, undecided),
     )
 
 
-def _by_rule(rule: Criterion, known: Known) -> dict[str, Any]:
+def _acceptance(rule: Criterion, measured: Measured) -> dict[str, Any]:
     """Where a value with this U is accepted, and how good U is for these limits."""
-    assert known.U is not None
-    low, high = rule.accepted(known.U)
+    assert measured.U is not None
+    low, high = rule.accepted(measured.U)
     return {
         "accept_lower": _finite(low),
         "accept_upper": _finite(high),
-        "capability": _finite(rule.capability(known.U)),
+        "capability": _finite(rule.capability(measured.U)),
     }
 
 
-def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> dict[str, Any]:
+def _verdict(limit: Limit, rule: Criterion, measured: Measured, undecided: bool) -> dict[str, Any]:
     """The verdict with its risk; both only where there is something to decide on."""
-    if undecided or known.value is None or known.U is None or known.u is None:
+    if undecided or measured.value is None or measured.U is None or measured.u is None:
         return {"verdict": "inconclusive"}
-    about = (known.value, known.u, rule.limits, known.dof)
+    about = (measured.value, measured.u, rule.limits, measured.dof)
     conforms, not_so = probability_of_conformity(*about), probability_of_nonconformity(*about)
-    verdict = rule.verdict(known.value, known.U, conforms)
+    verdict = rule.verdict(measured.value, measured.U, conforms)
     if verdict == "inconclusive":
         shown = {"probability_of_conformity": conforms} if rule.unbounded else {}
         return {"verdict": verdict, **shown}
@@ -173,29 +173,29 @@ def _decided(limit: Limit, rule: Criterion, known: Known, undecided: bool) -> di
         "false_rejection": None if accepted else conforms,
     }
     if limit.prior:
-        interval = rule.accepted(known.U)
-        risk["global_risks"] = global_risks(limit.prior, known.u, rule.limits, interval)
+        interval = rule.accepted(measured.U)
+        risk["global_risks"] = global_risks(limit.prior, measured.u, rule.limits, interval)
     return {
         "verdict": verdict,
-        "marginal": rule.marginal(known.value, known.U, verdict),
+        "marginal": rule.marginal(measured.value, measured.U, verdict),
         "probability_of_conformity": conforms,
         **risk,
     }
 
 
-def _known(item: Item | None, limit: Limit, element: str) -> Known:
+def _measured(item: Item | None, limit: Limit, element: str) -> Measured:
     """The quantity that a limit is applied to, with the uncertainty of that quantity.
 
     Degrees of freedom are those of the element's budget, where it has one.
     """
     if item is None:
-        return Known(None, None, None, math.inf)
+        return Measured(None, None, None, math.inf)
     value = _at(getattr(item, limit.applied_to), element)
     without_earth = limit.applied_to == "value_without_earth_rotation"
     own = item.U_without_earth_rotation if without_earth else None
     U = _positive(_at(own or item.U, element))
     budget = item.budgets.get(element)
-    return Known(value, U, U / item.k if U else None, budget.dof if budget else math.inf)
+    return Measured(value, U, U / item.k if U else None, budget.dof if budget else math.inf)
 
 
 def _at(values: Elements | None, element: str) -> float | None:
@@ -210,17 +210,17 @@ def _positive(value: float | None) -> float | None:
     return value if value is not None and value > 0 else None
 
 
-def _of_limits(
+def _reasons(
     calibration: Calibration, decisions: tuple[LimitDecision, ...], doubts_of: Doubts
 ) -> list[Message]:
     """Why limited elements did not pass: outside, too uncertain, without U, without a value."""
-    open_ = [made for made in decisions if made.verdict == "inconclusive"]
-    absent = [made for made in open_ if made.value is None or withdrawn(calibration, made.item)]
-    bare = [made for made in open_ if made not in absent and made.U is None]
-    settled = [*absent, *bare]
-    vague = [made for made in open_ if made not in settled and not doubts_of.get(made.item)]
+    undecided = [d for d in decisions if d.verdict == "inconclusive"]
+    absent = [d for d in undecided if d.value is None or withdrawn(calibration, d.item)]
+    bare = [d for d in undecided if d not in absent and d.U is None]
+    explained = [*absent, *bare]
+    vague = [d for d in undecided if d not in explained and not doubts_of.get(d.item)]
     return [
-        *(outside(made) for made in decisions if made.verdict == "fail"),
+        *(outside(decided) for decided in decisions if decided.verdict == "fail"),
         *map(too_uncertain, vague),
         *without_uncertainty(bare),
         *missing(calibration, absent),

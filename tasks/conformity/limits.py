@@ -10,19 +10,17 @@ from tasks.words.units import quantity_text
 NEARLY_CERTAIN = 0.999  # a probability nearer to 1 or 0 is not told apart from it
 
 
-def verdict_title(decided: Decision | LimitDecision) -> Message:
+def verdict_title(limit: Decision | LimitDecision) -> Message:
     """A verdict in words, with its condition where a value lies within U of a limit.
 
     The names are those of ILAC-G8:09/2019, 4.2.3.
     """
-    return message(
-        f"conformity-{'conditional' if decided.marginal else 'verdict'}.{decided.verdict}"
-    )
+    return message(f"conformity-{'conditional' if limit.marginal else 'verdict'}.{limit.verdict}")
 
 
-def quantity_title(decided: LimitDecision) -> Message:
+def quantity_title(limit: LimitDecision) -> Message:
     """Which value of an item a limit is applied to."""
-    return message(f"conformity-quantity.{decided.applied_to.replace('_', '-')}")
+    return message(f"conformity-quantity.{limit.applied_to.replace('_', '-')}")
 
 
 def interval_text(lower: Decimal | None, upper: Decimal | None, exponent: int = 0) -> str:
@@ -33,27 +31,27 @@ def interval_text(lower: Decimal | None, upper: Decimal | None, exponent: int = 
     return f"±{high}" if lower == -upper else f"{low} … {high}"
 
 
-def limits_text(decided: LimitDecision, exponent: int = 0) -> str:
+def limits_text(limit: LimitDecision, exponent: int = 0) -> str:
     """The limits, without a unit."""
-    return interval_text(exact(decided.lower), exact(decided.upper), exponent)
+    return interval_text(exact(limit.lower), exact(limit.upper), exponent)
 
 
-def accepted_text(decided: LimitDecision, exponent: int = 0) -> str | None:
+def accepted_text(limit: LimitDecision, exponent: int = 0) -> str | None:
     """The acceptance limits, to the place of U; None where they are the limits."""
-    if not decided.guard_band_factor or decided.U is None:
+    if not limit.guard_band_factor or limit.U is None:
         return None
-    place = round_up(decided.U, decided.k or USUAL_K)
-    edges = (decided.accept_lower, decided.accept_upper)
+    place = round_up(limit.U, limit.k or USUAL_K)
+    edges = (limit.accept_lower, limit.accept_upper)
     lower, upper = (None if edge is None else round_like(edge, place) for edge in edges)
     return interval_text(lower, upper, exponent)
 
 
-def relative_text(decided: LimitDecision) -> str | None:
+def relative_text(limit: LimitDecision) -> str | None:
     """Relative limits as they were given, like «±1 % × 3.2 °/s»; None for absolute ones."""
-    if decided.nominal is None:
+    if limit.nominal is None:
         return None
-    lower, upper = (_percent(edge, decided.nominal) for edge in (decided.lower, decided.upper))
-    nominal = quantity_text(str(text(exact(decided.nominal))), decided.unit)
+    lower, upper = (_percent(edge, limit.nominal) for edge in (limit.lower, limit.upper))
+    nominal = quantity_text(str(text(exact(limit.nominal))), limit.unit)
     return f"{interval_text(lower, upper)} % × {nominal}"
 
 

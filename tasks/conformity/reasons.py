@@ -20,56 +20,54 @@ from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text
 
 
-def outside(decided: LimitDecision) -> Message:
+def outside(limit: LimitDecision) -> Message:
     """A value that fails by its rule, with its uncertainty and the risk of having rejected it."""
-    limits = _limits(decided)
+    limits = _limits(limit)
     where = message("conformity-where.outside", limits=limits)
-    if _inside(Decimal(repr(decided.value)), decided.lower, decided.upper):
-        accepted = quantity_text(str(accepted_text(decided)), decided.unit)
+    if _inside(Decimal(repr(limit.value)), limit.lower, limit.upper):
+        accepted = quantity_text(str(accepted_text(limit)), limit.unit)
         where = message("conformity-where.guard-band", limits=limits, accepted=accepted)
-    return message(
-        "conformity-outside", measured=_measured(decided), where=where, risk=_risk(decided)
-    )
+    return message("conformity-outside", measured=_measured(limit), where=where, risk=_risk(limit))
 
 
 def conditional(decision: Decision) -> list[Message]:
     """One sentence for each pass that lies within U of a limit, or outside it."""
     return [
         message(
-            f"conformity-conditional-pass.{_side(decided)}",
-            measured=_measured(decided), limits=_limits(decided), risk=_risk(decided),
+            f"conformity-conditional-pass.{_side(limit)}",
+            measured=_measured(limit), limits=_limits(limit), risk=_risk(limit),
         )
-        for decided in decision.limits
-        if decided.marginal and decided.verdict == "pass"
+        for limit in decision.limits
+        if limit.marginal and limit.verdict == "pass"
     ]  # fmt: skip
 
 
-def _side(decided: LimitDecision) -> str:
-    inside = _inside(Decimal(repr(decided.value)), decided.lower, decided.upper)
+def _side(limit: LimitDecision) -> str:
+    inside = _inside(Decimal(repr(limit.value)), limit.lower, limit.upper)
     return "near" if inside else "outside"
 
 
-def too_uncertain(decided: LimitDecision) -> Message:
+def too_uncertain(limit: LimitDecision) -> Message:
     """A value whose uncertainty is larger than its rule allows."""
     return message(
-        "conformity-too-uncertain", subject=_subject(decided), value=_value(decided),
-        U=_uncertainty(decided), why=_why_too_uncertain(decided),
+        "conformity-too-uncertain", subject=_subject(limit), value=_value(limit),
+        U=_uncertainty(limit), why=_why_too_uncertain(limit),
     )  # fmt: skip
 
 
-def _why_too_uncertain(decided: LimitDecision) -> Message:
-    limits = _limits(decided)
-    if decided.U_max is not None and decided.U is not None and decided.U_max < decided.U:
-        agreed = quantity_text(str(text(exact(decided.U_max))), decided.unit)
+def _why_too_uncertain(limit: LimitDecision) -> Message:
+    limits = _limits(limit)
+    if limit.U_max is not None and limit.U is not None and limit.U_max < limit.U:
+        agreed = quantity_text(str(text(exact(limit.U_max))), limit.unit)
         return message("conformity-uncertain.agreed", agreed=agreed)
-    if decided.probability_of_conformity is not None:
-        chance = probability_text(decided.probability_of_conformity)
+    if limit.probability_of_conformity is not None:
+        chance = probability_text(limit.probability_of_conformity)
         return message("conformity-uncertain.unbounded", limits=limits, chance=chance)
-    needed = max(decided.min_capability or 0.0, decided.guard_band_factor)
+    needed = max(limit.min_capability or 0.0, limit.guard_band_factor)
     if needed > 1:
         return message(
             "conformity-uncertain.capability",
-            capability=f"{decided.capability:.2g}", limits=limits, needed=f"{needed:g}",
+            capability=f"{limit.capability:.2g}", limits=limits, needed=f"{needed:g}",
         )  # fmt: skip
     return message("conformity-uncertain.interval", limits=limits)
 
@@ -102,52 +100,52 @@ def unavailable(calibration: Calibration, item: str) -> Statement | None:
 def _by_item(decisions: Iterable[LimitDecision]) -> list[tuple[str, str]]:
     """Each item with the list of its elements."""
     elements: dict[str, list[str]] = {}
-    for decided in decisions:
-        elements.setdefault(decided.item, []).append(decided.element)
+    for limit in decisions:
+        elements.setdefault(limit.item, []).append(limit.element)
     return [(item, ", ".join(dict.fromkeys(names))) for item, names in elements.items()]
 
 
-def _subject(decided: LimitDecision) -> Message:
+def _subject(limit: LimitDecision) -> Message:
     """Item, symbol and, where the item has two values, the one that was decided on."""
-    named = {"item": item_title(decided.item), "symbol": symbol(decided.item, decided.element)}
-    if second_value(decided.item) is None:
+    named = {"item": item_title(limit.item), "symbol": symbol(limit.item, limit.element)}
+    if second_value(limit.item) is None:
         return message("conformity-subject", **named)
-    return message("conformity-subject.of-two", quantity=quantity_title(decided), **named)
+    return message("conformity-subject.of-two", quantity=quantity_title(limit), **named)
 
 
-def _measured(decided: LimitDecision) -> Message:
+def _measured(limit: LimitDecision) -> Message:
     return message(
-        "conformity-measured", subject=_subject(decided), value=_value(decided),
-        U=_uncertainty(decided), k="" if decided.k is None else f"{decided.k:g}",
+        "conformity-measured", subject=_subject(limit), value=_value(limit),
+        U=_uncertainty(limit), k="" if limit.k is None else f"{limit.k:g}",
     )  # fmt: skip
 
 
-def _risk(decided: LimitDecision) -> Sayable:
+def _risk(limit: LimitDecision) -> Sayable:
     """The risk of a verdict, and whether it is a conditional one."""
     condition: Sayable = ""
-    if decided.marginal:
-        condition = message("conformity-condition", verdict=verdict_title(decided))
+    if limit.marginal:
+        condition = message("conformity-condition", verdict=verdict_title(limit))
     for kind in ("acceptance", "rejection"):
-        chance = getattr(decided, f"false_{kind}")
+        chance = getattr(limit, f"false_{kind}")
         if chance is not None:
             chance = probability_text(chance)
             return message(f"conformity-risk.{kind}", condition=condition, chance=chance)
     return ""
 
 
-def _value(decided: LimitDecision) -> str:
+def _value(limit: LimitDecision) -> str:
     """The value rounded to the place of U; in full where that would hide what was decided."""
-    assert decided.value is not None  # else nothing was decided
-    full, rounded = Decimal(repr(decided.value)), round_like(decided.value, _rounded_U(decided))
-    same = _sides(rounded, decided) == _sides(full, decided)
-    return quantity_text(str(text(rounded if same else full)), decided.unit)
+    assert limit.value is not None  # else nothing was decided
+    full, rounded = Decimal(repr(limit.value)), round_like(limit.value, _rounded_U(limit))
+    same = _sides(rounded, limit) == _sides(full, limit)
+    return quantity_text(str(text(rounded if same else full)), limit.unit)
 
 
-def _sides(value: Decimal, decided: LimitDecision) -> tuple[bool, bool]:
+def _sides(value: Decimal, limit: LimitDecision) -> tuple[bool, bool]:
     """Whether a value is inside the limits, and inside the acceptance limits."""
     return (
-        _inside(value, decided.lower, decided.upper),
-        _inside(value, decided.accept_lower, decided.accept_upper),
+        _inside(value, limit.lower, limit.upper),
+        _inside(value, limit.accept_lower, limit.accept_upper),
     )
 
 
@@ -156,15 +154,15 @@ def _inside(value: Decimal, lower: float | None, upper: float | None) -> bool:
     return above and (upper is None or value <= Decimal(repr(upper)))
 
 
-def _rounded_U(decided: LimitDecision) -> Decimal:  # noqa: N802
-    assert decided.U is not None  # else nothing was decided
-    return round_up(decided.U, decided.k or USUAL_K)
+def _rounded_U(limit: LimitDecision) -> Decimal:  # noqa: N802
+    assert limit.U is not None  # else nothing was decided
+    return round_up(limit.U, limit.k or USUAL_K)
 
 
-def _uncertainty(decided: LimitDecision) -> str:
-    return quantity_text(str(text(_rounded_U(decided))), decided.unit)
+def _uncertainty(limit: LimitDecision) -> str:
+    return quantity_text(str(text(_rounded_U(limit))), limit.unit)
 
 
-def _limits(decided: LimitDecision) -> str:
-    limits, relative = quantity_text(limits_text(decided), decided.unit), relative_text(decided)
+def _limits(limit: LimitDecision) -> str:
+    limits, relative = quantity_text(limits_text(limit), limit.unit), relative_text(limit)
     return f"{limits} ({relative})" if relative else limits
