@@ -47,7 +47,7 @@ def row(
     limits: list[LimitDecision],
     two: bool,
 ) -> Row:
-    """The i-th element of an item; limits: the decisions on the item, two: whether it shows both."""
+    """The i-th element of an item. two: whether the item shows two values."""
     own = [limit for limit in limits if limit.element == element]
     return Row(
         name=definition.element_title(element) if definition else given(element),
