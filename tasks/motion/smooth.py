@@ -46,12 +46,12 @@ def smooth_derivatives(
     bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
     acceleration = _filtered(thinned, bend)
     known = covered(t, at)[:, None]
-    found = (
+    derivatives = (
         interpolated(at, t, angle),
         interpolated(at, even, rate),
         interpolated(at, even, acceleration),
     )
-    return tuple(np.where(known, each, np.nan) for each in found)  # type: ignore[return-value]
+    return tuple(np.where(known, values, np.nan) for values in derivatives)  # type: ignore[return-value]
 
 
 def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -37,12 +37,12 @@ def find_segments(recording: Recording) -> tuple[Segment, ...]:
         return ()
     quiet = _quiet_rows(imu) if table is None else _steady_rows(recording.manifest, imu.t, table)
     offset = np.median(recording.imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
-    found: list[Segment] = []
+    segments: list[Segment] = []
     for start, stop in _intervals(recording.imu.t, quiet):
-        segment = _classified(recording, start, stop, len(found) + 1, offset)
+        segment = _classified(recording, start, stop, len(segments) + 1, offset)
         if segment is not None:
-            found.append(segment)
-    return tuple(found)
+            segments.append(segment)
+    return tuple(segments)
 
 
 def _quiet_rows(imu: Stream) -> np.ndarray:

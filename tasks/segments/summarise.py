@@ -14,7 +14,7 @@ GYRO_COLUMNS = slice(0, 3)
 ACCEL_COLUMNS = slice(3, 6)
 
 SAMPLE_ROWS = 2000  # rows that centre and scale are taken from; enough for a median
-FAR = 10.0  # robust standard deviations beyond which a row is not this segment's signal
+REACH = 10.0  # robust standard deviations beyond which a row is not this segment's signal
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
 BLOCKS = 32  # finest blocks of the Allan variances
@@ -81,15 +81,15 @@ def coarsely_quantised(segment: SegmentMean) -> np.ndarray:
 def steps(imu: Stream) -> np.ndarray:
     """Smallest difference (6,) between two readings of each channel, 0 where all are one."""
     every = max(1, len(imu.t) // STEP_ROWS)
-    found = np.zeros(len(CHANNELS))
+    smallest = np.zeros(len(CHANNELS))
     for channel, name in enumerate(CHANNELS):
         if name in imu.columns:
             sample = imu.columns[name][::every]
             sample = np.sort(sample[np.isfinite(sample)])  # rows without the triad say nothing
             apart = np.diff(sample)
             resolution = 8 * np.finfo(float).eps * np.abs(sample).max(initial=0.0)
-            found[channel] = apart[apart > resolution].min(initial=np.inf)
-    return np.where(np.isfinite(found), found, 0.0)
+            smallest[channel] = apart[apart > resolution].min(initial=np.inf)
+    return np.where(np.isfinite(smallest), smallest, 0.0)
 
 
 def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
@@ -103,7 +103,7 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     low, centre, high = (sample[int(share * (len(sample) - 1))] for share in (0.02, 0.5, 0.98))
     spread = 1.4826 * float(np.median(np.abs(sample - centre)))
     resolution = 8 * np.finfo(float).eps * abs(centre)
-    reach = FAR * max(spread, (high - low) / 4.1, resolution, NEAR_STEPS * step / FAR)
+    reach = REACH * max(spread, (high - low) / 4.1, resolution, NEAR_STEPS * step / REACH)
     if not (channel.max() > centre + reach or channel.min() < centre - reach):
         return None
     return np.abs(channel - centre) > reach
@@ -200,8 +200,8 @@ def _without_turning(values: np.ndarray, t: np.ndarray, segment: Segment) -> np.
 
 def _far_by_channel(values: np.ndarray, step: np.ndarray) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
-    found = ((channel, far_rows(row, step[channel])) for channel, row in enumerate(values))
-    return {channel: far for channel, far in found if far is not None}
+    flags = ((channel, far_rows(row, step[channel])) for channel, row in enumerate(values))
+    return {channel: far for channel, far in flags if far is not None}
 
 
 def summarise_all(

@@ -22,7 +22,7 @@ def wrong_rate_unit(
             read = np.degrees(segment.mean[GYRO_COLUMNS])[AXES.index(label.axis)]
             ratios.append((abs(read / label.rate_deg_s), label.name, read, label.rate_deg_s))
     for factor in (np.degrees(1.0), np.radians(1.0)):
-        off = [each for each in ratios if abs(each[0] / factor - 1) < 0.1]
+        off = [ratio for ratio in ratios if abs(ratio[0] / factor - 1) < 0.1]
         if ratios and len(off) > len(ratios) / 2:
             _, name, read, label_rate = off[0]
             return (

@@ -98,7 +98,7 @@ class Evidence:
         step = max(segment.step[channel] for segment in self.segments)
         labels = [segment.segment for segment in self.segments]
         place = [(u, s.kind, s.axis, s.rate_deg_s) for u, s in zip(self.up, labels, strict=True)]
-        for one in set(place):
-            held = [i for i, other in enumerate(place) if other == one]
+        for same in set(place):
+            held = [i for i, other in enumerate(place) if other == same]
             shared[np.ix_(held, held)] = step**2 / 12.0
         return shared

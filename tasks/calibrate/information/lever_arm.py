@@ -28,12 +28,12 @@ CELL = 0.1  # s: ramps are cut into cells of this length
 WITHIN = 5  # times within a ramp's cell at which its angular acceleration is looked up
 FASTEST = 200.0  # Hz
 CORNER = 0.15  # of the angular acceleration, from cell to cell: no smooth ramp bends so
-LONG = 10  # cells that make one where the rate is steady
+CELLS_AT_RATE = 10  # cells that make one where the rate is steady
 RAMPING = 0.02  # rad/s² of angular acceleration: a ramp
 LEVEL = np.radians(0.05)  # rad/s across the vertical: more than this is a move, not a turn
 MIN_RAMPING = 20  # cells about each axis
 PASSES = 6
-FAR = 6.0  # robust standard deviations beyond which a cell is no signal of this model
+OUTLYING = 6.0  # robust standard deviations beyond which a cell is no signal of this model
 TERMS: tuple[Term, ...] = (LEVER_ARM, *ACCEL_TERMS)
 
 
@@ -137,12 +137,12 @@ def _average_acceleration(recording: Recording, motion: Motion, cells: np.ndarra
 
 
 def _starts(usable: np.ndarray, changing: np.ndarray) -> np.ndarray:
-    """First cell of each merged one: alone in a ramp, up to LONG where the rate is steady."""
+    """First cell of each merged one: alone in a ramp, else up to CELLS_AT_RATE together."""
     steady = usable & ~changing
     new = np.ones(len(usable), bool)
     new[1:] = ~(steady[1:] & steady[:-1])
     run = np.arange(len(new)) - np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
-    return np.flatnonzero(new | (run % LONG == 0))
+    return np.flatnonzero(new | (run % CELLS_AT_RATE == 0))
 
 
 def _mean_readings(
@@ -170,7 +170,7 @@ def _fit(cells: Cells, evidence: Evidence) -> Fit:
         fitted = fit(TERMS, cells.motion.taken(near), cells.readings[near], noise, start)
         misses = cells.readings - predict(TERMS, cells.motion, fitted.values)
         size = np.abs(misses / np.sqrt(white))[:, ACCEL_COLUMNS]
-        reach = FAR * np.maximum(1.4826 * np.median(size, axis=0), 1.0)
+        reach = OUTLYING * np.maximum(1.4826 * np.median(size, axis=0), 1.0)
         previous, near = near, ~(size > reach).any(axis=1)
         if (near == previous).all():
             break

@@ -63,12 +63,12 @@ def _fit(tau: np.ndarray, variance: np.ndarray, count: np.ndarray) -> np.ndarray
     if not variance.any():
         return np.zeros(3)
     design = np.column_stack([3.0 / tau**2, 1.0 / tau, np.full(len(tau), FLICKER_ALLAN)])
-    expected, found = variance.clip(min=1e-6 * variance.max() / len(tau)), np.zeros(3)
+    expected, terms = variance.clip(min=1e-6 * variance.max() / len(tau)), np.zeros(3)
     for _ in range(ROUNDS):
         weight = np.sqrt(count) / expected
-        found = _not_negative(design * weight[:, None], variance * weight)
-        expected = np.maximum(design @ found, 1e-12 * variance.max())
-    return found
+        terms = _not_negative(design * weight[:, None], variance * weight)
+        expected = np.maximum(design @ terms, 1e-12 * variance.max())
+    return terms
 
 
 def _not_negative(design: np.ndarray, target: np.ndarray) -> np.ndarray:
@@ -77,11 +77,11 @@ def _not_negative(design: np.ndarray, target: np.ndarray) -> np.ndarray:
     for size in range(1, min(design.shape) + 1):
         for chosen in map(list, combinations(range(design.shape[1]), size)):
             scale = np.linalg.norm(design[:, chosen], axis=0)
-            found = np.linalg.lstsq(design[:, chosen] / scale, target, rcond=None)[0] / scale
-            rest = target - design[:, chosen] @ found
-            if (found >= 0).all() and rest @ rest < least:
+            terms = np.linalg.lstsq(design[:, chosen] / scale, target, rcond=None)[0] / scale
+            rest = target - design[:, chosen] @ terms
+            if (terms >= 0).all() and rest @ rest < least:
                 best, least = np.zeros(design.shape[1]), float(rest @ rest)
-                best[chosen] = found
+                best[chosen] = terms
     return best
 
 

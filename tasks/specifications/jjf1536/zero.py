@@ -28,9 +28,9 @@ from tasks.words import Message, Sayable, clauses, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
-ALIKE = 0.02  # rad: attitudes closer than this are one position held twice
+SAME_ATTITUDE = 0.02  # rad: attitudes closer than this are one position held twice
 FEWEST = 4  # positions that may be taken by their label alone
-ASKED = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
+DWELL_S = {4: 1800.0, 12: 1200.0}  # s for each position of the two methods, 7.2.1 and 7.2.2
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
         vector = evidence.attitude[i]
         if vector is None:
             return Positions(axis, tuple((i,) for i in held), None, np.zeros((len(held), 3)))
-        same = [g for g, p in enumerate(first) if np.abs(p - vector).max() < ALIKE]
+        same = [g for g, p in enumerate(first) if np.abs(p - vector).max() < SAME_ATTITUDE]
         if same:
             groups[same[0]].append(i)
         else:
@@ -161,7 +161,7 @@ def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
     if count < FEWEST:
         text = message("jjf1536-number-of-positions", axis=axis, count=count)
         yield remark("number_of_positions", text, blocks_pass=True)
-    asked = ASKED[4] if count <= FEWEST else ASKED[12]
+    asked = DWELL_S[4] if count <= FEWEST else DWELL_S[12]
     interval = max(segment.seconds / segment.rows for segment in held.values())
     short = [segment for segment in held.values() if segment.seconds < asked - 2 * interval]
     if short:
