@@ -2,15 +2,9 @@
 
 from collections.abc import Mapping
 
-from schemas.calibration import (
-    Calibration,
-    EnvironmentSeen,
-    Information,
-    Item,
-    Remark,
-    SegmentUsed,
-)
+from schemas.calibration import Calibration, EnvironmentSeen, Information, Item, SegmentUsed
 from schemas.recording import Stream
+from schemas.text import Remark
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.specification import Specification
 from tasks.words import Sayable, say

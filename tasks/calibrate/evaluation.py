@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from pydantic import TypeAdapter, ValidationError
 
 from schemas.base import Unusable
-from schemas.calibration import Elements, Item, Remark, UncertaintyKind
+from schemas.calibration import Elements, Item, UncertaintyKind
 from schemas.certificate import EquipmentLimit, LimitName
 from schemas.recording import Recording
+from schemas.text import Remark
 from schemas.uncertainty import Budget
 from tasks.calibrate.distributions import monte_carlo_budget
 from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
 from schemas.certificate import Certificate
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.certificate import cover
 from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import Conditions, conditions

@@ -3,7 +3,7 @@
 import math
 
 from schemas.calibration import Calibration
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
 from tasks.specifications.specification import Specification

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from datetime import date
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.words import Argument, Message, Sayable, known, message
 
 NOT_GIVEN = message("certificate-not-given")

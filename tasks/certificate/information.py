@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Elements, Information
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.certificate.fields import first_known, quoted, slug
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, message

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained

@@ -4,7 +4,8 @@ import math
 import re
 from dataclasses import dataclass
 
-from schemas.calibration import Calibration, Item, Remark
+from schemas.calibration import Calibration, Item
+from schemas.text import Remark
 from schemas.tolerance import Decision
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits

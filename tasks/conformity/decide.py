@@ -11,8 +11,8 @@ from datetime import date
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
-from schemas.discrepancy import Statement
 from schemas.station import Equipment
+from schemas.text import Statement
 from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from decimal import Decimal
 
 from schemas.calibration import Calibration
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from schemas.tolerance import Decision, LimitDecision
 from tasks.conformity.limits import (
     accepted_text,

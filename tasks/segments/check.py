@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES, Recording
+from schemas.text import Remark
 from tasks.segments.completeness import completeness_remarks
 from tasks.segments.conditions import Conditions
 from tasks.segments.environment import environment_not_recorded, environment_remarks

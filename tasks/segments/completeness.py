@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import MEASURED, TRIADS, Recording
+from schemas.text import Remark
 from tasks.motion.smooth import covered
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.words import message, remark

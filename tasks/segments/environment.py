@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import Recording
+from schemas.text import Remark
 from tasks.segments.conditions import Conditions
 from tasks.segments.summarise import SegmentMean
 from tasks.words import message, remark

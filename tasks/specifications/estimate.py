@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES
+from schemas.text import Remark
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.linear import (

@@ -6,8 +6,8 @@ The names of items and elements stand in the catalogues under `item-…`, by the
 from dataclasses import dataclass
 from typing import Literal
 
-from schemas.discrepancy import Statement
 from schemas.recording import AXES
+from schemas.text import Statement
 from tasks.words import Message, message
 
 # Elements: the axis that reads, then the input axis.

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.calibration import Remark
+from schemas.text import Remark
 from tasks.specifications.estimate import Estimate, fit_means
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.linear import BirgeRatio

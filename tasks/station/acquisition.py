@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from schemas.base import Unusable
-from schemas.calibration import Remark
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
+from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.clock import StationClock
 from tasks.station.drivers import connected

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from schemas.calibration import Remark
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Segment
+from schemas.text import Remark
 from tasks.words import Message, message, texts
 
 MEASURED = ("static", "rate", "rotation")

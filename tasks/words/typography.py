@@ -7,7 +7,7 @@ the messages `typography-…` of each catalogue.
 import re
 from functools import partial
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.words.catalogue import say
 from tasks.words.message import Argument, message
 from tasks.words.rounding import MINUS

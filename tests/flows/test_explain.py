@@ -13,8 +13,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from schemas.discrepancy import FoundParameter, HeldOut, Statement
+from schemas.discrepancy import FoundParameter, HeldOut
 from schemas.recording import Recording
+from schemas.text import Statement
 from storage.formats.folder import read_folder
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding

@@ -1,6 +1,6 @@
 """What the proof's pages say: each text in English and in Chinese."""
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 
 Text = Statement
 

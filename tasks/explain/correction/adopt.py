@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from schemas.calibration import AdoptedParameter, AdoptedTerm, Calibration, Item, Remark
+from schemas.calibration import AdoptedParameter, AdoptedTerm, Calibration, Item
 from schemas.recording import Recording
+from schemas.text import Remark
 from tasks.explain.correction.budget import CorrectionLine, with_lines
 from tasks.explain.correction.corrected import corrected
 from tasks.explain.correction.sensitivity import sensitivities

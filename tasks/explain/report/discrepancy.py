@@ -8,10 +8,10 @@ from schemas.discrepancy import (
     Discrepancy,
     EvidenceFor,
     FindingSaid,
-    Statement,
     VerdictChange,
     Where,
 )
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.report.statements import finding_statement

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 
-from schemas.discrepancy import Consequence, FoundParameter, Statement, VerdictChange
+from schemas.discrepancy import Consequence, FoundParameter, VerdictChange
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.correction.consequences import OVERALL
 from tasks.specifications.items import ITEMS

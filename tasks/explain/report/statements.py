@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from math import exp, log
 
-from schemas.discrepancy import Consequence, EvidenceFor, FindingSaid, FoundParameter, Statement
+from schemas.discrepancy import Consequence, EvidenceFor, FindingSaid, FoundParameter
+from schemas.text import Statement
 from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report.names import (
     capital,

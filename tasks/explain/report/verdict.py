@@ -5,8 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.discrepancy import FindingSaid, HeldOut, Statement
+from schemas.discrepancy import FindingSaid, HeldOut
 from schemas.recording import MEASURED, TRIADS
+from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.names import channel_title, parameter_text

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from schemas.text import Remark
 from schemas.uncertainty import Distribution
 from tasks.specifications.estimate import (
     DEG,

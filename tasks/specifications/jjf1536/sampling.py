@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from schemas.calibration import Remark
+from schemas.text import Remark
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.words import message, remark
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from schemas.text import Remark
 from tasks.specifications.estimate import (
     ClauseResult,
     ItemEstimate,

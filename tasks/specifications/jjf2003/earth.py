@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES
+from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.earth_rotation import earth_rotation_message
 from tasks.specifications.estimate import DEG, MATRIX, UNDETERMINED, Estimates

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES
+from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.evidence import UPS, Evidence
 from tasks.words import message, remark

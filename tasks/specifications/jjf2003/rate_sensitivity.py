@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from schemas.text import Remark
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import (
     OFF_DIAGONAL,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES
+from schemas.text import Remark
 from tasks.specifications.estimate import (
     DEG,
     MATRIX,

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.calibration import Remark
 from schemas.recording import AXES, Axis
+from schemas.text import Remark
 from tasks.specifications.earth_rotation import earth_rotation_message
 from tasks.specifications.evidence import UPS, Evidence
 from tasks.specifications.joint.gravity_fit import GravityFit

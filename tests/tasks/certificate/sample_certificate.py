@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from schemas.calibration import Calibration, EnvironmentSeen, Item, Remark
+from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.recording import Manifest, Station, Unit
 from schemas.station import Equipment
+from schemas.text import Remark
 from schemas.tolerance import Decision, Limit, Tolerance
 from tasks.certificate.content import Content, in_languages
 from tasks.certificate.content import content as content_of

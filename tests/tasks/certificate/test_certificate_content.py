@@ -17,14 +17,9 @@ from sample_certificate import (
     tolerance,
 )
 
-from schemas.calibration import (
-    Calibration,
-    EnvironmentSeen,
-    Item,
-    Method,
-    Remark,
-)
+from schemas.calibration import Calibration, EnvironmentSeen, Item, Method
 from schemas.certificate import State
+from schemas.text import Remark
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
 from schemas.uncertainty import Distribution
 from tasks.certificate.fields import literal, slug

@@ -22,9 +22,10 @@ from sample_certificate import (
 )
 
 from schemas.base import Unusable
-from schemas.calibration import EnvironmentSeen, Remark
+from schemas.calibration import EnvironmentSeen
 from schemas.certificate import Certificate, Party
 from schemas.station import Equipment
+from schemas.text import Remark
 from schemas.tolerance import Limit
 from tasks.certificate.pdf import render
 from tasks.conformity import decide

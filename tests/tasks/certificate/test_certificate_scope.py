@@ -16,8 +16,9 @@ from sample_certificate import (
     tolerance,
 )
 
-from schemas.calibration import Calibration, Remark, SegmentUsed
+from schemas.calibration import Calibration, SegmentUsed
 from schemas.recording import Kind, Manifest, Mount, Segment
+from schemas.text import Remark
 from schemas.tolerance import Limit
 from tasks.conformity import decide
 

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 
 from schemas.base import Unusable
-from schemas.calibration import Remark
-from schemas.discrepancy import Statement
 from schemas.station import Equipment
+from schemas.text import Remark, Statement
 from schemas.tolerance import Decision, Limit
 from tasks.conformity import decide, expired
 from tasks.conformity.reasons import conditional

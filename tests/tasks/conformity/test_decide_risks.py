@@ -6,8 +6,7 @@ import pytest
 from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 from scipy.special import ndtr
 
-from schemas.calibration import Remark
-from schemas.discrepancy import Statement
+from schemas.text import Remark, Statement
 from schemas.tolerance import Limit, Prior
 from schemas.uncertainty import Budget
 from tasks.conformity import decide

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from schemas.discrepancy import FoundParameter, HeldOut, Statement
+from schemas.discrepancy import FoundParameter, HeldOut
 from schemas.recording import Recording
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding
 

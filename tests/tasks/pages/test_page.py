@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.pages import draw, inline, page
 
 TITLE = Statement(en="a < b", zh="甲 < 乙")

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from schemas.calibration import Remark
 from schemas.recording import Recording, Stream
+from schemas.text import Remark
 from tasks.calibrate.calibrate import calibrate
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit

@@ -7,7 +7,7 @@ import pytest
 from fluent.syntax import ast, parse
 from fluent.syntax.visitor import Visitor
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
 
 WORDS = Path("tasks/words")

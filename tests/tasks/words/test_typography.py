@@ -2,7 +2,7 @@
 
 import pytest
 
-from schemas.discrepancy import Statement
+from schemas.text import Statement
 from tasks.words.typography import clause, typeset
 
 

@@ -8,8 +8,9 @@ import pytest
 from explained import finding, nothing_added
 
 from schemas.calibration import Calibration
-from schemas.discrepancy import FoundParameter, Statement
+from schemas.discrepancy import FoundParameter
 from schemas.recording import Recording
+from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.correction.corrected import corrected

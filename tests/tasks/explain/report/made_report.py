@@ -10,11 +10,11 @@ from schemas.discrepancy import (
     Discrepancy,
     FoundParameter,
     HeldOut,
-    Statement,
     VerdictChange,
     Where,
 )
 from schemas.recording import Manifest, Recording, Stream
+from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.report import discrepancy_of

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unnamed, where
 
-from schemas.discrepancy import Discrepancy, FoundParameter, Statement, VerdictChange
+from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
+from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL
 from tasks.explain.report import discrepancy_of
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
