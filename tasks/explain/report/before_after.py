@@ -17,7 +17,7 @@ from tasks.words.quantities import power_of_ten
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDTH, HEAD, ROW, PLOT, FOOT = 1200, 88, 224, 152, 46  # px
+WIDTH, HEAD, ROW, PLOT, FOOT = 1040, 88, 224, 152, 46  # px
 MAX_CHANNELS = 3  # that are shown
 BINS = 70  # of the logarithm of the frequency
 SHOWN = 0.98  # share of the cells that fit into the picture
@@ -34,7 +34,7 @@ def before_after_svg(explanation: Explanation, cells: Cells) -> str:
     def content(figure: "Figure") -> None:
         figure.set_layout_engine("none")  # it would cost as much again as the drawing
         rows = figure.subplots(len(shown), 2, squeeze=False, gridspec_kw={
-            "width_ratios": (2, 1), "left": 60 / WIDTH, "right": 1 - 14 / WIDTH, "wspace": 0.12,
+            "width_ratios": (2, 1), "left": 60 / WIDTH, "right": 1 - 14 / WIDTH, "wspace": 0.15,
             "top": 1 - HEAD / height, "bottom": FOOT / height, "hspace": (ROW - PLOT) / PLOT,
         })  # fmt: skip
         for channel, (over_time, over_frequency) in zip(shown, rows, strict=True):

@@ -18,7 +18,7 @@ from tasks.words.quantities import percent
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDTH, LEFT, RIGHT, TOP, ROW = 1200, 120, 1060, 84, 50  # px
+WIDTH, LEFT, RIGHT, TOP, ROW = 1040, 128, 896, 84, 50  # px
 THRESHOLDS = (4.0, 8.0, 16.0, 32.0, 64.0)  # standard deviations above noise
 COLOURS = ("#fbfbf6", "#fee391", "#fec44f", "#fe9929", "#d95f0e", "#7f2704", PALE)
 MEANINGS = ("none", *(f"> {sigmas:g} σ" for sigmas in THRESHOLDS), "not known")
@@ -134,8 +134,8 @@ def _colour_legend(axes: Any, cells: Cells) -> None:
                for colour, meaning in zip(COLOURS, MEANINGS, strict=True)]  # fmt: skip
     handles += [Patch(facecolor=colour, label=kind) for kind, colour in KINDS.items()
                 if kind in present]  # fmt: skip
-    axes.annotate("excess over noise", (0, 0), xycoords="axes fraction", xytext=(-LEFT + 4, -56),
-                  textcoords="offset points", color=GREY, va="center")  # fmt: skip
+    axes.annotate("excess over noise", (0, 0), xycoords="axes fraction", xytext=(-8, -56),
+                  textcoords="offset points", color=GREY, va="center", ha="right")  # fmt: skip
     axes.legend(handles=handles, ncols=len(handles), loc="center left", borderpad=0,
                 bbox_to_anchor=(0, -56 / (ROW * len(CHANNELS))), borderaxespad=0, handlelength=1.6,
                 columnspacing=1.4, handletextpad=0.5)  # fmt: skip
