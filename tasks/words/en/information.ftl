@@ -6,12 +6,12 @@ information-without-earth = Gyro g-sensitivity without Earth's rotation
     .text = The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; { $difference } U is evaluated as the item's.
 information-earth-present = the value by eq. (7) contains it and is off by up to { $times } times its U.
 information-earth-not-shown = this moves it by up to { $times } times U, although the data do not show it: not to be used for simulated or compensated data, from which it would be removed twice.
-information-earth-unknown = this moves it by up to { $times } times U. Whether the value by eq. (7) has it in it the data alone do not tell.
+information-earth-unknown = this moves it by up to { $times } times U. Whether the value by eq. (7) contains it cannot be decided from the data alone.
 
 information-lever-arm = Place of the accelerometers from the rotation axes
     .text = One common point of the accelerometers, in the body frame, from where the rotation axes meet: from α × r in the ramps and ω × (ω × r) while turning.
 information-without-lever-arm = Accelerometer rate sensitivity without the lever arm
-    .text = The value by eq. (12), (13) contains the lever arm; in the ramps the two are told apart. The sign is that of eq. (12).
+    .text = The value by eq. (12), (13) contains the lever arm; in the ramps the two can be separated. The sign is that of eq. (12).
 
 information-nonlinearity = Scale factor non-linearity
     .text = Largest residual from the line through the rate points, over the largest output; unit and table together.

@@ -2,7 +2,7 @@
 
 jjf1536-slow-sampling = { $count } segments were sampled at { $rate } Hz; 7.2.1 and 7.3.1 ask for { $asked } Hz or more.
 
-jjf1536-rate-not-read = { $segment }: turned at { $rate } deg/s about { $axis } by label, mount and table, but { $axis } reads { $reading } deg/s: it was left out; tell which axis was turned.
+jjf1536-rate-not-read = { $segment }: turned at { $rate } deg/s about { $axis } by label, mount and table, but { $axis } reads { $reading } deg/s: it was left out; state which axis was turned.
 jjf1536-no-rest-before = { $axis } axis: no rest before the rate points, of which eq. (11) takes the mean; the scale factor does not depend on it, its fit offset does.
 jjf1536-no-rest-after = { $axis } axis: no rest after the rate points, of which eq. (11) takes the mean; the scale factor does not depend on it, its fit offset does.
 jjf1536-no-rest-before-or-after = { $axis } axis: no rest before or after the rate points, of which eq. (11) takes the mean; the scale factor does not depend on it, its fit offset does.
@@ -15,7 +15,7 @@ jjf1536-earth-remains = { $count ->
        *[other] { $count } positions leave
     } up to { $percent } % of Earth's rotation; eq. (16) needs positions at equal angles, each axis as often one way as the other
 jjf1536-attitude-contradicted = { $axis } axis: the labels of { $segments } point the axes otherwise than table and mount do: table and mount were used.
-jjf1536-attitude-not-recorded = { $axis } axis: neither encoders nor labels tell where it pointed; that its { $count } positions cancel Earth's rotation was not checked.
+jjf1536-attitude-not-recorded = { $axis } axis: neither encoders nor labels show where it pointed; that its { $count } positions cancel Earth's rotation was not checked.
 jjf1536-number-of-positions = { $axis } axis: { $count } positions; 7.2.1 asks for four, 7.2.2 recommends twelve.
 jjf1536-short-position = { $axis } axis: positions held for { $minutes } min; 7.2 has { $asked } min, or what the unit's working time makes of it.
 jjf1536-positions-scatter = { $axis } axis: the positions differ { $factor } times more than Earth's rotation and the noise explain; the uncertainty was enlarged by as much.

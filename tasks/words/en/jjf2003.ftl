@@ -11,7 +11,7 @@ jjf2003-no-rest-accel = no usable rest with an axis up or down that has the acce
 jjf2003-position-missing = { $elements }: no rest with { $ups } up
 jjf2003-positions-scatter = The positions disagree with the model more than the noise explains ({ $channels } times); the uncertainties were enlarged by as much.
 
-jjf2003-latitude-unknown = without Earth rotation: the latitude is not told
+jjf2003-latitude-unknown = without Earth rotation: the latitude is not stated
 jjf2003-horizontal-unknown = without Earth rotation, off the diagonal: { $ups } held at one heading only, so its horizontal part is not known
 jjf2003-earth-rotation-present = { $shown }. By eq. (7) the diagonal of the g-sensitivity contains { $rate } (deg/s)/g of it at { $latitude }° latitude; the value without it stands beside.
 jjf2003-earth-rotation-not-visible = { $shown }. A unit at rest on the Earth reads { $rate } (deg/s)/g on the diagonal by eq. (7) at { $latitude }° latitude; the value with this taken off stands beside.
@@ -23,7 +23,7 @@ jjf2003-line-scatter = Turning about { $axis }, the points scatter about the lin
 jjf2003-turned-angle = The scale factor comes from turns by a known angle, not from held rates as 7.2.1 has it.
 
 jjf2003-no-rate = no usable rate about { $axis } with the accelerometers recorded
-jjf2003-not-vertical = gravity does not lie along { $axis } while turning, or the recording does not tell
+jjf2003-not-vertical = gravity does not lie along { $axis } while turning, or the recording does not say
 jjf2003-no-rest-beside = no rest with { $axis } up or down
 jjf2003-p-one-direction = { $axis } axis: p rests on one direction of turning; what changes its sign with the direction does not cancel.
 jjf2003-p-no-rest-after = { $axis } axis: p has no rest after the turning; a drift of the accelerometers does not cancel.

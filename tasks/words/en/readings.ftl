@@ -24,7 +24,7 @@ reading-jjf1536-turned-angle = 2 × 360 × n is the angle turned forward plus th
 reading-jjf1536-product = The sign after the inverse matrix is a product: A = L⁻¹·(N − B·T).
 reading-jjf1536-attitude = By (B.1), heading is atan2(−T12, T22) and roll atan2(−T31, T33), over all quadrants.
 reading-joint-method = The patent's formulas are cut off; read as: least squares, weighted by the covariance of the samples, for scale factor times installation error, and bias, over all dynamic and static samples; then bias and g-sensitivity from the rests; repeated until nothing changes.
-reading-joint-g-earth = Earth's rotation is a known input where the latitude is told and the rests do not refute it: the g-sensitivity is without it, unlike the value by eq. (7).
+reading-joint-g-earth = Earth's rotation is a known input where the latitude is stated and the rests do not refute it: the g-sensitivity is without it, unlike the value by eq. (7).
 reading-joint-fit-offset = The offset is the mean of reading less K·rate over the rate points about the axis, K of the joint fit; it contains bias, g-sensitivity and Earth's rotation at that attitude.
 reading-joint-gravity-alone = With gravity as the only reference, |K⁻¹·(a − B)| = g in every rest. The body axes are then defined by the accelerometers: z is the z accelerometer's own axis, y lies in the plane of those of y and z; K_yx, K_zx and K_zy are zero by definition.
 reading-joint-gravity-moves = Without a table the gyro's matrix comes from the moves between rests: its readings, integrated over a move, must turn the vertical of one rest into that of the next.

@@ -23,5 +23,5 @@ segments-humidity = relative humidity
 segments-environment-not-recorded = Air temperature and humidity were not both recorded: whether clause { $clause } was met is not known.
 segments-without-rows = { $count } labelled segments have too few rows and were left out: { $listed }.
 segments-null-rows = The { $triad } triad was left out of { $count } segments for their null rows: { $listed }.
-segments-table-gap = The table stream does not cover { $count } segments, of which the labels alone tell the attitude and rate: { $gaps }.
+segments-table-gap = The table stream does not cover { $count } segments, of which the labels alone give the attitude and rate: { $gaps }.
 segments-table-gap-from = { $segment } from t = { $time } s
