@@ -19,7 +19,7 @@ from tasks.version import code_version
 
 
 def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None:
-    """Make the record of all methods; it and its page go into the home, or where it is told.
+    """Make the record of all methods; it and its page go into the home, or to the file `out`.
 
     Raises Unusable for fewer units than a record needs, where it would go into the home.
     """

@@ -1,1 +1,1 @@
-"""What is said: frozen models of everything that is stored, exchanged or printed."""
+"""Frozen models of everything that is ordered, stored, exchanged or printed."""

@@ -74,7 +74,7 @@ class Order(Frozen):
 class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
-    calibrated_on: null where nothing tells the day; `due` then counts from `issued_on`.
+    calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`.
     budgets: whether the uncertainty budgets of the calibration are printed. validation: which
     record validates the estimation, and how many items (English, Chinese).
     """

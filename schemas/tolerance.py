@@ -134,7 +134,7 @@ def guard_band_factor(tolerance: Tolerance, limit: Limit) -> float:
 def min_capability(tolerance: Tolerance, limit: Limit) -> float | None:
     """Smallest C_m = T/(2·U) at which a limit with two sides is decided on.
 
-    1 where nothing is said; None for a shared risk, whose parties agreed on U_max alone.
+    1 where nothing is given; None for a shared risk, whose parties agreed on U_max alone.
     """
     usual = None if rule_of(tolerance, limit) == "shared_risk" else USUAL_CAPABILITY
     return limit.min_capability or tolerance.min_capability or usual

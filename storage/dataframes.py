@@ -31,7 +31,7 @@ OF_ELEMENT = ("item", "element", "value", "u", "U", "k", "unit")
 
 
 def runs(home: Home) -> "pd.DataFrame":
-    """A row for each run in the order in which they came in, with the columns of `Run`."""
+    """A row for each run in the order of import, with the columns of `Run`."""
     return _frame([run.model_dump() for run in kept_runs.all_runs(home)], list(Run.model_fields))
 
 

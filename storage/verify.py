@@ -1,4 +1,4 @@
-"""Whether everything that is kept is still what it was when it was taken in."""
+"""Whether everything in the home is still what it was when it was stored."""
 
 import hashlib
 import time
@@ -110,7 +110,7 @@ def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[Fault]
     if calibration.run != row.run or digests.get(row.run) != calibration.digest:
         yield Fault(
             what=what,
-            why=f"it speaks of run {calibration.run} with digest {calibration.digest}, which is "
+            why=f"it is of run {calibration.run} with digest {calibration.digest}, which is "
             f"not what run {row.run} holds; calibrate run {row.run} again",
         )
     elif not _untouched(row):

@@ -89,7 +89,7 @@ def find(reference: str, home: Home) -> Result:
 
 
 def result_id(supersedes: str | None, document: str) -> str:
-    """The id that a document has in its place; it tells when either was changed."""
+    """The id that a document has in its place; another one where either was changed."""
     return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:ID_DIGITS]
 
 

@@ -1,4 +1,4 @@
-"""Recordings in the store: taken in once, known by their content, read as columns."""
+"""Recordings in the store: imported once, known by their content, read as columns."""
 
 import shutil
 from contextlib import suppress
@@ -63,7 +63,7 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
 
 
 def imported_before(path: Path, home: Home) -> Run | None:
-    """The run that a source became, if its bytes were taken in before; else None."""
+    """The run that a source became, if its bytes were imported before; else None."""
     same_bytes = tables.sources.c.fingerprint == recordings.fingerprint(path)
     rows = database.rows(home, sql.select(tables.sources.c.run).where(same_bytes))
     if not rows:
@@ -88,7 +88,7 @@ def load(run: Run, home: Home) -> Recording:
 
 
 def from_columns(run: Run, home: Home) -> Recording | None:
-    """A run's recording from its columns; None unless they say exactly what came in."""
+    """A run's recording from its columns; None unless they hold exactly what was imported."""
     try:
         recording = read_columns(home.columns / run.digest)
         return recording if fingerprint(recording) == run.digest else None
@@ -125,7 +125,7 @@ def _listed(several: list[Run]) -> str:
 
 
 def all_runs(home: Home) -> list[Run]:
-    """Every run, in the order in which they came in."""
+    """Every run, in the order of import."""
     return _runs(home, sql.true())
 
 

@@ -46,7 +46,7 @@ def read_columns(folder: Path) -> Recording:
     """Reads what `write_columns` wrote, with the digest it had; arrays are read-only.
 
     Raises Unusable for a folder that is not whole. The numbers are not checked again: they were
-    when the recording came in; `content.digest` computes whether they are still the same.
+    when the recording was imported; `content.digest` computes whether they are still the same.
     """
     import pyarrow as pa
 

@@ -1,4 +1,4 @@
-"""What a recording says, apart from the files it came in: its canonical form and its digest."""
+"""The content of a recording, whatever its files: its canonical form and its digest."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""What is refused when a recording comes in, because no item could be estimated from it."""
+"""What is refused on import, because no item could be estimated from it."""
 
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
 
 def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> Recording:
-    """Reads a recording that comes in; raises Unusable for one that cannot serve.
+    """Reads a recording to be imported; raises Unusable for one of no use.
 
     What is stored already is never judged again.
     """

@@ -18,7 +18,7 @@ Texts = Mapping[str, tuple[str, ...]]
 
 
 class MalformedError(ValueError):
-    """Bytes that are not a message of the type they are said to be."""
+    """Bytes that are no message of the type that their channel names."""
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ def scan(
     """Reads a file whole; each batch of messages goes through `decode`, and then to `keep`.
 
     `decode` may run in several threads; `keep` gets its results in the order of the file.
-    Damage is not raised but said in `damage`, and what can be read behind it is read. Raises
+    Damage is not raised but described in `damage`, and what can be read behind it is read. Raises
     ValueError for a file that does not begin like MCAP.
     """
     if not path.stat().st_size:

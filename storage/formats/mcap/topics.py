@@ -75,7 +75,7 @@ ENVIRONMENT = (
 
 
 def imu_messages(stream: Stream) -> Iterator[Messages]:
-    """The imu stream; a triad that was not recorded is said as ROS says it: covariance[0] = -1."""
+    """The imu stream; covariance[0] = -1 marks a triad not recorded, as in ROS."""
     rows = len(stream)
     numbers = {
         "orientation": np.tile([0.0, 0.0, 0.0, 1.0], (rows, 1)),
