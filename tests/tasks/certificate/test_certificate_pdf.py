@@ -2,7 +2,9 @@
 
 import io
 import re
+import shutil
 from datetime import date
+from pathlib import Path
 from typing import Any
 
 import pypdf
@@ -29,6 +31,7 @@ from schemas.text import Remark
 from schemas.tolerance import Limit
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
+from tasks.words import catalogue
 
 POINT = 72 / 25.4  # points in a millimetre
 SIDE_MM, TOP_MM, BOTTOM_MM = 21, 9, 9
@@ -319,3 +322,18 @@ def test_no_chinese_of_the_program_is_left_in_an_english_certificate() -> None:
         budgets=True,
     )
     assert not re.findall(r"[\u4e00-\u9fff]", "".join(pages(render(english, ("en",)))))
+
+
+def test_a_third_language_is_a_third_folder_of_words(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for language in ("en", "zh"):
+        shutil.copytree(Path("tasks/words") / language, tmp_path / language)
+    shutil.copytree(tmp_path / "en", tmp_path / "de")
+    german = tmp_path / "de" / "certificate.ftl"
+    english = german.read_text(encoding="utf-8")
+    german.write_text(english.replace("Calibration Certificate", "Kalibrierschein"), "utf-8")
+    monkeypatch.setattr(catalogue, "files", lambda _: tmp_path)
+    text = "".join(pages(render(certificate(), ("de", "zh"))))
+    assert "Kalibrierschein" in text
+    assert "校准证书" in text
