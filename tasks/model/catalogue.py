@@ -17,7 +17,7 @@ def catalogue(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """Every term that this recording could need.
 
     motion: at even times (25 Hz or more) of the whole recording, t from its start, with the
-    table's axes and the recorded courses where there are any. Variants of one effect (an order, a
+    table's axes and the recorded signals where there are any. Variants of one effect (an order, a
     time constant) have the same name and differ in `at`.
     """
     names = sorted(module.name for module in iter_modules(terms.__path__))

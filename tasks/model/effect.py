@@ -1,4 +1,4 @@
-"""What is said of an effect, whether a term models it or it is found as an event in the samples."""
+"""The record of an effect, whether a term models it or it shows as an event in the samples."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -43,7 +43,7 @@ class Effect:
 
     @property
     def word_arguments(self) -> dict[str, int]:
-        """What tells several variants of one name apart, as arguments of their words."""
+        """What distinguishes the variants of one name, as arguments of their words."""
         return {}
 
     def _message(self, attribute: str) -> Sayable | None:

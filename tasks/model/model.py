@@ -90,7 +90,11 @@ class Model:
         """Terms with one continuous shape in whose columns there is something to differentiate."""
         own = places(self.terms)
         pairs = enumerate(zip(self.terms, own, strict=True))
-        return [k for k, (term, place) in pairs if term.bent and self.values[place].any()]
+        return [
+            k
+            for k, (term, place) in pairs
+            if term.has_continuous_shape and self.values[place].any()
+        ]
 
     def _shape_column(self, motion: Motion, k: int) -> Column:
         term = self.terms[k]

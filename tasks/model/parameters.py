@@ -41,7 +41,7 @@ def each_gyro(letter: str, printed: Printed) -> tuple[Parameter, ...]:
     return tuple(_symmetric(name, f"{letter}_g{name[-1]}", printed) for name in GYRO)
 
 
-def one(name: str, symbol: str, printed: Printed) -> tuple[Parameter, ...]:
+def single(name: str, symbol: str, printed: Printed) -> tuple[Parameter, ...]:
     """A single parameter that is as likely negative as positive."""
     return (_symmetric(name, symbol, printed),)
 
@@ -56,9 +56,9 @@ def crossed(first: int, basis: np.ndarray) -> tuple[Column, ...]:
     return tuple({first + i: basis[:, j]} for i, j in MATRIX)
 
 
-def same(course: np.ndarray, channels: tuple[int, ...] = tuple(range(6))) -> tuple[Column, ...]:
-    """Each channel reads the same course (n,)."""
-    return tuple({channel: course} for channel in channels)
+def same(signal: np.ndarray, channels: tuple[int, ...] = tuple(range(6))) -> tuple[Column, ...]:
+    """Each channel reads the same signal (n,)."""
+    return tuple({channel: signal} for channel in channels)
 
 
 def triads(rate: np.ndarray, force: np.ndarray) -> tuple[Column, ...]:
@@ -72,5 +72,5 @@ def turned(motion: Motion) -> bool:
 
 
 def _symmetric(name: str, symbol: str, printed: Printed) -> Parameter:
-    unit, factor, most = printed
-    return Parameter(name, symbol, unit, factor, (-most, most))
+    unit, factor, largest = printed
+    return Parameter(name, symbol, unit, factor, (-largest, largest))

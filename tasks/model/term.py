@@ -3,7 +3,7 @@
 A model is a list of terms. A term acts where its physics acts: on the motion (stage «motion»: a
 tilt, a wobble), on what the unit feels of it (stage «input»: Earth's rotation, a lever arm), on
 what the unit makes of that (stage «sensor»: a column of readings for each parameter) or on the
-readings as a course of time (stage «signal»: a delay, a low-pass). Nothing knows the terms by
+readings as a time series (stage «signal»: a delay, a low-pass). Nothing knows the terms by
 name: adding physics is adding one term.
 """
 
@@ -18,7 +18,6 @@ from tasks.model.effect import Effect
 from tasks.motion.whole import Motion
 
 Column = Mapping[int, np.ndarray]  # channel 0 to 5 -> (n,) reading per unit of the parameter
-Text = tuple[str, str]  # English, Chinese
 TermKey = tuple[str, int]
 COUNTS = "1"  # unit of a shape that is a whole number
 
@@ -74,7 +73,7 @@ class Term(Effect):
         return {shape.name: int(value) for shape, value in pairs if shape.unit == COUNTS}
 
     @property
-    def bent(self) -> bool:
+    def has_continuous_shape(self) -> bool:
         """Whether it has one continuous shape that a fit can follow: no count and no instant."""
         return (
             len(self.shapes) == 1
@@ -83,7 +82,7 @@ class Term(Effect):
         )
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
-        """The motion that really was, given the one that the table tells; stage «motion»."""
+        """The motion that really was, given the one that the table reports; stage «motion»."""
         return motion
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
@@ -97,11 +96,11 @@ class Term(Effect):
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Readings (n, 6) behind this term, given those before it; stage «signal».
 
-        The rows are a course of time, evenly spaced but for gaps.
+        The rows are a time series, evenly spaced but for gaps.
         """
         return readings
 
-    def freed(self) -> "Term | None":
+    def with_free_size(self) -> "Term | None":
         """Known physics with parameters that would show whether it is as known; else none."""
         return None
 

@@ -25,7 +25,7 @@ def turned_by(
 def level_axes(motion: Motion) -> tuple[np.ndarray, np.ndarray] | None:
     """East and North in the body, (n, 3) each; None where no level direction is known.
 
-    Where the heading is not told the table's own y axis stands for North.
+    Where the heading is not known the table's own y axis stands for North.
     """
     north = motion.north
     if not np.isfinite(north).any():

@@ -103,7 +103,7 @@ def _checked_parameters(
 
     absorbed_by: a term of the standard that cannot be told from it, which is taken to be nothing.
     """
-    free = term.freed()
+    free = term.with_free_size()
     if free is None:
         return []
     others = {other.key for other in fit.model.terms if other.name == absorbed_by}

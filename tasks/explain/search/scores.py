@@ -38,7 +38,11 @@ def rank(
     normal, right = _projected(equations, selected)
     own = {one.key for one in selected}
     # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
-    whole = {one.name for one in selected if one.known or (one.term.bent and not one.fitted)}
+    whole = {
+        one.name
+        for one in selected
+        if one.known or (one.term.has_continuous_shape and not one.fitted)
+    }
     others = [
         one
         for one in candidates

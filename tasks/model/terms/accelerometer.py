@@ -9,7 +9,7 @@ from tasks.model.terms.standard import ACCEL_FIRST
 from tasks.motion.whole import Motion
 
 ORDERS = (2, 3)
-MOST_BEYOND = 1e5  # times the vibration power that is seen: what lies above the unit's band
+MAX_POWER_RATIO = 1e5  # times the observed vibration power: what lies above the unit's band
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class VibrationRectification(Term):
     """A bias that follows the power of the vibration.
 
     What rectifies lies mostly above the unit's band; known is only the part that reaches the
-    readings as noise. So the coefficient is that of the power seen, and may be thousands of times
-    the sensor's own.
+    readings as noise. So the coefficient is that of the observed power, and may be thousands of
+    times the sensor's own.
     """
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
@@ -46,12 +46,12 @@ class VibrationRectification(Term):
 
 VIBRATION_RECTIFICATION = VibrationRectification(
     "vibration_rectification", "accelerometer", "sensor", "a′ᵢ = cᵢ·⟨a_vib²⟩", "IEEE Std 1293",
-    each_axis("in_band_coefficient", "c", ("g/g2", G, MOST_BEYOND * 0.1 / G)),
+    each_axis("in_band_coefficient", "c", ("g/g2", G, MAX_POWER_RATIO * 0.1 / G)),
     confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
 )  # fmt: skip
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """Nonlinearity always, rectification where vibration was seen."""
+    """Nonlinearity always, rectification where vibration was observed."""
     shaken = (VIBRATION_RECTIFICATION,) if "vibration" in motion.recorded else ()
     return (*(accel_nonlinearity(order) for order in ORDERS), *shaken)

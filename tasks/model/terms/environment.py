@@ -14,16 +14,16 @@ TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
 
 
 @dataclass(frozen=True)
-class FollowsRecorded(Term):
+class RecordedBias(Term):
     """A bias that follows something recorded, from its reference; None: from its mean."""
 
-    course: str = field(kw_only=True)
+    signal: str = field(kw_only=True)
     reference: float | None = field(kw_only=True)
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        course = motion.recorded[self.course]
-        reference = np.nanmean(course) if self.reference is None else self.reference
-        return same(course - reference)
+        signal = motion.recorded[self.signal]
+        reference = np.nanmean(signal) if self.reference is None else self.reference
+        return same(signal - reference)
 
 
 @dataclass(frozen=True)
@@ -43,15 +43,15 @@ class ThermalTransient(Term):
         return same(np.exp(-motion.t / self.at[0]))
 
 
-def _per(unit: str, most_gyro: float, most_accel: float) -> tuple[Printed, Printed]:
+def _per(unit: str, largest_gyro: float, largest_accel: float) -> tuple[Printed, Printed]:
     """How biases per a unit are printed; largest plausible in rad/s and m/s² per it."""
-    return (f"(deg/s)/{unit}", DEG, most_gyro), (f"(m/s2)/{unit}", 1.0, most_accel)
+    return (f"(deg/s)/{unit}", DEG, largest_gyro), (f"(m/s2)/{unit}", 1.0, largest_accel)
 
 
-TEMPERATURE_BIAS = FollowsRecorded(
+TEMPERATURE_BIAS = RecordedBias(
     "temperature_bias", "environment", "sensor", "bᵢ = cᵢ·(T − 25 °C)",
     "IEEE Std 1293; IEEE Std 1431", each_channel("c", *_per("K", 0.01, 0.1)),
-    course="temperature", reference=REFERENCE,
+    signal="temperature", reference=REFERENCE,
     confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
     time_course="drift",
 )  # fmt: skip
@@ -61,15 +61,15 @@ TEMPERATURE_SCALE = TemperatureScale(
     each_channel("c", ("1/K", 1.0, 2e-3), ("1/K", 1.0, 2e-3)),
     confused_with=("temperature_bias", "gyro_scale_nonlinearity", "clock_skew"),
 )  # fmt: skip
-THERMAL_GRADIENT = FollowsRecorded(
+THERMAL_GRADIENT = RecordedBias(
     "thermal_gradient", "environment", "sensor", "bᵢ = cᵢ·dT/dt", "IEEE Std 952",
-    each_channel("c", *_per("(K/s)", 1.0, 10.0)), course="temperature_rate", reference=0.0,
+    each_channel("c", *_per("(K/s)", 1.0, 10.0)), signal="temperature_rate", reference=0.0,
     rarity=2.0, time_course="drift",
     confused_with=("temperature_bias", "thermal_transient", "bias_random_walk"),
 )  # fmt: skip
-SUPPLY_SENSITIVITY = FollowsRecorded(
+SUPPLY_SENSITIVITY = RecordedBias(
     "supply_sensitivity", "environment", "sensor", "bᵢ = cᵢ·(V − V̄)", "IEEE Std 1293; IEEE Std 952",
-    each_channel("c", *_per("V", 0.1, 1.0)), course="supply_voltage", reference=None,
+    each_channel("c", *_per("V", 0.1, 1.0)), signal="supply_voltage", reference=None,
     confused_with=("temperature_bias", "bias_random_walk"),
 )  # fmt: skip
 
@@ -86,11 +86,11 @@ def thermal_transient(seconds: float) -> ThermalTransient:
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """What follows a course that was recorded; a warm-up always."""
+    """Biases and scale factors that follow a recorded signal; a warm-up always."""
     by_course: tuple[tuple[str, tuple[Term, ...]], ...] = (
         ("temperature", (TEMPERATURE_BIAS, TEMPERATURE_SCALE)),
         ("temperature_rate", (THERMAL_GRADIENT,)),
         ("supply_voltage", (SUPPLY_SENSITIVITY,)),
     )
-    recorded = (term for course, terms in by_course if course in motion.recorded for term in terms)
+    recorded = (term for signal, terms in by_course if signal in motion.recorded for term in terms)
     return (*recorded, *(thermal_transient(seconds) for seconds in TIME_CONSTANTS))

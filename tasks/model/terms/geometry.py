@@ -87,7 +87,7 @@ class RemountMisalignment(Term):
 
 
 def _later_fixings(fixing: np.ndarray) -> np.ndarray:
-    """The numbers of the fixings but the first, which the cross couplings soak up."""
+    """The numbers of the fixings but the first, which the cross couplings absorb."""
     return np.unique(fixing[np.isfinite(fixing)])[1:]
 
 

@@ -12,7 +12,7 @@ from tasks.model.turning import level_axes
 from tasks.motion.whole import Motion
 
 EQUATOR = 31.2e-6  # T, Earth's dipole field at the equator
-SOMEWHERE = 45.0  # deg, the latitude taken where none is told; the equation says so
+SOMEWHERE = 45.0  # deg, the latitude taken where none is stated; the equation says so
 AZIMUTHS = tuple(np.radians([0.0, 45.0, 90.0, 135.0]).tolist())  # of magnetic north, unknown
 
 
@@ -21,7 +21,7 @@ class MagneticSensitivity(Term):
     """Gyros read M·B; B of Earth's dipole, B₀·(cos φ·north − 2·sin φ·up).
 
     shapes: azimuth of magnetic north, from North to East, or from the table's y axis where the
-    heading is not told. latitude: rad.
+    heading is not known. latitude: rad.
     """
 
     latitude: float = field(kw_only=True)
@@ -58,7 +58,7 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """Where a level direction is known; at several azimuths where north is not."""
     if level_axes(motion) is None:
         return ()
-    told = recording.manifest.station.latitude_deg
-    latitude = None if told is None else float(np.radians(told))
+    degrees = recording.manifest.station.latitude_deg
+    latitude = None if degrees is None else float(np.radians(degrees))
     azimuths = AZIMUTHS[:1] if np.isfinite(motion.north).any() else AZIMUTHS
     return tuple(magnetic_sensitivity(latitude, azimuth) for azimuth in azimuths)

@@ -1,11 +1,11 @@
-"""What the place adds: Earth's rotation, and a gravity that is not the one told."""
+"""What the place adds: Earth's rotation, and a gravity that is not the stated one."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, one
+from tasks.model.parameters import DEG, single
 from tasks.model.term import Inputs, Term
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion
@@ -25,17 +25,17 @@ class EarthRotation(Term):
         earth = np.cos(self.latitude) * level + np.sin(self.latitude) * motion.up
         return Inputs(inputs.rate + EARTH_RATE * earth, inputs.force)
 
-    def freed(self) -> Term:
+    def with_free_size(self) -> Term:
         """The same with its size free: its vertical part, the northward one in proportion."""
-        return EarthAsSeen(
+        return EstimatedEarthRotation(
             "earth_rotation", "site", "input", "ω = ω_table + Ω·(up + cot φ·north)",
-            "rigid-body kinematics", one("vertical_rate", "Ω", ("deg/h", 3600.0 * DEG, 1e-3)),
+            "rigid-body kinematics", single("vertical_rate", "Ω", ("deg/h", 3600.0 * DEG, 1e-3)),
             latitude=self.latitude,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class EarthAsSeen(Term):
+class EstimatedEarthRotation(Term):
     """A rotation of the ground about Earth's axis, as large as the data have it."""
 
     latitude: float = field(kw_only=True)  # rad
@@ -57,7 +57,7 @@ def earth_rotation(latitude: float) -> EarthRotation:
 
 @dataclass(frozen=True)
 class GravityValue(Term):
-    """Local gravity larger than told. Scale factors soak it up wherever gravity is all there is."""
+    """Local gravity larger than stated; scale factors absorb it where gravity is the only force."""
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
         return Inputs(inputs.rate, inputs.force + values[0] * motion.up)
@@ -65,7 +65,7 @@ class GravityValue(Term):
 
 GRAVITY_VALUE = GravityValue(
     "gravity_value", "site", "input", "f = (g + δg)·up",
-    "definition of specific force; IEEE Std 1293", one("difference", "δg", ("m/s2", 1.0, 0.05)),
+    "definition of specific force; IEEE Std 1293", single("difference", "δg", ("m/s2", 1.0, 0.05)),
     confused_with=("temperature_scale", "accel_nonlinearity"),
 )  # fmt: skip
 

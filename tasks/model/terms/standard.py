@@ -35,19 +35,19 @@ class LinearTerm(Term):
 
 
 def _matrix(
-    symbol: str, unit: str, factor: float, most: float, ideal: float
+    symbol: str, unit: str, factor: float, largest: float, ideal: float
 ) -> tuple[Parameter, ...]:
     return tuple(
         Parameter(
             f"{AXES[i]}{AXES[j]}", f"{symbol}{AXES[i]}{AXES[j]}", unit, factor,
-            ((i == j) * ideal - most, (i == j) * ideal + most), (i == j) * ideal,
+            ((i == j) * ideal - largest, (i == j) * ideal + largest), (i == j) * ideal,
         )
         for i, j in MATRIX
     )  # fmt: skip
 
 
-def _bias(symbol: str, unit: str, factor: float, most: float) -> tuple[Parameter, ...]:
-    return tuple(Parameter(a, f"{symbol}{a}", unit, factor, (-most, most)) for a in AXES)
+def _bias(symbol: str, unit: str, factor: float, largest: float) -> tuple[Parameter, ...]:
+    return tuple(Parameter(a, f"{symbol}{a}", unit, factor, (-largest, largest)) for a in AXES)
 
 
 def _rates(motion: Motion, inputs: Inputs) -> np.ndarray:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, one
+from tasks.model.parameters import DEG, single
 from tasks.model.term import Parameter, Term
 from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 
-MOST_PER_TURN = 24
+MAX_PER_TURN = 24
 ARCSEC = 3600.0 * DEG
 AXIS = Parameter("axis", "k", "1", 1.0, (1.0, 9.0))  # table axis from outside, from 1
 
@@ -52,8 +52,8 @@ def rate_ripple(per_turn: int, axis: int) -> RateRipple:
     """A ripple N times a turn of a table axis, counted from 1."""
     return RateRipple(
         "rate_ripple", "table", "motion", "θ̇ = θ̇₀·(1 + s·cos Nθ − c·sin Nθ)", "IEEE Std 1554",
-        one("depth_sin", "s", ("1", 1.0, 0.02)) + one("depth_cos", "c", ("1", 1.0, 0.02)),
-        (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MOST_PER_TURN))), AXIS),
+        single("depth_sin", "s", ("1", 1.0, 0.02)) + single("depth_cos", "c", ("1", 1.0, 0.02)),
+        (Parameter("per_turn", "N", "1", 1.0, (2.0, float(MAX_PER_TURN))), AXIS),
         (float(per_turn), float(axis)),
         confused_with=("encoder_eccentricity", "axis_wobble", "mains_pickup"),
     )  # fmt: skip
@@ -64,8 +64,8 @@ def encoder_eccentricity(axis: int) -> EncoderEccentricity:
     return EncoderEccentricity(
         "encoder_eccentricity", "table", "motion", "θ = θ_enc − (s·sin θ + c·cos θ)",
         "IEEE Std 1554",
-        one("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
-        + one("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
+        single("amplitude_sin", "s", ("arcsec", ARCSEC, 0.01))
+        + single("amplitude_cos", "c", ("arcsec", ARCSEC, 0.01)),
         (AXIS,), (float(axis),),
         confused_with=("axis_wobble", "rate_ripple"),
     )  # fmt: skip
@@ -81,14 +81,14 @@ class TableScale(Term):
             return motion
         share = -values[0] / (1.0 + values[0])
         up, north, base = motion.up, motion.north, axes.base
-        rate, told = np.zeros_like(motion.rate), np.zeros_like(motion.rate)
+        rate, by_encoders = np.zeros_like(motion.rate), np.zeros_like(motion.rate)
         for k in range(axes.angles.shape[1]):
             direction, more = axes.directions[:, k], share * axes.angles[:, k]
             up, north, base, rate = (_seen(v, direction, more) for v in (up, north, base, rate))
             rate += ((1.0 + share) * axes.speeds[:, k])[:, None] * direction
-            told += axes.speeds[:, k, None] * direction
+            by_encoders += axes.speeds[:, k, None] * direction
         # Only the difference counts: means over a block of time are no product of means.
-        rate += motion.rate - told
+        rate += motion.rate - by_encoders
         # What turned was a little more or less fast, and so were its ramps.
         slower = (1.0 + share) * motion.acceleration
         return replace(
@@ -106,7 +106,7 @@ def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.nd
 
 TABLE_SCALE = TableScale(
     "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
-    one("scale", "κ", ("1", 1.0, 0.03)),
+    single("scale", "κ", ("1", 1.0, 0.03)),
     confused_with=("clock_skew", "temperature_scale"),
 )  # fmt: skip
 
@@ -116,12 +116,12 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     axes = motion.axes
     if axes is None:
         return ()
-    spans = [_span(course) for course in axes.angles.T]
+    spans = [_span(signal) for signal in axes.angles.T]
     whole = tuple(k for k, span in enumerate(spans, start=1) if k == 1 or span > 2.0 * np.pi)
-    ripples = (rate_ripple(n, axis) for axis in whole for n in range(2, MOST_PER_TURN + 1))
+    ripples = (rate_ripple(n, axis) for axis in whole for n in range(2, MAX_PER_TURN + 1))
     return (*ripples, *(encoder_eccentricity(axis) for axis in whole), TABLE_SCALE)
 
 
-def _span(course: np.ndarray) -> float:
-    known = course[np.isfinite(course)]
+def _span(signal: np.ndarray) -> float:
+    known = signal[np.isfinite(signal)]
     return float(np.ptp(known)) if len(known) else 0.0

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import one
+from tasks.model.parameters import single
 from tasks.model.term import Term
 from tasks.model.terms.standard import ACCEL_FIRST
 from tasks.motion.whole import Motion
@@ -53,7 +53,7 @@ class TimeOffset(Term):
 TIME_OFFSET = TimeOffset(
     "time_offset", "time", "signal", "y′(t) = y(t − τ)",
     "definition of a time stamp; IEEE Std 1554",
-    one("seconds", "τ", ("s", 1.0, 0.1)),
+    single("seconds", "τ", ("s", 1.0, 0.1)),
     confused_with=("bandwidth", "gyro_angular_acceleration", "clock_skew"),
 )  # fmt: skip
 
@@ -72,7 +72,7 @@ class ClockSkew(Term):
 CLOCK_SKEW = ClockSkew(
     "clock_skew", "time", "signal", "y′(t) = y(t/(1 + ε))",
     "definition of a time stamp; IEEE Std 1139",
-    one("share", "ε", ("1", 1.0, 1e-3)),
+    single("share", "ε", ("1", 1.0, 1e-3)),
     confused_with=("time_offset", "dropped_samples", "table_scale"),
 )  # fmt: skip
 
@@ -94,7 +94,7 @@ class AccelAxisSkew(Term):
 
 ACCEL_AXIS_SKEW = AccelAxisSkew(
     "accel_axis_skew", "time", "signal", "a′_y(t) = a_y(t + δ), a′_z(t) = a_z(t + 2δ)",
-    "sequential sampling; IEEE Std 1293", one("step", "δ", ("s", 1.0, 0.01)),
+    "sequential sampling; IEEE Std 1293", single("step", "δ", ("s", 1.0, 0.01)),
     confused_with=("size_effect", "time_offset"),
 )  # fmt: skip
 

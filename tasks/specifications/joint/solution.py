@@ -105,8 +105,8 @@ def _linear(columns: Sequence[Column], values: np.ndarray, shape: tuple[int, ...
     """(n, 6) sum of columns times values."""
     total = np.zeros(shape)
     for value, column in zip(values, columns, strict=True):
-        for channel, course in column.items():
-            total[:, channel] += value * course
+        for channel, signal in column.items():
+            total[:, channel] += value * signal
     return total
 
 
