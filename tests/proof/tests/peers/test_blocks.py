@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording
+from tasks.explain.inputs import blocks
 from tasks.explain.inputs.full_rate import full_rate
 from tests.proof.peers.blocks import BLOCK_RATE, block_means, block_numbers
 
@@ -11,7 +12,7 @@ from tests.proof.peers.blocks import BLOCK_RATE, block_means, block_numbers
 @pytest.mark.parametrize("lost", [slice(0, 0), slice(400, 407)])
 def test_blocks_are_those_that_explain_makes(clean: Recording, lost: slice) -> None:
     full = full_rate(clean)
-    observed = block_means(full, BLOCK_RATE)
+    observed = blocks.block_means(full, BLOCK_RATE)
     numbers = block_numbers(clean.imu.t)
     assert len(observed.t) == numbers[-1] + 1
     readings = block_means(full.readings, numbers, len(observed.t))
