@@ -124,13 +124,13 @@ def in_languages(part: Any, languages: Sequence[str]) -> Any:
     Messages are set as each language writes them; what the user wrote stands as it is.
     """
     if isinstance(part, Message):
-        return tuple(literal(typeset(say(part, each), each)) for each in languages)
+        return tuple(literal(typeset(say(part, lang), lang)) for lang in languages)
     if isinstance(part, Statement):
-        return tuple(literal(say(part, each)) for each in languages)
+        return tuple(literal(say(part, language)) for language in languages)
     if isinstance(part, str):
         return literal(part)
     if isinstance(part, tuple):
-        return tuple(in_languages(each, languages) for each in part)
+        return tuple(in_languages(entry, languages) for entry in part)
     if is_dataclass(part) and not isinstance(part, type):
         values = {f.name: in_languages(getattr(part, f.name), languages) for f in fields(part)}
         return type(part)(**values)

@@ -9,7 +9,7 @@ from tasks.certificate.cover import by_document
 from tasks.specifications.specification import Specification
 from tasks.uncertainty.equipment import GRAVITY, JJF1536, JJF2003, LATITUDE, Equipment
 from tasks.words import Message, Sayable, clauses, message
-from tasks.words.quantities import power_of_ten
+from tasks.words.quantities import plain
 from tasks.words.typography import clause
 from tasks.words.units import quantity_text
 
@@ -45,15 +45,9 @@ def half_width(line: BudgetInput) -> str:
     """The half-width of a limit with its unit, angles in arcseconds and the latitude in degrees."""
     assert line.half_width is not None
     if line.unit != "rad":
-        return quantity_text(_plain(line.half_width), line.unit)
+        return quantity_text(plain(line.half_width, 6), line.unit)
     degrees = math.degrees(line.half_width)
     return f"{degrees:g}°" if line.symbol == LATITUDE.symbol else f"{3600 * degrees:g}″"
-
-
-def _plain(number: float) -> str:
-    """0.0005, 1×10⁻⁵."""
-    digits, _, power = f"{number:g}".partition("e")
-    return digits + (power_of_ten(int(power)) if power else "")
 
 
 def whose_limits(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:

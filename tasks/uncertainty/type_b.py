@@ -61,7 +61,7 @@ def turning_rate(
     belongs = [equipment.rate_at(float(rate))[:1] for rate in rates]
     lines = []
     for _, limit in equipment.rates:
-        held = np.array([limit in each for each in belongs])
+        held = np.array([limit in limits for limits in belongs])
         if held.any():
             total = float(weights[held].sum())
             balanced = abs(total) < ROUNDING * float(np.abs(weights[held]).sum())

@@ -112,7 +112,7 @@ def summarise(runs: Iterable[Errors]) -> dict[str, Coverage]:
 
 
 def _coverage(elements: dict[str, list[tuple[float, float, float, float]]], units: int) -> Coverage:
-    rows = np.array([row for each in elements.values() for row in each])
+    rows = np.array([row for rows in elements.values() for row in rows])
     inside = np.abs(rows[:, 0]) <= rows[:, 2]
     share = float(inside.mean())
     return Coverage(

@@ -72,12 +72,14 @@ def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        (None, "is not told, so whether it was included was not checked"),
+        (None, "is not stated, so whether it was included was not checked"),
         (300, "300 °/s; about Y, Z it was not included"),
         (10, "10 °/s; about Z it was not included"),
     ],
 )
-def test_the_largest_input_rate_is_checked_where_it_is_told(told: float | None, said: str) -> None:
+def test_the_largest_input_rate_is_checked_where_it_is_stated(
+    told: float | None, said: str
+) -> None:
     unit = manifest().unit.model_copy(update={"rate_range_deg_s": told})
     made = content(certificate(turned(), manifest=labelled(unit=unit))).conditions
     assert said in made.sentences[0][1]
