@@ -19,12 +19,12 @@ def recorded_signals(
     if "temperature" in recording.imu.columns:
         recorded["temperature"] = recording.imu.columns["temperature"]
     if (room := recording.environment) is not None:
-        for name, course in room.columns.items():
+        for name, signal in room.columns.items():
             key = "air_temperature" if name == "temperature" else name
-            recorded[key] = np.interp(t, room.t, course)
+            recorded[key] = np.interp(t, room.t, signal)
     if "temperature" in recorded:
-        course = _filled(recorded["temperature"])
-        recorded["temperature"], recorded["temperature_rate"] = _smoothed(t, course)
+        filled = _filled(recorded["temperature"])
+        recorded["temperature"], recorded["temperature_rate"] = _smoothed(t, filled)
     recorded["fixing"] = _fixings(recording, t, segments)
     recorded["steady_turn"] = np.zeros(len(t))
     for segment in segments:
@@ -40,39 +40,39 @@ def _filled(signal: np.ndarray) -> np.ndarray:
     return np.interp(rows, rows[known], signal[known]) if known.any() else np.zeros(len(signal))
 
 
-def _smoothed(t: np.ndarray, course: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _smoothed(t: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A polynomial (n,) through means of MEAN_WIDTH seconds, and its derivative.
 
-    Its degree is told by Schwarz's criterion: a body warms smoothly, and the noise of a
-    thermometer would otherwise hide a bias that follows either. The course stays as it was read
-    where the polynomial leaves more than that noise.
+    Its degree has the least Bayesian information criterion: a body warms smoothly, and the noise
+    of a thermometer would otherwise hide a bias that follows either. The signal stays as it was
+    read where the polynomial leaves more than that noise.
     """
     cell = ((t - t[0]) / MEAN_WIDTH).astype(int)
     counts = np.bincount(cell)
-    held = counts > 0
-    means = np.bincount(cell, course)[held] / counts[held]
-    if held.sum() < MIN_MEANS or not np.ptp(means):
-        return course, np.zeros(len(t))
-    middles = np.bincount(cell, t - t[0])[held] / counts[held]
+    filled = counts > 0
+    means = np.bincount(cell, signal)[filled] / counts[filled]
+    if filled.sum() < MIN_MEANS or not np.ptp(means):
+        return signal, np.zeros(len(t))
+    middles = np.bincount(cell, t - t[0])[filled] / counts[filled]
     half = 0.5 * max(float(t[-1] - t[0]), MEAN_WIDTH)
-    columns = chebyshev.chebvander(middles / half - 1.0, min(MAX_DEGREE, held.sum() // 3))
-    root = np.sqrt(counts[held])
-    turned, triangle = np.linalg.qr(columns * root[:, None])
-    told = turned.T @ (means * root)
-    missed = float((means**2 * counts[held]).sum()) - np.cumsum(told**2)
-    degrees = np.arange(len(told))
-    rounding = 1e-12 * float((means**2 * counts[held]).sum())
-    criterion = held.sum() * np.log(np.maximum(missed, rounding)) + degrees * np.log(held.sum())
+    columns = chebyshev.chebvander(middles / half - 1.0, min(MAX_DEGREE, filled.sum() // 3))
+    root = np.sqrt(counts[filled])
+    basis, triangle = np.linalg.qr(columns * root[:, None])
+    rotated = basis.T @ (means * root)
+    missed = float((means**2 * counts[filled]).sum()) - np.cumsum(rotated**2)
+    degrees = np.arange(len(rotated))
+    rounding = 1e-12 * float((means**2 * counts[filled]).sum())
+    criterion = filled.sum() * np.log(np.maximum(missed, rounding)) + degrees * np.log(filled.sum())
     best = int(criterion.argmin()) + 1
-    found = np.linalg.solve(triangle[:best, :best], told[:best])
+    coefficients = np.linalg.solve(triangle[:best, :best], rotated[:best])
     inside = np.clip(t - t[0], middles[0], middles[-1])  # beyond, a polynomial runs away
     at = inside / half - 1.0
-    slope = np.asarray(chebyshev.chebval(at, chebyshev.chebder(found)) / half)
-    left = np.std(means - columns[:, :best] @ found)
+    slope = np.asarray(chebyshev.chebval(at, chebyshev.chebder(coefficients)) / half)
+    left = np.std(means - columns[:, :best] @ coefficients)
     scatter = np.median(np.abs(np.diff(means, 2))) / 0.6745 / np.sqrt(6.0)
     if left > MAX_EXCESS * scatter:
-        return course, slope
-    return np.asarray(chebyshev.chebval(at, found) + slope * (t - t[0] - inside)), slope
+        return signal, slope
+    return np.asarray(chebyshev.chebval(at, coefficients) + slope * (t - t[0] - inside)), slope
 
 
 def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
@@ -100,7 +100,7 @@ def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...])
 
 
 def _by_mount(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
-    """Number of the mount at each row, as the segments tell them."""
+    """Number of the mount at each row, by the segments."""
     number: np.ndarray = np.zeros(len(t))
     mounts = [segment.mount or recording.manifest.mount for segment in segments]
     for segment, before, now in zip(segments[1:], mounts, mounts[1:], strict=False):

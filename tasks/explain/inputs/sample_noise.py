@@ -7,16 +7,19 @@ import numpy as np
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
-KEPT, OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
-SAMPLE = 50_000  # readings that the output's step is read off
-WHOLE, MOSTLY = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
-STIRRED = 0.5  # of the readings differ from the one before: noise is larger than the step
+KEPT, MEAN_OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
+MAX_READINGS = 50_000  # that the output's step is read off
+MIN_ROWS, MAX_ROWS = 30, 4000  # of a segment
+WHOLE, MIN_WHOLE = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
+DITHERED = 0.5  # of the readings differ from the one before: noise is larger than the step
 
 
 def noise_by_segment(
-    readings: np.ndarray, motion: Motion, number: np.ndarray, count: int
+    readings: np.ndarray, motion: Motion, segment: np.ndarray, count: int
 ) -> np.ndarray:
     """(count + 1, 2) variance of a sample's noise in each segment, by triad; last: between them.
+
+    segment: (n,) index of each row, −1 between them.
 
     From second differences of what a straight-line fit leaves, the largest left out, so that
     neither motion nor single bad samples count.
@@ -29,30 +32,30 @@ def noise_by_segment(
     rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
     variance = np.full((count + 1, 2), np.nan)
     for k in range(-1, count):
-        rows = np.flatnonzero(number == k)
-        if len(rows) < 30:
+        rows = np.flatnonzero(segment == k)
+        if len(rows) < MIN_ROWS:
             continue
-        rows = rows[:: 1 + len(rows) // 4000]
+        rows = rows[:: 1 + len(rows) // MAX_ROWS]
         for triad in range(2):
             part = rough[rows, 3 * triad : 3 * triad + 3]
             part = part[np.isfinite(part)]
             if len(part):
                 part = part[part <= np.quantile(part, KEPT)]
-                variance[k, triad] = part.mean() / OF_KEPT
+                variance[k, triad] = part.mean() / MEAN_OF_KEPT
     return variance
 
 
 def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(6,) steps of the outputs, 0 where there are none, and whether noise is larger than them."""
     steps, dithered = np.zeros(6), np.ones(6, bool)
-    for channel, course in enumerate(readings.T):
-        changes = np.abs(np.diff(course[np.isfinite(course)][:SAMPLE]))
+    for channel, reading in enumerate(readings.T):
+        changes = np.abs(np.diff(reading[np.isfinite(reading)][:MAX_READINGS]))
         moved = changes[changes > 0]
         if not len(moved):
             continue
         least = float(np.quantile(moved, 0.01))
         parts = moved / least
-        if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MOSTLY:
+        if np.mean(np.abs(parts - np.round(parts)) < WHOLE * np.maximum(1.0, parts)) > MIN_WHOLE:
             steps[channel] = least
-            dithered[channel] = len(moved) > STIRRED * len(changes)
+            dithered[channel] = len(moved) > DITHERED * len(changes)
     return steps, dithered

@@ -5,7 +5,7 @@ import pytest
 
 from schemas.recording import Manifest, Recording, Stream
 from tasks.explain.channels import CHANNELS
-from tasks.explain.inputs.delay import LONG, advanced, coarse_delay
+from tasks.explain.inputs.delay import MIN_DELAY, advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.whole import Motion
 
@@ -36,7 +36,7 @@ def test_a_delay_of_more_than_half_a_period_is_told(late: float) -> None:
     assert coarse_delay(shaft(late)) == pytest.approx(late, abs=0.002)
 
 
-@pytest.mark.parametrize("late", [0.0, 0.6 * LONG])
+@pytest.mark.parametrize("late", [0.0, 0.6 * MIN_DELAY])
 def test_a_short_delay_is_left_to_the_fit(late: float) -> None:
     assert coarse_delay(shaft(late)) == 0.0
 
