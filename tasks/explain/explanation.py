@@ -16,7 +16,7 @@ FITTED = message("explain-model-fitted")
 class Finding:
     """One piece of physics that the model left out.
 
-    effect: its catalogue name, or UNNAMED. channels: indices 0 to 5 that it is seen in.
+    effect: its catalogue name, or UNNAMED. channels: indices 0 to 5 of those that show it.
     contribution: (n, 6) rad/s and m/s², what it adds to the readings, at the unit's rows.
     gain: chi-squared that it explains beyond all the rest.
     """

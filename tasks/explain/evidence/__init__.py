@@ -1,1 +1,1 @@
-"""What each selected effect earns, on seen and held-out segments, and the findings made of it."""
+"""What each selected effect earns, also on held-out segments, and the findings made of it."""

@@ -14,8 +14,8 @@ def corners(motion: Motion) -> np.ndarray:
     difference is large there and nowhere else.
     """
     rough = np.zeros((len(motion.t), 6))
-    for first, course in ((0, motion.rate), (3, motion.force)):
-        fourth = np.abs(np.diff(_bridged(course), 4, axis=0)).max(axis=1)
+    for first, signal in ((0, motion.rate), (3, motion.force)):
+        fourth = np.abs(np.diff(_bridged(signal), 4, axis=0)).max(axis=1)
         near = np.zeros(len(motion.t))
         for shift in range(5):
             rows = slice(shift, shift + len(fourth))
@@ -24,10 +24,10 @@ def corners(motion: Motion) -> np.ndarray:
     return rough
 
 
-def _bridged(course: np.ndarray) -> np.ndarray:
-    """A course (n, 3) that goes straight on where it is not known."""
-    known = np.isfinite(course).all(axis=1)
+def _bridged(signal: np.ndarray) -> np.ndarray:
+    """A signal (n, 3) that goes straight on where it is not known."""
+    known = np.isfinite(signal).all(axis=1)
     if known.all() or not known.any():
-        return np.nan_to_num(course)
-    rows = np.arange(len(course))
-    return np.column_stack([np.interp(rows, rows[known], c[known]) for c in course.T])
+        return np.nan_to_num(signal)
+    rows = np.arange(len(signal))
+    return np.column_stack([np.interp(rows, rows[known], axis[known]) for axis in signal.T])

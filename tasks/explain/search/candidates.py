@@ -70,6 +70,11 @@ class Candidate:
         return self.term.key, self.own, self.prior
 
     @property
+    def on_grid(self) -> bool:
+        """Whether it has a continuous shape that no fit has adjusted yet."""
+        return self.term.has_continuous_shape and not self.fitted
+
+    @property
     def known(self) -> bool:
         """Physics without a free parameter: its one column has the factor one."""
         return not self.term.parameters
@@ -77,7 +82,7 @@ class Candidate:
 
 def members_of(candidates: Sequence[Candidate]) -> list[int]:
     """The numbers of all their parameters within the design, in order."""
-    return sorted({p for one in candidates for p in one.members})
+    return sorted({p for candidate in candidates for p in candidate.members})
 
 
 def columns_of(term: Term, motion: Motion) -> tuple[Column, ...]:
@@ -127,18 +132,18 @@ def candidates_of(
         columns.extend(own)
     candidates.extend(_random_drifts(terms, len(columns), len(variants)))
     columns.extend(candidates[-1].term.columns(motion, Inputs(motion.rate, motion.force)))
-    names = [one.name for one in candidates]
-    counted = (replace(one, trials=names.count(one.name)) for one in candidates)
+    names = [candidate.name for candidate in candidates]
+    counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)
     return tuple(counted), tuple(columns)
 
 
 def plausible_half_ranges(candidates: Sequence[Candidate], count: int) -> np.ndarray:
     """(count,) half of each parameter's plausible range; infinite where nothing is known of it."""
     half = np.full(count, np.inf)
-    for one in candidates:
-        if one.prior is None and not one.known:
-            for p, q in zip(one.members, one.own, strict=True):
-                low, high = one.term.parameters[q].plausible
+    for candidate in candidates:
+        if candidate.prior is None and not candidate.known:
+            for p, q in zip(candidate.members, candidate.own, strict=True):
+                low, high = candidate.term.parameters[q].plausible
                 half[p] = 0.5 * (high - low)
     return half
 

@@ -5,9 +5,9 @@ from scipy.signal import lfilter
 
 from tasks.motion.whole import Motion
 
-MOVED = 0.02  # of a unit vector in a second: gravity's direction changes
+TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
 AT_REST = 1e-3  # rad/s: slower is not a motion
-LONGEST_MOVE = 20.0  # s; what turns longer is a run
+MAX_MOVE = 20.0  # s; what turns longer is a run
 
 
 def time_since(motion: Motion, events: np.ndarray) -> np.ndarray:
@@ -16,15 +16,15 @@ def time_since(motion: Motion, events: np.ndarray) -> np.ndarray:
     if not len(rows):
         return np.full(len(motion.t), np.inf)
     last = np.searchsorted(rows, np.arange(len(motion.t)), "right") - 1
-    since = motion.t - motion.t[rows[np.maximum(last, 0)]]
-    return np.where(last >= 0, since, np.inf)
+    elapsed = motion.t - motion.t[rows[np.maximum(last, 0)]]
+    return np.where(last >= 0, elapsed, np.inf)
 
 
 def gravity_turns(motion: Motion) -> np.ndarray:
     """(n,) bool: gravity's direction in the unit changes. A turn about a level axis is one move."""
     up = np.nan_to_num(motion.up)
     speed = np.linalg.norm(np.gradient(up, motion.interval, axis=0), axis=1)
-    return np.asarray(speed > MOVED)
+    return np.asarray(speed > TURNING_UP)
 
 
 def turning(motion: Motion) -> np.ndarray:
@@ -39,12 +39,12 @@ def repositioning(motion: Motion) -> np.ndarray:
     steady = motion.recorded.get("steady_turn", np.zeros(len(moving)))
     found = moving.copy()
     for start, stop in edges.reshape(-1, 2):
-        if steady[start:stop].any() or motion.t[stop - 1] - motion.t[start] > LONGEST_MOVE:
+        if steady[start:stop].any() or motion.t[stop - 1] - motion.t[start] > MAX_MOVE:
             found[start:stop] = False
     return found
 
 
-def lagged(course: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
-    """First-order lag of a course (n,), from rest."""
+def lagged(signal: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
+    """First-order lag of a signal (n,), from rest."""
     keep = np.exp(-float(np.median(np.diff(t))) / tau)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], np.nan_to_num(course)))
+    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], np.nan_to_num(signal)))

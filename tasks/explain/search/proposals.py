@@ -40,15 +40,15 @@ def with_proposed_shapes(
     terms = _proposed_terms(design, candidates, noises, selected)
     span = len(design.blocks.t) / design.blocks.rate
     columns, updated = {}, []
-    for one in candidates:
-        term = terms.get(one.term.key)
+    for candidate in candidates:
+        term = terms.get(candidate.term.key)
         if term is None:
-            updated.append(one)
+            updated.append(candidate)
             continue
         fresh = columns_of(term, design.blocks.motion)
-        columns.update({p: fresh[q] for p, q in zip(one.members, one.own, strict=True)})
+        columns.update({p: fresh[q] for p, q in zip(candidate.members, candidate.own, strict=True)})
         independent = span / CORRELATED if _shape(term) == TIME else span * MAX_FREQUENCY
-        updated.append(replace(one, term=term, shape_trials=independent))
+        updated.append(replace(candidate, term=term, shape_trials=independent))
     return with_columns(design, columns), updated
 
 
@@ -66,20 +66,20 @@ def _proposed_terms(
     """The terms with a time or a period, but those selected, with their proposed shapes, by key."""
     left = residuals(design, members_of(selected), noises)
     steps, sinusoids = _gains(design, left, noises)
-    held = {one.term.key for one in selected}
+    held = {candidate.term.key for candidate in selected}
     shapes: dict[tuple[str, tuple[int, ...]], list[float]] = {}
     terms: dict[tuple[str, int], Term] = {}
-    for one in candidates:
-        shape = _shape(one.term)
-        if shape not in (TIME, PERIOD) or one.term.key in held | set(terms):
+    for candidate in candidates:
+        shape = _shape(candidate.term)
+        if shape not in (TIME, PERIOD) or candidate.term.key in held | set(terms):
             continue
-        channels = tuple(sorted({c for p in one.members for c in design.columns[p]}))
+        channels = tuple(sorted({c for p in candidate.members for c in design.columns[p]}))
         if (shape, channels) not in shapes:
             gain = (steps if shape == TIME else sinusoids)[list(channels)].sum(axis=0)
             best = _best_times if shape == TIME else _best_periods
             shapes[shape, channels] = best(gain, design)
         if shapes[shape, channels]:
-            terms[one.term.key] = one.term.shaped((shapes[shape, channels].pop(0),))
+            terms[candidate.term.key] = candidate.term.shaped((shapes[shape, channels].pop(0),))
     return terms
 
 

@@ -36,25 +36,21 @@ def rank(
 ) -> list[ScoredCandidate]:
     """The candidates by score, beside others that are selected."""
     normal, right = _projected(equations, selected)
-    own = {one.key for one in selected}
+    own = {candidate.key for candidate in selected}
     # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
-    whole = {
-        one.name
-        for one in selected
-        if one.known or (one.term.has_continuous_shape and not one.fitted)
-    }
+    whole = {candidate.name for candidate in selected if candidate.known or candidate.on_grid}
     others = [
-        one
-        for one in candidates
-        if one.key not in own and (one.name == UNNAMED or one.name not in whole)
+        candidate
+        for candidate in candidates
+        if candidate.key not in own and (candidate.name == UNNAMED or candidate.name not in whole)
     ]
-    fixed = [one for one in others if one.prior is None]
-    random = [one for one in others if one.prior is not None]
+    fixed = [candidate for candidate in others if candidate.prior is None]
+    random = [candidate for candidate in others if candidate.prior is not None]
     scored = [
         *_fixed_effects(normal, right, equations, fixed),
         *_random_effects(normal, right, equations, random),
     ]
-    return sorted(scored, key=lambda one: -one.score)
+    return sorted(scored, key=lambda entry: -entry.score)
 
 
 def _projected(
@@ -62,12 +58,12 @@ def _projected(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Normal equations without what is selected: fitted ones projected, known ones taken off."""
     normal, right = equations.normal, equations.right
-    for one in selected:
-        if one.known:
-            p = one.members[0]
+    for candidate in selected:
+        if candidate.known:
+            p = candidate.members[0]
             if equations.scale[p]:
                 right = right - normal[:, p] / equations.scale[p]
-    free = members_of([one for one in selected if not one.known])
+    free = members_of([candidate for candidate in selected if not candidate.known])
     if not free:
         return normal, right
     shared = normal[:, free]
@@ -84,9 +80,9 @@ def _fixed_effects(
 ) -> list[ScoredCandidate]:
     """Candidates of a few parameters, those of one size all at once."""
     scored: list[ScoredCandidate] = []
-    for size in sorted({len(one.members) for one in candidates}):
-        some = [one for one in candidates if len(one.members) == size]
-        members = np.array([one.members for one in some])
+    for size in sorted({len(candidate.members) for candidate in candidates}):
+        some = [candidate for candidate in candidates if len(candidate.members) == size]
+        members = np.array([candidate.members for candidate in some])
         blocks = normal[members[:, :, None], members[:, None, :]]
         observable = (equations.scale[members] > 0) & (normal[members, members] > OBSERVABLE)
         blocks = blocks * observable[:, :, None] * observable[:, None, :]
@@ -95,8 +91,8 @@ def _fixed_effects(
         gains = _quadratic_forms(right[members] * observable, blocks)
         counts = observable.sum(axis=1)
         scored += [
-            _fixed_effect(normal, right, equations, one, gain, count)
-            for one, gain, count in zip(some, gains.tolist(), counts.tolist(), strict=True)
+            _fixed_effect(normal, right, equations, candidate, gain, count)
+            for candidate, gain, count in zip(some, gains.tolist(), counts.tolist(), strict=True)
             if count
         ]
     return scored
@@ -112,29 +108,30 @@ def _fixed_effect(
     normal: np.ndarray,
     right: np.ndarray,
     equations: NormalEquations,
-    one: Candidate,
+    candidate: Candidate,
     gain: float,
     count: int,
 ) -> ScoredCandidate:
     """count: parameters that the readings determine."""
-    one_sided = _one_sided(one)
-    if one_sided and right[one.members[0]] < 0.0:
+    one_sided = _one_sided(candidate)
+    if one_sided and right[candidate.members[0]] < 0.0:
         gain = 0.0  # fitted below nothing, where no unit has it
-    p_value = min(1.0, float(chdtrc(count, gain)) * one.shape_trials)
-    if one.known:  # no factor is fitted: it gains what it gains
-        p, count = one.members[0], 0
+    p_value = min(1.0, float(chdtrc(count, gain)) * candidate.shape_trials)
+    if candidate.known:  # no factor is fitted: it gains what it gains
+        p, count = candidate.members[0], 0
         size = 1.0 / equations.scale[p]
         gain = float(2.0 * right[p] * size - normal[p, p] * size**2)
-    price = PER_PARAMETER * count + 2.0 * np.log(one.trials * one.shape_trials) + one.term.rarity
+    trials = candidate.trials * candidate.shape_trials
+    price = PER_PARAMETER * count + 2.0 * np.log(trials) + candidate.term.rarity
     price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
-    return ScoredCandidate(one, gain, gain - price, p_value)
+    return ScoredCandidate(candidate, gain, gain - price, p_value)
 
 
-def _one_sided(one: Candidate) -> bool:
+def _one_sided(candidate: Candidate) -> bool:
     """Whether its one parameter cannot be negative, such as a time constant."""
-    if len(one.members) != 1 or one.known:
+    if len(candidate.members) != 1 or candidate.known:
         return False
-    return one.term.parameters[one.own[0]].plausible[0] == 0.0
+    return candidate.term.parameters[candidate.own[0]].plausible[0] == 0.0
 
 
 def prior_precision(
@@ -142,10 +139,10 @@ def prior_precision(
 ) -> np.ndarray:
     """Prior precision (m,) of some parameters at unit column size; zero for most."""
     precision = np.zeros(len(equations.scale))
-    for one in candidates:
-        if one.prior is not None:
-            own = np.array(one.members)
-            precision[own] = one.prior.precision(_column_power(equations, own))
+    for candidate in candidates:
+        if candidate.prior is not None:
+            own = np.array(candidate.members)
+            precision[own] = candidate.prior.precision(_column_power(equations, own))
     return precision[list(members)]
 
 
@@ -162,7 +159,7 @@ def _random_effects(
     """
     if not candidates:
         return []
-    drifts = {one.key: _drifts(one) for one in candidates}
+    drifts = {candidate.key: _drifts(candidate) for candidate in candidates}
     distinct = list(dict.fromkeys(drift for own in drifts.values() for drift in own))
     members = np.array([channel for _, channel in distinct])
     power = _column_power(equations, members)
@@ -175,21 +172,21 @@ def _random_effects(
     gains = _quadratic_forms(root * right[members], blocks) - np.linalg.slogdet(blocks)[1]
     gain_of = dict(zip(distinct, gains.tolist(), strict=True))
     scored = []
-    for one in candidates:
-        gain = sum(gain_of[drift] for drift in drifts[one.key])
-        price = 2.0 * PER_PARAMETER + 2.0 * np.log(one.trials)
+    for candidate in candidates:
+        gain = sum(gain_of[drift] for drift in drifts[candidate.key])
+        price = 2.0 * PER_PARAMETER + 2.0 * np.log(candidate.trials)
         # No walk where another drift may explain it as well.
-        price += INDISTINGUISHABLE if one.name != UNNAMED else 0.0
+        price += INDISTINGUISHABLE if candidate.name != UNNAMED else 0.0
         p_value = float(np.exp(-0.5 * max(gain, 0.0)))
-        scored.append(ScoredCandidate(one, gain, gain - price, p_value))
+        scored.append(ScoredCandidate(candidate, gain, gain - price, p_value))
     return scored
 
 
-def _drifts(one: Candidate) -> list[tuple[Prior, tuple[int, ...]]]:
+def _drifts(candidate: Candidate) -> list[tuple[Prior, tuple[int, ...]]]:
     """Prior and parameters of a random drift in each of its channels."""
-    assert one.prior is not None
-    starts = range(0, len(one.members), COSINES)
-    return [(one.prior, one.members[start : start + COSINES]) for start in starts]
+    assert candidate.prior is not None
+    starts = range(0, len(candidate.members), COSINES)
+    return [(candidate.prior, candidate.members[start : start + COSINES]) for start in starts]
 
 
 def _column_power(equations: NormalEquations, members: np.ndarray) -> np.ndarray:
