@@ -76,9 +76,9 @@ def _contained(
         for element, other in separated.value.items()
         if other is not None and (value := clause.value.get(element)) is not None
     }
-    times_U = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
-    worst = max(times_U, key=lambda element: times_U[element], default=None)
-    if worst is not None and times_U[worst] > 1.0:
+    ratios = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
+    worst = max(ratios, key=lambda element: ratios[element], default=None)
+    if worst is not None and ratios[worst] > 1.0:
         ids = (f"certificate-value-of.{kind}" for kind in (specification.method, name))
         yield message(
             "certificate-contained",
@@ -86,7 +86,7 @@ def _contained(
             part=message(f"certificate-contained.{name}"),
             element=worst,
             size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
-            times=f"{float(f'{times_U[worst]:.2g}'):g}",
+            times=f"{float(f'{ratios[worst]:.2g}'):g}",
         )
 
 

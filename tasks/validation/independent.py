@@ -79,12 +79,12 @@ def plain_2003(recording: Recording) -> Values:
     means = _means(recording, GYRO + ACCEL)
     gravity = float(recording.manifest.station.gravity_m_s2 or np.nan)
     degree = np.pi / 180.0
-    Kg, offset, p = np.empty((3, 3)), np.empty(3), np.zeros((3, 3))
+    K_gyro, offset, p = np.empty((3, 3)), np.empty(3), np.zeros((3, 3))
     for j, axis in enumerate(AXES):
         points = [(s, m) for s, m in means if s.kind == "rate" and s.axis == axis]
         rate = np.array([s.rate_deg_s or 0.0 for s, _ in points]) * degree
         read = np.array([m for _, m in points])
-        (Kg[:, j], line), *_ = np.linalg.lstsq(
+        (K_gyro[:, j], line), *_ = np.linalg.lstsq(
             np.column_stack([rate, np.ones(len(rate))]), read[:, :3], rcond=None
         )
         offset[j] = line[j]
@@ -100,8 +100,8 @@ def plain_2003(recording: Recording) -> Values:
             readings.append(m)
     both, *_ = np.linalg.lstsq(np.array(rows), np.array(readings), rcond=None)
     return {
-        "gyro_scale_factor": vector(np.diag(Kg)),
-        "gyro_cross_coupling": matrix(Kg, off_diagonal=True),
+        "gyro_scale_factor": vector(np.diag(K_gyro)),
+        "gyro_cross_coupling": matrix(K_gyro, off_diagonal=True),
         "gyro_fit_offset": vector(offset / degree),
         "gyro_bias": vector(both[3, :3] / degree),
         "gyro_g_sensitivity": matrix(both[:3, :3].T / degree),

@@ -48,19 +48,19 @@ def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
     `gyro_g_sensitivity_without_earth_rotation` does not.
     """
     unit = case.unit
-    Kg, Ka = np.array(unit.gyro.scale), np.array(unit.accel.scale)
+    K_gyro, K_accel = np.array(unit.gyro.scale), np.array(unit.accel.scale)
     still = np.array(unit.g_sensitivity) * site.gravity / DEGREE
-    earth = Kg * EARTH_RATE_RAD_S * np.sin(site.latitude) / DEGREE
+    earth = K_gyro * EARTH_RATE_RAD_S * np.sin(site.latitude) / DEGREE
     bias = np.array(unit.gyro.bias) / DEGREE
     return {
-        "gyro_scale_factor": vector(np.diag(Kg)),
-        "gyro_cross_coupling": matrix(Kg, off_diagonal=True),
+        "gyro_scale_factor": vector(np.diag(K_gyro)),
+        "gyro_cross_coupling": matrix(K_gyro, off_diagonal=True),
         "gyro_fit_offset": vector(bias + np.diag(still + earth)),
         "gyro_bias": vector(bias),
         "gyro_g_sensitivity": matrix(still + earth),
         "gyro_g_sensitivity_without_earth_rotation": matrix(still),
-        "accel_scale_factor": vector(np.diag(Ka)),
-        "accel_cross_coupling": matrix(Ka, off_diagonal=True),
+        "accel_scale_factor": vector(np.diag(K_accel)),
+        "accel_cross_coupling": matrix(K_accel, off_diagonal=True),
         "accel_bias": vector(np.array(unit.accel.bias)),
         "accel_rate_sensitivity": matrix(-unit.rate_sensitivity_m, off_diagonal=True),
     }

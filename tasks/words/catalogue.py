@@ -30,14 +30,17 @@ LANGUAGES: tuple[str, ...] = tuple(sorted(folder.name for folder in _folders()))
 
 
 @cache
-def _bundle(language: str) -> Any:
-    """All catalogue files of one language. Raises ValueError where an identifier stands twice."""
+def _bundle(language: str) -> tuple[Any, frozenset[str]]:
+    """All catalogue files of one language, and their identifiers.
+
+    Raises ValueError where an identifier stands twice.
+    """
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle, FluentResource
     from fluent.syntax import ast
 
     bundle = FluentBundle([language], use_isolating=False)
-    seen: dict[str, str] = {}
+    files_of: dict[str, str] = {}
     for source in _sources(files("tasks.words") / language):
         resource = FluentResource(source.read_text(encoding="utf-8"))
         where = f"{language}/{source.name}"
@@ -45,13 +48,13 @@ def _bundle(language: str) -> Any:
             if isinstance(entry, ast.Junk):
                 raise ValueError(f"{where}: not understood: {str(entry.content).strip()[:80]!r}")
             if isinstance(entry, ast.Message | ast.Term):
-                if entry.id.name in seen:
+                if entry.id.name in files_of:
                     raise ValueError(
-                        f"{where}: {entry.id.name} stands in {seen[entry.id.name]} too"
+                        f"{where}: {entry.id.name} stands in {files_of[entry.id.name]} too"
                     )
-                seen[entry.id.name] = where
+                files_of[entry.id.name] = where
         bundle.add_resource(resource)
-    return bundle
+    return bundle, frozenset(files_of)
 
 
 def known(id_: str) -> bool:
@@ -61,52 +64,51 @@ def known(id_: str) -> bool:
 
 def identifiers(prefix: str) -> tuple[str, ...]:
     """The messages whose identifiers begin so, in the order of the alphabet."""
-    messages = _bundle(LANGUAGES[0])._messages
-    return tuple(sorted(id_ for id_ in messages if id_.startswith(prefix)))
+    return tuple(sorted(id_ for id_ in _bundle(LANGUAGES[0])[1] if id_.startswith(prefix)))
 
 
 @lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
-def say(said: Sayable, language: str) -> str:
+def say(sayable: Sayable, language: str) -> str:
     """A message or statement in one language; mere text is the same in all.
 
     Raises KeyError for a message that the catalogue lacks, or that asks for an argument it has
     not got.
     """
-    if isinstance(said, str):
-        return said
-    if isinstance(said, Statement):
-        return str(getattr(said, language, said.en))
-    pattern = _pattern(language, said.id)
+    if isinstance(sayable, str):
+        return sayable
+    if isinstance(sayable, Statement):
+        return str(getattr(sayable, language, sayable.en))
+    pattern = _pattern(language, sayable.id)
     if pattern is None:
-        raise KeyError(f"the {language} catalogue has no message {said.id}")
-    arguments = {name: _argument(value, language) for name, value in said.arguments}
+        raise KeyError(f"the {language} catalogue has no message {sayable.id}")
+    arguments = {name: _argument(value, language) for name, value in sayable.arguments}
     long = {n: text for n, text in arguments.items() if isinstance(text, str) and len(text) > LONG}
     places = {name: f"\ue000{name}\ue001" for name in long}  # private use: in no text
-    text, errors = _bundle(language).format_pattern(pattern, arguments | places)
+    text, errors = _bundle(language)[0].format_pattern(pattern, arguments | places)
     if errors:
-        raise KeyError(f"{said.id} ({language}): {errors[0]}")
+        raise KeyError(f"{sayable.id} ({language}): {errors[0]}")
     for name, place in places.items():
         text = text.replace(place, long[name])
     return str(text)
 
 
-def texts(said: Sayable) -> Mapping[str, str]:
+def texts(sayable: Sayable) -> Mapping[str, str]:
     """A message in every language, by language: the fields of a `Remark`, for one."""
-    return {language: say(said, language) for language in LANGUAGES}
+    return {language: say(sayable, language) for language in LANGUAGES}
 
 
-def statement(said: Sayable) -> Statement:
+def statement(sayable: Sayable) -> Statement:
     """A message as it is published, in every language."""
-    return (
-        said if isinstance(said, Statement) else Statement(en=say(said, "en"), zh=say(said, "zh"))
-    )
+    if isinstance(sayable, Statement):
+        return sayable
+    return Statement(en=say(sayable, "en"), zh=say(sayable, "zh"))
 
 
 def remark(
-    code: str, said: Sayable, segments: tuple[str, ...] = (), *, blocks_pass: bool = False
+    code: str, sayable: Sayable, segments: tuple[str, ...] = (), *, blocks_pass: bool = False
 ) -> Remark:
     """A message as a remark of a calibration."""
-    en, zh = (say(said, language) for language in ("en", "zh"))
+    en, zh = (say(sayable, language) for language in ("en", "zh"))
     return Remark(code=code, en=en, zh=zh, segments=segments, blocks_pass=blocks_pass)
 
 
@@ -124,7 +126,7 @@ def _argument(value: Argument, language: str) -> object:
 def _pattern(language: str, id_: str) -> Any:
     """The pattern of «message» or «message.attribute»; None where there is none."""
     name, _, attribute = id_.partition(".")
-    bundle = _bundle(language)
+    bundle, _ = _bundle(language)
     if not bundle.has_message(name):
         return None
     found = bundle.get_message(name)

@@ -45,8 +45,7 @@ def schema_text(kind: str) -> str:
     """The definition of `package/msg/Type`, and behind it those of the types it uses."""
     root = kind.replace("/msg/", "/")
     parts = [DEFINITIONS[root]]
-    for used in _used_by(root):
-        parts.append("=" * 80 + f"\nMSG: {used}\n{DEFINITIONS[used]}")
+    parts += ["=" * 80 + f"\nMSG: {used}\n{DEFINITIONS[used]}" for used in _used_by(root)]
     return "\n".join(parts) + "\n"
 
 

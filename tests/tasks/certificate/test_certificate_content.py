@@ -94,7 +94,7 @@ def test_small_coefficients_and_their_limits_share_one_power_of_ten() -> None:
     given = items()
     p = given["accel_rate_sensitivity"]
     given["accel_rate_sensitivity"] = p.model_copy(
-        update={"value": {e: 1e-5 for e in p.value}, "U": {e: 1.3e-7 for e in p.U}}
+        update={"value": dict.fromkeys(p.value, 1e-05), "U": dict.fromkeys(p.U, 1.3e-07)}
     )
     result = calibration(items=given)
     limit = Limit(item="accel_rate_sensitivity", unit="m", magnitude=5e-5)

@@ -221,7 +221,7 @@ def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
 @pytest.mark.parametrize(
     ("name", "effect"),
     [
-        ("plant_earth_rotation", lambda run, true: earth(run, true)),
+        ("plant_earth_rotation", earth),
         ("plant_lever_arm", lambda run, true: lever_arm(run, true["lever_arm"])),
         ("plant_time_offset", lambda run, true: time_offset(run, true["time_offset"])),
         ("plant_tilt_and_temperature", tilt_and_temperature),

@@ -123,7 +123,7 @@ def test_a_value_without_uncertainty_keeps_six_digits() -> None:
 def test_column_says_what_rounding_says(rows: list[tuple[float, float]]) -> None:
     assume(all(value == 0 or abs(value) > 1e-12 for value, _ in rows))
     made = column([v for v, _ in rows], [U for _, U in rows])
-    for (value, U), shown, shown_U in zip(rows, made.values, made.uncertainties, strict=True):
-        assert "e" not in f"{shown}{shown_U}".lower()
+    for (value, U), shown, U_shown in zip(rows, made.values, made.uncertainties, strict=True):
+        assert "e" not in f"{shown}{U_shown}".lower()
         assert number(shown, made.exponent) == round_like(value, round_up(U))
-        assert number(shown_U, made.exponent) == round_up(U)
+        assert number(U_shown, made.exponent) == round_up(U)

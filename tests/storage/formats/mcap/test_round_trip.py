@@ -62,7 +62,7 @@ def recording() -> Recording:
     pose = {
         name: np.sin(t + k) for k, name in enumerate(("qw", "qx", "qy", "qz", "px", "py", "pz"))
     }
-    air = {name: 20.1 + t / 7 for name in ("temperature", "humidity", "supply_voltage", "pressure")}
+    air = dict.fromkeys(("temperature", "humidity", "supply_voltage", "pressure"), 20.1 + t / 7)
     return Recording(manifest(), imu, table, Stream(t + 0.007, pose), Stream(t + 3, air))
 
 
@@ -128,7 +128,7 @@ def test_time_before_zero_comes_back(tmp_path: Path) -> None:
 def test_what_is_absent_stays_absent(tmp_path: Path) -> None:
     t = np.arange(5) / 10
     angles = Stream(t, {name: t + k for k, name in enumerate(ANGLE)})
-    pose = Stream(t, {name: t for name in ("qw", "qx", "qy", "qz")})
+    pose = Stream(t, dict.fromkeys(("qw", "qx", "qy", "qz"), t))
     small = Recording(manifest(), angles, Stream(t, {"outer_angle": t}), pose)
     write_mcap(small, tmp_path / "raw.mcap")
     back = read_mcap(tmp_path / "raw.mcap")
