@@ -65,7 +65,7 @@ def gauss_newton(
         step = next_step(model, motion, readings, whiten)
         stepped = model.stepped(step.change, step.covariance)
         if stepped.negative.any():  # the others' step made up for it: they are solved again
-            model = stepped.held_at_zero(stepped.negative)
+            model = model.held_at_zero(stepped.negative)
             continue
         model = stepped
         if settled(model, step):
