@@ -72,7 +72,7 @@ def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarra
         return full, events.masked
     corrected = full.readings
     for _ in range(ROUNDS):
-        predicted = plain_prediction(np.where(events.masked, np.nan, corrected), full.motion)
+        predicted = plain_prediction(corrected, full.motion, events.masked, own_squared_rate=True)
         corrected = events.corrected(full.motion.t, full.readings, predicted)
     masked = events.masked | (np.isnan(corrected) & np.isfinite(predicted))
     readings = np.where(np.isfinite(corrected), corrected, full.readings)

@@ -9,6 +9,7 @@ from tasks.motion.whole import Motion
 
 KEPT, MEAN_OF_KEPT = 0.98, 0.8734  # of the squares; their mean for standard normal ones
 MAX_READINGS = 50_000  # that the output's step is read off
+TIE = 1e-9
 MIN_ROWS, MAX_ROWS = 30, 4000  # of a segment
 WHOLE, MIN_WHOLE = 0.02, 0.9  # changes are whole steps within this, nine in ten of them
 DITHERED = 0.5  # of the readings differ from the one before: noise is larger than the step
@@ -27,7 +28,7 @@ def noise_by_segment(
     # Readings keep their noise where the motion is not known: there it is taken to be none.
     unknown = np.broadcast_to(~motion.known[:, None], readings.shape)
     still = replace(motion, up=np.nan_to_num(motion.up), rate=np.nan_to_num(motion.rate))
-    left = readings - plain_prediction(readings, still, unknown)
+    left = readings - plain_prediction(readings, still, unknown, own_squared_rate=True)
     rough = np.full_like(left, np.nan)
     rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
     variance = np.full((count + 1, 2), np.nan)
@@ -40,7 +41,8 @@ def noise_by_segment(
             part = rough[rows, 3 * triad : 3 * triad + 3]
             part = part[np.isfinite(part)]
             if len(part):
-                part = part[part <= np.quantile(part, KEPT)]
+                # Quantised readings tie at the quantile, where rounding must not choose.
+                part = part[part <= np.quantile(part, KEPT) * (1.0 + TIE)]
                 variance[k, triad] = part.mean() / MEAN_OF_KEPT
     return variance
 
