@@ -66,7 +66,7 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
         if wrong.any():
             row = int(wrong.argmax())
             raise Unusable(
-                f"{where}: column {column}, row {row + 1}: the value is {_said(values[row])}; "
+                f"{where}: column {column}, row {row + 1}: the value is {_shown(values[row])}; "
                 f"{_way_out(column in triads)}."
             )
         beyond = np.abs(values) > MAX_VALUE
@@ -89,7 +89,7 @@ def _check_time(where: str, t: np.ndarray) -> None:
     if wrong.any():
         row = int(wrong.argmax())
         raise Unusable(
-            f"{where}: column t, row {row + 1}: the value is {_said(t[row])}; "
+            f"{where}: column t, row {row + 1}: the value is {_shown(t[row])}; "
             "every row needs a time in seconds."
         )
     if np.abs(t).max() > MAX_TIME_S:
@@ -117,7 +117,7 @@ def absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
     return rows
 
 
-def _said(value: float) -> str:
+def _shown(value: float) -> str:
     return "null or NaN" if np.isnan(value) else str(value)
 
 

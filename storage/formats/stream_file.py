@@ -18,7 +18,7 @@ PARQUET = b"PAR1"
 HEAD = 2**20  # bytes in which a header ends
 
 
-class Table:
+class StreamTable:
     """The columns of a file; they become numbers when they are asked for."""
 
     def __init__(self, path: Path, table: "pa.Table") -> None:
@@ -71,7 +71,7 @@ def _is_number(kind: "pa.DataType") -> bool:
     return is_integer(kind) or is_floating(kind) or is_decimal(kind) or is_null(kind)
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> StreamTable:
     """Reads a Parquet or CSV file; raises Unusable for one that is empty or not what it says."""
     import pyarrow as pa
 
@@ -85,7 +85,7 @@ def read_table(path: Path) -> Table:
         raise Unusable(f"{path} cannot be read as {kind} ({reason}); export it again.") from error
     if not table.num_rows:
         raise Unusable(f"{path} has no row of data; export it again, or take its stream out.")
-    return Table(path, table)
+    return StreamTable(path, table)
 
 
 def _read_parquet(path: Path) -> "pa.Table":

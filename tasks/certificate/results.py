@@ -141,14 +141,14 @@ def _about(
 ) -> tuple[Message, ...]:
     """What the reader of an item must know, and whether and on what it is decided."""
     key = slug(name)
-    said = (
+    remarks = (
         None if limits else first_known(f"certificate-not-decided.{key}"),
         first_known(f"certificate-about.{key}-{specification.method}", f"certificate-about.{key}"),
     )
     applied = dict.fromkeys(map(quantity_title, limits)) if two else {}
     relative = dict.fromkeys(filter(None, map(relative_text, limits)))
     return (
-        *filter(None, said),
+        *filter(None, remarks),
         *([message("certificate-applied", quantities=clauses(tuple(applied)))] if applied else ()),
         *(message("certificate-relative", limits=text) for text in relative),
     )

@@ -40,13 +40,13 @@ def inline(svg: str) -> "Markup":
     return Markup(svg)
 
 
-def _text(said: Sayable) -> "Markup":
+def _text(phrase: Sayable) -> "Markup":
     """In every language, of which the page shows one; once where all are the same."""
     from markupsafe import Markup
 
-    if hasattr(said, "__html__"):
-        return Markup(said)
-    by_language = texts(said)
+    if hasattr(phrase, "__html__"):
+        return Markup(phrase)
+    by_language = texts(phrase)
     if len(set(by_language.values())) == 1:
         return Markup("{}").format(by_language[LANGUAGES[0]])
     span = Markup('<span lang="{}">{}</span>')

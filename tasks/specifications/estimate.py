@@ -221,5 +221,5 @@ def excess_remarks(
     if not above:
         return ()
     channels = ", ".join(f"{CHANNELS[first_channel + i]} {factors[i]:.1f}" for i in above)
-    said = message(text, channels=channels, **arguments)
-    return (remark("excess_scatter", said, blocks_pass=bool(max(factors) > BLOCKING_EXCESS)),)
+    phrase = message(text, channels=channels, **arguments)
+    return (remark("excess_scatter", phrase, blocks_pass=bool(max(factors) > BLOCKING_EXCESS)),)

@@ -56,11 +56,11 @@ def _clause(text: str, language: str) -> str:
 
 def _replaced(text: str, rules: tuple[tuple[str, str], ...], language: str) -> str:
     for pattern, name in rules:
-        text = re.sub(pattern, partial(_said, name, language), text)
+        text = re.sub(pattern, partial(_filled, name, language), text)
     return text
 
 
-def _said(name: str, language: str, match: re.Match[str]) -> str:
+def _filled(name: str, language: str, match: re.Match[str]) -> str:
     arguments: dict[str, Argument] = dict(match.groupdict())
     if name == "equations":
         numbers = match["numbers"].split(", ")

@@ -18,7 +18,7 @@ ROTATING = 0.05  # rad/s
 
 
 @dataclass(frozen=True)
-class Line:
+class FittedLine:
     """A sine wave. amplitudes: (6,) complex, reading Re(amplitude·exp(2πi·f·t)); u: (6,) of one.
 
     power: over that of the noise, summed over channels. p_value: corrected.
@@ -46,7 +46,7 @@ class Line:
         return added
 
 
-def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) -> Line:
+def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) -> FittedLine:
     """The line at about a frequency (Hz), by least squares; tried: frequencies in all."""
     channels, span = spectrum.channels, residual.span
     starts = _piece_starts(len(residual.t))
@@ -67,10 +67,10 @@ def fit_line(residual: Residual, spectrum: Spectrum, near: float, tried: int) ->
     u_frequency = np.sqrt(1.5 / power) / (np.pi * span)
     p_value = min(1.0, float(tried * gamma.sf(power, len(channels))))
     frequency = near + float(offsets[best])
-    return Line(frequency, float(u_frequency), amplitudes, u, power, p_value)
+    return FittedLine(frequency, float(u_frequency), amplitudes, u, power, p_value)
 
 
-def is_steady(residual: Residual, line: Line) -> bool:
+def is_steady(residual: Residual, line: FittedLine) -> bool:
     """Whether a line is there all the time, at rest and in rotation, as far as noise allows."""
     wave = np.exp(-2j * np.pi * line.frequency * residual.t)
     weighted = (residual.white * residual.weight) @ line.amplitudes.conj()

@@ -10,7 +10,7 @@ from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import Event, amplitude_parameter, channel_names
-from tasks.explain.events.line_fit import Line, fit_line, is_steady
+from tasks.explain.events.line_fit import FittedLine, fit_line, is_steady
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.spectrum import LEVEL_BINS, Spectrum, spectrum_of
 from tasks.words import message
@@ -30,7 +30,7 @@ SAME = 2e-3  # Hz by which two lines of one mains may differ on its frequency
 class SpectralLines(Event):
     """One source: a line, or those of the mains."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[FittedLine, ...]
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         return predicted + sum(line.signal(t) for line in self.lines)
@@ -41,7 +41,7 @@ class MainsLine(NamedTuple):
 
     harmonic: int
     frequencies: tuple[float, ...]
-    line: Line
+    line: FittedLine
 
 
 def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
@@ -49,7 +49,7 @@ def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
     if len(residual.t) < 4 * LEVEL_BINS:
         return ()
     cleaned = residual  # of all lines; the residual only of the steady ones
-    lines, steady = list[Line](), list[Line]()
+    lines, steady = list[FittedLine](), list[FittedLine]()
     while (
         len(lines) < MAX_LINES and len(lines) - len(steady) < MAX_UNSTEADY and cleaned.white.any()
     ):
@@ -65,7 +65,7 @@ def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
     return events_of_lines(steady, 1 / residual.interval)
 
 
-def _strongest(residual: Residual, known: list[float]) -> Line | None:
+def _strongest(residual: Residual, known: list[float]) -> FittedLine | None:
     """The strongest line, of the mains or of any other frequency, but for those known (Hz)."""
     spectrum = spectrum_of(residual)
     mains = at_mains(spectrum.frequency, 1 / residual.interval)
@@ -75,7 +75,7 @@ def _strongest(residual: Residual, known: list[float]) -> Line | None:
     return max((line for line in lines if line), key=lambda line: line.power, default=None)
 
 
-def _significant(residual: Residual, spectrum: Spectrum, among: np.ndarray) -> Line | None:
+def _significant(residual: Residual, spectrum: Spectrum, among: np.ndarray) -> FittedLine | None:
     """The first significant line, by falling power, among some frequencies (bins,) bool."""
     tried = int(among.sum())
     power = np.where(among, spectrum.power, 0.0)
@@ -91,7 +91,7 @@ def _significant(residual: Residual, spectrum: Spectrum, among: np.ndarray) -> L
     return None
 
 
-def events_of_lines(lines: list[Line], rate: float) -> tuple[SpectralLines, ...]:
+def events_of_lines(lines: list[FittedLine], rate: float) -> tuple[SpectralLines, ...]:
     """Those of the mains together, every other by itself; rate: of the samples, Hz.
 
     A harmonic is one of the mains only beside its fundamental, and at that frequency's multiple:
@@ -158,7 +158,7 @@ def _mains(mains: list[MainsLine]) -> SpectralLines:
     return SpectralLines("mains_pickup", channels, parameters, p_value, description, lines)
 
 
-def _unnamed(line: Line) -> SpectralLines:
+def _unnamed(line: FittedLine) -> SpectralLines:
     channels = line.channels
     frequency = FoundParameter(
         name="frequency", value=line.frequency, unit="Hz", u=line.u_frequency
@@ -170,7 +170,7 @@ def _unnamed(line: Line) -> SpectralLines:
     return SpectralLines("unnamed", channels, parameters, line.p_value, description, (line,))
 
 
-def _amplitudes(line: Line, harmonic: int = 1) -> Iterator[FoundParameter]:
+def _amplitudes(line: FittedLine, harmonic: int = 1) -> Iterator[FoundParameter]:
     """Amplitudes of a line, by channel; a harmonic's carry its number."""
     suffix = f"_{harmonic}" if harmonic > 1 else ""
     for channel in line.channels:

@@ -49,27 +49,27 @@ def shift_text(moved: Consequence) -> str:
     return multiple((moved.after - moved.before) / moved.U)
 
 
-def capital(said: Sayable) -> Statement:
+def capital(phrase: Sayable) -> Statement:
     """What begins like a sentence; a symbol stays as it is."""
-    return _beginning(said, str.upper)
+    return _beginning(phrase, str.upper)
 
 
-def sentence(said: Sayable) -> Statement:
+def sentence(phrase: Sayable) -> Statement:
     """What stands alone as a sentence, with its full stop."""
-    return capital(message("report-sentence", text=said))
+    return capital(message("report-sentence", text=phrase))
 
 
-def lower(said: Sayable) -> Statement:
+def lower(phrase: Sayable) -> Statement:
     """What continues a sentence; a symbol stays as it is."""
-    return _beginning(said, str.lower)
+    return _beginning(phrase, str.lower)
 
 
-def _beginning(said: Sayable, change: Callable[[str], str]) -> Statement:
+def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
     def changed(text: str) -> str:
         word = text[1:2].islower() or text.startswith("a ")
         return change(text[:1]) + text[1:] if word else text
 
-    return Statement(**{language: changed(text) for language, text in texts(said).items()})
+    return Statement(**{language: changed(text) for language, text in texts(phrase).items()})
 
 
 def parameter_text(parameter: FoundParameter) -> str:

@@ -91,5 +91,5 @@ def _rest_remarks(axis: str, rests: Rests) -> Iterator[Remark]:
 def scatter_remark(text: str, axis: str, factor: float) -> Iterator[Remark]:
     """A remark where the points of an axis scatter more than expected; text: its message."""
     if factor > 1.0:
-        said = message(text, axis=axis, factor=f"{factor:.1f}")
-        yield remark("excess_scatter", said, blocks_pass=factor > BLOCKING_EXCESS)
+        phrase = message(text, axis=axis, factor=f"{factor:.1f}")
+        yield remark("excess_scatter", phrase, blocks_pass=factor > BLOCKING_EXCESS)

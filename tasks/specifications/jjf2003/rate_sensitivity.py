@@ -34,7 +34,7 @@ SAME_RATE = 0.99  # points within 1 % of the largest rate count as the largest
 
 
 @dataclass(frozen=True)
-class Run:
+class RateRun:
     """Turning at the largest rate with one axis up, and the rests with the same axis up."""
 
     turning: tuple[int, ...]
@@ -62,7 +62,7 @@ def rate_sensitivity_item(evidence: Evidence, equipment: Equipment) -> ClauseRes
     )
 
 
-def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[Run, ...], Message | None]:
+def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[RateRun, ...], Message | None]:
     """The runs about each vertical direction of an axis that has rests, or why there are none."""
     points = [i for i in evidence.points[axis] if evidence.segments[i].has_accel]
     if not points:
@@ -78,14 +78,14 @@ def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[Run, ...], Message | No
         beside = [i for i in rests if evidence.segments[i].segment.item == "rate_sensitivity"]
         turning = tuple(i for i in fast if evidence.up[i] == up)
         if rests:
-            runs.append(Run(turning, tuple(beside or rests)))
+            runs.append(RateRun(turning, tuple(beside or rests)))
     if not runs:
         return (), message("jjf2003-no-rest-beside", axis=axis)
     return tuple(runs), None
 
 
 def _difference(
-    evidence: Evidence, channel: int, runs: tuple[Run, ...], equipment: Equipment
+    evidence: Evidence, channel: int, runs: tuple[RateRun, ...], equipment: Equipment
 ) -> Estimate:
     """Rest minus turning over ω² for one accelerometer (m).
 
@@ -113,12 +113,12 @@ def _difference(
     return replace(difference.with_lines(*lines), repeated=tuple(map(float, repeated)))
 
 
-def _directions(evidence: Evidence, run: Run) -> list[list[int]]:
+def _directions(evidence: Evidence, run: RateRun) -> list[list[int]]:
     both = [[i for i in run.turning if evidence.rate[i] * sign > 0] for sign in (1, -1)]
     return [direction for direction in both if direction]
 
 
-def _one_sided(evidence: Evidence, axis: Axis, runs: tuple[Run, ...]) -> Iterator[Remark]:
+def _one_sided(evidence: Evidence, axis: Axis, runs: tuple[RateRun, ...]) -> Iterator[Remark]:
     """Where a run has one direction only, or rests on one side of it only."""
     if any(len(_directions(evidence, run)) < 2 for run in runs):
         text = message("jjf2003-p-one-direction", axis=axis)

@@ -23,17 +23,17 @@ def procedure_remarks(evidence: Evidence) -> Iterator[Remark]:
     """Claims 2 to 4: turns forward and back at four or more rising rates, in six orientations."""
     few = tuple(name for axis in AXES for name in _few(evidence, axis))
     if few:
-        said = message("joint-number-of-rates", fewest=FEWEST_RATES, rates=few)
-        yield remark("number_of_rates", said, blocks_pass=True)
+        phrase = message("joint-number-of-rates", fewest=FEWEST_RATES, rates=few)
+        yield remark("number_of_rates", phrase, blocks_pass=True)
     turned = {evidence.up[i] for axis in AXES for i in _recorded(evidence, axis)}
     absent = [up for up in UPS if up not in turned]
     if absent and len(absent) < len(UPS):
-        said = message("joint-orientations-not-turned", ups=", ".join(absent))
-        yield remark("orientations_not_turned", said)
+        phrase = message("joint-orientations-not-turned", ups=", ".join(absent))
+        yield remark("orientations_not_turned", phrase)
     falling = [axis for axis in AXES if not _rising(evidence, axis)]
     if falling:
-        said = message("joint-rates-not-rising", axes=", ".join(falling))
-        yield remark("rates_not_rising", said)
+        phrase = message("joint-rates-not-rising", axes=", ".join(falling))
+        yield remark("rates_not_rising", phrase)
 
 
 def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> Iterator[Remark]:
@@ -63,15 +63,15 @@ def gravity_remarks(
     yield remark("gravity_alone", message("joint-gravity-alone"), blocks_pass=True)
     if fitted is not None:
         rests, rms = len(fitted.misses), f"{np.sqrt(np.mean(fitted.misses**2)):.2g}"
-        said = message("joint-gravity-residual", rests=rests, rms=rms)
+        phrase = message("joint-gravity-residual", rests=rests, rms=rms)
         if fitted.excess.factor > 1.0:
             factor = f"{fitted.excess.factor:.1f}"
-            said = message("joint-gravity-residual-excess", rests=rests, rms=rms, factor=factor)
-        yield remark("gravity_residual", said)
+            phrase = message("joint-gravity-residual-excess", rests=rests, rms=rms, factor=factor)
+        yield remark("gravity_residual", phrase)
     if moved is not None:
         angle = f"{np.degrees(moved.miss):.2g}"
-        said = message("joint-moves-residual", moves=moved.moves, angle=angle)
-        yield remark("moves_residual", said)
+        phrase = message("joint-moves-residual", moves=moved.moves, angle=angle)
+        yield remark("moves_residual", phrase)
     if evidence.latitude_deg is None:
         yield EARTH_NOT_REMOVED
     else:

@@ -110,13 +110,13 @@ def _generalised(design: np.ndarray, covariance: np.ndarray) -> Solution:
     floor = QUIETEST * np.median(variance) or 1.0
     raised = np.maximum(variance, floor)
     root = np.linalg.cholesky(covariance + np.diag(raised - variance + TINY * raised))
-    basis, estimable = _told_apart(design)
+    basis, estimable = _determined(design)
     whitened = solve(np.linalg.solve(root, design @ basis))
     operator = basis @ np.linalg.solve(root.T, whitened.operator.T).T
     return Solution(operator, estimable)
 
 
-def _told_apart(design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _determined(design: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Combinations (p, r) of parameters that a design (n, p) tells apart; (p,) bool, which alone.
 
     Of the design itself: whitening by a covariance that is nearly singular loses the digits.
