@@ -12,11 +12,11 @@ from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
+from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
-from tasks.station.drivers import connected
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.plan import plan
-from tasks.station.ports import Ask, Bench, Table
+from tasks.station.ports import Ask, Table
 from tasks.station.progress import Progress, Tracker
 from tasks.station.recorder import Recorder, Sink
 from tasks.station.requirements import check_attended, check_procedure

@@ -5,15 +5,12 @@ A driver is one class behind one of these; `drivers` holds those that there are.
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from schemas.base import Unusable
 from schemas.procedure import Refix
-
-if TYPE_CHECKING:
-    from tasks.station.drivers.unit import Unit
 
 # What makes a table refuse to move, by the names that a driver reports, and the way out of it.
 TRIPS = {
@@ -131,16 +128,6 @@ class Line(Protocol):
 
     def end(self) -> None:
         """Read what is on the line now, and no more."""
-
-
-@dataclass(frozen=True)
-class Bench:
-    """A station ready for a run; fixture: None where nobody can turn the unit over."""
-
-    table: Table
-    chamber: Chamber
-    fixture: Fixture | None
-    unit: "Unit"
 
 
 def check_trips(state: TableState, names: tuple[str, ...]) -> None:

@@ -6,10 +6,10 @@ from typing import Protocol
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Manifest, Segment, Stream
 from tasks.station.anomalies import Anomaly
+from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.monitor import SegmentMonitor
-from tasks.station.ports import Bench
 from tasks.station.readers import ClimateReader, EncoderReader, UnitReader
 
 FLUSH_S = 0.2  # wall time: what a kill may lose

@@ -6,9 +6,10 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
 from schemas.recording import Mount
 from tasks.station.anomalies import Anomaly
+from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
 from tasks.station.plan import PlannedSegment
-from tasks.station.ports import Bench, TableState, check_trips
+from tasks.station.ports import TableState, check_trips
 from tasks.station.progress import Tracker
 from tasks.station.recorder import Recorder
 from tasks.station.requirements import mount_in

@@ -9,13 +9,12 @@ import numpy as np
 from schemas.procedure import Procedure, Refix
 from schemas.station import AXIS_STATUS, CAPTURE_VALUES, MODES, TABLE_STATUS, StationFile
 from tasks.station.acquisition import Acquired, RunRequest, run
+from tasks.station.bench import Bench, ByHand
 from tasks.station.clock import wall_s
-from tasks.station.drivers import ByHand
 from tasks.station.drivers.unit import Unit
 from tasks.station.ports import (
     TRIPS,
     AxisState,
-    Bench,
     Climate,
     EncoderBlock,
     TableState,

@@ -1,0 +1,55 @@
+"""What a run needs of a station, connected and ready."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from schemas.procedure import Refix
+from schemas.station import StationFile
+from tasks.station.drivers.modbus import ModbusLink
+from tasks.station.drivers.modbus_devices import ModbusChamber, ModbusFixture
+from tasks.station.drivers.modbus_table import ModbusTable
+from tasks.station.drivers.serial_line import SerialLine
+from tasks.station.drivers.unit import Unit
+from tasks.station.ports import Ask, Chamber, Fixture, Table
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A station ready for a run; fixture: None where nobody can turn the unit over."""
+
+    table: Table
+    chamber: Chamber
+    fixture: Fixture | None
+    unit: Unit
+
+
+@asynccontextmanager
+async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Bench]:
+    """The bench of a station file, for the length of the block.
+
+    Raises Unusable where the table or the unit's line cannot be reached.
+    """
+    link = ModbusLink(station.modbus_host, station.modbus_port)
+    names = tuple(axis.name for axis in station.station.table_axes or ())
+    fixture: Fixture | None = ByHand(ask) if ask is not None else None
+    if station.fixture == "commanded":
+        fixture = ModbusFixture(link)
+    try:
+        table = await ModbusTable.find(link, names)
+        with SerialLine(station.unit_link) as line:
+            yield Bench(table, ModbusChamber(link), fixture, Unit(station.unit_link, line))
+    finally:
+        link.close()
+
+
+class ByHand:
+    """A fixture turned by a person, who sees to the supply too and says when it is done."""
+
+    def __init__(self, ask: Ask) -> None:
+        self._ask = ask
+
+    async def turn(self, refix: Refix) -> float | None:
+        """Have it done; when the supply came back is not known."""
+        await self._ask(refix)
+        return None
