@@ -2,14 +2,13 @@
 
 import hashlib
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
-from schemas.certificate import Certificate
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.results import calibration_of, result_id
@@ -23,6 +22,8 @@ RESTORE = "bring the catalogue back from a backup"
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 
 Progress = Callable[[int, int], None]
+Found = tuple[Path, str]  # a file, and what is wrong with it
+Check = tuple[object, Callable[[], Iterable[str]]]  # of what, and what is wrong with it
 
 
 class Fault(Frozen):
@@ -30,9 +31,6 @@ class Fault(Frozen):
 
     what: str
     why: str
-
-
-Check = Callable[[], Iterable[Fault]]
 
 
 def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Fault]]:
@@ -45,8 +43,11 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
     """
     checks = list(_checks(home))
     faults: list[Fault] = []
-    for done, check in enumerate(checks, start=1):
-        faults += check()
+    for done, (what, check) in enumerate(checks, start=1):
+        try:
+            faults += (Fault(what=str(what), why=why) for why in check())
+        except Unusable as error:
+            faults.append(Fault(what=str(what), why=str(error)))
         if progress is not None:
             progress(done, len(checks))
     return len(checks), faults
@@ -55,121 +56,102 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
 def _checks(home: Home) -> Iterator[Check]:
     runs, register = all_runs(home), certificates.register(home)
     for run in runs:
-        yield partial(_raw, run, home)
-        if (home.columns / run.digest).exists():  # missing columns are made again when needed
-            yield partial(_columns, run, home)
+        yield raw_path(run.digest, home), partial(_raw, run, home)
+        columns = home.columns / run.digest
+        if columns.exists():  # missing columns are made again when needed
+            yield columns, partial(_columns, run, home)
     digests = {run.id: run.digest for run in runs}
     for (result,) in database.rows(home, sql.select(tables.results.c.id)):
-        yield partial(_result, result, digests, home)
+        yield f"result {result}", partial(_result, result, digests, home)
     for entry in register:
-        yield partial(_unchanged, home.path / entry.pdf, entry.pdf_sha256)
-        yield partial(_unchanged, home.path / entry.record, entry.record_sha256)
-        yield partial(_record, entry, home)
-    for unknown in _unknown_files(home, runs, register):
-        yield partial(iter, (unknown,))
-    for abandoned in _abandoned(home):
-        yield partial(iter, (abandoned,))
+        pdf, record = home.path / entry.pdf, home.path / entry.record
+        yield pdf, partial(_unchanged, pdf, entry.pdf_sha256)
+        yield record, partial(_unchanged, record, entry.record_sha256)
+        yield f"certificate {entry.number}", partial(_record, entry, home)
+    for path, why in (*_unknown_files(home, runs, register), *_abandoned(home)):
+        yield path, partial(iter, (why,))
 
 
-def _raw(run: Run, home: Home) -> Iterator[Fault]:
+def _raw(run: Run, home: Home) -> Iterator[str]:
     path = raw_path(run.digest, home)
     again = f"import {run.recording_id} again from its source"
     if not path.exists():
-        yield Fault(what=str(path), why=f"the raw recording of run {run.id} is missing; {again}")
+        yield f"the raw recording of run {run.id} is missing; {again}"
         return
     try:
         digest = read_mcap(path).digest
     except Unusable as error:
-        yield Fault(what=str(path), why=f"{error} Move the file away and {again}.")
+        yield f"{error} Move the file away and {again}."
         return
     if digest != run.digest:
-        yield Fault(
-            what=str(path),
-            why=f"the content has the digest {digest}, not that of run {run.id}; move the file "
-            f"away and {again}",
+        yield (
+            f"the content has the digest {digest}, not that of run {run.id}; move the file "
+            f"away and {again}"
         )
 
 
-def _columns(run: Run, home: Home) -> Iterator[Fault]:
+def _columns(run: Run, home: Home) -> Iterator[str]:
     if from_columns(run, home) is None:
-        yield Fault(
-            what=str(home.columns / run.digest),
-            why=f"the columns are not those of run {run.id}; delete the folder, and they are made "
-            "again from raw when they are needed",
+        yield (
+            f"the columns are not those of run {run.id}; delete the folder, and they are made "
+            "again from raw when they are needed"
         )
 
 
-def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[Fault]:
-    what, table = f"result {result}", tables.results
-    (row,) = database.rows(home, sql.select(table).where(table.c.id == result))
-    try:
-        calibration = calibration_of(row)
-    except Unusable as error:
-        yield Fault(what=what, why=str(error))
-        return
+def _result(result: str, digests: dict[str, str], home: Home) -> Iterator[str]:
+    (row,) = _rows(result, home)
+    calibration = calibration_of(row)
     if calibration.run != row.run or digests.get(row.run) != calibration.digest:
-        yield Fault(
-            what=what,
-            why=f"it is of run {calibration.run} with digest {calibration.digest}, which is "
-            f"not what run {row.run} holds; calibrate run {row.run} again",
+        yield (
+            f"it is of run {calibration.run} with digest {calibration.digest}, which is "
+            f"not what run {row.run} holds; calibrate run {row.run} again"
         )
     elif not _untouched(row):
-        yield Fault(what=what, why=f"its document was changed after it was kept; {RESTORE}")
+        yield f"its document was changed after it was kept; {RESTORE}"
+
+
+def _rows(result: str, home: Home) -> Sequence[sql.Row]:
+    table = tables.results
+    return database.rows(home, sql.select(table).where(table.c.id == result))
 
 
 def _untouched(row: sql.Row) -> bool:
     return bool(row.id == result_id(row.supersedes, row.document))
 
 
-def _unchanged(path: Path, expected: str) -> Iterator[Fault]:
+def _unchanged(path: Path, expected: str) -> Iterator[str]:
     try:
         with path.open("rb") as opened:
             sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
     except OSError as error:
-        yield Fault(what=str(path), why=f"{error.strerror}; bring it back from a backup")
+        yield f"{error.strerror}; bring it back from a backup"
         return
     if sha256 != expected:
-        yield Fault(
-            what=str(path), why="it was changed after it was kept; bring it back from a backup"
-        )
+        yield "it was changed after it was kept; bring it back from a backup"
 
 
-def _record(entry: Entry, home: Home) -> Iterator[Fault]:
-    """Whether the record says what the register says."""
-    try:
-        record = record_of(entry, home)
-    except Unusable as error:
-        yield Fault(what=f"certificate {entry.number}", why=str(error))
-        return
+def _record(entry: Entry, home: Home) -> Iterator[str]:
+    """Whether the record says what the register says, and what the result that it prints does."""
+    record = record_of(entry, home)
     of_record = (record.number, record.state, record.decision.verdict, record.due)
     if of_record != (entry.number, entry.state, entry.verdict, entry.due):
-        yield Fault(
-            what=f"certificate {entry.number}",
-            why="the register and the record differ in number, state, verdict or due date; "
-            f"believe the record, and {RESTORE}",
+        yield (
+            "the register and the record differ in number, state, verdict or due date; "
+            f"believe the record, and {RESTORE}"
         )
-    yield from _printed(entry, record, home)
-
-
-def _printed(entry: Entry, record: Certificate, home: Home) -> Iterator[Fault]:
-    """Whether the result that a certificate prints is still there and says the same."""
-    what, table = f"certificate {entry.number}", tables.results
-    rows = database.rows(home, sql.select(table).where(table.c.id == entry.result))
+    rows = _rows(entry.result, home)
     if not rows:
-        yield Fault(what=what, why=f"its result {entry.result} is gone; {RESTORE}")
-        return
-    (row,) = rows
-    if not _untouched(row):
+        yield f"its result {entry.result} is gone; {RESTORE}"
+    elif not _untouched(rows[0]):
         return  # a fault of the result itself
-    if calibration_of(row).model_dump_json() != record.calibration.model_dump_json():
-        yield Fault(
-            what=what,
-            why=f"its record prints another calibration than result {entry.result}, which the "
-            f"register names; believe the record, and {RESTORE}",
+    elif calibration_of(rows[0]).model_dump_json() != record.calibration.model_dump_json():
+        yield (
+            f"its record prints another calibration than result {entry.result}, which the "
+            f"register names; believe the record, and {RESTORE}"
         )
 
 
-def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterator[Fault]:
+def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterator[Found]:
     known = {raw_path(run.digest, home) for run in runs}
     known |= {home.columns / run.digest for run in runs}
     known |= {home.path / name for entry in register for name in (entry.pdf, entry.record)}
@@ -178,17 +160,17 @@ def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterat
             if path in known:
                 continue
             if not path.name.startswith("."):
-                yield Fault(what=str(path), why=f"the catalogue does not know it; {UNKNOWN}")
+                yield path, f"the catalogue does not know it; {UNKNOWN}"
             elif _age_s(path) > DRAFT_AGE_S:
-                yield Fault(what=str(path), why="left by what was broken off; delete it")
+                yield path, "left by what was broken off; delete it"
 
 
-def _abandoned(home: Home) -> Iterator[Fault]:
+def _abandoned(home: Home) -> Iterator[Found]:
     for path in sorted(home.acquiring.glob("*.mcap")):
         if _age_s(path) > SILENT_S:
-            yield Fault(
-                what=str(path),
-                why="an acquisition that was broken off; `mimucal import --salvage` takes in what "
+            yield (
+                path,
+                "an acquisition that was broken off; `mimucal import --salvage` takes in what "
                 "is whole of it, then delete the file",
             )
 

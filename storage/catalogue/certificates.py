@@ -155,15 +155,8 @@ def _age(entry: Entry) -> tuple[date, date]:
 
 
 def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:
-    unit, table = tables.units.c, tables.certificates.c
-    of_table = [table[name] for name in Entry.model_fields if name in table]
-    statement = (
-        sql.select(*of_table, unit.manufacturer, unit.model, unit.serial)
-        .join_from(tables.certificates, tables.units)
-        .where(which)
-        .order_by(table.kept_at, table.number)
-    )
-    return [Entry.model_validate(dict(row._mapping)) for row in database.rows(home, statement)]
+    table = tables.certificates
+    return database.with_units(home, Entry, table, which, table.c.kept_at)
 
 
 def _check_name(text: str, what: str) -> None:

@@ -10,19 +10,21 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
+from schemas.base import Frozen, Unusable
 from storage.catalogue.connection import engine_of, explained, url_of
-from storage.catalogue.tables import numbers
+from storage.catalogue.tables import numbers, units
 from storage.home import Home
 
 HEAD = "0002"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
+
+Model = TypeVar("Model", bound=Frozen)
 
 
 def engine(home: Home) -> sql.Engine:
@@ -44,6 +46,24 @@ def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
         return []
     with explained(made), made.connect() as connection:
         return connection.execute(statement).all()
+
+
+def with_units(
+    home: Home,
+    model: type[Model],
+    table: sql.Table,
+    which: sql.ColumnElement[bool],
+    moment: sql.ColumnElement[Any],
+) -> list[Model]:
+    """Rows of a table of units' things, in the order of a moment, with the fields of a model."""
+    columns = {column.name: column for column in (*units.c, *table.c)}
+    statement = (
+        sql.select(*(columns[name] for name in model.model_fields))
+        .join_from(table, units)
+        .where(which)
+        .order_by(moment, *table.primary_key)
+    )
+    return [model.model_validate(row, from_attributes=True) for row in rows(home, statement)]
 
 
 def _for_reading(home: Home) -> sql.Engine | None:
@@ -103,7 +123,7 @@ def _read_only(file: Path) -> sql.Engine:
 def changing(home: Home) -> Iterator[sql.Connection]:
     """A transaction that writes: all of it or nothing."""
     made = engine(home)
-    with explained(made), _writer(made) as connection:
+    with explained(made), made.execution_options(writes=True).begin() as connection:
         yield connection
 
 
@@ -129,12 +149,6 @@ def _dialect(connection: sql.Connection) -> Any:
     return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
 
 
-@contextmanager
-def _writer(made: sql.Engine) -> Iterator[sql.Connection]:
-    with made.execution_options(writes=True).begin() as connection:
-        yield connection
-
-
 def _make_folder(home: Home) -> None:
     try:
         home.path.mkdir(parents=True, exist_ok=True)
@@ -157,7 +171,7 @@ def _migrate(made: sql.Engine) -> None:
 
     settings = config.Config()
     settings.set_main_option("script_location", str(Path(__file__).parent / "migrations"))
-    with explained(made), _writer(made) as connection:
+    with explained(made), made.execution_options(writes=True).begin() as connection:
         if made.dialect.name == "postgresql":
             connection.execute(sql.select(sql.func.pg_advisory_xact_lock(MIGRATION_LOCK)))
         settings.attributes["connection"] = connection

@@ -59,7 +59,7 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
             database.add_new(
                 connection, tables.sources, fingerprint=source_bytes, run=run, path=str(source)
             )
-    return _one(home, tables.runs.c.id == run), is_new
+    return find(run, home), is_new
 
 
 def imported_before(path: Path, home: Home) -> Run | None:
@@ -161,20 +161,7 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
 
 
 def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
-    unit, run = tables.units.c, tables.runs.c
-    of_run = [run[name] for name in Run.model_fields if name in run]
-    statement = (
-        sql.select(*of_run, unit.manufacturer, unit.model, unit.serial)
-        .join_from(tables.runs, tables.units)
-        .where(which)
-        .order_by(run.taken_in_at, run.id)
-    )
-    return [Run.model_validate(dict(row._mapping)) for row in database.rows(home, statement)]
-
-
-def _one(home: Home, which: sql.ColumnElement[bool]) -> Run:
-    (run,) = _runs(home, which)
-    return run
+    return database.with_units(home, Run, tables.runs, which, tables.runs.c.taken_in_at)
 
 
 def _write_columns(recording: Recording, home: Home) -> None:

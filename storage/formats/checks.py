@@ -60,18 +60,16 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
     _check_time(where, stream.t)
     triads = {column: triad for triad in TRIADS for column in triad} if name == "imu" else {}
     for column, values in stream.columns.items():
-        wrong = ~np.isfinite(values)
-        if wrong.any() and column in triads:
+        wrong, way_out = ~np.isfinite(values), "or remove the row"
+        if column in triads and wrong.any():
             wrong &= ~absent(stream, triads[column])
-        if wrong.any():
-            row = int(wrong.argmax())
+            way_out = "or null in all three columns of the triad"
+        if (row := first(wrong)) is not None:
             raise Unusable(
                 f"{where}: column {column}, row {row + 1}: the value is {_shown(values[row])}; "
-                f"{_way_out(column in triads)}."
+                f"give a number there, {way_out}."
             )
-        beyond = np.abs(values) > MAX_VALUE
-        if beyond.any():
-            row = int(beyond.argmax())
+        if (row := first(np.abs(values) > MAX_VALUE)) is not None:
             raise Unusable(
                 f"{where}: column {column}, row {row + 1}: the value is {values[row]:.6g}, which "
                 f"no sensor reads (more than {MAX_VALUE:.0e}); correct it, or remove the row."
@@ -85,27 +83,28 @@ def check_stream(where: str, name: str, stream: Stream) -> None:
 
 
 def _check_time(where: str, t: np.ndarray) -> None:
-    wrong = ~np.isfinite(t)
-    if wrong.any():
-        row = int(wrong.argmax())
+    if (row := first(~np.isfinite(t))) is not None:
         raise Unusable(
             f"{where}: column t, row {row + 1}: the value is {_shown(t[row])}; "
             "every row needs a time in seconds."
         )
-    if np.abs(t).max() > MAX_TIME_S:
-        row = int((np.abs(t) > MAX_TIME_S).argmax())
+    if (row := first(np.abs(t) > MAX_TIME_S)) is not None:
         raise Unusable(
             f"{where}: column t, row {row + 1}: {float(t[row])!r} s is more than 26 days; "
             "let the time start near zero."
         )
-    stands = np.diff(t) <= 0
-    if stands.any():
-        row = int(stands.argmax()) + 1
-        runs = "runs backwards" if t[row] < t[row - 1] else "stands still"
+    if (before := first(np.diff(t) <= 0)) is not None:
+        row = before + 1
+        runs = "runs backwards" if t[row] < t[before] else "stands still"
         raise Unusable(
             f"{where}: column t, row {row + 1}: the time {runs} ({float(t[row])!r} s after "
-            f"{float(t[row - 1])!r} s); sort the rows and remove repeated ones."
+            f"{float(t[before])!r} s); sort the rows and remove repeated ones."
         )
+
+
+def first(wrong: np.ndarray) -> int | None:
+    """The first row of (n,) that is wrong, if one is."""
+    return int(wrong.argmax()) if wrong.any() else None
 
 
 def absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
@@ -119,9 +118,3 @@ def absent(stream: Stream, triad: tuple[str, ...]) -> np.ndarray:
 
 def _shown(value: float) -> str:
     return "null or NaN" if np.isnan(value) else str(value)
-
-
-def _way_out(in_triad: bool) -> str:
-    if in_triad:
-        return "give a number there, or null in all three columns of the triad"
-    return "give a number there, or remove the row"

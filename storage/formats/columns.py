@@ -15,13 +15,12 @@ from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.formats.arrow import from_numpy, to_numpy
 from storage.formats.content import digest, together
-from storage.formats.manifest import manifest_of
+from storage.formats.manifest import MANIFEST, manifest_of
 from storage.whole_files import drafted
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-MANIFEST = "manifest.json"
 DIGEST = b"mimucal.digest"  # in the metadata of each Parquet file
 
 

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -36,15 +37,9 @@ def as_raw(recording: Recording) -> Recording:
     return replace(together(recording.manifest, streams), extra=recording.extra)
 
 
-def together(manifest: Manifest, streams: Mapping[str, Stream]) -> Recording:
+def together(manifest: Manifest, streams: Mapping[str, Any]) -> Recording:
     """A recording of a manifest and its streams by name; `imu` is among them."""
-    return Recording(
-        manifest=manifest,
-        imu=streams["imu"],
-        table=streams.get("table"),
-        reference=streams.get("reference"),
-        environment=streams.get("environment"),
-    )
+    return Recording(manifest, **streams)
 
 
 def _imu(columns: dict[str, np.ndarray], rows: int) -> dict[str, np.ndarray]:

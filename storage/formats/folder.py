@@ -7,12 +7,11 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import STREAMS, Manifest, Recording, Stream
-from storage.formats.checks import check_columns, check_stream, known_columns
+from storage.formats.checks import check_columns, check_stream, first, known_columns
 from storage.formats.content import as_raw, fingerprint, nanoseconds, together
-from storage.formats.manifest import manifest_of
+from storage.formats.manifest import MANIFEST, manifest_of
 from storage.formats.stream_file import read_table
 
-MANIFEST = "manifest.json"
 MAX_LENGTH = 80  # characters of a name in a sentence
 
 
@@ -26,9 +25,7 @@ def read_folder(folder: Path) -> Recording:
     manifest = _manifest(folder)
     streams: dict[str, Stream] = {}
     for name in manifest.streams:
-        stream = _stream(_path(folder, manifest, name), name, manifest)
-        if stream.columns:
-            streams[name] = stream
+        streams[name] = _stream(_path(folder, manifest, name), name, manifest)
     recording = as_raw(together(manifest, streams))
     return replace(recording, digest=fingerprint(recording))
 
@@ -98,9 +95,8 @@ def _stream(path: Path, name: str, manifest: Manifest) -> Stream:
 
 
 def _check_rounded(path: Path, t: np.ndarray) -> None:
-    stands = np.diff(nanoseconds(t)) <= 0
-    if stands.any():
-        row = int(stands.argmax()) + 1
+    if (before := first(np.diff(nanoseconds(t)) <= 0)) is not None:
+        row = before + 1
         raise Unusable(
             f"{path}: column t, row {row + 1}: {float(t[row])!r} s is less than a nanosecond "
             f"after the row before; times are kept to whole nanoseconds, so remove one of them."

@@ -12,6 +12,7 @@ from schemas.base import Unusable, first_fault
 from schemas.recording import FORMAT, Manifest, Segment, Station, TableAxis, Unit
 
 KNOWN = {n for m in (Manifest, Unit, Station, TableAxis, Segment) for n in m.model_fields}
+MANIFEST = "manifest.json"
 LAYOUT = "\t\n\r"  # allowed in remarks, which are fields that the format does not know
 
 

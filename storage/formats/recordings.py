@@ -8,12 +8,11 @@ from pathlib import Path
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.formats.folder import read_folder
-from storage.formats.manifest import check_controls, manifest_of
+from storage.formats.manifest import MANIFEST, check_controls, manifest_of
+from storage.formats.mcap.chunk_writer import MAGIC
 from storage.formats.mcap.reader import read_mcap
 
-MANIFEST = "manifest.json"
 BAG = "metadata.yaml"  # beside the MCAP file of a rosbag2 folder
-MAGIC = b"\x89MCAP0\r\n"
 KINDS = (".json", ".parquet", ".csv")
 
 

@@ -16,14 +16,15 @@ import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Channel, Metadata, Schema
+from mcap.records import Channel, Chunk, Metadata, Schema
+from mcap.stream_reader import get_chunk_data_stream
 
 from storage.formats.mcap.chunk_writer import MAGIC, MESSAGE, RECORD
 
 THREADS = 2
 MAX_RUN_BYTES = 2**24  # bytes of messages outside of chunks that are taken together
 CHUNKS_AHEAD = 16  # chunks that are open at the same time
-CHUNK_HEAD = struct.Struct("<QQQII")  # start, end, size, CRC, length of the compression's name
+COMPRESSIONS = ("zstd", "lz4", "")
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
 DESCRIPTIONS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
 FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
@@ -177,22 +178,13 @@ def _open(data: mmap.mmap, start: int, stop: int) -> _Opened:
 
 def _unpacked(data: mmap.mmap, start: int, stop: int) -> bytes:
     """What is in a chunk, with its checksum checked."""
-    start += RECORD.size
-    _, _, size, crc, named = CHUNK_HEAD.unpack_from(data, start)
-    start += CHUNK_HEAD.size
-    compression = data[start : start + named].decode()
-    packed = data[start + named + 8 : stop]
-    if compression == "zstd":
-        inside = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
-    elif compression == "lz4":
-        from lz4.frame import decompress  # in foreign bags only
-
-        inside = decompress(packed)
-    elif compression == "":
-        inside = packed
-    else:
-        raise ValueError(f"compression {compression} is unknown")
-    if len(inside) != size or (crc and zlib.crc32(inside) != crc):
+    chunk = Chunk.read(ReadDataStream(BytesIO(data[start + RECORD.size : stop])))
+    if chunk.compression not in COMPRESSIONS:
+        raise ValueError(f"compression {chunk.compression} is unknown")
+    stream, size = get_chunk_data_stream(chunk)
+    inside: bytes = stream.read(size)
+    crc = chunk.uncompressed_crc
+    if size != chunk.uncompressed_size or (crc and zlib.crc32(inside) != crc):
         raise ValueError("its checksum is wrong")
     return inside
 

@@ -1,4 +1,9 @@
-"""first tables"""
+"""first tables
+
+Constraints and indexes have the names of the convention in storage/catalogue/tables.
+"""
+
+from typing import Any
 
 import sqlalchemy as sa
 from alembic import op
@@ -10,101 +15,69 @@ down_revision = None
 def upgrade() -> None:
     op.create_table(
         "numbers",
-        sa.Column("prefix", sa.Text(), nullable=False),
-        sa.Column("year", sa.Integer(), autoincrement=False, nullable=False),
-        sa.Column("last", sa.Integer(), nullable=False),
-        sa.PrimaryKeyConstraint("prefix", "year", name="pk_numbers"),
+        _column("prefix", sa.Text(), primary_key=True),
+        _column("year", sa.Integer(), primary_key=True, autoincrement=False),
+        _column("last", sa.Integer()),
     )
     op.create_table(
         "units",
-        sa.Column("id", sa.Integer(), nullable=False),
-        sa.Column("manufacturer", sa.Text(), nullable=False),
-        sa.Column("model", sa.Text(), nullable=False),
-        sa.Column("serial", sa.Text(), nullable=False),
-        sa.PrimaryKeyConstraint("id", name="pk_units"),
-        sa.UniqueConstraint(
-            "manufacturer", "model", "serial", name="uq_units_manufacturer_model_serial"
-        ),
+        _column("id", sa.Integer(), primary_key=True),
+        *_texts("manufacturer", "model", "serial"),
+        sa.UniqueConstraint("manufacturer", "model", "serial"),
     )
     op.create_table(
         "runs",
-        sa.Column("id", sa.Text(), nullable=False),
-        sa.Column("digest", sa.Text(), nullable=False),
-        sa.Column("recording_id", sa.Text(), nullable=False),
-        sa.Column("unit", sa.Integer(), nullable=False),
-        sa.Column("standard", sa.Text(), nullable=False),
-        sa.Column("taken_in_at", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("seconds", sa.Float(), nullable=False),
-        sa.Column("rows", sa.Integer(), nullable=False),
-        sa.ForeignKeyConstraint(["unit"], ["units.id"], name="fk_runs_unit"),
-        sa.PrimaryKeyConstraint("id", name="pk_runs"),
-        sa.UniqueConstraint("digest", name="uq_runs_digest"),
+        _column("id", sa.Text(), primary_key=True),
+        _column("digest", sa.Text(), unique=True),
+        _column("recording_id", sa.Text(), index=True),
+        _column("unit", sa.Integer(), sa.ForeignKey("units.id"), index=True),
+        _column("standard", sa.Text()),
+        _column("taken_in_at", sa.DateTime(timezone=True)),
+        _column("seconds", sa.Float()),
+        _column("rows", sa.Integer()),
     )
-    op.create_index("ix_runs_recording_id", "runs", ["recording_id"], unique=False)
-    op.create_index("ix_runs_unit", "runs", ["unit"], unique=False)
     op.create_table(
         "results",
-        sa.Column("id", sa.Text(), nullable=False),
-        sa.Column("run", sa.Text(), nullable=False),
-        sa.Column("method", sa.Text(), nullable=False),
-        sa.Column("code_version", sa.Text(), nullable=False),
-        sa.Column("made_at", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("document", sa.Text(), nullable=False),
-        sa.Column("supersedes", sa.Text(), nullable=True),
-        sa.Column("why", sa.Text(), nullable=True),
-        sa.ForeignKeyConstraint(["run"], ["runs.id"], name="fk_results_run"),
-        sa.ForeignKeyConstraint(["supersedes"], ["results.id"], name="fk_results_supersedes"),
-        sa.PrimaryKeyConstraint("id", name="pk_results"),
-        sa.UniqueConstraint("supersedes", name="uq_results_supersedes"),
+        _column("id", sa.Text(), primary_key=True),
+        _column("run", sa.Text(), sa.ForeignKey("runs.id"), index=True),
+        *_texts("method", "code_version"),
+        _column("made_at", sa.DateTime(timezone=True)),
+        _column("document", sa.Text()),
+        sa.Column("supersedes", sa.Text(), sa.ForeignKey("results.id"), unique=True),
+        sa.Column("why", sa.Text()),
     )
-    op.create_index("ix_results_run", "results", ["run"], unique=False)
     op.create_table(
         "sources",
-        sa.Column("fingerprint", sa.Text(), nullable=False),
-        sa.Column("run", sa.Text(), nullable=False),
-        sa.Column("path", sa.Text(), nullable=False),
-        sa.ForeignKeyConstraint(["run"], ["runs.id"], name="fk_sources_run"),
-        sa.PrimaryKeyConstraint("fingerprint", name="pk_sources"),
+        _column("fingerprint", sa.Text(), primary_key=True),
+        _column("run", sa.Text(), sa.ForeignKey("runs.id"), index=True),
+        _column("path", sa.Text()),
     )
-    op.create_index("ix_sources_run", "sources", ["run"], unique=False)
     op.create_table(
         "certificates",
-        sa.Column("number", sa.Text(), nullable=False),
-        sa.Column("result", sa.Text(), nullable=False),
-        sa.Column("run", sa.Text(), nullable=False),
-        sa.Column("unit", sa.Integer(), nullable=False),
-        sa.Column("state", sa.Text(), nullable=False),
-        sa.Column("verdict", sa.Text(), nullable=False),
-        sa.Column("calibrated_on", sa.Date(), nullable=False),
-        sa.Column("issued_on", sa.Date(), nullable=False),
-        sa.Column("due", sa.Date(), nullable=False),
-        sa.Column("kept_at", sa.DateTime(timezone=True), nullable=False),
-        sa.Column("pdf", sa.Text(), nullable=False),
-        sa.Column("pdf_sha256", sa.Text(), nullable=False),
-        sa.Column("record", sa.Text(), nullable=False),
-        sa.Column("record_sha256", sa.Text(), nullable=False),
-        sa.Column("supersedes", sa.Text(), nullable=True),
-        sa.Column("why", sa.Text(), nullable=True),
-        sa.ForeignKeyConstraint(["result"], ["results.id"], name="fk_certificates_result"),
-        sa.ForeignKeyConstraint(["run"], ["runs.id"], name="fk_certificates_run"),
-        sa.ForeignKeyConstraint(
-            ["supersedes"], ["certificates.number"], name="fk_certificates_supersedes"
-        ),
-        sa.ForeignKeyConstraint(["unit"], ["units.id"], name="fk_certificates_unit"),
-        sa.PrimaryKeyConstraint("number", name="pk_certificates"),
-        sa.UniqueConstraint("supersedes", name="uq_certificates_supersedes"),
+        _column("number", sa.Text(), primary_key=True),
+        _column("result", sa.Text(), sa.ForeignKey("results.id"), index=True),
+        _column("run", sa.Text(), sa.ForeignKey("runs.id"), index=True),
+        _column("unit", sa.Integer(), sa.ForeignKey("units.id"), index=True),
+        *_texts("state", "verdict"),
+        _column("calibrated_on", sa.Date()),
+        _column("issued_on", sa.Date()),
+        _column("due", sa.Date(), index=True),
+        _column("kept_at", sa.DateTime(timezone=True)),
+        *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
+        sa.Column("supersedes", sa.Text(), sa.ForeignKey("certificates.number"), unique=True),
+        sa.Column("why", sa.Text()),
     )
-    op.create_index("ix_certificates_due", "certificates", ["due"], unique=False)
-    op.create_index("ix_certificates_result", "certificates", ["result"], unique=False)
-    op.create_index("ix_certificates_run", "certificates", ["run"], unique=False)
-    op.create_index("ix_certificates_unit", "certificates", ["unit"], unique=False)
     op.create_table(
         "reminders",
-        sa.Column("certificate", sa.Text(), nullable=False),
-        sa.Column("channel", sa.Text(), nullable=False),
-        sa.Column("sent_at", sa.DateTime(timezone=True), nullable=False),
-        sa.ForeignKeyConstraint(
-            ["certificate"], ["certificates.number"], name="fk_reminders_certificate"
-        ),
-        sa.PrimaryKeyConstraint("certificate", "channel", name="pk_reminders"),
+        _column("certificate", sa.Text(), sa.ForeignKey("certificates.number"), primary_key=True),
+        _column("channel", sa.Text(), primary_key=True),
+        _column("sent_at", sa.DateTime(timezone=True)),
     )
+
+
+def _column(name: str, kind: Any, *more: Any, **options: Any) -> sa.Column[Any]:
+    return sa.Column(name, kind, *more, nullable=False, **options)
+
+
+def _texts(*names: str) -> list[sa.Column[Any]]:
+    return [_column(name, sa.Text()) for name in names]
