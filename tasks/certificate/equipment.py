@@ -7,7 +7,7 @@ from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
 from tasks.specifications.specification import Specification
-from tasks.uncertainty.equipment import GRAVITY, JJF1536, JJF2003, LATITUDE, Equipment
+from tasks.uncertainty.equipment import GRAVITY, LATITUDE, RECOMMENDED
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain
 from tasks.words.typography import clause
@@ -55,9 +55,8 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
     limits = limits_of(calibration)
     if not limits:
         return ()
-    tables = _clauses(JJF2003) | _clauses(JJF1536)
     assumed = [line for line in limits if line.source in ASSUMED]
-    recommended = [line for line in limits if line.source in tables]
+    recommended = [line for line in limits if line.source in RECOMMENDED]
     own = [line for line in limits if line not in assumed and line not in recommended]
     parts = []
     if own:
@@ -88,10 +87,3 @@ def _latitude_of_second_values(calibration: Calibration, limits: tuple[BudgetInp
         return False
     values = (item.U_without_earth_rotation or {} for item in calibration.items.values())
     return any(U is not None for elements in values for U in elements.values())
-
-
-def _clauses(equipment: Equipment) -> set[str]:
-    """The clauses from which the limits of a specification come."""
-    limits = (*(limit for _, limit in equipment.rates), *equipment.angles, *equipment.squareness)
-    ripple = (equipment.ripple,) if equipment.ripple else ()
-    return {limit.clause for limit in (*limits, *ripple)}

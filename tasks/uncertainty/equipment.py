@@ -45,44 +45,6 @@ class Limit:
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Equipment:
-    """Table, fixture and site of a calibration; None: not known, or not there.
-
-    rates: relative error of the mean rate over whole turns, each limit from its slowest rate
-    (rad/s) on, fastest first; ripple: within a turn.
-    position, repeatability: of each table angle. axes: between the table's axes.
-    fixture: between the fixture's faces.
-    """
-
-    rates: tuple[tuple[float, Limit], ...]
-    ripple: Limit | None
-    position: Limit | None
-    repeatability: Limit | None
-    axes: Limit | None
-    fixture: Limit | None
-    gravity: Limit
-    latitude: Limit
-
-    @property
-    def angles(self) -> tuple[Limit, ...]:
-        """What turns the unit by an error of its own in every position, rad."""
-        return tuple(limit for limit in (self.position, self.repeatability) if limit is not None)
-
-    @property
-    def squareness(self) -> tuple[Limit, ...]:
-        """What turns the unit by an error common to all positions of one mounting, rad."""
-        return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
-
-    def rate_at(self, rate: float) -> tuple[Limit, ...]:
-        """The limit of the mean rate at a rate (rad/s); empty where none is known.
-
-        A rate up to 1 % below where a limit begins is meant to have it.
-        """
-        limits = (limit for slowest, limit in self.rates if abs(rate) >= EDGE * slowest)
-        return tuple(limits)[:1]
-
-
 def _limit(
     symbol: str, name: str, unit: str, half_width: float, shape: LimitShape, clause: str
 ) -> Limit:
@@ -101,7 +63,46 @@ LATITUDE = _limit(
     "φ", "latitude", "rad", math.radians(0.05), "rectangular", "assumed: latitude stated to 0.1°"
 )
 
-TABLE_1 = "JJF 2003-2022, Table 1"
+
+@dataclass(frozen=True)
+class Equipment:
+    """Table, fixture and site of a calibration; None: not known, or not there.
+
+    rates: relative error of the mean rate over whole turns, each limit from its slowest rate
+    (rad/s) on, fastest first; ripple: within a turn.
+    position, repeatability: of each table angle. axes: between the table's axes.
+    fixture: between the fixture's faces.
+    """
+
+    rates: tuple[tuple[float, Limit], ...] = ()
+    ripple: Limit | None = None
+    position: Limit | None = None
+    repeatability: Limit | None = None
+    axes: Limit | None = None
+    fixture: Limit | None = None
+    gravity: Limit = GRAVITY
+    latitude: Limit = LATITUDE
+
+    @property
+    def angles(self) -> tuple[Limit, ...]:
+        """What turns the unit by an error of its own in every position, rad."""
+        return tuple(limit for limit in (self.position, self.repeatability) if limit is not None)
+
+    @property
+    def squareness(self) -> tuple[Limit, ...]:
+        """What turns the unit by an error common to all positions of one mounting, rad."""
+        return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
+
+    def rate_at(self, rate: float) -> tuple[Limit, ...]:
+        """The limit of the mean rate at a rate (rad/s); empty where none is known.
+
+        A rate up to 1 % below where a limit begins is meant to have it.
+        """
+        limits = [limit for slowest, limit in self.rates if abs(rate) >= EDGE * slowest]
+        return tuple(limits[:1])
+
+
+TABLE_1, FIXTURE_2003 = "JJF 2003-2022, Table 1", "JJF 2003-2022, 6.2"
 RATE = _limit("ε1", "rate", "1", 1e-5, "rectangular", TABLE_1)
 JJF2003 = Equipment(
     rates=((0.0, RATE),),
@@ -109,30 +110,25 @@ JJF2003 = Equipment(
     position=_limit("α1", "position", "rad", 10 * ARCSECOND, "rectangular", TABLE_1),
     repeatability=_limit("α2", "angle-repeatability", "rad", 5 * ARCSECOND, "rectangular", TABLE_1),
     axes=_limit("α3", "axes", "rad", 10 * ARCSECOND, "rectangular", TABLE_1),
-    fixture=_limit("α4", "fixture", "rad", 10 * ARCSECOND, "rectangular", "JJF 2003-2022, 6.2"),
-    gravity=GRAVITY,
-    latitude=LATITUDE,
+    fixture=_limit("α4", "fixture", "rad", 10 * ARCSECOND, "rectangular", FIXTURE_2003),
 )
 
 TABLE_1_AHRS = "JJF 1536-2015, Table 1"  # U_rel of the rate with k = 2
+FIXTURE_1536 = "JJF 1536-2015, 6.2.2 b)"
 JJF1536 = Equipment(
     rates=(
         (math.radians(10.0), _limit("ε1", "rate-fast", "1", 2e-4, "normal", TABLE_1_AHRS)),
         (math.radians(1.0), _limit("ε2", "rate-medium", "1", 2e-3, "normal", TABLE_1_AHRS)),
         (0.0, _limit("ε3", "rate-slow", "1", 2e-2, "normal", TABLE_1_AHRS)),
     ),
-    ripple=None,
     position=_limit("α1", "table-angle", "rad", 10 * ARCSECOND, "normal", TABLE_1_AHRS),
-    repeatability=None,
-    axes=None,
-    fixture=_limit("α4", "fixture", "rad", 5 * ARCSECOND, "rectangular",
-                   "JJF 1536-2015, 6.2.2 b)"),
-    gravity=GRAVITY,
-    latitude=LATITUDE,
-)  # fmt: skip
+    fixture=_limit("α4", "fixture", "rad", 5 * ARCSECOND, "rectangular", FIXTURE_1536),
+)
+
+RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
 
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
-UNKNOWN = Equipment((), None, None, None, None, None, GRAVITY, LATITUDE)
+UNKNOWN = Equipment()
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

@@ -58,17 +58,16 @@ def turning_rate(
     c = slope·√Σ(oₖXₖ/Θₖ)², and a/√2 of less than √2 (silent).
     """
     weights = operator * rates
-    belongs = [equipment.rate_at(float(rate))[:1] for rate in rates]
-    lines = []
+    belongs = [equipment.rate_at(float(rate)) for rate in rates]
+    lines: list[Contribution] = []
     for _, limit in equipment.rates:
         held = np.array([limit in limits for limits in belongs])
         if held.any():
             total = float(weights[held].sum())
             balanced = abs(total) < ROUNDING * float(np.abs(weights[held]).sum())
-            lines.append(_line(limit, 0.0 if balanced else -slope * total))
-    if equipment.ripple is not None:
-        turned = np.maximum(np.abs(rates) * seconds, MIN_RIPPLE_ANGLE)
-        lines.append(_line(equipment.ripple, slope * float(np.linalg.norm(weights / turned))))
+            lines += _lines(0.0 if balanced else -slope * total, limit)
+    turned = np.maximum(np.abs(rates) * seconds, MIN_RIPPLE_ANGLE)
+    lines += _lines(slope * float(np.linalg.norm(weights / turned)), equipment.ripple)
     return tuple(lines)
 
 
@@ -81,17 +80,15 @@ def turned_angle(
     is another error than that of the axis's direction, so it has a symbol of its own.
     """
     c = slope * float(np.linalg.norm(1.0 / angles)) / len(angles)
-    return tuple(
-        _line(
-            replace(
-                limit,
-                symbol=f"{limit.symbol}θ",
-                name=message("uncertainty-turned-angle", limit=limit.name),
-            ),
-            c,
+    turned = (
+        replace(
+            limit,
+            symbol=f"{limit.symbol}θ",
+            name=message("uncertainty-turned-angle", limit=limit.name),
         )
         for limit in equipment.angles
     )
+    return _lines(c, *turned)
 
 
 def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ...]:
@@ -102,89 +99,62 @@ def turning_axis(equipment: Equipment, *across: float) -> tuple[Contribution, ..
     itself, for a scale factor only its cross couplings (silent). One mounting for all rates, so
     nothing averages.
     """
-    c = math.hypot(*across)
-    return tuple(_line(limit, c) for limit in (*equipment.angles, *equipment.squareness))
+    return _lines(math.hypot(*across), *equipment.angles, *equipment.squareness)
 
 
-def gyro_bias(equipment: Equipment, weights: Weights, k: float = 1.0) -> tuple[Contribution, ...]:
-    """B of eq. (8), mean of the positions; rad/s.
-
-    An attitude error α changes the Earth rate on the axis by ωe·α: c = K·ωe/√12 for table
-    angles, K·ωe/√6 for what each face has of its own, 0 for one mounting. Earth's rotation itself
-    cancels over the twelve positions, so latitude does not enter (silent).
-    """
-    return _of_each_face(equipment, k * EARTH_RATE, weights)
-
-
-def gyro_g_sensitivity(
-    equipment: Equipment, weights: Weights, k: float = 1.0, across: float = 0.0
+def attitude_errors(
+    equipment: Equipment, per_radian: float, weights: Weights
 ) -> tuple[Contribution, ...]:
-    """g_ij of eq. (8), (U_up − U_down)/2; rad/s per g.
+    """What attitude errors do to a parameter of the positions, eq. (8) and (11).
 
-    An attitude error α changes the Earth rate on the axis by ωe·α and adds α·g to the two other
-    columns: c = √((K·ωe)² + across²), halved for table angles (four positions), by √2 for what
-    each of two faces has of its own, whole for one mounting. across: √Σ g_ik² over the other axes
-    k (silent).
+    per_radian: what an error α of one position changes its reading by, divided by α; table
+    angles are independent in every rest, table axes in every face, the fixture in every mounting.
+    All are silent.
+
+    B of a gyro: α changes the Earth rate on the axis by ωe·α, so K·ωe: c = K·ωe/√12 for table
+    angles, K·ωe/√6 for what each face has of its own, 0 for one mounting. Earth's rotation itself
+    cancels over the twelve positions, so latitude does not enter.
+    g_ij: α also adds α·g to the two other columns, so √((K·ωe)² + Σ g_ik²) over the other axes k:
+    halved for table angles (four positions), by √2 for what each of two faces has of its own,
+    whole for one mounting.
+    K_ii of an accelerometer: α acts through the cross couplings only, √Σ K_ik²; K_ij: a vertical
+    off by α puts g·α on axis i, so K_ii. Both are divided as g_ij is.
+    B of an accelerometer: the axis lies level in four of six faces, whose weights these are, and
+    α reads K·g·α there: c = K·g·√8/12 for table angles, K·g·√4/6 for what each face has of its
+    own. One mounting cancels between up and down, and so does gravity itself.
     """
-    return _of_each_face(equipment, math.hypot(k * EARTH_RATE, across), weights)
+    rest, face, mounting = (
+        per_radian * float(np.linalg.norm(part))
+        for part in (weights.rests, weights.faces, weights.mountings)
+    )
+    return (
+        *_lines(rest, *equipment.angles),
+        *_lines(face, equipment.axes),
+        *_lines(0.0 if mounting < ROUNDING else mounting, equipment.fixture),
+    )
+
+
+def gravity_error(equipment: Equipment, k: float, gravity: float) -> tuple[Contribution, ...]:
+    """What gravity does to K of eq. (11), (U_up − U_down)/(2g): c = −K/g."""
+    return _lines(-k / gravity, equipment.gravity)
 
 
 def earth_removed(equipment: Equipment, k: float, latitude: float) -> tuple[Contribution, ...]:
     """What the latitude (rad) does to g_ii once K·ωe·sin φ was taken from it: c = −K·ωe·cos φ."""
-    return (_line(equipment.latitude, -k * EARTH_RATE * math.cos(latitude)),)
-
-
-def accel_scale_factor(
-    equipment: Equipment, weights: Weights, k: float, gravity: float, across: float = 0.0
-) -> tuple[Contribution, ...]:
-    """K_ii of eq. (11), (U_up − U_down)/(2g).
-
-    c(g) = −K/g. An attitude error α acts through the cross couplings only, c = across =
-    √Σ K_ik², halved for table angles, by √2 for each face, whole for one mounting (silent).
-    """
-    lines = _of_each_face(equipment, across, weights)
-    return (_line(equipment.gravity, -k / gravity), *lines)
-
-
-def accel_cross_coupling(
-    equipment: Equipment, weights: Weights, k_ii: float, k_ij: float, gravity: float
-) -> tuple[Contribution, ...]:
-    """K_ij of eq. (11), (U_i(j up) − U_i(j down))/(2g).
-
-    A vertical off by α puts g·α on axis i: c = K_ii for one mounting, K_ii/√2 for what each of two
-    faces has of its own, K_ii/2 for table angles (four positions); c(g) = −K_ij/g (silent).
-    """
-    lines = _of_each_face(equipment, k_ii, weights)
-    return (_line(equipment.gravity, -k_ij / gravity), *lines)
-
-
-def accel_bias(
-    equipment: Equipment, weights: Weights, k: float, gravity: float
-) -> tuple[Contribution, ...]:
-    """B of eq. (11), mean over the positions; m/s².
-
-    weights: of the positions in which the axis lies level, four of six faces; there α reads
-    K·g·α: c = K·g·√8/12 for table angles, K·g·√4/6 for what each face has of its own. One mounting
-    cancels between up and down, and so does gravity itself (silent).
-    """
-    return _of_each_face(equipment, k * gravity, weights)
+    return _lines(-k * EARTH_RATE * math.cos(latitude), equipment.latitude)
 
 
 def accel_rate_sensitivity(
-    equipment: Equipment, p: float, rate: float, gravity: float, k: float = 1.0
+    equipment: Equipment, p: float, rate: float, gravity: float
 ) -> tuple[Contribution, ...]:
     """p of eq. (12), (U₇ − U₈)/ω²; metres, rate in rad/s.
 
     c(ε) = −2p, eq. (A.12). A rotation axis off the vertical by α reads K·g·α at rest and averages
-    out while turning: c = K·g/ω² (silent). The value of the clause holds for the unit's place on
-    the table, so how well it is centred does not enter.
+    out while turning: c = g/ω² with K near one (silent). The value of the clause holds for the
+    unit's place on the table, so how well it is centred does not enter.
     """
-    tilt = k * gravity / rate**2
-    lines = [_line(limit, -2.0 * p) for limit in equipment.rate_at(rate)]
-    lines.extend(_line(limit, tilt) for limit in equipment.angles)
-    if equipment.axes is not None:
-        lines.append(_line(equipment.axes, tilt))
-    return tuple(lines)
+    tilted = (*equipment.angles, equipment.axes)
+    return _lines(-2.0 * p, *equipment.rate_at(rate)) + _lines(gravity / rate**2, *tilted)
 
 
 def ahrs_zero_offset(
@@ -197,8 +167,8 @@ def ahrs_zero_offset(
     c = ωe/√n (silent).
     """
     share = 1.0 / math.sqrt(positions)
-    angles = tuple(_line(limit, share / seconds) for limit in equipment.angles)
-    return angles + tuple(_line(limit, share * EARTH_RATE) for limit in equipment.squareness)
+    angles = _lines(share / seconds, *equipment.angles)
+    return angles + _lines(share * EARTH_RATE, *equipment.squareness)
 
 
 def ahrs_misalignment(
@@ -211,8 +181,7 @@ def ahrs_misalignment(
     whole: c = 1 (silent).
     """
     c = -misalignment * float(np.linalg.norm(shares) / (shares @ angles))
-    lines = tuple(_line(limit, c) for limit in equipment.angles)
-    return lines + tuple(_line(limit, 1.0) for limit in equipment.squareness)
+    return _lines(c, *equipment.angles) + _lines(1.0, *equipment.squareness)
 
 
 def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution:
@@ -238,20 +207,8 @@ def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
     return angles + sum(limit.u**2 for limit in own if limit is not None)
 
 
-def _of_each_face(
-    equipment: Equipment, per_radian: float, weights: Weights
-) -> tuple[Contribution, ...]:
-    """What a mean over faces takes over of table angles, table axes and fixture."""
-    rest = per_radian * float(np.linalg.norm(weights.rests))
-    face = per_radian * float(np.linalg.norm(weights.faces))
-    mounting = per_radian * float(np.linalg.norm(weights.mountings))
-    lines = [_line(limit, rest) for limit in equipment.angles]
-    if equipment.axes is not None:
-        lines.append(_line(equipment.axes, face))
-    if equipment.fixture is not None:
-        lines.append(_line(equipment.fixture, 0.0 if mounting < ROUNDING else mounting))
-    return tuple(lines)
-
-
-def _line(limit: Limit, sensitivity: float) -> Contribution:
-    return Contribution(limit.quantity(), sensitivity)
+def _lines(sensitivity: float, *limits: Limit | None) -> tuple[Contribution, ...]:
+    """A line for each limit that is known."""
+    return tuple(
+        Contribution(limit.quantity(), sensitivity) for limit in limits if limit is not None
+    )

@@ -1,10 +1,12 @@
 """7.2.2 and 7.2.4: biases, g-sensitivity, accelerometer scale factor and cross coupling."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from schemas.recording import AXES
+from tasks.motion.table import EARTH_RATE
 from tasks.specifications.estimate import (
     DEG,
     MATRIX,
@@ -75,10 +77,11 @@ def _gyro_estimates(
     """g-sensitivity (rad/s per g) and bias (rad/s) with their budgets' lines; k: (3,) K_ii."""
     matrix, bias = undetermined_matrix(), undetermined_vector()
     for i, j in MATRIX:
-        lines = type_b.gyro_g_sensitivity(equipment, fit.weights(j), k[i], fit.across(i, j))
+        per_radian = math.hypot(k[i] * EARTH_RATE, fit.across(i, j))
+        lines = type_b.attitude_errors(equipment, per_radian, fit.weights(j))
         matrix[AXES[i] + AXES[j]] = fit.estimates[i][j].with_lines(*lines)
     for i, axis in enumerate(AXES):
-        lines = type_b.gyro_bias(equipment, fit.weights(BIAS), k[i])
+        lines = type_b.attitude_errors(equipment, k[i] * EARTH_RATE, fit.weights(BIAS))
         bias[axis] = fit.estimates[i][BIAS].with_lines(*lines)
     return matrix, bias
 
@@ -126,20 +129,19 @@ def _accel_estimates(
     reads = [abs(fit.estimates[i][i].value) for i in range(3)]  # K_ii·g, m/s²
     for i, axis in enumerate(AXES):
         level = reads[i] if np.isfinite(reads[i]) else NOMINAL_GRAVITY
-        lines = type_b.accel_bias(equipment, fit.weights(BIAS, lying=axis), 1.0, level)
+        lines = type_b.attitude_errors(equipment, level, fit.weights(BIAS, lying=axis))
         bias[axis] = fit.estimates[i][BIAS].with_lines(*lines)
     if gravity is None:
         return matrix, bias
     for i, j in MATRIX:
-        ratio, weights = fit.estimates[i][j].scaled(1.0 / gravity), fit.weights(j)
-        if i == j:
-            across = fit.across(i, j) / gravity
-            lines = type_b.accel_scale_factor(equipment, weights, ratio.value, gravity, across)
-        else:
-            k = reads[i] / gravity if np.isfinite(reads[i]) else 1.0
-            lines = type_b.accel_cross_coupling(equipment, weights, k, ratio.value, gravity)
+        ratio = fit.estimates[i][j].scaled(1.0 / gravity)
+        k = reads[i] / gravity if np.isfinite(reads[i]) else 1.0
+        per_radian = fit.across(i, j) / gravity if i == j else k
         alone = Estimate(ratio.value, ratio.lines)  # A.1 and A.4 add nothing up
-        matrix[AXES[i] + AXES[j]] = alone.with_lines(*lines)
+        matrix[AXES[i] + AXES[j]] = alone.with_lines(
+            *type_b.gravity_error(equipment, ratio.value, gravity),
+            *type_b.attitude_errors(equipment, per_radian, fit.weights(j)),
+        )
     return matrix, bias
 
 

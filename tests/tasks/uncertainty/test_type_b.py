@@ -78,9 +78,9 @@ def test_accelerometer_sensitivities_to_attitude_are_those_of_simulated_position
 ) -> None:
     found = scatter(np.array([0.0, 0.0, G]), each, face)
     equipment = alone(sort, 1e-4)
-    bias = u_of(type_b.accel_bias(equipment, LYING, 1.0, G))
+    bias = u_of(type_b.attitude_errors(equipment, G, LYING))
     assert np.mean(found[:, 3]) == pytest.approx(bias, rel=0.05)
-    coupling = u_of(type_b.accel_cross_coupling(equipment, UP_DOWN, 1.0, 0.0, G))
+    coupling = u_of(type_b.attitude_errors(equipment, 1.0, UP_DOWN))
     off = np.mean(found[:, :3][~np.eye(3, dtype=bool)]) / G
     assert off == pytest.approx(coupling, rel=0.05)
 
@@ -92,8 +92,8 @@ def test_gyro_uncertainty_is_never_below_that_of_simulated_positions(
     earth = EARTH_RATE * np.array([0.0, math.cos(0.7), math.sin(0.7)])
     found = scatter(earth, each, face)
     equipment = alone(sort, 1e-4)
-    bias = u_of(type_b.gyro_bias(equipment, MEAN))
-    sensitivity = u_of(type_b.gyro_g_sensitivity(equipment, UP_DOWN))
+    bias = u_of(type_b.attitude_errors(equipment, EARTH_RATE, MEAN))
+    sensitivity = u_of(type_b.attitude_errors(equipment, EARTH_RATE, UP_DOWN))
     assert np.max(found[:, 3]) < 1.05 * bias
     assert np.max(found[:, :3]) < 1.05 * sensitivity
     assert np.max(found[:, 3]) > 0.4 * bias
@@ -149,13 +149,13 @@ def test_ripple_counts_by_its_rms_in_less_than_a_turn_and_fades_over_many() -> N
 
 
 def test_gravity_moves_the_accelerometer_scale_factor() -> None:
-    lines = type_b.accel_scale_factor(alone("gravity", 1e-3), UP_DOWN, 1.01, G)
+    lines = type_b.gravity_error(alone("gravity", 1e-3), 1.01, G)
     assert u_of(lines) == pytest.approx(1.01 * 1e-3 / G)
 
 
 def test_latitude_counts_only_where_earth_rotation_was_removed() -> None:
     equipment, latitude = alone("latitude", TENTH), math.radians(39.9)
-    assert u_of(type_b.gyro_g_sensitivity(equipment, UP_DOWN, 1.0)) == 0.0
+    assert u_of(type_b.attitude_errors(equipment, EARTH_RATE, UP_DOWN)) == 0.0
     removed = u_of(type_b.earth_removed(equipment, 1.0, latitude))
     change = EARTH_RATE * (math.sin(latitude + TENTH / 2) - math.sin(latitude - TENTH / 2))
     assert removed == pytest.approx(change, rel=1e-6)
@@ -219,9 +219,9 @@ def test_a_table_that_nobody_knows_has_no_line() -> None:
     rates = np.radians([-100.0, 100.0])
     seconds = np.full(2, 30.0)
     assert type_b.turning_rate(UNKNOWN, 1.0, rates / (rates @ rates), rates, seconds) == ()
-    assert type_b.gyro_bias(UNKNOWN, MEAN) == ()
+    assert type_b.attitude_errors(UNKNOWN, EARTH_RATE, MEAN) == ()
     assert type_b.turning_axis(UNKNOWN, 1.0) == ()
-    (gravity,) = type_b.accel_scale_factor(UNKNOWN, UP_DOWN, 1.0, G)
+    (gravity,) = type_b.gravity_error(UNKNOWN, 1.0, G)
     assert gravity.quantity.symbol == "g"
 
 
@@ -236,11 +236,11 @@ def test_every_budget_of_the_default_equipment_is_finite_and_names_its_inputs_on
     all_lines = (
         type_b.turning_rate(JJF2003, 1.0, rates / (rates @ rates), rates, np.array([30.0, 30.0])),
         type_b.turning_axis(JJF2003, 1.0, 1e-3),
-        type_b.gyro_bias(JJF2003, MEAN),
-        type_b.gyro_g_sensitivity(JJF2003, UP_DOWN),
-        type_b.accel_scale_factor(JJF2003, UP_DOWN, 1.0, G, 1e-3),
-        type_b.accel_cross_coupling(JJF2003, UP_DOWN, 1.0, 1e-3, G),
-        type_b.accel_bias(JJF2003, LYING, 1.0, G),
+        type_b.attitude_errors(JJF2003, EARTH_RATE, MEAN),
+        type_b.attitude_errors(JJF2003, EARTH_RATE, UP_DOWN),
+        type_b.attitude_errors(JJF2003, 1e-3, UP_DOWN) + type_b.gravity_error(JJF2003, 1.0, G),
+        type_b.attitude_errors(JJF2003, 1.0, UP_DOWN) + type_b.gravity_error(JJF2003, 1e-3, G),
+        type_b.attitude_errors(JJF2003, G, LYING),
         type_b.accel_rate_sensitivity(JJF2003, 1e-4, 5.0, G),
     )
     for lines in all_lines:
@@ -259,7 +259,7 @@ def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
     for column, expected in ((0, 1e-4), (3, 0.0)):
         signs = operator[column] @ design[:, :3]
         weights = Weights(np.zeros(12), operator[column], signs)
-        told = u_of(type_b.accel_cross_coupling(equipment, weights, 1.0, 0.0, G))
+        told = u_of(type_b.attitude_errors(equipment, 1.0, weights))
         assert told == pytest.approx(expected, abs=1e-12)
     assert np.abs(found[0]) == pytest.approx([0.0, 3e-4, 2e-4], abs=1e-12)
     assert np.abs(found[3]).max() < 1e-15
