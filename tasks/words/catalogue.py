@@ -1,5 +1,6 @@
 """The catalogues: every sentence in every language, and messages said in one of them."""
 
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache, lru_cache
 from importlib.resources import files
@@ -10,6 +11,7 @@ from schemas.text import Remark, Statement
 from tasks.words.message import Argument, Message, Sayable
 
 SUFFIX = ".ftl"
+IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
 LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 
@@ -30,41 +32,51 @@ LANGUAGES: tuple[str, ...] = tuple(sorted(folder.name for folder in _folders()))
 
 
 @cache
-def _bundle(language: str) -> tuple[Any, frozenset[str]]:
-    """All catalogue files of one language, and their identifiers.
+def _sources_of(language: str) -> Mapping[str, Traversable]:
+    """Where each message of a language stands: its identifier, and the file to parse for it.
 
     Raises ValueError where an identifier stands twice.
     """
+    found: dict[str, Traversable] = {}
+    for source in _sources(files("tasks.words") / language):
+        for id_ in IDENTIFIER.findall(source.read_text(encoding="utf-8")):
+            if id_ in found:
+                raise ValueError(
+                    f"{language}/{source.name}: {id_} stands in {language}/{found[id_].name} too"
+                )
+            found[id_] = source
+    return found
+
+
+@cache
+def _bundle(language: str, source: Traversable) -> Any:
+    """One catalogue file, parsed; a message may refer to others of its own file.
+
+    Raises ValueError where the file is not understood.
+    """
     # Late: a command that says nothing needs no parser.
     from fluent.runtime import FluentBundle, FluentResource
-    from fluent.syntax import ast
+    from fluent.syntax.ast import Junk
 
+    resource = FluentResource(source.read_text(encoding="utf-8"))
+    for entry in resource.body:
+        if isinstance(entry, Junk):
+            raise ValueError(
+                f"{language}/{source.name}: not understood: {str(entry.content).strip()[:80]!r}"
+            )
     bundle = FluentBundle([language], use_isolating=False)
-    files_of: dict[str, str] = {}
-    for source in _sources(files("tasks.words") / language):
-        resource = FluentResource(source.read_text(encoding="utf-8"))
-        where = f"{language}/{source.name}"
-        for entry in resource.body:
-            if isinstance(entry, ast.Junk):
-                raise ValueError(f"{where}: not understood: {str(entry.content).strip()[:80]!r}")
-            if isinstance(entry, ast.Message | ast.Term):
-                if entry.id.name in files_of:
-                    raise ValueError(
-                        f"{where}: {entry.id.name} stands in {files_of[entry.id.name]} too"
-                    )
-                files_of[entry.id.name] = where
-        bundle.add_resource(resource)
-    return bundle, frozenset(files_of)
+    bundle.add_resource(resource)
+    return bundle
 
 
 def known(id_: str) -> bool:
     """Whether the catalogues have a message, or an attribute of one, of this identifier."""
-    return all(_pattern(language, id_) is not None for language in LANGUAGES)
+    return all(_pattern(language, id_)[1] is not None for language in LANGUAGES)
 
 
 def identifiers(prefix: str) -> tuple[str, ...]:
     """The messages whose identifiers begin so, in the order of the alphabet."""
-    return tuple(sorted(id_ for id_ in _bundle(LANGUAGES[0])[1] if id_.startswith(prefix)))
+    return tuple(sorted(id_ for id_ in _sources_of(LANGUAGES[0]) if id_.startswith(prefix)))
 
 
 @lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
@@ -78,13 +90,13 @@ def say(sayable: Sayable, language: str) -> str:
         return sayable
     if isinstance(sayable, Statement):
         return str(getattr(sayable, language, sayable.en))
-    pattern = _pattern(language, sayable.id)
+    bundle, pattern = _pattern(language, sayable.id)
     if pattern is None:
         raise KeyError(f"the {language} catalogue has no message {sayable.id}")
     arguments = {name: _argument(value, language) for name, value in sayable.arguments}
     long = {n: text for n, text in arguments.items() if isinstance(text, str) and len(text) > LONG}
     places = {name: f"\ue000{name}\ue001" for name in long}  # private use: in no text
-    text, errors = _bundle(language)[0].format_pattern(pattern, arguments | places)
+    text, errors = bundle.format_pattern(pattern, arguments | places)
     if errors:
         raise KeyError(f"{sayable.id} ({language}): {errors[0]}")
     for name, place in places.items():
@@ -123,11 +135,12 @@ def _argument(value: Argument, language: str) -> object:
     return fluent_number(value, useGrouping=False) if isinstance(value, int) else value
 
 
-def _pattern(language: str, id_: str) -> Any:
-    """The pattern of «message» or «message.attribute»; None where there is none."""
+def _pattern(language: str, id_: str) -> tuple[Any, Any]:
+    """The bundle and pattern of «message» or «message.attribute»; None where there is none."""
     name, _, attribute = id_.partition(".")
-    bundle, _ = _bundle(language)
-    if not bundle.has_message(name):
-        return None
+    source = _sources_of(language).get(name)
+    if source is None:
+        return None, None
+    bundle = _bundle(language, source)
     found = bundle.get_message(name)
-    return found.attributes.get(attribute) if attribute else found.value
+    return bundle, found.attributes.get(attribute) if attribute else found.value

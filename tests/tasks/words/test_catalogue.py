@@ -9,6 +9,7 @@ from fluent.syntax.visitor import Visitor
 
 from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
+from tasks.words.catalogue import _bundle, _sources_of
 
 WORDS = Path("tasks/words")
 
@@ -28,6 +29,17 @@ class Arguments(Visitor):
         self.names: set[str] = set()
 
     def visit_VariableReference(self, node: ast.VariableReference) -> None:  # noqa: N802
+        self.names.add(node.id.name)
+
+
+class References(Visitor):
+    """The messages that a message refers to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: set[str] = set()
+
+    def visit_MessageReference(self, node: ast.MessageReference) -> None:  # noqa: N802
         self.names.add(node.id.name)
 
 
@@ -53,8 +65,31 @@ def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_ar
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_catalogue_is_understood_and_no_message_stands_twice(language: str) -> None:
-    assert say(message("list-separator"), language)
+def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands(
+    language: str,
+) -> None:
+    """Every message, in every file: so each file is parsed, and none holds what is no message."""
+    for file, entry in entries(language):
+        source = _sources_of(language)[entry.id.name]
+        assert source.name == file
+        assert _bundle(language, source).has_message(entry.id.name)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_message_refers_only_to_messages_of_its_own_file(language: str) -> None:
+    stood = list(entries(language))
+    here = {(file, entry.id.name) for file, entry in stood}
+    for file, entry in stood:
+        visitor = References()
+        visitor.visit(entry)
+        assert {(file, name) for name in visitor.names} <= here, entry.id.name
+
+
+def test_saying_a_message_parses_its_own_catalogue_file_alone() -> None:
+    _bundle.cache_clear()
+    say.cache_clear()
+    say(message("clause-sequence", first="a", rest="b"), "en")
+    assert _bundle.cache_info().currsize == 1
 
 
 def test_languages_are_the_folders() -> None:
