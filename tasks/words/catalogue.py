@@ -32,24 +32,24 @@ LANGUAGES: tuple[str, ...] = tuple(sorted(folder.name for folder in _folders()))
 
 
 @cache
-def _sources_of(language: str) -> Mapping[str, Traversable]:
-    """Where each message of a language stands: its identifier, and the file to parse for it.
+def _file_of(language: str) -> Mapping[str, str]:
+    """Where each message of a language stands: its identifier, and the name of its file.
 
     Raises ValueError where an identifier stands twice.
     """
-    found: dict[str, Traversable] = {}
+    found: dict[str, str] = {}
     for source in _sources(files("tasks.words") / language):
         for id_ in IDENTIFIER.findall(source.read_text(encoding="utf-8")):
             if id_ in found:
                 raise ValueError(
-                    f"{language}/{source.name}: {id_} stands in {language}/{found[id_].name} too"
+                    f"{language}/{source.name}: {id_} stands in {language}/{found[id_]} too"
                 )
-            found[id_] = source
+            found[id_] = source.name
     return found
 
 
 @cache
-def _bundle(language: str, source: Traversable) -> Any:
+def _bundle(language: str, file: str) -> Any:
     """One catalogue file, parsed; a message may refer to others of its own file.
 
     Raises ValueError where the file is not understood.
@@ -58,11 +58,12 @@ def _bundle(language: str, source: Traversable) -> Any:
     from fluent.runtime import FluentBundle, FluentResource
     from fluent.syntax.ast import Junk
 
+    source = files("tasks.words") / language / file
     resource = FluentResource(source.read_text(encoding="utf-8"))
     for entry in resource.body:
         if isinstance(entry, Junk):
             raise ValueError(
-                f"{language}/{source.name}: not understood: {str(entry.content).strip()[:80]!r}"
+                f"{language}/{file}: not understood: {str(entry.content).strip()[:80]!r}"
             )
     bundle = FluentBundle([language], use_isolating=False)
     bundle.add_resource(resource)
@@ -76,7 +77,7 @@ def known(id_: str) -> bool:
 
 def identifiers(prefix: str) -> tuple[str, ...]:
     """The messages whose identifiers begin so, in the order of the alphabet."""
-    return tuple(sorted(id_ for id_ in _sources_of(LANGUAGES[0]) if id_.startswith(prefix)))
+    return tuple(sorted(id_ for id_ in _file_of(LANGUAGES[0]) if id_.startswith(prefix)))
 
 
 @lru_cache(maxsize=4096)  # a study calibrates thousands of units, which say the same
@@ -138,9 +139,9 @@ def _argument(value: Argument, language: str) -> object:
 def _pattern(language: str, id_: str) -> tuple[Any, Any]:
     """The bundle and pattern of «message» or «message.attribute»; None where there is none."""
     name, _, attribute = id_.partition(".")
-    source = _sources_of(language).get(name)
-    if source is None:
+    file = _file_of(language).get(name)
+    if file is None:
         return None, None
-    bundle = _bundle(language, source)
+    bundle = _bundle(language, file)
     found = bundle.get_message(name)
     return bundle, found.attributes.get(attribute) if attribute else found.value

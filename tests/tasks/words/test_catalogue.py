@@ -9,7 +9,7 @@ from fluent.syntax.visitor import Visitor
 
 from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
-from tasks.words.catalogue import _bundle, _sources_of
+from tasks.words.catalogue import _bundle, _file_of
 
 WORDS = Path("tasks/words")
 
@@ -70,9 +70,8 @@ def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands
 ) -> None:
     """Every message, in every file: so each file is parsed, and none holds what is no message."""
     for file, entry in entries(language):
-        source = _sources_of(language)[entry.id.name]
-        assert source.name == file
-        assert _bundle(language, source).has_message(entry.id.name)
+        assert _file_of(language)[entry.id.name] == file
+        assert _bundle(language, file).has_message(entry.id.name)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
