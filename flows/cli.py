@@ -96,7 +96,7 @@ def calibrate(
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
-    from flows.printing import print_calibration
+    from flows.print_calibration import print_calibration
 
     print_calibration(calibration)
 
@@ -206,7 +206,7 @@ def _print_issued(issued: Any, as_json: bool) -> None:
             }
         )
         return
-    from flows.printing import print_verdict
+    from flows.print_calibration import print_verdict
 
     print_verdict(issued)
 

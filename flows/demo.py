@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from flows.prefect_server import connect
-from flows.printing import print_calibration, print_rows, print_verdict
+from flows.print_calibration import print_calibration, print_verdict
+from flows.printing import print_rows
 from flows.progress import working
 from flows.run_orders import procedure_of
 from flows.station import virtual_station

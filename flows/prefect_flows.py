@@ -23,7 +23,7 @@ from schemas.orders import (
     SimulateOrder,
 )
 from storage.catalogue.certificates import Due
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from tasks.conformity.limits import verdict_title
 from tasks.stages.certify import Issued, read_inputs
 from tasks.stages.explain import Explained

@@ -1,25 +1,13 @@
-"""What the command line prints for a person, on standard output."""
+"""Tables and JSON on standard output; apart from what they hold, so that a list is quick."""
 
 import json
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
-
-from schemas.calibration import Calibration, Information, Item
-from schemas.tolerance import Verdict
-from tasks.specifications.items import item_title
-from tasks.words import say
-from tasks.words.rounding import column
-from tasks.words.units import unit_text
-
-if TYPE_CHECKING:
-    from tasks.stages.certify import Issued
-
-COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
 
 
 def stdout(markup: bool = True) -> Console:
@@ -33,62 +21,6 @@ def print_json(document: Any) -> None:
     print(json.dumps(document, ensure_ascii=False, indent=1))
 
 
-def print_calibration(calibration: Calibration) -> None:
-    """A table of every item, then what is unavailable and what the reader must know."""
-    console = stdout()
-    table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
-    for name, item in calibration.items.items():
-        _add_item(table, say(item_title(name), "en"), item)
-    console.print(table)
-    _print_information(console, calibration)
-    for name, reason in calibration.unavailable.items():
-        console.print("[yellow]not determined[/] ", end="")
-        console.print(f"{say(item_title(name), 'en')}: {reason}", markup=False)
-    for remark in calibration.remarks:
-        mark = "[red]![/]" if remark.blocks_pass else "[dim]·[/]"
-        console.print(f"{mark} ", end="")
-        console.print(remark.en, markup=False)
-
-
-def _print_information(console: Console, calibration: Calibration) -> None:
-    """A second table of what stands beside the items, and the sentences to it."""
-    if not calibration.information:
-        return
-    table = _results_table("for information, not decided on", "quantity")
-    for shown in calibration.information.values():
-        if any(value is not None for value in shown.value.values()):
-            _add_item(table, shown.title, shown)
-    console.print(table)
-    for shown in calibration.information.values():
-        console.print(f"[dim]· {shown.title}:[/] ", end="")
-        console.print(shown.en, markup=False)
-
-
-def _results_table(title: str, of: str) -> Table:
-    table = Table(title=Text(title))
-    for name, justify in ((of, "left"), ("", "left"), ("value", "right"), ("U", "right"),
-                          ("k", "right"), ("unit", "left")):  # fmt: skip
-        table.add_column(name, justify=justify)  # type: ignore[arg-type]
-    return table
-
-
-def _add_item(table: Table, name: str, item: Item | Information) -> None:
-    U = item.U or {}
-    texts = column(list(item.value.values()), [U.get(element) for element in item.value], item.k)
-    power = f"×10^{texts.exponent} " if texts.exponent else ""
-    rows = zip(item.value, texts.values, texts.uncertainties, strict=True)
-    for row, (element, value, expanded) in enumerate(rows):
-        table.add_row(
-            name if row == 0 else "",
-            Text(element),
-            value or "–",
-            expanded or "–",
-            f"{item.k:g}",
-            power + unit_text(item.unit),
-            end_section=row == len(item.value) - 1,
-        )
-
-
 def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
     """A plain table."""
     table = Table()
@@ -98,22 +30,3 @@ def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, .
         table.add_row(*map(Text, row))
     print(title)
     stdout().print(table)
-
-
-def print_verdict(issued: "Issued") -> None:
-    """The verdict, a line for what fails, is open or conditional, the due date, the files."""
-    from tasks.conformity.limits import verdict_title  # late: a calibration prints without it
-    from tasks.conformity.reasons import conditional
-
-    certificate, console = issued.certificate, stdout()
-    decision = certificate.decision
-    verdict = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
-    console.print(f"{certificate.number}: {verdict} ({certificate.state})")
-    for reason in (
-        *decision.reasons,
-        *(say(condition, "en") for condition in conditional(decision)),
-    ):
-        console.print(f"  {reason}", markup=False)
-    console.print(f"recalibration due {certificate.due}")
-    print(issued.pdf)
-    print(issued.record)

@@ -25,7 +25,7 @@ from storage.home import Home, home
 
 if TYPE_CHECKING:
     from schemas.calibration import Calibration
-    from storage.catalogue.runs import Run
+    from storage.catalogue.listing import Run
     from tasks.stages.certify import Issued
     from tasks.stages.explain import Explained
     from tasks.stages.simulate import Simulated

@@ -1,6 +1,7 @@
 """One run as a person wants to see it."""
 
-from flows.printing import print_calibration, print_json, print_rows, stdout
+from flows.print_calibration import print_calibration
+from flows.printing import print_json, print_rows, stdout
 from storage.catalogue import certificates, results, runs
 from storage.home import home
 from tasks.stages.import_recording import run_of

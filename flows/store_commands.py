@@ -59,10 +59,10 @@ def _entry(done: "Imported") -> dict[str, Any]:
 def runs(as_json: options.Json = False) -> None:
     """What is in the store."""
     from flows.printing import print_json, print_rows
-    from storage.catalogue import runs
+    from storage.catalogue import listing
     from storage.home import home
 
-    listed = runs.all_runs(home())
+    listed = listing.all_runs(home())
     if as_json:
         print_json(
             {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in listed]}

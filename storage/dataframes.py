@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.calibration import Calibration, SegmentUsed
 from schemas.uncertainty import BudgetInput
+from storage.catalogue import listing
 from storage.catalogue import results as kept_results
-from storage.catalogue import runs as kept_runs
+from storage.catalogue.listing import Run
 from storage.catalogue.results import Result
-from storage.catalogue.runs import Run
 from storage.home import Home
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ OF_ELEMENT = ("item", "element", "value", "u", "U", "k", "unit")
 
 def runs(home: Home) -> "pd.DataFrame":
     """A row for each run in the order of import, with the columns of `Run`."""
-    return _frame([run.model_dump() for run in kept_runs.all_runs(home)], list(Run.model_fields))
+    return _frame([run.model_dump() for run in listing.all_runs(home)], list(Run.model_fields))
 
 
 def results(home: Home) -> "pd.DataFrame":
@@ -86,7 +86,7 @@ def budgets(calibration: Calibration) -> "pd.DataFrame":
 
 def _of_runs(kept: Sequence[Result], home: Home) -> Iterable[tuple[Result, dict[str, Any]]]:
     """Each result with the columns that it and its run have in every table."""
-    by_id = {run.id: run for run in kept_runs.all_runs(home)}
+    by_id = {run.id: run for run in listing.all_runs(home)}
     for result in kept:
         row = {"result": result.id, "run": result.run}
         row |= {name: getattr(by_id[result.run], name) for name in OF_RUN}

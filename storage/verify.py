@@ -11,8 +11,9 @@ import sqlalchemy as sql
 from schemas.base import Frozen, Unusable
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.certificates import Entry, record_of
+from storage.catalogue.listing import Run, all_runs
 from storage.catalogue.results import calibration_of, result_id
-from storage.catalogue.runs import Run, all_runs, from_columns, raw_path
+from storage.catalogue.runs import from_columns, raw_path
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 

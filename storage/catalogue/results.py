@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.calibration import Calibration, Method
 from storage.catalogue import database, tables
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.home import Home
 
 ID_DIGITS = 12  # hex digits in a result's id

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import sqlalchemy as sql
 
-from schemas.base import Frozen, Unusable
+from schemas.base import Unusable
 from schemas.recording import Recording, Unit
 from storage.catalogue import database, tables
+from storage.catalogue.listing import Run, find
 from storage.formats import recordings
 from storage.formats.columns import read_columns, write_columns
 from storage.formats.content import as_raw, fingerprint
@@ -20,21 +21,6 @@ from storage.home import Home
 from storage.whole_files import writing_in_home, writing_to
 
 ID_DIGITS = 12  # hex digits of the digest in a run's id
-
-
-class Run(Frozen):
-    """A recording in the store. `seconds`: from its first row to its last one."""
-
-    id: str
-    digest: str
-    recording_id: str
-    manufacturer: str
-    model: str
-    serial: str
-    standard: str
-    taken_in_at: datetime
-    seconds: float
-    rows: int
 
 
 def add(recording: Recording, home: Home, *, source: Path | None = None) -> tuple[Run, bool]:
@@ -96,39 +82,6 @@ def from_columns(run: Run, home: Home) -> Recording | None:
         return None
 
 
-def find(reference: str, home: Home) -> Run:
-    """The run with this id, digest or recording_id, or the only one that begins so.
-
-    Raises Unusable for none and for several.
-    """
-    table = tables.runs.c
-    begins = [column.startswith(reference, autoescape=True) for column in (table.id, table.digest)]
-    for meant in (
-        sql.or_(table.id == reference, table.digest == reference),
-        table.recording_id == reference,
-        sql.or_(*begins),
-    ):
-        matching = _runs(home, meant) if reference else []
-        if len(matching) > 1:
-            raise Unusable(
-                f"{reference!r} means {len(matching)} runs ({_listed(matching)}); give the id of "
-                "one, as `mimucal runs` lists them."
-            )
-        if matching:
-            return matching[0]
-    raise Unusable(f"There is no run {reference!r} in {home.path}; `mimucal runs` lists them.")
-
-
-def _listed(several: list[Run]) -> str:
-    ids = [run.id for run in several]
-    return ", ".join(ids if len(ids) <= 4 else [*ids[:4], "…"])
-
-
-def all_runs(home: Home) -> list[Run]:
-    """Every run, in the order of import."""
-    return _runs(home, sql.true())
-
-
 def raw_path(digest: str, home: Home) -> Path:
     """Where the raw recording of a digest is kept."""
     return home.raw / f"{digest}.mcap"
@@ -158,10 +111,6 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
         rows=len(t),
     )
     return run, is_new
-
-
-def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
-    return database.with_units(home, Run, tables.runs, which, tables.runs.c.taken_in_at)
 
 
 def _write_columns(recording: Recording, home: Home) -> None:

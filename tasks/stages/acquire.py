@@ -9,7 +9,7 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home

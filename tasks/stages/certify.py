@@ -16,7 +16,7 @@ from schemas.station import Equipment
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, runs
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render

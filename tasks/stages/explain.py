@@ -14,7 +14,7 @@ from schemas.recording import ACCEL, GYRO, Recording
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import runs
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks.stages import import_checks
 from tasks.stages.stage import stage

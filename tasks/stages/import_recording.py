@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from schemas.base import Unusable
-from storage.catalogue import runs
-from storage.catalogue.runs import Run
+from storage.catalogue import listing, runs
+from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks.stages import import_checks
 from tasks.stages.stage import stage
@@ -40,7 +40,7 @@ def import_recording(
 def run_of(reference: str, home: Home) -> Run:
     """The run that an order names: an id, or a path that is imported on the fly."""
     path = _path_of(reference)
-    return runs.find(reference, home) if path is None else import_recording(path, home).run
+    return listing.find(reference, home) if path is None else import_recording(path, home).run
 
 
 def _path_of(reference: str) -> Path | None:

@@ -333,7 +333,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("storage.catalogue.runs.all_runs", stop)
+    monkeypatch.setattr("storage.catalogue.listing.all_runs", stop)
     done = mimucal("runs")
     assert (done.code, done.err) == (1, "stopped by the operator\n")
 
@@ -388,19 +388,36 @@ def test_help_shows_what_an_option_takes(mimucal) -> None:
     assert "The virtual station." in mimucal().out
 
 
-def test_help_starts_without_the_heavy_libraries() -> None:
+HEAVY = {"prefect", "numpy", "pandas", "pyarrow", "alembic", "sqlalchemy", "typst", "pymodbus"}
+
+
+def loaded(*command: str) -> tuple[str, set[str]]:
+    """What a command prints, and which of the heavy libraries it loaded for that."""
     code = (
-        "import sys; sys.argv = ['mimucal', '--help']\n"
+        f"import sys; sys.argv = ['mimucal', *{command!r}]\n"
         "from flows import cli\n"
         "try: cli.main()\n"
         "except SystemExit: pass\n"
-        "heavy = {'prefect', 'numpy', 'pandas', 'pyarrow', 'sqlalchemy', 'typst', 'pymodbus'}\n"
-        "print('LOADED', sorted(heavy & set(sys.modules)))\n"
+        "print('LOADED', *sys.modules)\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "LOADED []" in done.stdout
+    text, _, modules = done.stdout.rpartition("LOADED")
+    return text, HEAVY & set(modules.split())
+
+
+def test_help_starts_without_the_heavy_libraries() -> None:
+    text, heavy = loaded("--help")
+    assert heavy == set()
+    assert "calibrate" in text
     for later in ("reprocess", "dashboard"):
-        assert later not in done.stdout
+        assert later not in text
+
+
+def test_runs_are_listed_with_the_catalogue_alone(mimucal, shared) -> None:
+    run = mimucal("import", shared / "plant/plant_clean").out.split()[0]
+    text, heavy = loaded("runs")
+    assert run in text
+    assert heavy == {"sqlalchemy"}
 
 
 def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, shared) -> None:

@@ -14,7 +14,7 @@ from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
 from schemas.tolerance import Decision
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.home import Home
 
 PRELUDE = """

@@ -13,7 +13,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage.catalogue import certificates, database, results, runs, tables
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home

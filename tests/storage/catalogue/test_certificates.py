@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
-from storage.catalogue import certificates, results, runs
+from storage.catalogue import certificates, listing, results, runs
 from storage.home import Home
 
 Build = Callable[..., Recording]
@@ -66,7 +66,7 @@ def test_certificate_comes_back_as_it_went_in(fresh: Home, issue: Issue) -> None
     (entry,) = certificates.register(fresh)
     assert (fresh.path / entry.pdf).read_bytes() == PDF
     assert (entry.number, entry.verdict, entry.due) == ("A-1", "pass", date(2027, 11, 21))
-    assert entry.result == results.of_run(runs.find(entry.run, fresh), fresh)[0].id
+    assert entry.result == results.of_run(listing.find(entry.run, fresh), fresh)[0].id
 
 
 def test_same_certificate_again_changes_nothing(fresh: Home, issue: Issue) -> None:

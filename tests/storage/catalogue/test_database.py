@@ -14,7 +14,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import certificates, database, runs, tables
+from storage.catalogue import certificates, database, listing, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
 
@@ -82,14 +82,14 @@ def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
     with database.engine(fresh).begin() as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
-        runs.all_runs(fresh)
+        listing.all_runs(fresh)
 
 
 def test_catalogue_that_is_no_database_is_one_sentence(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").write_text("not a database, but longer than a header " * 9)
     with pytest.raises(Unusable, match=r"catalog\.sqlite cannot be used \(file is not a database"):
-        runs.all_runs(fresh)
+        listing.all_runs(fresh)
 
 
 @pytest.mark.parametrize("url", ["mysql://lab@host/db", "sqlite://", "nonsense"])
@@ -98,7 +98,7 @@ def test_database_of_another_kind_is_refused(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", url)
     with pytest.raises(Unusable, match=r"MIMUCAL_DATABASE.*postgresql://"):
-        runs.all_runs(fresh)
+        listing.all_runs(fresh)
 
 
 def test_password_of_the_database_is_not_printed(
@@ -106,7 +106,7 @@ def test_password_of_the_database_is_not_printed(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:secret@127.0.0.1:1/mimucal")
     with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
-        runs.all_runs(fresh)
+        listing.all_runs(fresh)
     assert "secret" not in str(caught.value)
 
 

@@ -14,7 +14,7 @@ from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, runs
-from storage.catalogue.runs import Run
+from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks.stages.certify import CertificateInputs as Inputs
 from tasks.stages.certify import certify

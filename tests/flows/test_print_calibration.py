@@ -2,7 +2,7 @@
 
 import pytest
 
-from flows.printing import print_calibration
+from flows.print_calibration import print_calibration
 from schemas.calibration import Information
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
