@@ -7,10 +7,12 @@ import numpy as np
 
 from schemas.recording import ACCEL, AXES, GYRO
 from tasks.model.term import Column, Parameter
-from tasks.model.terms.standard import ACCEL_FIRST, GYRO_FIRST, MATRIX
 from tasks.motion.whole import STANDARD_GRAVITY, Motion
 
 DEG = float(np.degrees(1.0))
+MATRIX = tuple((i, j) for i in range(3) for j in range(3))
+OFF_DIAGONAL = tuple((i, j) for i, j in MATRIX if i != j)
+GYRO_FIRST, ACCEL_FIRST = 0, 3  # channels of the x axes
 G = STANDARD_GRAVITY  # m/s², to print per g
 STILL = 1e-3  # rad/s: a slower axis stands still
 Printed = tuple[str, float, float]  # unit, SI times this gives the unit, largest plausible (SI)
@@ -51,9 +53,11 @@ def own(first: int, basis: np.ndarray) -> tuple[Column, ...]:
     return tuple({first + i: basis[:, i]} for i in range(3))
 
 
-def crossed(first: int, basis: np.ndarray) -> tuple[Column, ...]:
+def crossed(
+    first: int, basis: np.ndarray, pairs: tuple[tuple[int, int], ...] = MATRIX
+) -> tuple[Column, ...]:
     """Each axis reads every column of (n, 3), in the order of `each_pair`."""
-    return tuple({first + i: basis[:, j]} for i, j in MATRIX)
+    return tuple({first + i: basis[:, j]} for i, j in pairs)
 
 
 def same(signal: np.ndarray, channels: tuple[int, ...] = tuple(range(6))) -> tuple[Column, ...]:

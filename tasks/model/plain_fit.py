@@ -6,9 +6,10 @@ before anything is known of the noise; `tasks.model.fit` weights by the noise.
 
 import numpy as np
 
+from tasks.model.parameters import ACCEL_FIRST
 from tasks.model.regression import inverse
 from tasks.model.simulate import CHANNEL_COUNT
-from tasks.model.terms.standard import ACCEL_FIRST, regressors
+from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
 
 MAX_FIT_ROWS = 400_000  # evenly spread; more rows would not change a prediction by its noise

@@ -7,8 +7,8 @@ readings as a time series (stage «signal»: a delay, a low-pass). Nothing knows
 name: adding physics is adding one term.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Self
 
@@ -107,6 +107,20 @@ class Term(Effect):
     def shaped(self, at: tuple[float, ...]) -> Self:
         """The same term with other values of what it is not linear in."""
         return replace(self, at=at)
+
+
+@dataclass(frozen=True)
+class SensorTerm(Term):
+    """A term of stage «sensor» whose columns are a formula.
+
+    reads: for each parameter the readings per unit of it, from the motion, what the sensors feel
+    and the values of the shapes.
+    """
+
+    reads: Callable[[Motion, Inputs, tuple[float, ...]], tuple[Column, ...]] = field(kw_only=True)
+
+    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
+        return self.reads(motion, inputs, self.at)
 
 
 def parameters_of(terms: tuple[Term, ...]) -> tuple[Parameter, ...]:

@@ -10,8 +10,9 @@ from schemas.calibration import Calibration
 from storage import settings
 from storage.catalogue import results
 from storage.home import Home
+from tasks.model.parameters import DEG
 from tasks.model.term import Parameter, nominal_values, places
-from tasks.model.terms.standard import DEG, STANDARD_TERMS
+from tasks.model.terms.standard import STANDARD_TERMS
 
 PER_SI: Mapping[str, float] = {"deg/s": DEG, "(deg/s)/g": DEG}  # of the model's unit, else 1
 ITEMS_OF: Mapping[str, tuple[str, str]] = {

@@ -1,46 +1,14 @@
 """What follows the unit's surroundings: temperature, supply."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from schemas.recording import Recording
 from tasks.model.parameters import DEG, Printed, each_channel, same, triads
-from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 REFERENCE = 25.0  # °C
 TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
-
-
-@dataclass(frozen=True)
-class RecordedBias(Term):
-    """A bias that follows something recorded, from its reference; None: from its mean."""
-
-    signal: str = field(kw_only=True)
-    reference: float | None = field(kw_only=True)
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        signal = motion.recorded[self.signal]
-        reference = np.nanmean(signal) if self.reference is None else self.reference
-        return same(signal - reference)
-
-
-@dataclass(frozen=True)
-class TemperatureScale(Term):
-    """A scale factor that follows the unit's own temperature."""
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        warmer = (motion.recorded["temperature"] - REFERENCE)[:, None]
-        return triads(inputs.rate * warmer, inputs.force * warmer)
-
-
-@dataclass(frozen=True)
-class ThermalTransient(Term):
-    """A bias that fades since power-on; shapes: its time constant."""
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        return same(np.exp(-motion.t / self.at[0]))
 
 
 def _per(unit: str, largest_gyro: float, largest_accel: float) -> tuple[Printed, Printed]:
@@ -48,38 +16,48 @@ def _per(unit: str, largest_gyro: float, largest_accel: float) -> tuple[Printed,
     return (f"(deg/s)/{unit}", DEG, largest_gyro), (f"(m/s2)/{unit}", 1.0, largest_accel)
 
 
-TEMPERATURE_BIAS = RecordedBias(
+TEMPERATURE_BIAS = SensorTerm(
     "temperature_bias", "environment", "sensor", "bᵢ = cᵢ·(T − 25 °C)",
     "IEEE Std 1293; IEEE Std 1431", each_channel("c", *_per("K", 0.01, 0.1)),
-    signal="temperature", reference=REFERENCE,
+    reads=lambda motion, inputs, at: same(motion.recorded["temperature"] - REFERENCE),
     confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
     time_course="drift",
 )  # fmt: skip
-TEMPERATURE_SCALE = TemperatureScale(
+# A scale factor that follows the unit's own temperature.
+TEMPERATURE_SCALE = SensorTerm(
     "temperature_scale", "environment", "sensor",
     "ω′ᵢ = cᵢ·ωᵢ·(T − 25 °C); a′ᵢ = cᵢ·fᵢ·(T − 25 °C)", "IEEE Std 1293; IEEE Std 1431",
     each_channel("c", ("1/K", 1.0, 2e-3), ("1/K", 1.0, 2e-3)),
+    reads=lambda motion, inputs, at: triads(
+        inputs.rate * (motion.recorded["temperature"] - REFERENCE)[:, None],
+        inputs.force * (motion.recorded["temperature"] - REFERENCE)[:, None],
+    ),
     confused_with=("temperature_bias", "gyro_scale_nonlinearity", "clock_skew"),
 )  # fmt: skip
-THERMAL_GRADIENT = RecordedBias(
+THERMAL_GRADIENT = SensorTerm(
     "thermal_gradient", "environment", "sensor", "bᵢ = cᵢ·dT/dt", "IEEE Std 952",
-    each_channel("c", *_per("(K/s)", 1.0, 10.0)), signal="temperature_rate", reference=0.0,
+    each_channel("c", *_per("(K/s)", 1.0, 10.0)),
+    reads=lambda motion, inputs, at: same(motion.recorded["temperature_rate"]),
     rarity=2.0, time_course="drift",
     confused_with=("temperature_bias", "thermal_transient", "bias_random_walk"),
 )  # fmt: skip
-SUPPLY_SENSITIVITY = RecordedBias(
+SUPPLY_SENSITIVITY = SensorTerm(
     "supply_sensitivity", "environment", "sensor", "bᵢ = cᵢ·(V − V̄)", "IEEE Std 1293; IEEE Std 952",
-    each_channel("c", *_per("V", 0.1, 1.0)), signal="supply_voltage", reference=None,
+    each_channel("c", *_per("V", 0.1, 1.0)),
+    reads=lambda motion, inputs, at: same(
+        motion.recorded["supply_voltage"] - np.nanmean(motion.recorded["supply_voltage"])
+    ),
     confused_with=("temperature_bias", "bias_random_walk"),
 )  # fmt: skip
 
 
-def thermal_transient(seconds: float) -> ThermalTransient:
-    """A warm-up with a time constant."""
-    return ThermalTransient(
+def thermal_transient(seconds: float) -> SensorTerm:
+    """A bias that fades since power-on, with a time constant."""
+    return SensorTerm(
         "thermal_transient", "environment", "sensor", "bᵢ = cᵢ·e^(−t/τ)", "IEEE Std 1293",
         each_channel("c", ("deg/s", DEG, 0.1), ("m/s2", 1.0, 1.0)),
         (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
+        reads=lambda motion, inputs, at: same(np.exp(-motion.t / at[0])),
         confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
         time_course="drift",
     )  # fmt: skip

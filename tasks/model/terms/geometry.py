@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.model.parameters import DEG, each_axis, each_pair, turned
+from tasks.model.parameters import DEG, OFF_DIAGONAL, each_axis, each_pair, turned
 from tasks.model.term import Inputs, Parameter, Term
-from tasks.model.terms.standard import OFF_DIAGONAL
 from tasks.model.turning import turned_by
 from tasks.motion.whole import Motion
 

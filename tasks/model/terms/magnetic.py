@@ -5,9 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, crossed, each_pair
+from tasks.model.parameters import DEG, GYRO_FIRST, crossed, each_pair
 from tasks.model.term import Column, Inputs, Parameter, Term
-from tasks.model.terms.standard import GYRO_FIRST
 from tasks.model.turning import level_axes
 from tasks.motion.whole import Motion
 

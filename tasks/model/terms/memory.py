@@ -1,13 +1,20 @@
 """What a unit remembers: its last motion, a jump of its bias, a bias that wanders."""
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import DEG, STILL, each_axis, each_channel, own, same, turned
-from tasks.model.term import Column, Inputs, Parameter, Term
-from tasks.model.terms.standard import ACCEL_FIRST, GYRO_FIRST
+from tasks.model.parameters import (
+    ACCEL_FIRST,
+    DEG,
+    GYRO_FIRST,
+    STILL,
+    each_axis,
+    each_channel,
+    own,
+    same,
+    turned,
+)
+from tasks.model.term import Column, Inputs, Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 ANGLES = (0.03, 0.1, 0.3)  # rad
@@ -15,14 +22,10 @@ WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, 
 TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
 
 
-@dataclass(frozen=True)
-class Hysteresis(Term):
-    """A bias with the sign of the last turn about the axis; shapes: the angle that sets it."""
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        step = np.diff(motion.t, prepend=motion.t[:1])
-        states = [last_turn(rate, step, self.at[0]) for rate in np.nan_to_num(motion.rate).T]
-        return own(GYRO_FIRST, np.column_stack(states))
+def _last_turns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
+    step = np.diff(motion.t, prepend=motion.t[:1])
+    states = [last_turn(rate, step, at[0]) for rate in np.nan_to_num(motion.rate).T]
+    return own(GYRO_FIRST, np.column_stack(states))
 
 
 def last_turn(rate: np.ndarray, step: np.ndarray, angle: float) -> np.ndarray:
@@ -46,32 +49,24 @@ def last_turn(rate: np.ndarray, step: np.ndarray, angle: float) -> np.ndarray:
     return np.where(sign != 0.0, sign + (began - sign) * np.exp(-since / angle), began)
 
 
-def hysteresis(angle: float) -> Hysteresis:
-    """A memory of the last turn that an angle (rad) of turning sets anew."""
-    return Hysteresis(
+def hysteresis(angle: float) -> SensorTerm:
+    """A bias with the sign of the last turn about the axis; an angle (rad) of turning sets it."""
+    return SensorTerm(
         "hysteresis", "memory", "sensor", "ω′ᵢ = hᵢ·sᵢ, dsᵢ/dψ = (sign ωᵢ − sᵢ)/ψ₀, ψ = ∫|ωᵢ|dt",
         "IEEE Std 528", each_axis("amplitude", "h", ("deg/s", DEG, 0.02)),
-        (Parameter("angle", "ψ₀", "rad", 1.0, (0.01, 1.0)),), (angle,),
+        (Parameter("angle", "ψ₀", "rad", 1.0, (0.01, 1.0)),), (angle,), reads=_last_turns,
         confused_with=("gyro_scale_asymmetry", "bias_step", "bias_random_walk"),
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class BiasStep(Term):
-    """The biases of one triad jump once; shapes: when."""
-
-    channels: tuple[int, ...] = field(kw_only=True)
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        return same((motion.t >= self.at[0]).astype(float), self.channels)
-
-
-def bias_step(first: int, time: float) -> BiasStep:
-    """A jump of the triad that starts at channel `first`, at a time in s."""
+def bias_step(first: int, time: float) -> SensorTerm:
+    """The biases of the triad that starts at channel `first` jump once, at a time in s."""
+    channels = tuple(range(first, first + 3))
     both = each_channel("Δb", ("deg/s", DEG, 0.05), ("m/s2", 1.0, 0.5))
-    return BiasStep(
+    return SensorTerm(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
-        both[first : first + 3], (TIME,), (time,), channels=tuple(range(first, first + 3)),
+        both[first : first + 3], (TIME,), (time,),
+        reads=lambda motion, inputs, at: same((motion.t >= at[0]).astype(float), channels),
         rarity=WANDER, time_course="jump",
         confused_with=("bias_random_walk", "thermal_transient", "remount_misalignment"),
     )  # fmt: skip

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import single
+from tasks.model.parameters import ACCEL_FIRST, single
 from tasks.model.term import Term
-from tasks.model.terms.standard import ACCEL_FIRST
 from tasks.motion.whole import Motion
 
 NODES = range(-2, 4)  # rows about the one asked for that an interpolated reading rests on

@@ -7,11 +7,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from schemas.recording import AXES
-from tasks.model.parameters import own
+from tasks.model.parameters import ACCEL_FIRST, own
 from tasks.model.simulate import CHANNEL_COUNT
 from tasks.model.term import Column, Term
 from tasks.model.terms.standard import (
-    ACCEL_FIRST,
     GYRO_BIAS,
     GYRO_G_SENSITIVITY,
     GYRO_MATRIX,

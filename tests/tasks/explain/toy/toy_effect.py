@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.model.parameters import each_axis, own
+from tasks.model.parameters import GYRO_FIRST, each_axis, own
 from tasks.model.term import Column, Inputs, Term
-from tasks.model.terms.standard import GYRO_FIRST
 from tasks.motion.whole import Motion
 
 
