@@ -49,8 +49,8 @@ def explain(
     design = banded_design(coarse, coarse.readings, columns, half)
     progress("search")
     if only is None:
-        evidence = pruned(searched(design, candidates, fine), len(candidates))
-        evidence = with_absorbed(evidence, candidates, coarse)
+        fit = searched(design, candidates, fine)
+        evidence = with_absorbed(pruned(fit, len(candidates)), candidates, design)
     else:
         evidence = Evidence.of(all_fitted(design, candidates, fine))
     if clean.delay:

@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model
 from tasks.model.noise import RowNoise
-from tasks.model.regression import WhitenedEquations, determined, inverse
+from tasks.model.regression import WhitenedEquations, determined, inverse, of_channel
 from tasks.model.simulate import CHANNEL_COUNT
 from tasks.model.term import Column, Parameter, Term, parameters_of
 from tasks.motion.whole import Motion
@@ -85,13 +85,13 @@ def fit(
 def _whitened(columns: Sequence[Column], misfit: np.ndarray, noise: RowNoise) -> WhitenedEquations:
     grams, which = [], []
     for channel in range(CHANNEL_COUNT):
-        own = [q for q, column in enumerate(columns) if channel in column]
-        stack = np.column_stack([*(columns[q][channel] for q in own), misfit[:, channel]])
+        own, signals = of_channel(columns, misfit, channel)
+        stack = np.column_stack(signals)
         used = _used(stack, noise.white[:, channel])
         white = np.where(used, noise.white[:, channel], 1.0)
         stack = np.where(used[:, None], stack, 0.0) / np.sqrt(white)[:, None]
         grams.append(stack.T @ stack)
-        which.append(np.array(own, int))
+        which.append(own)
     return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
 
@@ -107,13 +107,13 @@ def _finished(model: Model, motion: Motion, readings: np.ndarray, noise: RowNois
     solution, spread = inverse(normal), np.zeros_like(normal)
     used = np.zeros(readings.shape, bool)
     for channel in range(CHANNEL_COUNT):
-        which, columns = design.of_channel(channel)
-        stack = np.column_stack([columns, misfit[:, channel]])
+        which, signals = of_channel(design.columns, misfit, channel)
+        stack = np.column_stack(signals)
         used[:, channel] = _used(stack, noise.white[:, channel])
         if not used[:, channel].any():
             continue
         weights = np.where(used[:, channel], 1.0 / noise.white[:, channel], 0.0)
-        weighted = np.where(used[:, channel, None], columns, 0.0) * weights[:, None]
+        weighted = np.where(used[:, channel, None], stack[:, :-1], 0.0) * weights[:, None]
         spread[np.ix_(which, which)] += noise.gram(channel, weighted)
     rows = np.flatnonzero(model.free)
     inner = np.ix_(rows, rows)

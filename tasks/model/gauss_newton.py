@@ -16,13 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.model.model import Model
-from tasks.model.regression import Whiten, WhitenedEquations, inverse
+from tasks.model.regression import Whiten, inverse
 from tasks.motion.whole import Motion
 
 
 @dataclass(frozen=True)
 class Step:
-    """A step (q,) of the free parameters, then the shapes, and the equations it solves.
+    """A step (q,) of the free parameters, then the shapes.
 
     covariance: (q, q) as white noise has it. gain: chi-squared that the step promises.
     """
@@ -30,7 +30,6 @@ class Step:
     change: np.ndarray
     covariance: np.ndarray
     gain: float
-    equations: WhitenedEquations
 
     @property
     def u(self) -> np.ndarray:
@@ -41,15 +40,14 @@ class Step:
 def next_step(model: Model, motion: Motion, readings: np.ndarray, whiten: Whiten) -> Step:
     """The step from where a model stands; readings: (n, 6) rad/s and m/s²."""
     design = model.design(motion)
-    equations = whiten(design.columns, readings - design.prediction)
-    normal, right, _ = equations.normal()
+    normal, right, _ = whiten(design.columns, readings - design.prediction).normal()
     rows = np.flatnonzero(model.free)
     prior, pull = np.zeros(len(normal)), np.zeros(len(normal))
     prior[: len(rows)] = model.prior[rows]
     pull[: len(rows)] = model.prior[rows] * model.values[rows]
     covariance = inverse(normal + np.diag(prior))
     change = covariance @ (right - pull)
-    return Step(change, covariance, float(change @ (right - pull)), equations)
+    return Step(change, covariance, float(change @ (right - pull)))
 
 
 def gauss_newton(

@@ -72,15 +72,36 @@ class Model:
         longer.covariance[:count, :count] = self.covariance
         return replace(longer, shape_u=(*self.shape_u, None))
 
-    def effect_of(self, term: Term, motion: Motion, prediction: np.ndarray) -> Column:
-        """What one of its terms adds to its prediction (n, 6), in every channel."""
-        rest = self.without({term.key})
-        effect = prediction - predict(rest.terms, motion, rest.values)
-        return {channel: effect[:, channel] for channel in range(effect.shape[1])}
+    @property
+    def places(self) -> dict[TermKey, slice]:
+        """Where each term's parameters stand."""
+        return dict(zip((term.key for term in self.terms), places(self.terms), strict=True))
+
+    def with_values_of(self, other: "Model") -> "Model":
+        """The model with the values that another has for the same terms, where they are free."""
+        values, theirs = self.values.copy(), other.places
+        for key, place in self.places.items():
+            if key in theirs:
+                values[place] = other.values[theirs[key]]
+        return replace(self, values=np.where(self.free, values, self.values))
+
+    def prediction(self, motion: Motion) -> np.ndarray:
+        """Readings (n, 6) in rad/s and m/s² of a unit with these values."""
+        return predict(self.terms, motion, self.values)
+
+    def linearised(self, motion: Motion) -> Design:
+        """Prediction and columns of all parameters."""
+        return linearise(self.terms, motion, self.values)
+
+    def effect_of(
+        self, some: Collection[TermKey], motion: Motion, prediction: np.ndarray
+    ) -> np.ndarray:
+        """(n, 6) what some of its terms add to its prediction (n, 6)."""
+        return prediction - self.without(some).prediction(motion)
 
     def design(self, motion: Motion) -> Design:
         """Prediction and columns of the free parameters, then of the continuous shapes."""
-        whole = linearise(self.terms, motion, self.values)
+        whole = self.linearised(motion)
         columns = [whole.columns[p] for p in np.flatnonzero(self.free)]
         columns += [self._shape_column(motion, k) for k in self.fitted_shapes]
         return Design(whole.prediction, tuple(columns))

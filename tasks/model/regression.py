@@ -38,6 +38,14 @@ class WhitenedEquations:
         return normal, right, misfit
 
 
+def of_channel(
+    columns: Sequence[Column], misfit: np.ndarray, channel: int
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Which columns (k,) a channel has; these and, last, its misfit of (n, 6), each (n,)."""
+    which = [q for q, column in enumerate(columns) if channel in column]
+    return np.array(which, int), [*(columns[q][channel] for q in which), misfit[:, channel]]
+
+
 Whiten = Callable[[Sequence[Column], np.ndarray], WhitenedEquations]
 """Columns and misfit (n, 6) of a model -> its normal equations, by what is known of the noise."""
 

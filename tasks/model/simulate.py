@@ -35,13 +35,6 @@ class Design:
     prediction: np.ndarray
     columns: tuple[Column, ...]
 
-    def of_channel(self, channel: int) -> tuple[list[int], np.ndarray]:
-        """The parameters that a channel reads, and their columns (n, k)."""
-        used = [p for p, column in enumerate(self.columns) if channel in column]
-        if not used:
-            return [], np.zeros((len(self.prediction), 0))
-        return used, np.column_stack([self.columns[p][channel] for p in used])
-
 
 def linearise(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> Design:
     """Prediction and columns at the values (p,).

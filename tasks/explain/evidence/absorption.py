@@ -7,20 +7,20 @@ over its plausible range would have hit that value by chance. Where not, nothing
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import chdtrc
 
+from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.equations import equations_of
-from tasks.explain.regression.spectrum import Noise
-from tasks.explain.search.candidates import Candidate, columns_of
+from tasks.explain.regression.equations import whitened_gram
+from tasks.explain.regression.spectrum import Noise, transformed, weighted
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import BandedDesign
 from tasks.explain.search.stepwise import Selected
 from tasks.model.regression import inverse
-from tasks.model.term import Column
-from tasks.model.terms.standard import GYRO_G_SENSITIVITY, GYRO_TERMS, regressors
+from tasks.model.terms.standard import GYRO_G_SENSITIVITY
 
 ABSORBING = GYRO_G_SENSITIVITY  # absorbs a rate that turns with the vertical
 MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
@@ -28,76 +28,65 @@ MAX_MISFIT = 1e-3  # p value of what the parameters are beyond the known physics
 OBSERVABLE = 1e-9  # of a column's power: less is left of it beside the standard's other columns
 
 
-def with_absorbed(evidence: Evidence, candidates: Sequence[Candidate], blocks: Blocks) -> Evidence:
+def with_absorbed(
+    evidence: Evidence, candidates: Sequence[Candidate], design: BandedDesign
+) -> Evidence:
     """The evidence with the known physics that the readings ask for though it is absorbed.
 
-    blocks: those of the search.
+    design: that of the search, as it began.
     """
     fit, names = evidence.fit, {one.name for one in evidence.fit.selection.candidates}
     for known in (one for one in candidates if one.known and one.name not in names):
-        (effect,) = columns_of(known.term, blocks.motion)
-        claim = absorbed(known, effect, blocks, fit.selection.noises)
+        claim = absorbed(known, design, fit.selection.noises)
         if claim is not None:
             selected = (*fit.selection.selected, claim)
             fit = fit.reselected(replace(fit.selection, selected=selected))
     return evidence if fit is evidence.fit else Evidence.of(fit)
 
 
-@dataclass(frozen=True)
-class _Gains:
+def absorbed(known: Candidate, design: BandedDesign, noises: Sequence[Noise]) -> Selected | None:
+    """The candidate, selected, where the readings ask for it instead of what absorbs it.
+
+    noises: of a coefficient at the design's rate.
+    """
+    effect = design.columns[known.members[0]]
+    gains = [_gains(signal, design, c, noises[c]) for c, signal in effect.items()]
+    gain, absorbing, occam, count = np.sum(gains, axis=0) if gains else np.zeros(4)
+    if count == 0 or gain <= 0:
+        return None
+    rival = max(0.0, absorbing - occam)
+    beyond = max(0.0, absorbing - gain)
+    if gain - rival < MIN_LOG_ODDS or chdtrc(count, beyond) < MAX_MISFIT:
+        return None
+    return Selected(known, float(gain), float(gain - rival), (), absorbed_by=ABSORBING.name)
+
+
+def _gains(
+    effect: np.ndarray, design: BandedDesign, number: int, noise: Noise
+) -> tuple[float, float, float, int]:
     """Chi-squared gained over a model without the absorbing parameters, by the known physics and
     by those parameters; the Occam factor of the parameters and their number.
     """
-
-    known: float = 0.0
-    absorbing: float = 0.0
-    occam: float = 0.0
-    count: int = 0
-
-    def __add__(self, other: "_Gains") -> "_Gains":
-        return _Gains(
-            self.known + other.known,
-            self.absorbing + other.absorbing,
-            self.occam + other.occam,
-            self.count + other.count,
-        )
-
-
-def absorbed(
-    known: Candidate, effect: Column, blocks: Blocks, noises: Sequence[Noise]
-) -> Selected | None:
-    """The candidate, selected, where the readings ask for it instead of what absorbs it.
-
-    effect: all that it adds to the readings. noises: of a coefficient at the blocks' rate.
-    """
-    gains = sum((_gains(effect, c, blocks, noises) for c in effect), start=_Gains())
-    if gains.count == 0 or gains.known <= 0:
-        return None
-    rival = max(0.0, gains.absorbing - gains.occam)
-    beyond = max(0.0, gains.absorbing - gains.known)
-    if gains.known - rival < MIN_LOG_ODDS or chdtrc(gains.count, beyond) < MAX_MISFIT:
-        return None
-    return Selected(known, gains.known, gains.known - rival, (), absorbed_by=ABSORBING.name)
-
-
-def _gains(effect: Column, channel: int, blocks: Blocks, noises: Sequence[Noise]) -> _Gains:
-    others = tuple(term for term in GYRO_TERMS if term.key != ABSORBING.key)
-    base, own = (list(regressors(blocks.motion, channel, t).T) for t in (others, (ABSORBING,)))
-    columns: list[Column] = [{channel: signal} for signal in (*base, *own, effect[channel])]
-    gram = equations_of(columns, blocks.readings, blocks, noises).grams[channel]
-    first, count = len(base), len(own)
+    blocks, channel = design.blocks, design.channels[number]
+    if channel is None:
+        return 0.0, 0.0, 0.0, 0
+    signals = weighted([effect, blocks.readings[:, number]], blocks.weight[:, number])
+    rows = np.vstack([channel.base, transformed(signals)])
+    gram = whitened_gram(rows, blocks.rate, noise)
+    count = len(AXES)  # the absorbing parameters of a channel are the last of its base
+    first = len(channel.base) - count
     shared = gram[:first, first:]
     left = gram[first:, first:] - shared.T @ inverse(gram[:first, :first]) @ shared
     observable = np.flatnonzero(
         np.diag(left)[:count] > OBSERVABLE * np.diag(gram)[first : first + count]
     )
-    if not len(observable):
-        return _Gains()
     score, free = left[observable, -1], left[np.ix_(observable, observable)]
+    if not len(observable):
+        return 0.0, 0.0, 0.0, 0
     width = 0.5 * ABSORBING.parameters[0].plausible[1] * np.sqrt(np.diag(free))
-    return _Gains(
-        known=float(2.0 * left[count, -1] - left[count, count]),
-        absorbing=float(score @ inverse(free) @ score),
-        occam=float(np.log1p(width**2).sum()),
-        count=len(observable),
+    return (
+        float(2.0 * left[count, -1] - left[count, count]),
+        float(score @ inverse(free) @ score),
+        float(np.log1p(width**2).sum()),
+        len(observable),
     )

@@ -8,15 +8,13 @@ from schemas.discrepancy import Verdict
 from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Events
-from tasks.explain.evidence.event_findings import event_findings
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.findings import findings_of
+from tasks.explain.evidence.findings import event_findings, findings_of
 from tasks.explain.evidence.reference_deviation import reference_deviation
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.search.refit import fitted, model_of
-from tasks.model.simulate import predict
 
 
 def explanation_of(
@@ -32,12 +30,11 @@ def explanation_of(
     """
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
-    predicted = predict(fit.model.terms, full.motion, fit.model.values)
+    predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
     findings = findings_of(evidence, full, predicted)
-    nominal = predict(standard.terms, full.motion, standard.values)
     if reference is not None:
+        findings += reference_deviation(standard, nominal, full, fit)
         nominal = reference.readings
-        findings += reference_deviation(standard, full, fit)
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
     events = events_in_residual(events, t, residual, noise, full.motion)

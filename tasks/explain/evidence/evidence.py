@@ -10,14 +10,12 @@ from scipy.stats import chi2
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
-from tasks.explain.evidence.held_out import cross_validation
+from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.regression.equations import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
-from tasks.model.cross_validation import CrossValidation
 from tasks.model.regression import WhitenedEquations, inverse
-from tasks.model.simulate import linearise
-from tasks.model.term import Column, places
+from tasks.model.term import Column
 
 CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
 
@@ -42,23 +40,22 @@ class Evidence:
     def of(cls, fit: FittedSelection) -> "Evidence":
         model, blocks = fit.model, fit.blocks
         groups = finding_groups(fit.selection)
-        design = linearise(model.terms, blocks.motion, model.values)
+        design = model.linearised(blocks.motion)
         free = np.flatnonzero(model.free).tolist()
         columns: list[Column] = [design.columns[p] for p in free]
-        position = {p: q for q, p in enumerate(free)}
+        position, own_places = {p: q for q, p in enumerate(free)}, model.places
         own, known = [], []
         for group in groups:
-            keys = {term.key for term in group.terms}
             mine: list[int] = []
             values: list[float] = []
-            for term, place in zip(model.terms, places(model.terms), strict=True):
-                if term.key not in keys:
-                    continue
+            for term in group.terms:
+                place = own_places[term.key]
                 if not term.parameters:
                     known.append(len(columns))
                     mine.append(len(columns))
                     values.append(1.0)
-                    columns.append(model.effect_of(term, blocks.motion, design.prediction))
+                    effect = model.effect_of({term.key}, blocks.motion, design.prediction)
+                    columns.append(dict(enumerate(effect.T)))
                 fitted = [p for p in range(place.start, place.stop) if p in position]
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()

@@ -1,8 +1,9 @@
-"""From evidence to findings: what each piece of physics is, what it adds and its parameters."""
+"""From evidence and events to findings: what each is, what it adds and its parameters."""
 
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.events.event import Event, Events
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup
 from tasks.explain.explanation import UNNAMED, Finding
@@ -10,7 +11,7 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 from tasks.explain.search.scores import INDISTINGUISHABLE
-from tasks.model.simulate import predict
+from tasks.model.effect import EVENTS
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
@@ -28,8 +29,8 @@ def findings_of(evidence: Evidence, full: FullRate, predicted: np.ndarray) -> li
 
 def _finding(evidence: Evidence, number: int, full: FullRate, predicted: np.ndarray) -> Finding:
     group = evidence.groups[number]
-    rest = evidence.fit.model.without({term.key for term in group.terms})
-    contribution = predicted - predict(rest.terms, full.motion, rest.values)
+    keys = {term.key for term in group.terms}
+    contribution = evidence.fit.model.effect_of(keys, full.motion, predicted)
     gain = evidence.gain(number) if group.absorbed_by is None else group.selected[0].gain
     named, first = group.name != UNNAMED, group.terms[0]
     return Finding(
@@ -135,3 +136,37 @@ def si_unit(printed: str) -> str:
     for shown, si in SI_UNITS:
         printed = printed.replace(shown, si)
     return printed
+
+
+def event_findings(events: Events, full: FullRate, predicted: np.ndarray) -> list[Finding]:
+    """Findings of the events, each with what it changes after those before it.
+
+    predicted: (n, 6) readings without events.
+    """
+    found = []
+    for event in events.events:
+        after = event.applied(full.motion.t, predicted)
+        found.append(_event_finding(event, after - predicted, full))
+        predicted = after
+    return found
+
+
+def _event_finding(event: Event, contribution: np.ndarray, full: FullRate) -> Finding:
+    effect = EVENTS.get(event.effect)
+    gain = float((np.nansum(contribution**2, axis=0) / full.rest_variance).sum())
+    count = len(event.parameters)
+    rows = max(1, int(np.isfinite(full.readings[:, list(event.channels)]).sum()))
+    return Finding(
+        effect=event.effect,
+        family=effect.family if effect else UNNAMED,
+        title=effect.title if effect else event.description,
+        equation=effect.equation if effect else "",
+        source=effect.source if effect else "",
+        channels=event.channels,
+        parameters=event.parameters,
+        contribution=contribution,
+        gain=gain,
+        delta_bic=gain - count * float(np.log(rows)),
+        held_out_gain=0.5 * gain - count,
+        separated_by=effect.separated_by if effect else None,
+    )

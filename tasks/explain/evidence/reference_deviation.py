@@ -11,8 +11,7 @@ from tasks.explain.regression.equations import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.model import Model
-from tasks.model.simulate import predict
-from tasks.model.term import nominal_values, places
+from tasks.model.term import places
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.words import message
 
@@ -20,20 +19,19 @@ CLEAR = 3.0  # standard uncertainties from which on a parameter is listed
 OTHER = message("explain-other-parameters")
 
 
-def reference_deviation(standard: Model, full: FullRate, fit: FittedSelection) -> list[Finding]:
+def reference_deviation(
+    standard: Model, predicted: np.ndarray, full: FullRate, fit: FittedSelection
+) -> list[Finding]:
     """The finding that the standard's parameters are not those of the prediction; none: they are.
 
     standard: the standard's model fitted to the readings less what the prediction has beyond an
-    ideal unit.
+    ideal unit. predicted: (n, 6) by it at full rate.
     """
-    ideal = nominal_values(STANDARD_TERMS)
+    ideal = Model.of(STANDARD_TERMS)
     count = int(standard.free.sum())
-    gain = _chi2(ideal, fit) - _chi2(standard.values, fit)
+    gain = _chi2(ideal, fit) - _chi2(standard, fit)
     if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
         return []
-    own, reference = (
-        predict(STANDARD_TERMS, full.motion, values) for values in (standard.values, ideal)
-    )
     used = (fit.blocks.weight > 0).sum()
     return [
         Finding(
@@ -43,8 +41,8 @@ def reference_deviation(standard: Model, full: FullRate, fit: FittedSelection) -
             equation="models (1) and (2)",
             source="JJF 2003-2022, 5.1 and 5.2",
             channels=EVERY,
-            parameters=_clear_deviations(standard, ideal),
-            contribution=own - reference,
+            parameters=_clear_deviations(standard, ideal.values),
+            contribution=predicted - ideal.prediction(full.motion),
             gain=gain,
             delta_bic=gain - count * float(np.log(used)),
             held_out_gain=0.5 * gain - count,
@@ -52,10 +50,10 @@ def reference_deviation(standard: Model, full: FullRate, fit: FittedSelection) -
     ]
 
 
-def _chi2(values: np.ndarray, fit: FittedSelection) -> float:
-    """Of the standard's model with some values."""
+def _chi2(model: Model, fit: FittedSelection) -> float:
+    """Of a model on the blocks that the selection is fitted to."""
     blocks = fit.blocks
-    misfit = blocks.readings - predict(STANDARD_TERMS, blocks.motion, values)
+    misfit = blocks.readings - model.prediction(blocks.motion)
     return equations_of([], misfit, blocks, fit.noises).normal()[2]
 
 

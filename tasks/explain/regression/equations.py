@@ -6,7 +6,7 @@ import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise, transformed, weighted
-from tasks.model.regression import Whiten, WhitenedEquations
+from tasks.model.regression import WhitenedEquations, of_channel
 from tasks.model.term import Column
 
 
@@ -19,17 +19,16 @@ def equations_of(
     """Whitened Gram matrices of columns and misfit (n, 6)."""
     grams, which = [], []
     for channel, noise in enumerate(noises):
-        own = [q for q, column in enumerate(columns) if channel in column]
-        signals = [*(columns[q][channel] for q in own), misfit[:, channel]]
+        own, signals = of_channel(columns, misfit, channel)
         stack = transformed(weighted(signals, observed.weight[:, channel]))
-        count = stack.shape[1]
-        frequency = np.maximum(np.arange(count), 0.5) * observed.rate / (2 * count)
-        stack /= np.sqrt(noise.variance(frequency))
-        grams.append(stack @ stack.T)
-        which.append(np.array(own, int))
+        grams.append(whitened_gram(stack, observed.rate, noise))
+        which.append(own)
     return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
 
-def whitening(observed: Blocks, noises: Sequence[Noise]) -> Whiten:
-    """Whitens columns and misfit by the noises of a coefficient at the observed rate."""
-    return lambda columns, misfit: equations_of(columns, misfit, observed, noises)
+def whitened_gram(stack: np.ndarray, rate: float, noise: Noise) -> np.ndarray:
+    """Products (k, k) of transformed rows (k, n) of signals at a rate, Hz, divided by the noise."""
+    count = stack.shape[1]
+    frequency = np.maximum(np.arange(count), 0.5) * rate / (2 * count)
+    stack = stack / np.sqrt(noise.variance(frequency))
+    return np.asarray(stack @ stack.T)

@@ -23,11 +23,12 @@ from tasks.explain.regression.spectrum import (
     triad_noises,
     weighted,
 )
-from tasks.model.regression import inverse
+from tasks.model.regression import inverse, of_channel
 from tasks.model.term import Column
 from tasks.model.terms.standard import regressors
 
 ROUNDING = 1e-13  # of a column's power
+UNIT_NOISE = Noise(1.0, 0.0)  # by which every coefficient counts the same
 ABSORBED = 1e-6  # of a column's power: less than this is left of it by the standard's model
 
 
@@ -76,6 +77,11 @@ class NormalEquations:
     scale: np.ndarray
     misfit: float
 
+    @property
+    def power(self) -> np.ndarray:
+        """(p,) uᵀS⁻¹u of each column; zero where the standard absorbs it."""
+        return np.divide(1.0, self.scale**2, out=np.zeros_like(self.scale), where=self.scale > 0)
+
 
 def banded_design(
     blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], half: np.ndarray
@@ -97,17 +103,14 @@ def banded_design(
 def _channel_design(
     blocks: Blocks, readings: np.ndarray, columns: Sequence[Column], bands: Bands, channel: int
 ) -> ChannelDesign:
-    which = [p for p, column in enumerate(columns) if channel in column]
+    which, signals = of_channel(columns, readings, channel)
     weight = blocks.weight[:, channel]
     stack = weighted(regressors(blocks.motion, channel).T, weight)
     basis = np.linalg.qr(stack.T)[0].T
-    signals = [*(columns[p][channel] for p in which), readings[:, channel]]
     rest = _projected(weighted(signals, weight), basis)
     rows, size = _at_unit_size(np.vstack([stack, rest]))
     grams = _products(rows, rows, bands) * size[:, None] * size
-    return ChannelDesign(
-        np.array(which, int), transformed(stack), transformed(rest[-1]), grams, rows, size, basis
-    )
+    return ChannelDesign(which, transformed(stack), transformed(rest[-1]), grams, rows, size, basis)
 
 
 def with_columns(
@@ -203,24 +206,20 @@ def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEqu
 
 
 def residuals(
-    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise] | None
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise]
 ) -> list[ChannelResidual]:
     """For each channel what the standard's model and some parameters leave.
 
-    members: numbers of the parameters. noises: by which they are fitted; without them every
-    coefficient counts the same.
+    members: numbers of the parameters. noises: by which they are fitted.
     """
-    return [
-        _residual(design, number, members, None if noises is None else noises[number])
-        for number in range(len(design.channels))
-    ]
+    return [_residual(design, number, members, noise) for number, noise in enumerate(noises)]
 
 
 def residual_noises(
-    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise] | None
+    design: BandedDesign, members: Sequence[int], noises: Sequence[Noise]
 ) -> tuple[Noise, ...]:
     """The noise of what the standard's model and some parameters leave, triad by triad."""
-    found = [Noise(1.0, 0.0)] * len(design.channels)
+    found = [UNIT_NOISE] * len(design.channels)
     left = residuals(design, members, noises)
     for triad in TRIADS:
         recorded = [c for c in triad if design.channels[c] is not None]
@@ -232,7 +231,7 @@ def residual_noises(
 
 
 def _residual(
-    design: BandedDesign, number: int, members: Sequence[int], noise: Noise | None
+    design: BandedDesign, number: int, members: Sequence[int], noise: Noise
 ) -> ChannelResidual:
     channel = design.channels[number]
     if channel is None:
@@ -242,9 +241,7 @@ def _residual(
     if signals:
         more = transformed(weighted(signals, design.blocks.weight[:, number]))
         columns = np.vstack([columns, more])
-    level = np.ones(len(channel.reading))
-    if noise is not None:
-        level = 1.0 / noise.of_coefficients(design.bands)
+    level = 1.0 / noise.of_coefficients(design.bands)
     solved = inverse((columns * level) @ columns.T)
     values = solved @ ((columns * level) @ channel.reading)
     taken = ((solved @ columns) * columns).sum(axis=0) * level

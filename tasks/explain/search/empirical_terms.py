@@ -7,7 +7,7 @@ import numpy as np
 
 from tasks.explain.channels import EVERY
 from tasks.explain.explanation import UNNAMED
-from tasks.model.term import Column, Inputs, Parameter, Term
+from tasks.model.term import Column, Inputs, Parameter, SensorTerm, Term
 from tasks.motion.small_rotation import with_small_rotation
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
@@ -15,26 +15,6 @@ from tasks.words import Sayable, message
 LETTERS = "xyzxyz"
 
 Regressors = Callable[[Motion, Inputs, int], Sequence[np.ndarray]]
-
-
-@dataclass(frozen=True)
-class RegressionTerm(Term):
-    """Readings of some channels follow one or more regressors, each channel by its own factors.
-
-    regressors: of motion, inputs and the channel, each (n,); shared: the same for every channel.
-    """
-
-    channels: tuple[int, ...] = field(kw_only=True)
-    regressors: Regressors = field(kw_only=True)
-    shared: bool = field(default=False, kw_only=True)
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        first = self.regressors(motion, inputs, self.channels[0])
-        return tuple(
-            {channel: np.nan_to_num(regressor)}
-            for channel in self.channels
-            for regressor in (first if self.shared else self.regressors(motion, inputs, channel))
-        )
 
 
 @dataclass(frozen=True)
@@ -60,29 +40,39 @@ def regression_term(
     number: int,
     regressors: Regressors,
     shared: bool = False,
-) -> RegressionTerm:
-    """An empirical term with `number` regressors in each channel."""
-    parameters = tuple(
+) -> SensorTerm:
+    """Readings of some channels follow `number` regressors, each channel by its own factors.
+
+    regressors: of motion, inputs and the channel, each (n,); shared: the same for every channel.
+    """
+
+    def columns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
+        first = regressors(motion, inputs, channels[0])
+        return tuple(
+            {channel: np.nan_to_num(regressor)}
+            for channel in channels
+            for regressor in (first if shared else regressors(motion, inputs, channel))
+        )
+
+    return SensorTerm(
+        UNNAMED, UNNAMED, "sensor", f"reading += c·{key}", "empirical",
+        _factors(key, channels, number), own_title=title, reads=columns,
+    )  # fmt: skip
+
+
+def _factors(key: str, channels: tuple[int, ...], number: int) -> tuple[Parameter, ...]:
+    return tuple(
         Parameter(
             f"{'gyro' if c < 3 else 'accel'}_{LETTERS[c]}" + (f"_{k + 1}" if number > 1 else ""),
             key, "rad/s" if c < 3 else "m/s2", 1.0, (-1.0, 1.0),
         )
         for c in channels for k in range(number)
     )  # fmt: skip
-    return RegressionTerm(
-        UNNAMED, UNNAMED, "sensor", f"reading += c·{key}", "empirical", parameters,
-        own_title=title, channels=channels, regressors=regressors, shared=shared,
-    )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Sinusoid(RegressionTerm):
+class Sinusoid(SensorTerm):
     """An oscillation of constant amplitude; shapes: the period."""
-
-    def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        phase = 2.0 * np.pi * motion.t / self.at[0]
-        pair = (np.sin(phase), np.cos(phase))
-        return tuple({channel: part} for channel in self.channels for part in pair)
 
     def shaped(self, at: tuple[float, ...]) -> "Sinusoid":
         """The sinusoid of another period."""
@@ -91,16 +81,20 @@ class Sinusoid(RegressionTerm):
 
 def sinusoid(channels: tuple[int, ...], period: float = 100.0) -> Sinusoid:
     """A sinusoid in some channels, at any phase in each."""
-    plain = regression_term("a wave", "", channels, 2, lambda motion, inputs, channel: ())
-    shape = Parameter("period", "P", "s", 1.0, (0.5, 2000.0))
+
+    def columns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
+        phase = 2.0 * np.pi * motion.t / at[0]
+        pair = (np.sin(phase), np.cos(phase))
+        return tuple({channel: part} for channel in channels for part in pair)
+
     return Sinusoid(
-        plain.name, plain.family, plain.stage, "reading += a·sin(2πt/P) + b·cos(2πt/P)",
-        plain.source, plain.parameters, (shape,), (period,),
-        channels=channels, regressors=plain.regressors,
+        UNNAMED, UNNAMED, "sensor", "reading += a·sin(2πt/P) + b·cos(2πt/P)", "empirical",
+        _factors("a wave", channels, 2), (Parameter("period", "P", "s", 1.0, (0.5, 2000.0)),),
+        reads=columns,
     ).shaped((period,))  # fmt: skip
 
 
-def slow_drift(walk: Term | None, waves: int) -> RegressionTerm:
+def slow_drift(walk: Term | None, waves: int) -> SensorTerm:
     """Cosines of half a period and more over the run, in every channel.
 
     walk: the catalogue's term whose name and texts it takes; without one it is `unnamed`.

@@ -15,7 +15,6 @@ from tasks.explain.search.refit import (
     linearised,
     model_of,
     with_later_clock,
-    with_values_of,
 )
 from tasks.explain.search.stepwise import (
     Selected,
@@ -50,7 +49,7 @@ class FittedSelection:
         candidates = selection.candidates
         model = model_of([(one, selection.prior_precision(one)) for one in candidates], blocks)
         if start is not None:
-            model = with_values_of(model, start)
+            model = model.with_values_of(start)
         model = fitted(model, blocks, _at_rate(selection.noises, blocks.rate / search_rate))
         terms = {term.key: term for term in model.terms}
         shaped = [replace(one, term=terms[one.term.key], fitted=True) for one in candidates]

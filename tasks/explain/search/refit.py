@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.equations import whitening
+from tasks.explain.regression.equations import equations_of
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model
-from tasks.model.simulate import linearise
-from tasks.model.term import Column, Term, TermKey, nominal_values, places
+from tasks.model.regression import WhitenedEquations
+from tasks.model.term import Column, Term
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -33,10 +33,11 @@ def model_of(selected: Sequence[tuple[Candidate, np.ndarray]], blocks: Blocks) -
     stays as an ideal unit has it.
     """
     terms: list[Term] = list(STANDARD_TERMS)
-    ideal = linearise(STANDARD_TERMS, blocks.motion, nominal_values(STANDARD_TERMS)).columns
-    observable = np.array([_observable(column, blocks.weight) for column in ideal])
-    free = {key: observable[place] for key, place in _places(STANDARD_TERMS).items()}
-    prior = {term.key: np.zeros(len(term.parameters)) for term in terms}
+    ideal = Model.of(STANDARD_TERMS)
+    columns = ideal.linearised(blocks.motion).columns
+    observable = np.array([_observable(column, blocks.weight) for column in columns])
+    free = {key: observable[place] for key, place in ideal.places.items()}
+    prior = {key: np.zeros(len(own)) for key, own in free.items()}
     for candidate, precision in selected:
         term = candidate.term
         if term.key not in free:
@@ -55,24 +56,10 @@ def _observable(column: Column, weight: np.ndarray) -> bool:
     return any(np.nan_to_num(signal * weight[:, c]).any() for c, signal in column.items())
 
 
-def _places(terms: tuple[Term, ...]) -> dict[TermKey, slice]:
-    """Where each term's parameters stand."""
-    return dict(zip((term.key for term in terms), places(terms), strict=True))
-
-
-def with_values_of(model: Model, other: Model) -> Model:
-    """The model with the values that another has for the same terms, where they are free."""
-    values, own = model.values.copy(), _places(other.terms)
-    for key, place in _places(model.terms).items():
-        if key in own:
-            values[place] = other.values[own[key]]
-    return replace(model, values=np.where(model.free, values, model.values))
-
-
 def with_later_clock(model: Model, delay: float) -> Model:
     """The model with a clock that is `delay` seconds later still."""
     values = model.values.copy()
-    for (name, _), place in _places(model.terms).items():
+    for (name, _), place in model.places.items():
         if name == TIME_OFFSET.name:
             values[place] += delay
     return replace(model, values=values)
@@ -83,7 +70,10 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
 
     noises: of a coefficient at the blocks' rate.
     """
-    whiten = whitening(blocks, noises)
+
+    def whiten(columns: Sequence[Column], misfit: np.ndarray) -> WhitenedEquations:
+        return equations_of(columns, misfit, blocks, noises)
+
     return gauss_newton(model, blocks.motion, blocks.readings, whiten, _settled, MAX_STEPS)[0]
 
 
@@ -98,14 +88,14 @@ def linearised(
     """Columns of the selected candidates' parameters (by their number in the design) where the fit
     put them, and the readings (n, 6) that a linear model of these columns would have had.
     """
-    design = linearise(model.terms, blocks.motion, model.values)
+    design = model.linearised(blocks.motion)
     readings = blocks.readings - design.prediction
-    own, columns = _places(model.terms), dict[int, Column]()
+    own, columns = model.places, dict[int, Column]()
     for candidate in selected:
         if candidate.known:
-            effect = model.effect_of(candidate.term, blocks.motion, design.prediction)
-            columns[candidate.members[0]] = effect
-            readings = readings + np.column_stack(list(effect.values()))
+            effect = model.effect_of({candidate.term.key}, blocks.motion, design.prediction)
+            columns[candidate.members[0]] = dict(enumerate(effect.T))
+            readings = readings + effect
             continue
         first = own[candidate.term.key].start
         for p, q in zip(candidate.members, candidate.own, strict=True):

@@ -5,7 +5,7 @@ the logarithm of how many of its name were tried.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -35,7 +35,7 @@ def rank(
     equations: NormalEquations, candidates: Sequence[Candidate], selected: Sequence[Candidate]
 ) -> list[ScoredCandidate]:
     """The candidates by score, beside others that are selected."""
-    normal, right = _projected(equations, selected)
+    left = _projected(equations, selected)
     own = {candidate.key for candidate in selected}
     # Beside a shape that no fit has adjusted yet, a neighbouring one only makes up for the grid.
     whole = {candidate.name for candidate in selected if candidate.known or candidate.on_grid}
@@ -47,15 +47,13 @@ def rank(
     fixed = [candidate for candidate in others if candidate.prior is None]
     random = [candidate for candidate in others if candidate.prior is not None]
     scored = [
-        *_fixed_effects(normal, right, equations, fixed),
-        *_random_effects(normal, right, equations, random),
+        *_fixed_effects(left, fixed),
+        *_random_effects(left, random),
     ]
     return sorted(scored, key=lambda entry: -entry.score)
 
 
-def _projected(
-    equations: NormalEquations, selected: Sequence[Candidate]
-) -> tuple[np.ndarray, np.ndarray]:
+def _projected(equations: NormalEquations, selected: Sequence[Candidate]) -> NormalEquations:
     """Normal equations without what is selected: fitted ones projected, known ones taken off."""
     normal, right = equations.normal, equations.right
     for candidate in selected:
@@ -65,33 +63,32 @@ def _projected(
                 right = right - normal[:, p] / equations.scale[p]
     free = members_of([candidate for candidate in selected if not candidate.known])
     if not free:
-        return normal, right
+        return replace(equations, right=right)
     shared = normal[:, free]
     precision = np.diag(prior_precision(equations, selected, free))
     solved = inverse(normal[np.ix_(free, free)] + precision)
-    return normal - shared @ solved @ shared.T, right - shared @ (solved @ right[free])
+    return replace(
+        equations,
+        normal=normal - shared @ solved @ shared.T,
+        right=right - shared @ (solved @ right[free]),
+    )
 
 
-def _fixed_effects(
-    normal: np.ndarray,
-    right: np.ndarray,
-    equations: NormalEquations,
-    candidates: Sequence[Candidate],
-) -> list[ScoredCandidate]:
+def _fixed_effects(left: NormalEquations, candidates: Sequence[Candidate]) -> list[ScoredCandidate]:
     """Candidates of a few parameters, those of one size all at once."""
-    scored: list[ScoredCandidate] = []
+    normal, scored = left.normal, list[ScoredCandidate]()
     for size in sorted({len(candidate.members) for candidate in candidates}):
         some = [candidate for candidate in candidates if len(candidate.members) == size]
         members = np.array([candidate.members for candidate in some])
         blocks = normal[members[:, :, None], members[:, None, :]]
-        observable = (equations.scale[members] > 0) & (normal[members, members] > OBSERVABLE)
+        observable = (left.scale[members] > 0) & (normal[members, members] > OBSERVABLE)
         blocks = blocks * observable[:, :, None] * observable[:, None, :]
         diagonal = np.arange(size)
         blocks[:, diagonal, diagonal] += np.where(observable, SINGULAR, 1.0)
-        gains = _quadratic_forms(right[members] * observable, blocks)
+        gains = _quadratic_forms(left.right[members] * observable, blocks)
         counts = observable.sum(axis=1)
         scored += [
-            _fixed_effect(normal, right, equations, candidate, gain, count)
+            _fixed_effect(left, candidate, gain, count)
             for candidate, gain, count in zip(some, gains.tolist(), counts.tolist(), strict=True)
             if count
         ]
@@ -105,22 +102,17 @@ def _quadratic_forms(vectors: np.ndarray, matrices: np.ndarray) -> np.ndarray:
 
 
 def _fixed_effect(
-    normal: np.ndarray,
-    right: np.ndarray,
-    equations: NormalEquations,
-    candidate: Candidate,
-    gain: float,
-    count: int,
+    left: NormalEquations, candidate: Candidate, gain: float, count: int
 ) -> ScoredCandidate:
     """count: parameters that the readings determine."""
     one_sided = _one_sided(candidate)
-    if one_sided and right[candidate.members[0]] < 0.0:
+    if one_sided and left.right[candidate.members[0]] < 0.0:
         gain = 0.0  # fitted below nothing, where no unit has it
     p_value = min(1.0, float(chdtrc(count, gain)) * candidate.shape_trials)
     if candidate.known:  # no factor is fitted: it gains what it gains
         p, count = candidate.members[0], 0
-        size = 1.0 / equations.scale[p]
-        gain = float(2.0 * right[p] * size - normal[p, p] * size**2)
+        size = 1.0 / left.scale[p]
+        gain = float(2.0 * left.right[p] * size - left.normal[p, p] * size**2)
     trials = candidate.trials * candidate.shape_trials
     price = PER_PARAMETER * count + 2.0 * np.log(trials) + candidate.term.rarity
     price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
@@ -142,15 +134,12 @@ def prior_precision(
     for candidate in candidates:
         if candidate.prior is not None:
             own = np.array(candidate.members)
-            precision[own] = candidate.prior.precision(_column_power(equations, own))
+            precision[own] = candidate.prior.precision(equations.power[own])
     return precision[list(members)]
 
 
 def _random_effects(
-    normal: np.ndarray,
-    right: np.ndarray,
-    equations: NormalEquations,
-    candidates: Sequence[Candidate],
+    left: NormalEquations, candidates: Sequence[Candidate]
 ) -> list[ScoredCandidate]:
     """Random drifts: 2·ln of how much likelier the readings are with one than without.
 
@@ -162,14 +151,12 @@ def _random_effects(
     drifts = {candidate.key: _drifts(candidate) for candidate in candidates}
     distinct = list(dict.fromkeys(drift for own in drifts.values() for drift in own))
     members = np.array([channel for _, channel in distinct])
-    power = _column_power(equations, members)
-    precision = np.array([
-        prior.precision(row) for (prior, _), row in zip(distinct, power, strict=True)
-    ])  # fmt: skip
+    power = left.power
+    precision = np.array([prior.precision(power[list(own)]) for prior, own in distinct])
     root = 1.0 / np.sqrt(precision)
-    blocks = normal[members[:, :, None], members[:, None, :]]
+    blocks = left.normal[members[:, :, None], members[:, None, :]]
     blocks = np.eye(members.shape[1]) + root[:, :, None] * blocks * root[:, None, :]
-    gains = _quadratic_forms(root * right[members], blocks) - np.linalg.slogdet(blocks)[1]
+    gains = _quadratic_forms(root * left.right[members], blocks) - np.linalg.slogdet(blocks)[1]
     gain_of = dict(zip(distinct, gains.tolist(), strict=True))
     scored = []
     for candidate in candidates:
@@ -187,8 +174,3 @@ def _drifts(candidate: Candidate) -> list[tuple[Prior, tuple[int, ...]]]:
     assert candidate.prior is not None
     starts = range(0, len(candidate.members), COSINES)
     return [(candidate.prior, candidate.members[start : start + COSINES]) for start in starts]
-
-
-def _column_power(equations: NormalEquations, members: np.ndarray) -> np.ndarray:
-    scale = equations.scale[members]
-    return np.divide(1.0, scale**2, out=np.zeros_like(scale), where=scale > 0)

@@ -8,6 +8,7 @@ import numpy as np
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate, members_of
 from tasks.explain.search.design import (
+    UNIT_NOISE,
     BandedDesign,
     NormalEquations,
     normal_equations,
@@ -104,7 +105,8 @@ def search(
 
 def initial_noises(design: BandedDesign) -> tuple[Noise, ...]:
     """The noise of what the standard's model alone leaves."""
-    return residual_noises(design, (), residual_noises(design, (), None))
+    unit = [UNIT_NOISE] * len(design.channels)
+    return residual_noises(design, (), residual_noises(design, (), unit))
 
 
 def noises_beside(

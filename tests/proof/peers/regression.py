@@ -5,8 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tasks.explain.evidence.held_out import FOLDS
-from tasks.model.cross_validation import DIFFUSE
+from tasks.explain.evidence.held_out import DIFFUSE, FOLDS
 from tests.proof.peers.peer import HeldOut
 from tests.proof.peers.seen import SAME, Equations, Seen
 

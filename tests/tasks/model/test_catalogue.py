@@ -11,8 +11,7 @@ from table_run import T, motion, recording
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
-from tasks.model.effect import Effect, effect_name
-from tasks.model.events import EVENTS
+from tasks.model.effect import EVENTS, Effect, effect_name
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS

@@ -10,11 +10,11 @@ from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, 
 from tasks.explain.evidence.held_out import (
     CELL_LENGTH,
     FOLDS,
+    CrossValidation,
     cross_validation,
     fold_cells,
 )
 from tasks.explain.regression.spectrum import Noise
-from tasks.model.cross_validation import CrossValidation
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
 from tasks.model.terms.environment import TEMPERATURE_BIAS

@@ -47,8 +47,8 @@ def times(candidates: list[Candidate], channels: set[int], pool: BandedDesign) -
 def periods(candidates: list[Candidate], channels: tuple[int, ...]) -> list[float]:
     return [
         one.term.at[0] for one in candidates
-        if getattr(one.term, "channels", ()) == channels and len(one.members) == 2 * len(channels)
-        and [shape.name for shape in one.term.shapes] == ["period"]
+        if one.term.parameters == sinusoid(channels).parameters
+        and len(one.members) == 2 * len(channels)
     ]  # fmt: skip
 
 
