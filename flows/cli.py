@@ -3,13 +3,12 @@
 import os
 import signal
 import sys
-from pathlib import Path
 from typing import Any
 
 import typer
 from typer.exceptions import TyperException
 
-from flows import explain_commands, options, store_commands
+from flows import explain_commands, options, station, store_commands
 from flows.signals import as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
@@ -22,10 +21,9 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
 )
-station = typer.Typer(help="The virtual station.", rich_markup_mode=None)
 app.add_typer(explain_commands.app)
 app.add_typer(store_commands.app)
-app.add_typer(station, name="station")
+app.add_typer(station.app, name="station")
 
 
 def main() -> None:
@@ -144,6 +142,7 @@ def acquire(
     What was recorded survives whatever happens.
     """
     from flows.carry_out import as_flow_run
+    from flows.printing import print_json
     from flows.run_orders import check_acquisition
     from schemas.orders import AcquireOrder
 
@@ -151,15 +150,14 @@ def acquire(
     check_acquisition(order)
     run, acquired = as_flow_run("acquire", order)
     if as_json:
-        warnings = [remark.en for remark in acquired.warnings]
-        _json(
+        print_json(
             {
                 "format": "mimu-acquire/1",
                 "run": run.id,
                 "recording_id": run.recording_id,
                 "lost_samples": acquired.lost_samples,
                 "bad_frames": acquired.bad_frames,
-                "warnings": warnings,
+                "warnings": [remark.en for remark in acquired.warnings],
             }
         )
         return
@@ -168,28 +166,13 @@ def acquire(
         print(remark.en, file=sys.stderr)
 
 
-@station.command()
-def serve(
-    host: options.Host = "127.0.0.1",
-    port: options.Port = 5020,
-    speed: options.Speed = 1.0,
-    fault: options.Faults = None,
-    seed: options.Seed = 1,
-    ahrs: options.Ahrs = False,
-    station_file: options.StationFile = Path("station.json"),
-    truth: options.Truth = None,
-) -> None:
-    """A virtual station as a server, until it is stopped."""
-    from flows.station import serve_station, virtual_station
-
-    virtual = virtual_station(ahrs, seed)
-    serve_station(virtual, host, port, speed, tuple(fault or ()), station_file, truth)
-
-
 def _print_issued(issued: Any, as_json: bool) -> None:
+    from flows.print_calibration import print_verdict
+    from flows.printing import print_json
+
     certificate = issued.certificate
     if as_json:
-        _json(
+        print_json(
             {
                 "format": "mimu-certificate/1",
                 "number": certificate.number,
@@ -206,15 +189,7 @@ def _print_issued(issued: Any, as_json: bool) -> None:
             }
         )
         return
-    from flows.print_calibration import print_verdict
-
     print_verdict(issued)
-
-
-def _json(document: Any) -> None:
-    from flows.printing import print_json
-
-    print_json(document)
 
 
 if __name__ == "__main__":

@@ -11,13 +11,12 @@ from flows.print_calibration import print_calibration, print_verdict
 from flows.printing import print_rows
 from flows.progress import working
 from flows.run_orders import procedure_of
-from flows.station import virtual_station
 from schemas.orders import ProduceOrder
 from storage.home import Home, home
 from storage.whole_files import writing_in_home
 from tasks.stages.certify import Issued
 from tasks.stages.remind import due_within
-from tasks.station.virtual.config import truth
+from tasks.station.virtual.config import truth, virtual_station
 from tasks.station.virtual.process import running
 
 DAYS_AHEAD = 800  # the demonstration's unit is due in a year, or in two
@@ -34,7 +33,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     station_file = folder.demo / "station.json"
     order = ProduceOrder(station=str(station_file), procedure=procedure)
     ahrs = procedure_of(order).standard == "JJF 1536-2015"
-    config = virtual_station(ahrs, seed)
+    config = virtual_station(seed, ahrs)
     _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
     with working("starting Prefect"):
         connect(folder)

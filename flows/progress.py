@@ -5,7 +5,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
 if TYPE_CHECKING:
     from tasks.station.progress import Progress as StationProgress
@@ -15,16 +22,19 @@ CONSOLE = Console(stderr=True)
 _spinners: list[Callable[[str], None]] = []  # of each `working` that is open
 
 
+def _bar(*columns: ProgressColumn, stays: bool = False) -> Progress:
+    return Progress(*columns, console=CONSOLE, transient=not stays, disable=not CONSOLE.is_terminal)
+
+
 @contextmanager
 def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
     """A bar over the station seconds of an acquisition; yields the function that moves it."""
-    with Progress(
+    with _bar(
         TextColumn("{task.description:<28}", markup=False),
         BarColumn(),
         TextColumn("{task.completed:5.0f} of {task.total:.0f} s station time"),
         TextColumn("{task.fields[left]}"),
-        console=CONSOLE,
-        disable=not CONSOLE.is_terminal,
+        stays=True,
     ) as bar:
         shown = bar.add_task("connecting", total=1.0, left="")
 
@@ -43,11 +53,8 @@ def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
 @contextmanager
 def working(description: str) -> Iterator[None]:
     """A spinner with the time elapsed, for work whose end is not known beforehand."""
-    with Progress(
-        SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
-        console=CONSOLE, transient=True,
-        disable=not CONSOLE.is_terminal,
-    ) as bar:  # fmt: skip
+    text = TextColumn("{task.description}", markup=False)
+    with _bar(SpinnerColumn(), text, TimeElapsedColumn()) as bar:
         shown = bar.add_task(description, total=None)
         _spinners.append(lambda now: bar.update(shown, description=f"{description}: {now}"))
         try:
@@ -66,9 +73,6 @@ def describe(now: str) -> None:
 def counting(description: str) -> Iterator[Callable[[int, int], None]]:
     """A bar over counted things; yields the function (done, total) that moves it."""
     count = TextColumn("{task.completed:.0f} of {task.total:.0f}")
-    with Progress(
-        TextColumn(description), BarColumn(), count,
-        console=CONSOLE, transient=True, disable=not CONSOLE.is_terminal,
-    ) as bar:  # fmt: skip
+    with _bar(TextColumn(description), BarColumn(), count) as bar:
         shown = bar.add_task(description, total=1)
         yield lambda done, total: bar.update(shown, completed=done, total=total)

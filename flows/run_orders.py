@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from tasks.stages.explain import Explained
     from tasks.stages.simulate import Simulated
     from tasks.station.acquisition import Acquired
+    from tasks.station.ports import Ask
 
 
 def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
     """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
     from tasks.stages.acquire import acquire_run
 
-    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
-    ask = refix_prompt.at_terminal() if order.attended else None
+    station, procedure, ask = _acquisition(order)
     with sigterm_as_ctrl_c(), acquisition_progress() as report:
         return acquire_run(station, procedure, home_of(order), report, ask)
 
@@ -46,9 +46,15 @@ def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
     from tasks.station.requirements import check_attended, check_procedure
 
-    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
+    station, procedure, ask = _acquisition(order)
     check_procedure(procedure, station)
-    check_attended(procedure, station, refix_prompt.at_terminal() if order.attended else None)
+    check_attended(procedure, station, ask)
+
+
+def _acquisition(order: AcquireOrder) -> tuple[StationFile, Procedure, "Ask | None"]:
+    """The station, the procedure, and how to ask whoever is there."""
+    station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
+    return station, procedure, refix_prompt.at_terminal() if order.attended else None
 
 
 def calibrate(order: CalibrateOrder) -> "Calibration":

@@ -1,55 +1,50 @@
-"""The virtual station as a server, until it is stopped."""
+"""The command `station serve`: the virtual station as a server, until it is stopped."""
 
 import asyncio
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import typer
+
+from flows import options
 from schemas.base import Unusable
-from schemas.station import StationFile
-from tasks.station.virtual import config as virtual
-from tasks.station.virtual.faults import Fault
-from tasks.station.virtual.servers import serve
+
+if TYPE_CHECKING:
+    from schemas.station import StationFile
+
+app = typer.Typer(help="The virtual station.", rich_markup_mode=None)
 
 
-def virtual_station(ahrs: bool, seed: int) -> virtual.VirtualStation:
-    """One axis with an AHRS, or three axes with a MIMU; the seed draws the unit."""
-    return virtual.ahrs_station(seed) if ahrs else virtual.mimu_station(seed)
-
-
-def serve_station(
-    station: virtual.VirtualStation,
-    host: str,
-    port: int,
-    speed: float,
-    faults: tuple[str, ...],
-    station_file: Path,
-    truth: Path | None,
+@app.command()
+def serve(
+    host: options.Host = "127.0.0.1",
+    port: options.Port = 5020,
+    speed: options.Speed = 1.0,
+    fault: options.Faults = None,
+    seed: options.Seed = 1,
+    ahrs: options.Ahrs = False,
+    station_file: options.StationFile = Path("station.json"),
+    truth: options.Truth = None,
 ) -> None:
-    """Serve a virtual station; its station file and its truth are written first.
+    """A virtual station as a server, until it is stopped."""
+    from tasks.station.virtual import config as virtual
+    from tasks.station.virtual.faults import Fault
+    from tasks.station.virtual.servers import serve
 
-    Raises Unusable for an unknown fault, a port that is taken, a file that cannot be written.
-    """
-    injected = tuple(Fault.parse(fault) for fault in faults)
+    station = virtual.virtual_station(seed, ahrs)
+    faults = [Fault.parse(text) for text in fault or ()]
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))
 
-    def ready(file: StationFile) -> None:
+    def ready(file: "StationFile") -> None:
         _write(station_file, file.model_dump_json(indent=1))
         print(f"Modbus/TCP {file.modbus_host}:{file.modbus_port}, unit {file.unit_link.url}")
         print(f"station file {station_file}; Ctrl-C stops the station", flush=True)
 
+    ports = {"modbus_port": port, "unit_port": port + 1 if port else 0}
     try:
-        asyncio.run(
-            serve(
-                station,
-                host=host,
-                modbus_port=port,
-                unit_port=port + 1 if port else 0,
-                speed=speed,
-                faults=injected,
-                ready=ready,
-            )
-        )
+        asyncio.run(serve(station, host=host, **ports, speed=speed, faults=faults, ready=ready))
     except KeyboardInterrupt:
         print("station stopped")
 

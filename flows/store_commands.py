@@ -1,14 +1,10 @@
 """The commands of the store: import, list, show, verify, remind, and the validation record."""
 
 import sys
-from typing import TYPE_CHECKING, Any
 
 import typer
 
 from flows import options
-
-if TYPE_CHECKING:
-    from tasks.stages.import_recording import Imported
 
 app = typer.Typer()
 
@@ -34,7 +30,14 @@ def import_(
         for path in paths:
             with working(f"importing {path.name}"):
                 done = import_recording(path, home(), manifest=manifest, salvage=salvage)
-            entries.append(_entry(done))
+            entries.append(
+                {
+                    "run": done.run.id,
+                    "recording_id": done.run.recording_id,
+                    "new": done.is_new,
+                    "left_out": list(done.left_out),
+                }
+            )
             if done.left_out:
                 left_out = ", ".join(done.left_out)
                 print(f"{path}: left out, no stream takes them: {left_out}", file=sys.stderr)
@@ -43,16 +46,6 @@ def import_(
     finally:  # what was imported before one that is refused is listed, too
         if as_json and (entries or not sys.exc_info()[0]):
             print_json({"format": "mimu-import/1", "runs": entries})
-
-
-def _entry(done: "Imported") -> dict[str, Any]:
-    run, left_out = done.run, list(done.left_out)
-    return {
-        "run": run.id,
-        "recording_id": run.recording_id,
-        "new": done.is_new,
-        "left_out": left_out,
-    }
 
 
 @app.command()

@@ -43,13 +43,13 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
         link.close()
 
 
+@dataclass(frozen=True)
 class ByHand:
     """A fixture turned by a person, who sees to the supply too and says when it is done."""
 
-    def __init__(self, ask: Ask) -> None:
-        self._ask = ask
+    ask: Ask
 
     async def turn(self, refix: Refix) -> float | None:
         """Have it done; when the supply came back is not known."""
-        await self._ask(refix)
+        await self.ask(refix)
         return None

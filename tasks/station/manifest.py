@@ -9,6 +9,7 @@ import numpy as np
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Mount, Segment, Stream
 from schemas.station import StationFile
+from tasks.station.monitor import since
 
 
 class ManifestBuilder:
@@ -61,9 +62,7 @@ class ManifestBuilder:
 
     def since_start(self, stream: Stream) -> Stream:
         """A stream over station time as the recording has it; rows before the run are dropped."""
-        t = np.round(stream.t - self.origin_s, 9)
-        kept = t >= 0
-        return Stream(t[kept], {name: values[kept] for name, values in stream.columns.items()})
+        return since(0.0, Stream(np.round(stream.t - self.origin_s, 9), stream.columns))
 
     def _since_start(self, segment: Segment) -> Segment:
         moved = {name: round(getattr(segment, name) - self.origin_s, 9)

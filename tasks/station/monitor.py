@@ -1,7 +1,5 @@
 """Finished segments checked while the run goes on, so that the bench hears of it at once."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from schemas.recording import ANGLE, Segment, Stream
@@ -53,34 +51,14 @@ def check_rate(segment: Segment, axis: str, table: Stream) -> list[Anomaly]:
     return [_anomaly("table_rate", segment, axis, 100.0 * error)]
 
 
-class StreamTail:
-    """The end of a stream: as much of it as a segment that is still to be checked needs."""
-
-    def __init__(self) -> None:
-        self.stream = Stream(np.empty(0), {})
-
-    @property
-    def until(self) -> float:
-        """The last time there is, s; minus infinity while there is none."""
-        return float(self.stream.t[-1]) if len(self.stream) else -np.inf
-
-    def append(self, stream: Stream) -> None:
-        """What came next; at least one row."""
-        self.stream = joined(self.stream, stream) if len(self.stream) else stream
-
-    def drop_before(self, t: float) -> None:
-        """Keep the rows from a time on, s."""
-        kept = self.stream.t >= t
-        columns = {name: values[kept] for name, values in self.stream.columns.items()}
-        self.stream = Stream(self.stream.t[kept], columns)
-
-
 class SegmentMonitor:
-    """Segments waiting until the streams have passed them."""
+    """Segments waiting until the streams have passed them.
+
+    imu, table: the end of each stream, as much as a segment that is still to be checked needs.
+    """
 
     def __init__(self, link: AnyLink) -> None:
-        self.imu = StreamTail()
-        self.table = StreamTail()
+        self.imu = self.table = Stream(np.empty(0), {})
         self._link = link
         self._waiting: list[tuple[Segment, str | None]] = []
 
@@ -90,19 +68,19 @@ class SegmentMonitor:
 
     def has_passed(self, t: float) -> bool:
         """Whether both streams have passed a time."""
-        return min(self.imu.until, self.table.until) >= t
+        return all(len(stream) and stream.t[-1] >= t for stream in (self.imu, self.table))
 
-    def run(self, note: Callable[[Anomaly], None]) -> None:
-        """Check every segment whose data are there, and let go of what is no longer needed."""
+    def run(self, imu: Stream, table: Stream) -> list[Anomaly]:
+        """Take in what came next, and check every segment whose data are there."""
+        self.imu, self.table = joined(self.imu, imu), joined(self.table, table)
+        anomalies = []
         while self._waiting and self.has_passed(self._waiting[0][0].t_end):
             segment, spin_axis = self._waiting.pop(0)
-            anomalies = check_unit(segment, self.imu.stream, self._link)
+            anomalies += check_unit(segment, self.imu, self._link)
             if spin_axis is not None:
-                anomalies += check_rate(segment, spin_axis, self.table.stream)
-            for anomaly in anomalies:
-                note(anomaly)
-            self.imu.drop_before(segment.t_end)
-            self.table.drop_before(segment.t_end)
+                anomalies += check_rate(segment, spin_axis, self.table)
+            self.imu, self.table = since(segment.t_end, self.imu), since(segment.t_end, self.table)
+        return anomalies
 
 
 def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> Anomaly:
@@ -111,9 +89,17 @@ def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> 
 
 
 def joined(first: Stream, second: Stream) -> Stream:
-    """Two streams of the same columns, one after the other."""
+    """Two streams of the same columns, one after the other; an empty one need not have them."""
+    if not len(first) or not len(second):
+        return first if len(first) else second
     columns = {
         name: np.concatenate([first.columns[name], values])
         for name, values in second.columns.items()
     }
     return Stream(np.concatenate([first.t, second.t]), columns)
+
+
+def since(t: float, stream: Stream) -> Stream:
+    """The rows of a stream from a time (s) on."""
+    kept = stream.t >= t
+    return Stream(stream.t[kept], {name: each[kept] for name, each in stream.columns.items()})

@@ -18,26 +18,24 @@ class Progress:
     wall_s_left: float
 
 
+@dataclass
 class Tracker:
     """Counts planned time: a segment counts for what was planned, however long it takes."""
 
-    def __init__(
-        self, report: Callable[[Progress], None], clock: StationClock, total_s: float
-    ) -> None:
-        self.now = ""
-        self._report = report
-        self._clock = clock
-        self._total_s = total_s
-        self._done_s = 0.0
-        self._planned_s = 0.0
-        self._began_s = 0.0
-        self._reported_wall_s = 0.0
+    report: Callable[[Progress], None]
+    clock: StationClock
+    total_s: float
+    now: str = ""
+    _done_s: float = 0.0
+    _planned_s: float = 0.0
+    _began_s: float = 0.0
+    _reported_wall_s: float = 0.0
 
     def begin(self, now: str, planned_s: float) -> None:
         """Something begins that is planned to take this long; what came before it is done."""
         self._done_s += self._planned_s
         self._planned_s = planned_s
-        self._began_s = self._clock.station_s
+        self._began_s = self.clock.station_s
         self.now = now
         self._reported_wall_s = -REPORT_EVERY_S
         self.tick()
@@ -48,11 +46,11 @@ class Tracker:
         if now_s - self._reported_wall_s < REPORT_EVERY_S:
             return
         self._reported_wall_s = now_s
-        within_s = min(self._clock.station_s - self._began_s, self._planned_s)
+        within_s = min(self.clock.station_s - self._began_s, self._planned_s)
         done_s = self._done_s + within_s
-        left_s = (self._total_s - done_s) / self._clock.speed
-        self._report(Progress(self.now, done_s, self._total_s, left_s))
+        left_s = (self.total_s - done_s) / self.clock.speed
+        self.report(Progress(self.now, done_s, self.total_s, left_s))
 
     def end(self) -> None:
         """Everything is done."""
-        self._report(Progress("done", self._total_s, self._total_s, 0.0))
+        self.report(Progress("done", self.total_s, self.total_s, 0.0))

@@ -3,6 +3,7 @@
 import asyncio
 import math
 from collections.abc import Callable
+from dataclasses import astuple, dataclass, field, fields
 
 import numpy as np
 
@@ -16,89 +17,85 @@ from tasks.station.monitor import joined
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 Note = Callable[[Anomaly], None]
-CLIMATE_COLUMNS = ("temperature", "humidity", "supply_voltage", "pressure")
+CLIMATE = tuple(each.name for each in fields(Climate))
 SHIFT_THRESHOLD_S = 0.5
 LINE_DELAY_WALL_S = 0.1  # what a busy machine may delay a frame by, on the wall
 SHIFT_TAKES = 3
 
 
+@dataclass
 class EncoderReader:
     """Encoder angles, contiguous: a gap in the sample numbers is noted and never bridged."""
 
-    def __init__(self, table: Table, clock: StationClock, note: Note) -> None:
-        self._table = table
-        self._clock = clock
-        self._note = note
-        self._blocks: list[EncoderBlock] = []
+    table: Table
+    clock: StationClock
+    note: Note
+    blocks: list[EncoderBlock] = field(default_factory=list)
 
     async def run(self) -> None:
         """Fetch blocks for ever, as fast as they fill."""
-        period_s = self._table.period_us / 1e6
-        wanted = math.floor(self._clock.station_s / period_s)
+        period_s = self.table.period_us / 1e6
+        wanted = math.floor(self.clock.station_s / period_s)
         while True:
-            block = await self._table.encoder(wanted)
+            block = await self.table.encoder(wanted)
             count = len(block.angles)
             if count:
                 if block.first > wanted:
                     gap = (wanted * period_s, block.first * period_s)
-                    self._note(Anomaly("encoder_gap", *gap, amount=block.first - wanted))
-                self._blocks.append(block)
+                    self.note(Anomaly("encoder_gap", *gap, amount=block.first - wanted))
+                self.blocks.append(block)
                 wanted = block.first + count
-            if count < self._table.block_samples:
-                fill_s = period_s * (self._table.block_samples - 4)
-                await asyncio.sleep(self._clock.wall(fill_s, 0.001, 0.2))
+            if count < self.table.block_samples:
+                fill_s = period_s * (self.table.block_samples - 4)
+                await asyncio.sleep(self.clock.wall(fill_s, 0.001, 0.2))
 
     def take(self) -> Stream:
         """Angles in rad, columns <axis>_angle, over station time."""
-        blocks, self._blocks = self._blocks, []
+        blocks, self.blocks = self.blocks, []
         numbers = [np.arange(len(block.angles)) + block.first for block in blocks]
-        t = np.concatenate([np.empty(0, np.int64), *numbers]) * self._table.period_us / 1e6
-        empty = np.empty((0, len(self._table.names)))
+        t = np.concatenate([np.empty(0, np.int64), *numbers]) * self.table.period_us / 1e6
+        empty = np.empty((0, len(self.table.names)))
         angles = np.concatenate([empty, *(block.angles for block in blocks)])
-        columns = (f"{name}_angle" for name in self._table.names)
+        columns = (f"{name}_angle" for name in self.table.names)
         return Stream(t, dict(zip(columns, angles.T, strict=True)))
 
 
+@dataclass
 class ClimateReader:
     """The chamber, about once a station second, held against the procedure's limits."""
 
-    def __init__(
-        self, chamber: Chamber, clock: StationClock, limits: EnvironmentLimits, note: Note
-    ) -> None:
-        self._chamber = chamber
-        self._clock = clock
-        self._limits = limits
-        self._note = note
-        self._last_s = -math.inf
-        self._readings: list[Climate] = []
+    chamber: Chamber
+    clock: StationClock
+    limits: EnvironmentLimits
+    note: Note
+    last_s: float = -math.inf
+    readings: list[Climate] = field(default_factory=list)
 
     async def run(self) -> None:
         """Read for ever."""
         while True:
-            climate = await self._chamber.climate()
-            if climate.station_s > self._last_s:
-                self._last_s = climate.station_s
-                self._readings.append(climate)
+            climate = await self.chamber.climate()
+            if climate.station_s > self.last_s:
+                self.last_s = climate.station_s
+                self.readings.append(climate)
                 self._compare(climate)
-            await asyncio.sleep(self._clock.wall(1.0, 0.01, 1.0))
+            await asyncio.sleep(self.clock.wall(1.0, 0.01, 1.0))
 
     def take(self) -> Stream:
         """Temperature, humidity, supply voltage and pressure over station time."""
-        readings, self._readings = self._readings, []
-        columns = {
-            name: np.array([getattr(reading, name) for reading in readings])
-            for name in CLIMATE_COLUMNS
-        }
-        return Stream(np.array([reading.station_s for reading in readings]), columns)
+        readings, self.readings = self.readings, []
+        values = np.array([astuple(reading) for reading in readings]).reshape(-1, len(CLIMATE))
+        columns = dict(zip(CLIMATE, values.T, strict=True))
+        return Stream(columns.pop("station_s"), columns)
 
     def _compare(self, climate: Climate) -> None:
         ranges = (
-            ("air_temperature", climate.temperature, self._limits.temperature_degc),
-            ("air_humidity", climate.humidity, self._limits.humidity_percent),
+            ("air_temperature", climate.temperature, self.limits.temperature_degc),
+            ("air_humidity", climate.humidity, self.limits.humidity_percent),
         )
         for code, value, (low, high) in ranges:
             if not low <= value <= high:
-                self._note(Anomaly(code, climate.station_s, climate.station_s, value))
+                self.note(Anomaly(code, climate.station_s, climate.station_s, value))
 
 
 class UnitReader:
@@ -140,7 +137,10 @@ class UnitReader:
         """What came since; nothing while the first stamps are still being compared."""
         bad_before = self._unit.bad_frames
         before, after = self._unit.take()
-        self._note_bad(self._unit.bad_frames - bad_before)
+        now_s, bad = self._clock.station_s, self._unit.bad_frames - bad_before
+        if bad:
+            self._note(Anomaly("unit_bad_frames", self._taken_s, now_s, bad))
+        self._taken_s = now_s
         stream = self._timed(before, final)
         if not len(after):
             return stream
@@ -185,9 +185,3 @@ class UnitReader:
             before, after = frames["stamp"][place : place + 2] / 1e6 + self.shifts_s[-1]
             self.lost_samples += int(lost[place])
             self._note(Anomaly("unit_lost_samples", before, after, int(lost[place])))
-
-    def _note_bad(self, bad: int) -> None:
-        now_s = self._clock.station_s
-        if bad:
-            self._note(Anomaly("unit_bad_frames", self._taken_s, now_s, bad))
-        self._taken_s = now_s

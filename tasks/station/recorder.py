@@ -1,6 +1,7 @@
 """What comes in goes to the sink at once, and is checked on the way."""
 
 import asyncio
+from collections.abc import Callable
 from typing import Protocol
 
 from schemas.procedure import EnvironmentLimits
@@ -54,18 +55,15 @@ class Recorder:
 
     def flush(self, final: bool = False) -> None:
         """Write what has come. The unit is last: its silence must not cost the other streams."""
-        table = self.encoders.take()
-        if len(table):
-            self._sink.table(self.manifest.since_start(table))
-            self._monitor.table.append(table)
-        environment = self.climate.take()
-        if len(environment):
-            self._sink.environment(self.manifest.since_start(environment))
-        imu = self.unit.take(final)
-        if len(imu):
-            self._sink.imu(self.manifest.since_start(imu))
-            self._monitor.imu.append(imu)
-        self._monitor.run(self.anomalies.append)
+        table = self._written(self.encoders.take(), self._sink.table)
+        self._written(self.climate.take(), self._sink.environment)
+        imu = self._written(self.unit.take(final), self._sink.imu)
+        self.anomalies += self._monitor.run(imu, table)
+
+    def _written(self, stream: Stream, write: Callable[[Stream], object]) -> Stream:
+        if len(stream):
+            write(self.manifest.since_start(stream))
+        return stream
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:
         """A measured segment is over: label it, and check it when its data are there."""

@@ -1,6 +1,7 @@
 """The table brought through a procedure, segment by segment, while the streams are read."""
 
 import asyncio
+from dataclasses import dataclass
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
@@ -22,45 +23,39 @@ CATCH_UP_S = 3.0
 CATCH_UP_STEP_S = 0.02
 
 
+@dataclass
 class Sequencer:
     """One run of a procedure on a bench. Raises Unusable where table or fixture fail.
 
     mount: how the unit sits in its fixture.
     """
 
-    def __init__(
-        self,
-        bench: Bench,
-        mount: Mount,
-        clock: StationClock,
-        procedure: Procedure,
-        recorder: Recorder,
-        tracker: Tracker,
-    ) -> None:
-        self._table = bench.table
-        self._fixture = bench.fixture
-        self._mount = mount
-        self._clock = clock
-        self._procedure = procedure
-        self._recorder = recorder
-        self._manifest = recorder.manifest
-        self._tracker = tracker
+    bench: Bench
+    mount: Mount
+    clock: StationClock
+    procedure: Procedure
+    recorder: Recorder
+    tracker: Tracker
+
+    def __post_init__(self) -> None:
+        self._table = self.bench.table
+        self._manifest = self.recorder.manifest
         self._spinning: PlannedSegment | None = None
         self._standing: tuple[float, ...] = ()  # angles that were asked for, deg
 
     async def run(self, planned: tuple[PlannedSegment, ...]) -> None:
         """Warm-up, every segment, and the last data in."""
-        self._tracker.begin("warm-up", self._procedure.warm_up_s)
+        self.tracker.begin("warm-up", self.procedure.warm_up_s)
         await self._warm_up()
         for segment in planned:
-            self._tracker.begin(segment.text, segment.planned_s)
+            self.tracker.begin(segment.text, segment.planned_s)
             await self._measure(segment)
-        self._tracker.begin("last data", 0.0)
+        self.tracker.begin("last data", 0.0)
         await self._catch_up(self._manifest.segments[-1].t_end)
-        self._tracker.end()
+        self.tracker.end()
 
     async def _warm_up(self) -> None:
-        warm_s = self._clock.station_s + self._procedure.warm_up_s
+        warm_s = self.clock.station_s + self.procedure.warm_up_s
         await self._wait_until(warm_s)
         self._manifest.fill("warm", "settle", warm_s)
 
@@ -68,12 +63,12 @@ class Sequencer:
         if planned.refix is not None:
             await self._refix(planned.refix)
         settled_s = await self._bring(planned)
-        t_start = round(settled_s + self._procedure.settle_s, 6)
+        t_start = round(settled_s + self.procedure.settle_s, 6)
         await self._wait_until(t_start)
         if planned.kind == "rotation":
             # One encoder sample at rest before it turns; a fast station may be late.
             await self._wait_until(t_start + self._table.period_us / 1e6)
-            late_s = self._clock.station_s - self._procedure.settle_s
+            late_s = self.clock.station_s - self.procedure.settle_s
             t_start = round(max(t_start, late_s), 6)
         self._manifest.fill("ramp" if planned.kind == "rate" else "move", "transition", settled_s)
         self._manifest.fill("settle", "settle", t_start)
@@ -83,34 +78,34 @@ class Sequencer:
             t_end = round(t_start + planned.dwell_s, 6)
             await self._wait_until(t_end, settled=True)
         spin_axis = None if planned.spin_axis is None else self._table.names[planned.spin_axis]
-        self._recorder.finish(planned.segment(t_start, t_end), spin_axis)
+        self.recorder.finish(planned.segment(t_start, t_end), spin_axis)
 
     async def _refix(self, refix: Refix) -> None:
         """Have the unit turned over, the table at zero meanwhile; warm up if it was off."""
-        assert self._fixture is not None  # check_attended
+        assert self.bench.fixture is not None  # check_attended
         await self._stop_spinning()
         await self._go_to((0.0,) * len(self._table.names))
-        self._manifest.fill("move", "transition", self._clock.station_s)
+        self._manifest.fill("move", "transition", self.clock.station_s)
         if refix.power_off:
-            self._recorder.unit.switched_off()
-        on_s = await self._fixture.turn(refix)
+            self.recorder.unit.switched_off()
+        on_s = await self.bench.fixture.turn(refix)
         if refix.power_off:
-            self._recorder.unit.switched_on(on_s)
+            self.recorder.unit.switched_on(on_s)
         await self._watch()
-        self._manifest.fill("refix", "transition", self._clock.station_s)
-        self._manifest.mount = mount_in(refix.mount, self._mount)
+        self._manifest.fill("refix", "transition", self.clock.station_s)
+        self._manifest.mount = mount_in(refix.mount, self.mount)
         if refix.power_off:
             await self._warm_up()
 
     async def _turn(self, planned: PlannedSegment) -> float:
         """Turn by whole turns, from rest to rest; the station time (s) at which it rests again."""
-        axis, acceleration = planned.spin_axis or 0, self._procedure.acceleration_deg_s2
+        axis, acceleration = planned.spin_axis or 0, self.procedure.acceleration_deg_s2
         by_deg = planned.turn_by_deg or 0.0
         target = SetPoint(axis, "angle", self._standing[axis] + by_deg)
         rate = abs(planned.rate_deg_s)
         await self._table.move_to(axis, target.value, rate, acceleration)
         await self._settle((target,), move_s(by_deg, rate, acceleration))
-        t_end = round(self._clock.station_s + self._procedure.settle_s, 6)
+        t_end = round(self.clock.station_s + self.procedure.settle_s, 6)
         await self._wait_until(t_end)
         return t_end
 
@@ -127,19 +122,19 @@ class Sequencer:
             await self._go_to(planned.angles_deg)
         if planned.kind == "rate":
             await self._spin(planned)
-        return self._clock.station_s
+        return self.clock.station_s
 
     async def _stop_spinning(self) -> None:
         spinning, self._spinning = self._spinning, None
         if spinning is None:
             return
         axis = spinning.spin_axis or 0
-        duration_s = rate_change_s(spinning.rate_deg_s, self._procedure.acceleration_deg_s2)
+        duration_s = rate_change_s(spinning.rate_deg_s, self.procedure.acceleration_deg_s2)
         await self._table.stop(axis)
         await self._settle((SetPoint(axis, "rest"),), duration_s)
 
     async def _go_to(self, angles_deg: tuple[float, ...]) -> None:
-        rate, acceleration = self._procedure.move_rate_deg_s, self._procedure.acceleration_deg_s2
+        rate, acceleration = self.procedure.move_rate_deg_s, self.procedure.acceleration_deg_s2
         state = await self._watch()
         targets = tuple(
             SetPoint(number, "angle", nearest_turn(axis.angle_deg, angle))
@@ -152,7 +147,7 @@ class Sequencer:
         await self._settle(targets, move_s(farthest, rate, acceleration))
 
     async def _spin(self, planned: PlannedSegment) -> None:
-        axis, acceleration = planned.spin_axis or 0, self._procedure.acceleration_deg_s2
+        axis, acceleration = planned.spin_axis or 0, self.procedure.acceleration_deg_s2
         before = self._spinning.rate_deg_s if self._spinning else 0.0
         self._spinning = planned
         await self._table.turn_at(axis, planned.rate_deg_s, acceleration)
@@ -170,7 +165,7 @@ class Sequencer:
                 return
             if state.station_s - began_s > limit_s:
                 raise Unusable(self._lateness(late[0], state, limit_s))
-            await asyncio.sleep(self._clock.wall(POLL_STATION_S, 0.005, 0.1))
+            await asyncio.sleep(self.clock.wall(POLL_STATION_S, 0.005, 0.1))
             state = await self._watch()
 
     def _lateness(self, target: SetPoint, state: TableState, limit_s: float) -> str:
@@ -183,40 +178,40 @@ class Sequencer:
 
     async def _wait_until(self, station_s: float, settled: bool = False) -> None:
         """Wait for a station time; with `settled`, note which axes were not settled meanwhile."""
-        while self._clock.station_s < station_s:
-            left_s = station_s - self._clock.station_s
-            await asyncio.sleep(self._clock.wall(left_s, 0.002, 0.1))
+        while self.clock.station_s < station_s:
+            left_s = station_s - self.clock.station_s
+            await asyncio.sleep(self.clock.wall(left_s, 0.002, 0.1))
             state = await self._watch()
             for name, axis in zip(self._table.names, state.axes, strict=True):
                 if settled and state.station_s < station_s and not axis.is_settled:
                     at_s = state.station_s
-                    self._recorder.anomalies.append(
+                    self.recorder.anomalies.append(
                         Anomaly("table_unsettled", at_s, at_s, subject=name)
                     )
 
     async def _catch_up(self, station_s: float) -> None:
         """Wait for the last data; a unit that is silent by now says so itself."""
         for _ in range(round(CATCH_UP_S / CATCH_UP_STEP_S)):
-            self._recorder.flush(final=True)
-            if self._recorder.has_passed(station_s):
+            self.recorder.flush(final=True)
+            if self.recorder.has_passed(station_s):
                 return
             await asyncio.sleep(CATCH_UP_STEP_S)
 
     async def _watch(self) -> TableState:
         """Read the table, and raise Unusable if it has failed."""
-        before_s = self._clock.station_s
+        before_s = self.clock.station_s
         state = await self._table.state()
-        self._clock.update(state.station_s, state.wall_s)
+        self.clock.update(state.station_s, state.wall_s)
         check_trips(state, self._table.names)
         if state.station_s < before_s:
             raise Unusable(
                 f"the station's clock went back from {before_s:.3f} s to {state.station_s:.3f} s, "
                 f"as after a restart: start the run again"
             )
-        if self._clock.stands_still_s > CLOCK_TIMEOUT_S:
+        if self.clock.stands_still_s > CLOCK_TIMEOUT_S:
             raise Unusable(
                 f"the station's clock has stood at {state.station_s:.3f} s for "
                 f"{CLOCK_TIMEOUT_S:g} s: restart the controller"
             )
-        self._tracker.tick()
+        self.tracker.tick()
         return state

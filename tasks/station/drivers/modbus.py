@@ -50,6 +50,15 @@ def encode(value: float, kind: RegisterType) -> list[int]:
     return Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()])
 
 
+def decode_all(words: Sequence[int], first: int, registers: Sequence[Register]) -> dict[str, Any]:
+    """The values of registers by name, out of words of which the first is that of an address."""
+    return {
+        register.name: decode(words[start : start + register.words], register.type)
+        for register in registers
+        for start in (register.address - first,)
+    }
+
+
 class ModbusLink:
     """One Modbus/TCP connection, shared by everything that talks to a station.
 
@@ -76,14 +85,9 @@ class ModbusLink:
         self, device: int, registers: Sequence[Register], base: int = 0
     ) -> dict[str, Any]:
         """The values of neighbouring registers (lowest first), by name."""
-        first, last = registers[0], registers[-1]
-        count = last.address + last.words - first.address
-        words = await self.read_words(device, base + first.address, count)
-        return {
-            register.name: decode(words[start : start + register.words], register.type)
-            for register in registers
-            for start in (register.address - first.address,)
-        }
+        first, last = registers[0].address, registers[-1]
+        count = last.address + last.words - first
+        return decode_all(await self.read_words(device, base + first, count), first, registers)
 
     async def read_words(self, device: int, address: int, count: int) -> Sequence[int]:
         """`count` holding registers from `address` on (function code 3)."""

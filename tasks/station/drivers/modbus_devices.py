@@ -1,6 +1,7 @@
 """The chamber and the fixture through their register maps."""
 
 import asyncio
+from dataclasses import dataclass
 
 from schemas.base import Unusable
 from schemas.procedure import Refix
@@ -20,23 +21,23 @@ TURN_TIMEOUT_S = 30.0  # wall time
 _FIXTURE = {register.name: register for register in FIXTURE_REGISTERS}
 
 
+@dataclass(frozen=True)
 class ModbusChamber:
     """Air temperature and humidity, supply voltage and pressure. Raises as ModbusLink does."""
 
-    def __init__(self, link: ModbusLink) -> None:
-        self._link = link
+    link: ModbusLink
 
     async def climate(self) -> Climate:
         """Read the chamber once."""
-        values = await self._link.read(CHAMBER_DEVICE, CHAMBER_REGISTERS)
+        values = await self.link.read(CHAMBER_DEVICE, CHAMBER_REGISTERS)
         return Climate(values.pop("station_time") / 1e6, **values)
 
 
+@dataclass(frozen=True)
 class ModbusFixture:
     """The station turns the unit over. Raises Unusable where the fixture does not arrive."""
 
-    def __init__(self, link: ModbusLink) -> None:
-        self._link = link
+    link: ModbusLink
 
     async def turn(self, refix: Refix) -> float | None:
         """Turn, the supply off meanwhile where that is asked for."""
@@ -62,8 +63,8 @@ class ModbusFixture:
         )
 
     async def _read(self, name: str) -> int:
-        values = await self._link.read(FIXTURE_DEVICE, [_FIXTURE[name]])
+        values = await self.link.read(FIXTURE_DEVICE, [_FIXTURE[name]])
         return int(values[name])
 
     async def _write(self, name: str, value: float) -> None:
-        await self._link.write(FIXTURE_DEVICE, _FIXTURE[name], value)
+        await self.link.write(FIXTURE_DEVICE, _FIXTURE[name], value)

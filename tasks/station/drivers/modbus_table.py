@@ -1,7 +1,6 @@
 """The turntable through its register map."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -20,10 +19,9 @@ from schemas.station import (
     TABLE_IDENT,
     TABLE_REGISTERS,
     TABLE_STATUS,
-    Register,
 )
 from tasks.station.clock import wall_s
-from tasks.station.drivers.modbus import ModbusLink, decode
+from tasks.station.drivers.modbus import ModbusLink, decode, decode_all
 from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
 
 WATCHDOG_MS = 5000
@@ -37,17 +35,13 @@ class ModbusTable:
     """A table of the documented register map, found by `find`. Raises as ModbusLink does."""
 
     def __init__(
-        self,
-        link: ModbusLink,
-        names: tuple[str, ...],
-        counts_per_turn: tuple[int, ...],
-        period_us: int,
+        self, link: ModbusLink, names: tuple[str, ...], turns: tuple[int, ...], period_us: int
     ) -> None:
         self.names = names
         self.period_us = period_us
         self.block_samples = CAPTURE_VALUES // len(names)
         self._link = link
-        self._counts_per_turn = counts_per_turn
+        self._turns = turns  # encoder counts in one, of each axis
         self._read: np.ndarray | None = None  # the last counts read, and where they run on to
         self._counts = np.zeros(len(names), np.int64)
 
@@ -72,18 +66,16 @@ class ModbusTable:
             )
         if head["capture_period"] == 0:
             raise Unusable(f"{where} has a capture_period of 0: set one at the controller")
-        turns = [
-            (await link.read(TABLE_DEVICE, [_AXIS["counts_per_turn"]], _base(axis)))[
-                "counts_per_turn"
-            ]
-            for axis in range(len(names))
+        axes = [
+            await link.read(TABLE_DEVICE, AXIS_REGISTERS, _base(axis)) for axis in range(len(names))
         ]
+        turns = tuple(axis["counts_per_turn"] for axis in axes)
         if 0 in turns:
             raise Unusable(
                 f"{where} says that axis {names[turns.index(0)]} has 0 encoder counts in a turn: "
                 f"set counts_per_turn at the controller"
             )
-        return cls(link, names, tuple(turns), head["capture_period"])
+        return cls(link, names, turns, head["capture_period"])
 
     async def home(self) -> None:
         """Clear an old watchdog stop and start the watchdog; the encoders are absolute.
@@ -101,28 +93,25 @@ class ModbusTable:
         first, last = _TABLE["status"].address, AXIS_REGISTERS[-1]
         end = _base(len(self.names) - 1) + last.address + last.words
         words = await self._link.read_words(TABLE_DEVICE, first, end - first)
-        read_s = wall_s()
-
-        def value(register: Register, base: int = 0) -> Any:
-            start = base + register.address - first
-            return decode(words[start : start + register.words], register.type)
-
-        def axis(number: int, turn: int) -> AxisState:
-            base = _base(number)
-            status = value(_AXIS["status"], base)
-            return AxisState(
-                angle_deg=value(_AXIS["angle"], base) * 360.0 / turn,
-                rate_deg_s=value(_AXIS["rate"], base),
-                is_moving=bool(status & AXIS_STATUS["moving"]),
-                is_settled=bool(status & AXIS_STATUS["settled"]),
-                trips=_trips(status, AXIS_STATUS),
-            )
-
+        head = decode_all(words, first, (_TABLE["status"], _TABLE["station_time"]))
+        axes = [
+            decode_all(words, first - _base(axis), AXIS_REGISTERS)
+            for axis in range(len(self.names))
+        ]
         return TableState(
-            station_s=value(_TABLE["station_time"]) / 1e6,
-            wall_s=read_s,
-            axes=tuple(axis(*numbered) for numbered in enumerate(self._counts_per_turn)),
-            trips=_trips(value(_TABLE["status"]), TABLE_STATUS),
+            station_s=head["station_time"] / 1e6,
+            wall_s=wall_s(),
+            axes=tuple(
+                AxisState(
+                    angle_deg=axis["angle"] * 360.0 / turn,
+                    rate_deg_s=axis["rate"],
+                    is_moving=bool(axis["status"] & AXIS_STATUS["moving"]),
+                    is_settled=bool(axis["status"] & AXIS_STATUS["settled"]),
+                    trips=_trips(axis["status"], AXIS_STATUS),
+                )
+                for axis, turn in zip(axes, self._turns, strict=True)
+            ),
+            trips=_trips(head["status"], TABLE_STATUS),
         )
 
     async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
@@ -146,20 +135,15 @@ class ModbusTable:
 
     async def encoder(self, first: int) -> EncoderBlock:
         """The captured samples from number `first` on, or from the oldest one kept."""
-        start = _CAPTURE["capture_count"].address
-        samples = _CAPTURE["capture_samples"].address
-        axes = len(self.names)
+        start, axes = _CAPTURE["capture_count"].address, len(self.names)
+        wanted = _CAPTURE["capture_samples"].address - start + 2 * axes * self.block_samples
         words = await self._link.write_then_read(
-            TABLE_DEVICE,
-            _CAPTURE["capture_from"],
-            first,
-            start,
-            samples - start + 2 * axes * self.block_samples,
+            TABLE_DEVICE, _CAPTURE["capture_from"], first, start, wanted
         )
         count = min(words[0], self.block_samples)
-        values = decode(words[3 : 3 + 2 * axes * count], "int32") if count else []
-        counts = np.array(values, dtype=np.int64).reshape(count, axes)
-        angles = self._past_turnover(counts) * (2 * np.pi / np.array(self._counts_per_turn))
+        samples = np.array(words[3 : 3 + 2 * axes * count], ">u2").view(">i4")
+        counts = samples.astype(np.int64).reshape(count, axes)
+        angles = self._past_turnover(counts) * (2 * np.pi / np.array(self._turns))
         return EncoderBlock(decode(words[1:3], "uint32"), angles)
 
     def _past_turnover(self, read: np.ndarray) -> np.ndarray:

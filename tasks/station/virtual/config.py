@@ -58,13 +58,13 @@ class VirtualStation(Frozen):
     unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
 
 
-def mimu_station(seed: int) -> VirtualStation:
-    """A three-axis station with a MIMU on it, as JJF 2003-2022 has them."""
-    return VirtualStation(unit=draw_unit(seed))
+def virtual_station(seed: int, ahrs: bool) -> VirtualStation:
+    """Three axes with a MIMU, as JJF 2003-2022 has them, or one axis with an AHRS (JJF 1536-2015).
 
-
-def ahrs_station(seed: int) -> VirtualStation:
-    """A single-axis station with an AHRS on it, as JJF 1536-2015 has them."""
+    seed: draws the unit.
+    """
+    if not ahrs:
+        return VirtualStation(unit=draw_unit(seed))
     vertical = TableAxis(name="table", direction=(0.0, 0.0, 1.0))
     table = TableDesign(axes=(vertical,), capture_ms=100, capture_kept=2**16)
     return VirtualStation(id="VIRTUAL-2", table=table, unit=draw_ahrs(seed))

@@ -5,7 +5,7 @@ import numpy as np
 from schemas.recording import Mount
 from schemas.station import FIXTURE_STATUS
 from tasks.station.virtual import quaternions
-from tasks.station.virtual.profile import Profile, to_angle, to_rate
+from tasks.station.virtual.profile import STANDING, to_angle
 
 SPEED = np.radians(60.0)
 ACCELERATION = np.radians(60.0)
@@ -19,7 +19,7 @@ class Fixture:
         self._seat = _unit(np.array(seat.quaternion_wxyz))
         self._from = self.wanted[:, None].copy()
         self._axis = np.array([0.0, 0.0, 1.0])
-        self._profile: Profile = to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
+        self._profile = STANDING
 
     def turn(self, now: float) -> None:
         """Sets out for the wanted attitude from where it is."""

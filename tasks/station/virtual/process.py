@@ -1,16 +1,15 @@
 """The virtual station in a process of its own, for demonstrations and tests.
 
-`python -m tasks.station.virtual.process` reads its settings as JSON on one line of standard
-input, writes the station file as one line, and ends when standard input closes.
+`python -m tasks.station.virtual.process CONFIG SPEED FAULT...` writes the station file as one line
+of JSON, and ends when standard input closes.
 """
 
 import asyncio
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from schemas.base import Unusable
@@ -18,7 +17,6 @@ from schemas.station import StationFile
 from tasks.station.virtual.config import VirtualStation, truth
 from tasks.station.virtual.faults import Fault
 
-ROOT = Path(__file__).parents[3]
 END_S = 5.0
 
 
@@ -36,63 +34,39 @@ def running(
     """
     if truth_path is not None:
         truth_path.write_text(json.dumps(truth(config), indent=1) + "\n", encoding="utf-8")
-    settings = {
-        "config": config.model_dump(mode="json"),
-        "speed": speed,
-        "faults": [str(fault) for fault in faults],
-    }
-    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tasks.station.virtual.process"],
+    with subprocess.Popen(
+        [sys.executable, "-m", __name__, config.model_dump_json(), str(speed), *map(str, faults)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,  # Ctrl-C is for this process, which then ends the station
-        env={**os.environ, "PYTHONPATH": path},
-    )
-    try:
-        yield _start(process, json.dumps(settings))
-    finally:
-        _end(process)
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            answer = process.stdout.readline()
+            if not answer.startswith("{"):
+                raise Unusable(
+                    answer.strip() or "the virtual station did not start: see its messages"
+                )
+            yield StationFile.model_validate_json(answer)
+        finally:
+            process.stdin.close()
+            try:
+                process.wait(END_S)
+            except subprocess.TimeoutExpired:
+                process.kill()
 
 
-def _start(process: "subprocess.Popen[str]", settings: str) -> StationFile:
-    assert process.stdin is not None
-    assert process.stdout is not None
-    with suppress(BrokenPipeError):
-        process.stdin.write(settings + "\n")
-        process.stdin.flush()
-    answer = process.stdout.readline()
-    if not answer.startswith("{"):
-        raise Unusable(answer.strip() or "the virtual station did not start: see its messages")
-    return StationFile.model_validate_json(answer)
-
-
-def _end(process: "subprocess.Popen[str]") -> None:
-    with suppress(BrokenPipeError):
-        process.stdin.close()  # type: ignore[union-attr]
-    try:
-        process.wait(END_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
-    process.stdout.close()  # type: ignore[union-attr]
-
-
-def _print(station: StationFile) -> None:
-    print(station.model_dump_json(), flush=True)
-
-
-async def _serve_until_input_ends(settings: str) -> None:
+async def _serve_until_input_ends(config: str, speed: str, *faults: str) -> None:
     from tasks.station.virtual.servers import serve
 
-    values = json.loads(settings)
     serving = asyncio.ensure_future(
         serve(
-            VirtualStation.model_validate(values["config"]),
-            speed=values["speed"],
-            faults=[Fault.parse(text) for text in values["faults"]],
-            ready=_print,
+            VirtualStation.model_validate_json(config),
+            speed=float(speed),
+            faults=[Fault.parse(text) for text in faults],
+            ready=lambda station: print(station.model_dump_json(), flush=True),
         )
     )
     input_ended = asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
@@ -106,4 +80,4 @@ async def _serve_until_input_ends(settings: str) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(_serve_until_input_ends(sys.stdin.readline()))
+    asyncio.run(_serve_until_input_ends(*sys.argv[1:]))

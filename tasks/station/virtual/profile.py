@@ -46,6 +46,9 @@ def to_rate(t: float, angle: float, rate: float, target: float, limit: float) ->
     return _chain(t, angle, rate, (ramp,), target)
 
 
+STANDING = to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
+
+
 def to_angle(
     t: float, angle: float, rate: float, target: float, speed: float, limit: float
 ) -> Profile:

@@ -1,10 +1,10 @@
 """The register map over the virtual table, chamber and fixture: values read, writes applied."""
 
 import math
-import struct
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
+from pymodbus.constants import ExcCodes
 
 from schemas.station import (
     AXIS_BASE,
@@ -21,146 +21,143 @@ from schemas.station import (
     TABLE_REGISTERS,
     Register,
 )
+from tasks.station.drivers.modbus import decode, encode
 from tasks.station.virtual.config import STEP_US
 from tasks.station.virtual.simulation import Simulation
 from tasks.station.virtual.table import DEGREE
 
-TABLE_WORDS = CAPTURE_REGISTERS[-1].address + 2 * CAPTURE_VALUES
-CHAMBER_WORDS = CHAMBER_REGISTERS[-1].address + CHAMBER_REGISTERS[-1].words
-FIXTURE_WORDS = FIXTURE_REGISTERS[-1].address + FIXTURE_REGISTERS[-1].words
 ATTITUDE = ("qw", "qx", "qy", "qz")
 MIN_NORM_SQUARED = 0.1  # a quaternion below it is no attitude
-CODES = {"uint16": ">H", "uint32": ">I", "int32": ">i", "uint64": ">Q", "float32": ">f"}
 
 Value = float | int
-# Address of the first word, the register, its axis (None for the table itself), in map order.
-Place = tuple[int, Register, int | None]
 
 
-def to_words(register: Register, value: Value) -> list[int]:
-    """A value as words, high word first; counts turn over at the size of the register."""
-    code = CODES[register.type]
-    if register.type == "int32":
-        value = (int(value) + 2**31) % 2**32 - 2**31
-    data = struct.pack(code, value if register.type == "float32" else int(value))
-    return list(struct.unpack(f">{register.words}H", data))
+class RefusedWrite(Exception):  # noqa: N818 (the controller refuses; the client reads why)
+    """A write that the controller does not take, with the code that it answers.
+
+    ILLEGAL_ADDRESS: to a register that is not writable, or only to a part of one. ILLEGAL_VALUE:
+    of a value that means nothing here.
+    """
+
+    def __init__(self, code: ExcCodes) -> None:
+        self.code = code
 
 
-def from_words(register: Register, words: list[int]) -> Value:
-    """The value in the words of a register."""
-    value: Value = struct.unpack(CODES[register.type], struct.pack(f">{register.words}H", *words))[
-        0
-    ]
-    return value
+class DeviceRegisters:
+    """A device of the register map: what its registers read, and what is written to them."""
 
+    def __init__(
+        self, simulation: Simulation, registers: Sequence[Register], axes: int = 0
+    ) -> None:
+        self.simulation = simulation
+        self._axes = (None, *range(axes))
+        # By the address of its first word: a register and its axis, None for the device itself.
+        self._places: dict[int, tuple[Register, int | None]] = {
+            register.address: (register, None) for register in registers
+        }
+        for axis in range(axes):
+            base = AXIS_BASE + AXIS_STRIDE * axis
+            self._places |= {base + each.address: (each, axis) for each in AXIS_REGISTERS}
+        self.size = max(address + place.words for address, (place, _) in self._places.items())
 
-class Refused(Exception):  # noqa: N818 (the controller refuses; the server answers with a code)
-    """A write that the controller does not take."""
+    def values(self, axis: int | None) -> Mapping[str, Value]:
+        """The values of an axis, or of the device itself, by the register's name."""
+        raise NotImplementedError
 
+    def is_sane(self, name: str, value: Value) -> bool:
+        """Whether a value means something in a writable register."""
+        raise NotImplementedError
 
-class BadAddress(Refused):
-    """To a register that is not writable, or only to a part of one."""
-
-
-class BadValue(Refused):
-    """Of a value that means nothing here."""
-
-
-def writes(
-    known: Iterable[Place], address: int, words: list[int]
-) -> Iterable[tuple[Register, int | None, Value]]:
-    """The values that words from an address on write to the known places; raises BadAddress."""
-    places = {start: (register, axis) for start, register, axis in known}
-    offset = 0
-    while offset < len(words):
-        register, axis = places.get(address + offset, (None, None))
-        end = offset + (register.words if register else 0)
-        if register is None or not register.writable or end > len(words):
-            raise BadAddress
-        yield register, axis, from_words(register, words[offset:end])
-        offset = end
-
-
-class TableRegisters:
-    """Device 1."""
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._table = simulation.table
-        self.watchdog_ms = 0
-        self._capture_from = 0
-        axes = range(len(simulation.table.drives))
-        self._places: tuple[Place, ...] = (
-            *((register.address, register, None) for register in TABLE_REGISTERS),
-            *((AXIS_BASE + AXIS_STRIDE * axis + register.address, register, axis)
-              for axis in axes for register in AXIS_REGISTERS),
-            *((register.address, register, None) for register in CAPTURE_REGISTERS[:-1]),
-        )  # fmt: skip
+    def take(self, name: str, axis: int | None, value: Value) -> None:
+        """Takes a sane value for a writable register."""
+        raise NotImplementedError
 
     def words(self) -> list[int]:
         """All words of the device as they are now."""
-        image = [0] * TABLE_WORDS
-        groups: dict[int | None, Mapping[str, Value]] = {
-            axis: self._axis(axis) for axis in range(len(self._table.drives))
-        }
-        first, counts = self._block()
-        groups[None] = self._head() | {
-            "capture_from": self._capture_from,
-            "capture_count": len(counts),
-            "capture_first": first,
-        }
-        for address, register, axis in self._places:
-            value = groups[axis][register.name]
-            image[address : address + register.words] = to_words(register, value)
-        samples = counts.astype(">i4").tobytes()
-        start = CAPTURE_REGISTERS[-1].address
-        image[start : start + len(samples) // 2] = np.frombuffer(samples, ">u2").tolist()
+        image = [0] * self.size
+        values = {axis: self.values(axis) for axis in self._axes}
+        for address, (register, axis) in self._places.items():
+            words = encode(values[axis][register.name], register.type)
+            image[address : address + register.words] = words
         return image
-
-    def _head(self) -> dict[str, Value]:
-        return {
-            "ident": TABLE_IDENT,
-            "map_version": MAP_VERSION,
-            "axes": len(self._table.drives),
-            "status": self._table.status(),
-            "station_time": self._table.steps * STEP_US,
-            "watchdog": self.watchdog_ms,
-            "command": 0,
-            "capture_period": self._table.design.capture_ms * 1000,
-        }
-
-    def _axis(self, axis: int) -> dict[str, Value]:
-        drive = self._table.drives[axis]
-        return {
-            "mode": drive.mode,
-            "status": self._table.axis_status(axis),
-            "target_angle": drive.target_angle / DEGREE,
-            "target_rate": drive.target_rate / DEGREE,
-            "acceleration_limit": drive.acceleration / DEGREE,
-            "angle": int(self._table.counts(self._table.angle[axis])),
-            "rate": self._table.rate[axis] / DEGREE,
-            "counts_per_turn": self._table.design.counts_per_turn,
-        }
-
-    def _block(self) -> tuple[int, np.ndarray]:
-        return self._table.capture(self._capture_from, CAPTURE_VALUES // len(self._table.drives))
 
     def write(self, address: int, words: list[int]) -> None:
         """Takes words from an address on: whole writable registers, each with a sane value.
 
-        Raises BadAddress or BadValue, and then nothing has changed. A mode is taken last, so
+        Raises RefusedWrite, and then nothing has changed. A mode is taken last, so
         that it goes toward the targets of the same write.
         """
-        taken = list(writes(self._places, address, words))
-        for register, axis, value in taken:
-            self._check(register.name, axis, value)
-        for register, axis, value in sorted(taken, key=lambda write: write[0].name == "mode"):
-            if axis is None:
-                self._take(register.name, int(value))
-            else:
-                self._take_axis(register.name, axis, value)
+        written = list(self._written(address, words))
+        if not all(self.is_sane(name, value) for name, _, value in written):
+            raise RefusedWrite(ExcCodes.ILLEGAL_VALUE)
+        for name, axis, value in sorted(written, key=lambda write: write[0] == "mode"):
+            self.take(name, axis, value)
 
-    def _check(self, name: str, axis: int | None, value: Value) -> None:
+    def _written(self, address: int, words: list[int]) -> Iterator[tuple[str, int | None, Value]]:
+        offset = 0
+        while offset < len(words):
+            register, axis = self._places.get(address + offset, (None, None))
+            end = offset + (register.words if register else 0)
+            if register is None or not register.writable or end > len(words):
+                raise RefusedWrite(ExcCodes.ILLEGAL_ADDRESS)
+            yield register.name, axis, decode(words[offset:end], register.type)
+            offset = end
+
+
+class TableRegisters(DeviceRegisters):
+    """Device 1."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._table = simulation.table
+        self.watchdog = 0  # ms
+        self.capture_from = 0
+        registers = (*TABLE_REGISTERS, *CAPTURE_REGISTERS[:-1])
+        super().__init__(simulation, registers, len(self._table.drives))
+        self.size += 2 * CAPTURE_VALUES
+
+    def words(self) -> list[int]:
+        """All words of the device as they are now, the captured samples among them."""
+        image = super().words()
+        samples = self._block()[1].astype(">i4").tobytes()
+        start = CAPTURE_REGISTERS[-1].address
+        image[start : start + len(samples) // 2] = np.frombuffer(samples, ">u2").tolist()
+        return image
+
+    def values(self, axis: int | None) -> Mapping[str, Value]:
+        """What the table or one of its axes reads."""
+        table = self._table
+        if axis is None:
+            first, counts = self._block()
+            return {
+                "ident": TABLE_IDENT,
+                "map_version": MAP_VERSION,
+                "axes": len(table.drives),
+                "status": table.status(),
+                "station_time": table.steps * STEP_US,
+                "watchdog": self.watchdog,
+                "command": 0,
+                "capture_period": table.design.capture_ms * 1000,
+                "capture_from": self.capture_from,
+                "capture_count": len(counts),
+                "capture_first": first,
+            }
+        drive = table.drives[axis]
+        return {
+            "mode": drive.mode,
+            "status": table.axis_status(axis),
+            "target_angle": drive.target_angle / DEGREE,
+            "target_rate": drive.target_rate / DEGREE,
+            "acceleration_limit": drive.acceleration_limit / DEGREE,
+            "angle": int(table.counts(table.angle[axis]).astype(np.int32)),  # turns over
+            "rate": table.rate[axis] / DEGREE,
+            "counts_per_turn": table.design.counts_per_turn,
+        }
+
+    def _block(self) -> tuple[int, np.ndarray]:
+        return self._table.capture(self.capture_from, CAPTURE_VALUES // len(self._table.drives))
+
+    def is_sane(self, name: str, value: Value) -> bool:
+        """Whether it is finite, a mode or a command that there is, and not beyond the drives."""
         design = self._table.design
         sane = {
             "command": value in COMMANDS.values(),
@@ -168,92 +165,68 @@ class TableRegisters:
             "target_rate": abs(value) <= design.most_rate_deg_s,
             "acceleration_limit": 0 < value <= design.most_acceleration_deg_s2,
         }
-        if not math.isfinite(value) or not sane.get(name, True):
-            raise BadValue
+        return math.isfinite(value) and sane.get(name, True)
 
-    def _take(self, name: str, value: int) -> None:
-        if name == "watchdog":
-            self.watchdog_ms = value
-        elif name == "capture_from":
-            self._capture_from = value
-        elif value == COMMANDS["reset"]:
-            self._table.reset()
+    def take(self, name: str, axis: int | None, value: Value) -> None:
+        """Takes a set-point of an axis, or what the table as a whole is told."""
+        table = self._table
+        if axis is None and name == "command":
+            table.reset() if value == COMMANDS["reset"] else table.stop()
+        elif axis is None:
+            setattr(self, name, int(value))
+        elif name == "mode":
+            table.command(axis, int(value))
         else:
-            self._table.stop()
-
-    def _take_axis(self, name: str, axis: int, value: Value) -> None:
-        if name == "mode":
-            self._table.command(axis, int(value))
-            return
-        fields = {"acceleration_limit": "acceleration"}
-        setattr(self._table.drives[axis], fields.get(name, name), value * DEGREE)
+            setattr(table.drives[axis], name, value * DEGREE)
 
 
-class ChamberRegisters:
-    """Device 2."""
+class ChamberRegisters(DeviceRegisters):
+    """Device 2; none of it is writable."""
 
     def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+        super().__init__(simulation, CHAMBER_REGISTERS)
 
-    def words(self) -> list[int]:
-        """All words of the device as they are now."""
-        air = self._simulation.config.air
-        return _image(
-            CHAMBER_REGISTERS,
-            {
-                "temperature": self._simulation.air_degc,
-                "humidity": air.humidity_percent,
-                "supply_voltage": air.supply_v,
-                "pressure": air.pressure_hpa,
-                "station_time": self._simulation.table.steps * STEP_US,
-            },
-        )
-
-    def write(self, address: int, words: list[int]) -> None:
-        """Takes nothing."""
-        raise BadAddress
+    def values(self, axis: int | None) -> Mapping[str, Value]:
+        """What the chamber measures."""
+        air = self.simulation.config.air
+        return {
+            "temperature": self.simulation.air_degc,
+            "humidity": air.humidity_percent,
+            "supply_voltage": air.supply_v,
+            "pressure": air.pressure_hpa,
+            "station_time": self.simulation.table.steps * STEP_US,
+        }
 
 
-class FixtureRegisters:
+class FixtureRegisters(DeviceRegisters):
     """Device 3: the fixture and the unit's supply."""
 
     def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
+        super().__init__(simulation, FIXTURE_REGISTERS)
 
-    def words(self) -> list[int]:
-        """All words of the device as they are now."""
-        simulation = self._simulation
-        values: dict[str, Value] = dict(zip(ATTITUDE, simulation.fixture.wanted, strict=True))
-        values |= {
+    def values(self, axis: int | None) -> Mapping[str, Value]:
+        """The attitude wanted, and whether the fixture is there and the unit is on."""
+        simulation = self.simulation
+        return {
+            **dict(zip(ATTITUDE, simulation.fixture.wanted, strict=True)),
             "turn": 0,
             "status": simulation.fixture.status(simulation.table.now),
             "supply": int(simulation.is_supplied),
             "supply_on_time": simulation.supplied_steps * STEP_US,
         }
-        return _image(FIXTURE_REGISTERS, values)
 
-    def write(self, address: int, words: list[int]) -> None:
-        """Takes words from an address on; raises BadAddress or BadValue as the table does."""
-        places = ((register.address, register, None) for register in FIXTURE_REGISTERS)
-        taken = [(register.name, value) for register, _, value in writes(places, address, words)]
-        for name, value in taken:
-            if not (abs(value) <= 1.0 if name in ATTITUDE else value in (0, 1)):
-                raise BadValue
-        for name, value in taken:
-            self._take(name, value)
+    def is_sane(self, name: str, value: Value) -> bool:
+        """Whether it is a part of a unit quaternion, or a yes or no."""
+        return abs(value) <= 1.0 if name in ATTITUDE else value in (0, 1)
 
-    def _take(self, name: str, value: Value) -> None:
-        simulation = self._simulation
+    def take(self, name: str, axis: int | None, value: Value) -> None:
+        """Takes it; raises RefusedWrite where the fixture is to turn to what is no attitude."""
+        simulation = self.simulation
         if name in ATTITUDE:
             simulation.fixture.wanted[ATTITUDE.index(name)] = value
         elif name == "supply":
             simulation.supply(bool(value))
         elif value:
             if (simulation.fixture.wanted**2).sum() < MIN_NORM_SQUARED:
-                raise BadValue
+                raise RefusedWrite(ExcCodes.ILLEGAL_VALUE)
             simulation.turn_fixture()
-
-
-def _image(registers: Iterable[Register], values: Mapping[str, Value]) -> list[int]:
-    """The words of neighbouring registers with their values."""
-    return [word for register in registers for word in to_words(register, values[register.name])]

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Iterable
-from typing import Any, Protocol, cast
+from typing import Any
 
 from pymodbus.constants import ExcCodes
 from pymodbus.server import ModbusTcpServer
@@ -15,13 +15,10 @@ from tasks.station.clock import wall_s
 from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
 from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.registers import (
-    CHAMBER_WORDS,
-    FIXTURE_WORDS,
-    TABLE_WORDS,
-    BadAddress,
-    BadValue,
     ChamberRegisters,
+    DeviceRegisters,
     FixtureRegisters,
+    RefusedWrite,
     TableRegisters,
 )
 from tasks.station.virtual.simulation import Simulation
@@ -31,35 +28,14 @@ MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests 
 BACKLOG_BYTES = 16_000_000  # a client that reads no more is hung up on
 
 
-class UnitClient(asyncio.Protocol):
-    """One client of the unit's stream; what it sends is ignored."""
-
-    def __init__(self, clients: set[asyncio.Transport]) -> None:
-        self._clients = clients
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """From now on it gets the unit's frames."""
-        self._transport = cast(asyncio.Transport, transport)
-        self._clients.add(self._transport)
-
-    def connection_lost(self, _error: Exception | None) -> None:
-        """It hung up."""
-        self._clients.discard(self._transport)
-
-
-def _send(clients: Iterable[asyncio.Transport], data: bytes) -> None:
-    for transport in tuple(clients):
-        transport.write(data)
-        if transport.get_write_buffer_size() > BACKLOG_BYTES:
-            transport.abort()
-
-
-class Device(Protocol):
-    """A device of the register map."""
-
-    def words(self) -> list[int]: ...
-
-    def write(self, address: int, words: list[int]) -> None: ...
+def _send(clients: set[asyncio.StreamWriter], data: bytes) -> None:
+    for client in tuple(clients):
+        if client.is_closing():
+            clients.discard(client)
+            continue
+        client.write(data)
+        if client.transport.get_write_buffer_size() > BACKLOG_BYTES:
+            client.transport.abort()
 
 
 class Controller:
@@ -73,14 +49,13 @@ class Controller:
 
     def devices(self) -> list[SimDevice]:
         """For pymodbus's server."""
-        chamber, fixture = ChamberRegisters(self._simulation), FixtureRegisters(self._simulation)
         return [
-            self._served(TABLE_DEVICE, self._table, TABLE_WORDS),
-            self._served(CHAMBER_DEVICE, chamber, CHAMBER_WORDS),
-            self._served(FIXTURE_DEVICE, fixture, FIXTURE_WORDS),
+            self._served(TABLE_DEVICE, self._table),
+            self._served(CHAMBER_DEVICE, ChamberRegisters(self._simulation)),
+            self._served(FIXTURE_DEVICE, FixtureRegisters(self._simulation)),
         ]
 
-    def _served(self, number: int, device: Device, size: int) -> SimDevice:
+    def _served(self, number: int, device: DeviceRegisters) -> SimDevice:
         async def action(
             _code: int, _start: int, address: int, _count: int, words: list[int],
             written: list[int] | list[bool] | None,
@@ -88,22 +63,20 @@ class Controller:
             if failure := await self._failure():
                 return failure
             if written is None:
-                words[:size] = device.words()
+                words[: device.size] = device.words()
                 return None
             try:
                 device.write(address, [int(word) for word in written])
-            except BadAddress:
-                return ExcCodes.ILLEGAL_ADDRESS
-            except BadValue:
-                return ExcCodes.ILLEGAL_VALUE
+            except RefusedWrite as refusal:
+                return refusal.code
             return None
 
-        zeros = SimData(0, count=size, values=0, datatype=DataType.REGISTERS)
+        zeros = SimData(0, count=device.size, values=0, datatype=DataType.REGISTERS)
         return SimDevice(number, [zeros], action=action)
 
     def watch(self) -> None:
         """Stops the table if no request came for longer than the watchdog allows."""
-        allowed_s = self._table.watchdog_ms / 1000.0
+        allowed_s = self._table.watchdog / 1000.0
         if not allowed_s or self._requested_s is None:
             return
         if wall_s() - self._requested_s > allowed_s:
@@ -162,14 +135,13 @@ async def serve(
     simulation = Simulation(config, faults)
     simulation.advance(1)  # so that the faults of second 0 hold for the first request
     controller = Controller(simulation)
-    clients: set[asyncio.Transport] = set()
+    clients: set[asyncio.StreamWriter] = set()
     modbus = ModbusTcpServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
     try:
-        unit = await asyncio.get_running_loop().create_server(
-            lambda: UnitClient(clients), host, unit_port
-        )
+        # what a client sends is ignored
+        unit = await asyncio.start_server(lambda _, client: clients.add(client), host, unit_port)
     except OSError as error:
         modbus.close()
         raise Unusable(
@@ -183,8 +155,8 @@ async def serve(
     finally:
         modbus.close()
         unit.close()
-        for transport in tuple(clients):
-            transport.close()
+        for client in clients:
+            client.close()
 
 
 def _port(server: Any) -> int:

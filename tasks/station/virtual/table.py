@@ -8,7 +8,7 @@ from scipy import signal
 
 from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import STEP_S, TableDesign
-from tasks.station.virtual.profile import Profile, to_angle, to_rate
+from tasks.station.virtual.profile import STANDING, Profile, to_angle, to_rate
 
 DEGREE = np.pi / 180.0
 SETTLED_AFTER_S = 0.5
@@ -28,13 +28,9 @@ class Drive:
     mode: int = MODES["off"]
     target_angle: float = 0.0
     target_rate: float = 10.0 * DEGREE
-    acceleration: float = 100.0 * DEGREE
+    acceleration_limit: float = 100.0 * DEGREE
     setpoint: float = 0.0
     unsettled_s: float = 0.0  # station time when it was last out of tolerance
-
-
-def _standing() -> Profile:
-    return to_rate(0.0, 0.0, 0.0, 0.0, 1.0)
 
 
 class Table:
@@ -43,7 +39,7 @@ class Table:
     def __init__(self, design: TableDesign) -> None:
         axes = len(design.axes)
         self.design = design
-        self.drives = [Drive(_standing()) for _ in range(axes)]
+        self.drives = [Drive(STANDING) for _ in range(axes)]
         self.steps = 0
         self.angle = np.zeros(axes)
         self.rate = np.zeros(axes)
@@ -71,7 +67,7 @@ class Table:
         drive.mode = MODES["stop"] if self.refuses else mode
         drive.unsettled_s = self.now
         (angle,), (rate,) = drive.profile.at(np.array([self.now]))
-        state, limit = (self.now, float(angle), float(rate)), drive.acceleration / OVERSHOOT
+        state, limit = (self.now, float(angle), float(rate)), drive.acceleration_limit / OVERSHOOT
         speed = abs(drive.target_rate) * self.rate_factor
         if drive.mode == MODES["angle"] and speed > 0:
             drive.setpoint = drive.target_angle

@@ -86,7 +86,7 @@ class InMemoryTable:
 
     def _start(self, axis: int, mode: str, rate: float, acceleration: float) -> None:
         drive = self._table.drives[axis]
-        drive.target_rate, drive.acceleration = rate * DEGREE, acceleration * DEGREE
+        drive.target_rate, drive.acceleration_limit = rate * DEGREE, acceleration * DEGREE
         self._table.command(axis, MODES[mode])
 
 

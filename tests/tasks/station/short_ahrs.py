@@ -15,7 +15,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import Acquired
-from tasks.station.virtual.config import VirtualStation, ahrs_station, station_file, truth
+from tasks.station.virtual.config import VirtualStation, station_file, truth, virtual_station
 from tasks.station.virtual.faults import Fault
 from tests.tasks.station.in_memory import InMemoryStation
 
@@ -34,7 +34,7 @@ def shortened(name: str, seconds: float, **changes: Any) -> Procedure:
 
 def settled() -> VirtualStation:
     """A station whose unit does not change while it warms up, which here is not waited for."""
-    station = ahrs_station(3)
+    station = virtual_station(3, ahrs=True)
     calm = {"bias_per_kelvin": (0.0, 0.0, 0.0)}
     gyro = station.unit.gyro.model_copy(update=calm)
     return station.model_copy(update={"unit": station.unit.model_copy(update={"gyro": gyro})})
@@ -42,7 +42,7 @@ def settled() -> VirtualStation:
 
 def bench(fixture: Any, mount: Mount | None = None) -> StationFile:
     """The station file of a single-axis table that nobody listens for."""
-    file = station_file(ahrs_station(1), 1.0, "nowhere", 502, 1)
+    file = station_file(virtual_station(1, ahrs=True), 1.0, "nowhere", 502, 1)
     return file.model_copy(update={"fixture": fixture, "mount": mount or Mount()})
 
 

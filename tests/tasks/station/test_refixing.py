@@ -13,7 +13,7 @@ from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import RunRequest, acquire
 from tasks.station.requirements import check_procedure
-from tasks.station.virtual.config import ahrs_station
+from tasks.station.virtual.config import virtual_station
 from tasks.station.virtual.faults import Fault
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
@@ -35,7 +35,7 @@ def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_
 
 
 def test_frames_of_the_wrong_kind_are_said_in_one_sentence(new_sink):
-    station = InMemoryStation(ahrs_station(1))
+    station = InMemoryStation(virtual_station(1, ahrs=True))
     values = station.file.model_dump(mode="json")
     values["unit_link"] = {
         "url": station.file.unit_link.url, "rate_hz": 10, "gyro_lsb_rad_s": 1e-6,

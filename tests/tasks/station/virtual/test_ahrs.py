@@ -6,7 +6,7 @@ import pytest
 from schemas.recording import Mount
 from schemas.station import MODES
 from tasks.station.drivers.frames import find_frames
-from tasks.station.virtual.config import VirtualStation, ahrs_station
+from tasks.station.virtual.config import VirtualStation, virtual_station
 from tasks.station.virtual.simulation import Simulation
 
 DEG = np.pi / 180.0
@@ -19,7 +19,7 @@ HALF = 0.5**0.5
 
 def perfect(**changes: object) -> VirtualStation:
     """A station whose AHRS has no errors and no noise."""
-    station = ahrs_station(1)
+    station = virtual_station(1, ahrs=True)
     clean = {"scale": EYE, "bias": NOTHING, "bias_per_kelvin": NOTHING, "white": 0, "flicker": 0}
     told = station.unit.model_dump() | {
         "gyro": station.unit.gyro.model_dump() | clean,
