@@ -7,7 +7,7 @@ a difference of angles half an interval late; then the angle is what counts.
 
 import numpy as np
 
-from tasks.motion.noise import noise_by_differences
+from tasks.motion.samples import in_blocks, noise_by_differences
 
 STEADY = 0.02  # rad/s²: less of it is a dwell at rate
 MOVING = 0.005  # rad/s
@@ -64,9 +64,7 @@ def _independent_of(regressors: np.ndarray, missed: np.ndarray) -> bool:
 
 def _agreeing(missed: np.ndarray, compared: np.ndarray, of_angle: float, of_rate: float) -> bool:
     """Whether block means of the misses are no larger than the noise of both makes them."""
-    count = len(missed) // BLOCK
-    blocks = missed[: count * BLOCK].reshape(count, BLOCK)
-    means = blocks.mean(axis=1)[compared[: count * BLOCK].reshape(count, BLOCK).all(axis=1)]
+    means = in_blocks(missed, BLOCK).mean(axis=1)[in_blocks(compared, BLOCK).all(axis=1)]
     if len(means) < FEWEST_BLOCKS:
         return False
     expected = (of_angle / BLOCK) ** 2 + of_rate**2 / BLOCK + NEGLIGIBLE**2

@@ -44,15 +44,3 @@ def crossed(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     product[:, 1] = az * bx - ax * bz
     product[:, 2] = ax * by - ay * bx
     return product
-
-
-def slope(t: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """Derivative of a signal (n,) or (n, k) on nearly even times, of fourth order inside."""
-    first = np.gradient(signal, t, axis=0)
-    if len(t) < 7:
-        return first
-    step = (t[-1] - t[0]) / (len(t) - 1)
-    inner = (signal[:-4] - 8 * signal[1:-3] + 8 * signal[3:-1] - signal[4:]) / (12 * step)
-    even = np.abs(t[4:] - t[:-4] - 4 * step) < 0.02 * step
-    first[2:-2][even] = inner[even]
-    return first

@@ -11,7 +11,7 @@ the encoder's own noise asks for.
 
 import numpy as np
 
-from tasks.motion.noise import noise_by_differences
+from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
 
 RATE_WINDOW = 0.05  # s
 QUARTIC_NOISE = 1e-4  # rad/s: noise of the first derivative at which a quartic is taken
@@ -21,7 +21,6 @@ FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 ORDER = 6  # of the differences that the encoder's noise is read off
 ROUNDING = 1e-12  # rad: an angle that changes by less stands still
-FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -42,36 +41,15 @@ def smooth_derivatives(
     noise = noise_by_differences(thinned, ORDER, 0.9)
     slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), thinned, noise, interval)
     rate = _filtered(thinned, slope / interval)
-    window = _quiet_window(noise, interval)
-    bend = _bend_kernel(_half(window, interval, len(even))) / interval**2
-    acceleration = _filtered(thinned, bend)
+    quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
+    half = _half(min(quiet, LONGEST_WINDOW), interval, len(even))
+    acceleration = _filtered(thinned, _bend_kernel(half) / interval**2)
     known = covered(t, at)[:, None]
-    derivatives = (
-        interpolated(at, t, angle),
-        interpolated(at, even, rate),
-        interpolated(at, even, acceleration),
+    angle, rate, acceleration = (
+        np.where(known, interpolated(at, *sampled), np.nan)
+        for sampled in ((t, angle), (even, rate), (even, acceleration))
     )
-    return tuple(np.where(known, values, np.nan) for values in derivatives)  # type: ignore[return-value]
-
-
-def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Whether samples at t (n,) s lie near the times asked: (m,) bool.
-
-    Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
-    INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
-    """
-    if len(t) < 2:
-        return np.zeros(len(at), bool)
-    reach = max(FARTHEST, INTERVALS * float(np.median(np.diff(t))))
-    before = np.maximum(np.searchsorted(t, at, "right") - 1, 0)
-    after = np.minimum(np.searchsorted(t, at, "left"), len(t) - 1)
-    return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
-
-
-def _quiet_window(noise: float, interval: float) -> float:
-    """Seconds over which the noise of the angle is quiet in the second derivative."""
-    needed = np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION
-    return min(float(needed**0.4), LONGEST_WINDOW)
+    return angle, rate, acceleration
 
 
 def _half(window: float, interval: float, count: int) -> int:
@@ -128,11 +106,4 @@ def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndar
     group = min(int(1.0 / (FINEST * interval) + 1e-6), len(t) // 5)
     if group < 2:
         return t, angle
-    whole = len(t) // group * group
-    means = angle[:whole].reshape(-1, group, angle.shape[1]).mean(axis=1)
-    return t[:whole].reshape(-1, group).mean(axis=1), means
-
-
-def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Values (n, k) at times t (n,) s, linearly interpolated at the times `at` (m,): (m, k)."""
-    return np.column_stack([np.interp(at, t, column) for column in values.T])
+    return in_blocks(t, group).mean(axis=1), in_blocks(angle, group).mean(axis=1)

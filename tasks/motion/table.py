@@ -18,12 +18,12 @@ def rotation(direction: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(Rotation.from_rotvec(angle * np.asarray(direction)).as_matrix())
 
 
-def mount_of(manifest: Manifest, segment: Segment) -> np.ndarray:
+def mount_of(manifest: Manifest, segment: Segment | None = None) -> np.ndarray:
     """R(mount) (3, 3): the segment's own mount, else the recording's."""
     from scipy.spatial.transform import Rotation  # late: see above
 
-    quaternion = (segment.mount or manifest.mount).quaternion_wxyz
-    return np.asarray(Rotation.from_quat(quaternion, scalar_first=True).as_matrix())
+    mount = (segment and segment.mount) or manifest.mount
+    return np.asarray(Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True).as_matrix())
 
 
 def axis_directions(station: Station) -> list[np.ndarray]:

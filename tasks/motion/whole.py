@@ -5,14 +5,14 @@ segments' labels. Where there is none of these, the motion is unknown (NaN), nev
 Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import AXES, Recording, Segment, Stream, Up
+from schemas.recording import AXES, Recording, Stream, Up
 from tasks.motion.reported_rate import is_rate_of
 from tasks.motion.smooth import smooth_derivatives
 from tasks.motion.table import axis_directions, mount_of
@@ -39,15 +39,10 @@ class TableAxes:
         """Rate (n, 3) of what carries an axis: of the axes outside it."""
         return np.einsum("nk,nki->ni", self.speeds[:, :axis], self.directions[:, :axis])
 
-    def taken(self, rows: np.ndarray) -> "TableAxes":
-        """The axes at some of the times, by index or mask."""
-        return TableAxes(
-            self.angles[rows], self.speeds[rows], self.directions[rows], self.base[rows]
-        )
-
-    def in_frame(self, mount: np.ndarray) -> "TableAxes":
-        """Components along the body's axes instead of the payload's."""
-        return replace(self, directions=self.directions @ mount, base=self.base @ mount)
+    def mapped(self, function: Callable[[np.ndarray], np.ndarray]) -> "TableAxes":
+        """The axes with a function applied to each array (n, …), such as a choice of rows."""
+        arrays = (self.angles, self.speeds, self.directions, self.base)
+        return TableAxes(*map(function, arrays))
 
 
 @dataclass(frozen=True)
@@ -81,9 +76,7 @@ class Motion:
 
     @cached_property
     def takes(self) -> tuple[slice, ...]:
-        """Rows between two fixings: apart where the attitude jumps by more than any turn between
-        two rows does.
-        """
+        """Rows between fixings: there the attitude jumps by more than any turn within a row."""
         moved = np.linalg.norm(np.diff(np.nan_to_num(self.up), axis=0), axis=1)
         turned = np.linalg.norm(np.nan_to_num(self.rate), axis=1) * self.interval
         limit = SEAM + 3.0 * np.maximum(turned[1:], turned[:-1])
@@ -96,35 +89,34 @@ class Motion:
         """Specific force (n, 3) m/s² of a body at rest: gravity's reaction, upwards."""
         return self.gravity * self.up
 
+    def mapped(self, function: Callable[[np.ndarray], np.ndarray]) -> "Motion":
+        """The motion with a function applied to each array (n, …), such as a choice of rows."""
+        arrays = (self.t, self.up, self.north, self.rate, self.acceleration)
+        t, up, north, rate, acceleration = map(function, arrays)
+        recorded = {name: function(signal) for name, signal in self.recorded.items()}
+        axes = self.axes and self.axes.mapped(function)
+        return Motion(t, up, north, rate, acceleration, self.gravity, axes, recorded)
+
     def taken(self, rows: np.ndarray) -> "Motion":
         """The motion at some of the times, by index or mask."""
-        return replace(
-            self,
-            t=self.t[rows],
-            up=self.up[rows],
-            north=self.north[rows],
-            rate=self.rate[rows],
-            acceleration=self.acceleration[rows],
-            axes=self.axes and self.axes.taken(rows),
-            recorded={name: signal[rows] for name, signal in self.recorded.items()},
-        )
-
-
-def attitude_recorded(recording: Recording) -> bool:
-    """Whether encoders or a reference pose give the attitude, and not the labels alone."""
-    by_table = recording.table is not None and bool(recording.manifest.station.table_axes)
-    pose = recording.reference
-    return by_table or (pose is not None and set(POSE) <= set(pose.columns))
+        return self.mapped(lambda values: values[rows])
 
 
 def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
     """The motion at the unit's rows, or at other times t (n,) s of the same time base."""
     at = recording.imu.t if t is None else t
+    stream = attitude_stream(recording)
+    if stream is None:
+        return _by_labels(recording, at)
+    return (_by_table if stream is recording.table else _by_pose)(recording, stream, at)
+
+
+def attitude_stream(recording: Recording) -> Stream | None:
+    """What gives the attitude: encoders, else a reference pose; None: the labels alone."""
     if recording.table is not None and recording.manifest.station.table_axes:
-        return _by_table(recording, recording.table, at)
-    if recording.reference is not None and set(POSE) <= set(recording.reference.columns):
-        return _by_pose(recording, recording.reference, at)
-    return _by_labels(recording, at)
+        return recording.table
+    pose = recording.reference
+    return pose if pose is not None and set(POSE) <= set(pose.columns) else None
 
 
 def unit_vector(up: Up | None) -> np.ndarray:
@@ -139,11 +131,6 @@ def gravity_of(recording: Recording) -> float:
     return recording.manifest.station.gravity_m_s2 or STANDARD_GRAVITY
 
 
-def _unknown(recording: Recording, at: np.ndarray) -> Motion:
-    up, north, rate, acceleration = (np.full((len(at), 3), np.nan) for _ in range(4))
-    return Motion(at, up, north, rate, acceleration, gravity_of(recording))
-
-
 def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     """Turns the directions of n, and of each axis, inwards through the table's axes.
 
@@ -155,41 +142,27 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
         angles = np.unwrap(angles, axis=0)
     angle, speed, change = smooth_derivatives(table.t, angles, at)
-    speed = _as_reported(table, [axis.name for axis in axes], angles, at, speed)
+    for k, axis in enumerate(axes):
+        reported = table.columns.get(f"{axis.name}_rate")
+        if reported is not None and is_rate_of(table.t, angles[:, k], reported):
+            known = np.isfinite(speed[:, k])
+            speed[:, k] = np.where(known, np.interp(at, table.t, reported), np.nan)
     heading = recording.manifest.station.heading_deg
-    vertical, level = (np.tile(unit, (len(at), 1)) for unit in np.eye(3)[[2, 1]])
-    vectors = [vertical, _north(heading, len(at)), level]
+    psi = np.radians(np.nan if heading is None else heading)
+    fixed = ([0.0, 0.0, 1.0], [-np.sin(psi), np.cos(psi), 0.0], [0.0, 1.0, 0.0])
+    vectors = [np.tile(vector, (len(at), 1)) for vector in fixed]  # up, north, y of the table
     for k, direction in enumerate(axis_directions(recording.manifest.station)):
         vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
         vectors.append(np.tile(direction, (len(at), 1)))
     up, north, base, *spins = vectors
-    rate, acceleration = np.zeros((len(at), 3)), np.zeros((len(at), 3))
+    rate, acceleration = np.zeros((2, len(at), 3))
     for k in reversed(range(len(axes))):
         own = speed[:, k, None] * spins[k]
         acceleration += change[:, k, None] * spins[k] - np.cross(rate, own)
         rate += own
     turning = TableAxes(angle, speed, np.stack(spins, axis=1), base)
-    payload = Motion(at, up, north, rate, acceleration, gravity_of(recording), turning)
-    return _mounted(recording, payload)
-
-
-def _as_reported(
-    table: Stream, names: Sequence[str], angles: np.ndarray, at: np.ndarray, speed: np.ndarray
-) -> np.ndarray:
-    """Rates (m, k) of the axes: the reported one where it is the angle's, else the derivative."""
-    speed = speed.copy()
-    for k, name in enumerate(names):
-        reported = table.columns.get(f"{name}_rate")
-        if reported is not None and is_rate_of(table.t, angles[:, k], reported):
-            rate = np.interp(at, table.t, reported)
-            speed[:, k] = np.where(np.isfinite(speed[:, k]), rate, np.nan)
-    return speed
-
-
-def _north(heading: float | None, count: int) -> np.ndarray:
-    """North in the table's frame at zero angles, Rz(−heading)ᵀ·(0, 1, 0); NaN if not stated."""
-    psi = np.radians(np.nan if heading is None else heading)
-    return np.tile([-np.sin(psi), np.cos(psi), 0.0], (count, 1))
+    gravity = gravity_of(recording)
+    return _mounted(recording, Motion(at, up, north, rate, acceleration, gravity, turning))
 
 
 def _turned(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
@@ -213,32 +186,27 @@ def _mounted(recording: Recording, payload: Motion) -> Motion:
     manifest = recording.manifest
     own = [segment for segment in manifest.segments or () if segment.mount is not None]
     if not own:
-        whole = Segment(name="whole", kind="transition", t_start=0.0, t_end=0.0)
-        return _in_frame(payload, mount_of(manifest, whole))
-    body, axes = _unknown(recording, payload.t), payload.axes
-    if axes is not None:
-        directions, base = np.full_like(axes.directions, np.nan), np.full_like(axes.base, np.nan)
-        body = replace(body, axes=replace(axes, directions=directions, base=base))
+        return _in_frame(payload, mount_of(manifest))
+    body = _in_frame(payload, np.full((3, 3), np.nan))
     for segment in own:
         rows = (payload.t >= segment.t_start) & (payload.t < segment.t_end)
         part = _in_frame(payload.taken(rows), mount_of(manifest, segment))
-        for name in ("up", "north", "rate", "acceleration"):
-            getattr(body, name)[rows] = getattr(part, name)
-        if body.axes is not None and part.axes is not None:
-            body.axes.directions[rows], body.axes.base[rows] = part.axes.directions, part.axes.base
+        for vectors, known in zip(_vectors(body), _vectors(part), strict=True):
+            vectors[rows] = known
     return body
+
+
+def _vectors(motion: Motion) -> tuple[np.ndarray, ...]:
+    """What has components in the body frame, (n, …, 3) each."""
+    of_axes = (motion.axes.directions, motion.axes.base) if motion.axes else ()
+    return (motion.up, motion.north, motion.rate, motion.acceleration, *of_axes)
 
 
 def _in_frame(motion: Motion, mount: np.ndarray) -> Motion:
     """Components along the body's axes, Mᵀ·v for each vector v."""
-    return replace(
-        motion,
-        up=motion.up @ mount,
-        north=motion.north @ mount,
-        rate=motion.rate @ mount,
-        acceleration=motion.acceleration @ mount,
-        axes=motion.axes and motion.axes.in_frame(mount),
-    )
+    up, north, rate, acceleration, *of_axes = (vectors @ mount for vectors in _vectors(motion))
+    axes = motion.axes and TableAxes(motion.axes.angles, motion.axes.speeds, *of_axes)
+    return Motion(motion.t, up, north, rate, acceleration, motion.gravity, axes)
 
 
 def _by_pose(recording: Recording, pose: Stream, at: np.ndarray) -> Motion:
@@ -264,27 +232,18 @@ def _by_labels(recording: Recording, at: np.ndarray) -> Motion:
 
     A turn by a known angle is known in the mean only: its angle over its time.
     """
-    motion = _unknown(recording, at)
+    up, north, rate, acceleration = (np.full((len(at), 3), np.nan) for _ in range(4))
     for segment in recording.manifest.segments or ():
-        turned = _labelled_rate(segment)
-        if turned is None:
+        labels = {"static": 0.0, "rate": segment.rate_deg_s, "rotation": segment.angle_deg}
+        if (degrees := labels.get(segment.kind)) is None:
             continue
-        start, stop = np.searchsorted(at, (segment.t_start, segment.t_end))
-        rows = slice(int(start), int(stop))
+        turned = np.radians(degrees)
+        rows = slice(*np.searchsorted(at, (segment.t_start, segment.t_end)))
+        if segment.kind == "rotation":
+            turned = turned / (segment.t_end - segment.t_start)
+        else:
+            acceleration[rows] = 0.0
         axis = np.eye(3)[AXES.index(segment.axis)] if segment.axis else np.zeros(3)
-        motion.up[rows] = unit_vector(segment.up)
-        motion.rate[rows] = turned * axis
-        if segment.kind != "rotation":
-            motion.acceleration[rows] = 0.0
-    return motion
-
-
-def _labelled_rate(segment: Segment) -> float | None:
-    """Rate (rad/s) about the segment's axis, None where the label has none."""
-    if segment.kind == "static":
-        return 0.0
-    if segment.kind == "rate" and segment.rate_deg_s is not None:
-        return float(np.radians(segment.rate_deg_s))
-    if segment.kind == "rotation" and segment.angle_deg is not None:
-        return float(np.radians(segment.angle_deg)) / (segment.t_end - segment.t_start)
-    return None
+        up[rows] = unit_vector(segment.up)
+        rate[rows] = turned * axis
+    return Motion(at, up, north, rate, acceleration, gravity_of(recording))

@@ -6,7 +6,7 @@ import numpy as np
 
 from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Remark
-from tasks.motion.smooth import covered
+from tasks.motion.samples import covered
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.words import message, remark
 

@@ -22,7 +22,7 @@ from tasks.explain.events.delays import (
 from tasks.explain.events.event import Event
 from tasks.explain.events.noise import noise_by_rate
 from tasks.model.plain_fit import plain_prediction
-from tasks.motion.smooth import interpolated
+from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 

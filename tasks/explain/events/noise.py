@@ -6,7 +6,7 @@ rate changes.
 
 import numpy as np
 
-from tasks.motion.smooth import interpolated
+from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 
 BLOCK = 64  # rows, within which the noise is estimated

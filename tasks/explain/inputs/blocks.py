@@ -8,15 +8,17 @@ full rate, so that the corners of a ramp are not missed.
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from schemas.base import Unusable
 from schemas.recording import Segment
-from tasks.explain.inputs.corners import corners
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
 VIBRATING = 1.3  # times the noise variance at rest
+CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     first = np.minimum(np.searchsorted(block, np.arange(count)), len(block) - 1)
     segment = full.segment[first]
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
-    weight /= np.sqrt(1.0 + corners(motion) / (full.rest_variance / step))
+    weight /= np.sqrt(1.0 + _corners(motion) / (full.rest_variance / step))
     weight[~motion.known] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
@@ -86,25 +88,23 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
             means = sums / np.where(rows > 0, rows, np.nan)[:, None]
         return np.asarray(means.reshape(count, *values.shape[1:]))
 
-    axes = motion.axes and replace(
-        motion.axes,
-        **{
-            name: mean(getattr(motion.axes, name))
-            for name in ("angles", "speeds", "directions", "base")
-        },
-    )
-    recorded = {name: mean(signal) for name, signal in motion.recorded.items()}
-    recorded["fixing"] = np.round(recorded["fixing"])  # a number, not a mean of two
-    return Motion(
-        t=(np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max())),
-        up=mean(motion.up),
-        north=mean(motion.north),
-        rate=mean(motion.rate),
-        acceleration=mean(motion.acceleration),
-        gravity=motion.gravity,
-        axes=axes,
-        recorded=recorded,
-    )
+    means = motion.mapped(mean)
+    recorded = {**means.recorded, "fixing": np.round(means.recorded["fixing"])}  # no mean of two
+    t = (np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max()))
+    return replace(means, t=t, recorded=recorded)
+
+
+def _corners(motion: Motion) -> np.ndarray:
+    """(n, 6) squared error of a block's rate and force where the motion has a corner.
+
+    Samples do not tell when within their interval a table begins to accelerate; a fourth
+    difference is large there and nowhere else.
+    """
+    rough = []
+    for signal in (motion.rate, motion.force):
+        fourth = np.abs(np.diff(bridged(signal), 4, axis=0)).max(axis=1)
+        rough.append((CORNER * maximum_filter1d(np.pad(fourth, 2), 5, mode="constant")) ** 2)
+    return np.column_stack(rough).repeat(3, axis=1)
 
 
 def _segment_weight(full: FullRate) -> np.ndarray:

@@ -63,22 +63,15 @@ def full_rate(recording: Recording) -> FullRate:
         )
     # A motion that is unknown in places (labels only) must not reach into its neighbours.
     segments = recording.manifest.segments or find_segments(recording)
-    segment = _segment_of(recording.imu.t, segments)
+    segment = np.full(len(motion.t), -1)
+    for k, each in enumerate(segments):
+        segment[recording.imu.rows(each.t_start, each.t_end)] = k
     variance = noise_by_segment(readings, motion, segment, len(segments))
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
     motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
     return FullRate(readings, motion, segment, segments, variance, *output_steps(readings))
-
-
-def _segment_of(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
-    """Which segment each row lies in, −1 for none."""
-    number: np.ndarray = np.full(len(t), -1)
-    for k, segment in enumerate(segments):
-        start, stop = np.searchsorted(t, (segment.t_start, segment.t_end))
-        number[start:stop] = k
-    return number
 
 
 def _median(values: np.ndarray) -> float:

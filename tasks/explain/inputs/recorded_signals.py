@@ -1,9 +1,12 @@
 """What was recorded beside the readings, at the unit's rows, and what the run itself tells."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from schemas.recording import Recording, Segment
+from tasks.motion.samples import bridged
 
 MEAN_WIDTH = 5.0  # s: a unit's temperature does not change faster
 MIN_MEANS = 6
@@ -23,21 +26,14 @@ def recorded_signals(
             key = "air_temperature" if name == "temperature" else name
             recorded[key] = np.interp(t, room.t, signal)
     if "temperature" in recorded:
-        filled = _filled(recorded["temperature"])
+        filled = bridged(recorded["temperature"][:, None])[:, 0]
         recorded["temperature"], recorded["temperature_rate"] = _smoothed(t, filled)
     recorded["fixing"] = _fixings(recording, t, segments)
     recorded["steady_turn"] = np.zeros(len(t))
     for segment in segments:
         if segment.kind == "rate":
-            start, stop = np.searchsorted(recording.imu.t, (segment.t_start, segment.t_end))
-            recorded["steady_turn"][start:stop] = 1.0
+            recorded["steady_turn"][recording.imu.rows(segment.t_start, segment.t_end)] = 1.0
     return recorded
-
-
-def _filled(signal: np.ndarray) -> np.ndarray:
-    known = np.isfinite(signal)
-    rows = np.arange(len(signal))
-    return np.interp(rows, rows[known], signal[known]) if known.any() else np.zeros(len(signal))
 
 
 def _smoothed(t: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -82,28 +78,14 @@ def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...])
     positions on a table of several axes are one; each upright axis of the rates is another; and a
     unit is fixed anew right after the last segment of a block, before the move to the next.
     """
-    mounted = _by_mount(recording, t, segments)
-    if mounted[-1] > 0:
-        return mounted
-    several = len(recording.manifest.station.table_axes or ()) > 1
-    number: np.ndarray = np.zeros(len(t))
-    at, last, ended = 0, None, 0.0
-    for segment in segments:
-        if segment.up is None:
-            continue
-        block = "positions" if several and segment.item == "twelve_position" else segment.up
-        if last is not None and block != last:
-            at += 1
-            number[np.searchsorted(t, ended) :] = at
-        last, ended = block, segment.t_end
-    return number
-
-
-def _by_mount(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
-    """Number of the mount at each row, by the segments."""
-    number: np.ndarray = np.zeros(len(t))
-    mounts = [segment.mount or recording.manifest.mount for segment in segments]
-    for segment, before, now in zip(segments[1:], mounts, mounts[1:], strict=False):
-        if now != before:
-            number[np.searchsorted(t, segment.t_start) :] += 1
-    return number
+    manifest = recording.manifest
+    mounted = [(segment, segment.mount or manifest.mount) for segment in segments]
+    ends = [now.t_start for (_, before), (now, mount) in pairwise(mounted) if mount != before]
+    if not any(end <= t[-1] for end in ends):
+        several = len(manifest.station.table_axes or ()) > 1
+        upright = [
+            (segment, "positions" if several and segment.item == "twelve_position" else segment.up)
+            for segment in segments if segment.up is not None
+        ]  # fmt: skip
+        ends = [last.t_end for (last, block), (_, then) in pairwise(upright) if block != then]
+    return np.searchsorted(np.sort(ends), t, side="right").astype(float)

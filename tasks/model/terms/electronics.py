@@ -8,6 +8,7 @@ from scipy.ndimage import minimum_filter1d
 
 from schemas.recording import Recording
 from tasks.model.term import Parameter, Term
+from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
 SETTLED = 20.0  # time constants after which the filter has forgotten
@@ -31,7 +32,7 @@ class Bandwidth(Term):
 def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
     """Readings (n, k) of one take behind the filter; constant: time constant in rows."""
     known = np.isfinite(readings)
-    filled = _filled(readings, known)
+    filled = bridged(readings)
     # Both ends go on as they are; by then a ring of this length has forgotten the other end.
     more = int(np.ceil(SETTLED * abs(constant))) + 1
     count = next_fast_len(len(filled) + 2 * more, real=True)
@@ -50,18 +51,6 @@ def _slope(x: np.ndarray) -> np.ndarray:
     of a ramp.
     """
     return (45.0 * np.sin(x) - 9.0 * np.sin(2.0 * x) + np.sin(3.0 * x)) / 30.0
-
-
-def _filled(readings: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """What is not known goes straight from what is before it to what is after it."""
-    if known.all():
-        return readings
-    rows = np.arange(len(readings))
-    filled = np.zeros_like(readings)
-    for channel, there in enumerate(known.T):
-        if there.any():
-            filled[:, channel] = np.interp(rows, rows[there], readings[there, channel])
-    return filled
 
 
 BANDWIDTH = Bandwidth(

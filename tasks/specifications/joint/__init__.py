@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.motion.whole import attitude_recorded
+from tasks.motion.whole import attitude_stream
 from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.jjf2003 import JJF2003
@@ -25,7 +25,7 @@ def check(recording: Recording) -> None:
 def estimate(evidence: Evidence, equipment: Equipment) -> ClauseResult:
     """The items of JJF 2003-2022 by fitting models (1) and (2) to everything at once."""
     recording = evidence.recording
-    gravity_alone = not recording.manifest.segments and not attitude_recorded(recording)
+    gravity_alone = not recording.manifest.segments and attitude_stream(recording) is None
     return (joint_by_gravity if gravity_alone else joint_on_table)(evidence, equipment)
 
 

@@ -12,7 +12,7 @@ from schemas.recording import AXES, Recording
 from tasks.motion.table import EARTH_RATE, mean_rate
 from tasks.motion.whole import (
     Motion,
-    attitude_recorded,
+    attitude_stream,
     gravity_of,
     unit_vector,
     whole_motion,
@@ -94,11 +94,11 @@ def _motion(evidence: Evidence) -> tuple[Motion, np.ndarray]:
     up, north = whole.up.reshape(shape).mean(axis=1), whole.north.reshape(shape).mean(axis=1)
     rate = np.array([_rate(recording, evidence, i) for i in range(len(segments))]).reshape(-1, 3)
     rate = np.where(_turned(evidence), rate, 0.0 * rate)
-    vertical, recorded = np.zeros(len(segments), bool), attitude_recorded(recording)
+    vertical, stream = np.zeros(len(segments), bool), attitude_stream(recording)
     for i, segment in enumerate(segments):
         shown = unit_vector(evidence.up[i])
         agrees = not np.isfinite(shown).all() or up[i] @ shown >= SAME_VERTICAL
-        if not recorded or not np.isfinite(up[i]).all() or not agrees:
+        if stream is None or not np.isfinite(up[i]).all() or not agrees:
             up[i], north[i] = shown, np.nan
         vertical[i] = np.isfinite(up[i]).all()
         if segment.segment.kind != "static":

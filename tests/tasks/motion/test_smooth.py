@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.motion.smooth import covered, smooth_derivatives
+from tasks.motion.smooth import smooth_derivatives
 
 T = np.arange(0.0, 10.0, 0.01)
 
@@ -54,14 +54,6 @@ def test_nothing_is_known_in_a_gap_of_the_samples() -> None:
     found = smooth_derivatives(T[kept], swing(T[kept])[0][:, None], np.array([2.0, 5.0, 8.0, 11.0]))
     for each in found:
         assert np.isfinite(each[:, 0]).tolist() == [True, False, True, False]
-
-
-def test_lost_samples_and_slow_streams_are_no_gaps() -> None:
-    slow = np.arange(0.0, 60.0, 1.0)
-    slow = slow[(slow != 30.0) & (slow != 31.0)]
-    assert covered(slow, np.array([0.0, 29.5, 30.4, 59.5])).all()
-    assert covered(T[::9], T).all()
-    assert not covered(slow, np.array([-5.0, 65.0])).any()
 
 
 def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:

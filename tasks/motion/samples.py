@@ -1,0 +1,62 @@
+"""Sampled signals: what lies between samples, whole blocks of them, the noise they carry."""
+
+from math import comb
+
+import numpy as np
+
+FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
+NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
+SAMPLE = 20_000  # differences that a quantile is taken of
+
+
+def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (n, k) at times t (n,) s, linearly interpolated at the times `at` (m,): (m, k)."""
+    return np.column_stack([np.interp(at, t, column) for column in values.T])
+
+
+def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Whether samples at t (n,) s lie near the times asked: (m,) bool.
+
+    Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
+    INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
+    """
+    if len(t) < 2:
+        return np.zeros(len(at), bool)
+    reach = max(FARTHEST, INTERVALS * float(np.median(np.diff(t))))
+    before = np.maximum(np.searchsorted(t, at, "right") - 1, 0)
+    after = np.minimum(np.searchsorted(t, at, "left"), len(t) - 1)
+    return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
+
+
+def bridged(values: np.ndarray) -> np.ndarray:
+    """Values (n, k) that go straight on from row to row where they are NaN; 0 where all are."""
+    known = np.isfinite(values)
+    if known.all():
+        return values
+    rows, filled = np.arange(len(values)), np.zeros_like(values)
+    for k, there in enumerate(known.T):
+        if there.any():
+            filled[:, k] = np.interp(rows, rows[there], values[there, k])
+    return filled
+
+
+def in_blocks(values: np.ndarray, rows: int) -> np.ndarray:
+    """Values (n, …) as whole blocks (n // rows, rows, …); the rest at the end is left out."""
+    count = len(values) // rows
+    return values[: count * rows].reshape(count, rows, *values.shape[1:])
+
+
+def noise_by_differences(values: np.ndarray, order: int, share: float) -> float:
+    """Standard deviation of the white noise of values (n,) or (n, k), where anything moves at all.
+
+    A motion leaves next to nothing in differences of a high order but what oscillates faster than
+    a quarter of the sampling rate. share: the quantile of their size that is compared with that of
+    normal noise; what disturbs fewer of them does not count.
+    """
+    rough = np.abs(np.diff(values, order, axis=0)).ravel()
+    rough = rough[rough > 0.0]
+    rough = rough[:: 1 + len(rough) // SAMPLE]
+    if not len(rough):
+        return 0.0
+    size = float(np.quantile(rough, share)) / NORMAL_QUANTILES[share]
+    return size / float(np.sqrt(comb(2 * order, order)))
