@@ -114,15 +114,14 @@ def statement(sayable: Sayable) -> Statement:
     """A message as it is published, in every language."""
     if isinstance(sayable, Statement):
         return sayable
-    return Statement(en=say(sayable, "en"), zh=say(sayable, "zh"))
+    return Statement(**texts(sayable))
 
 
 def remark(
     code: str, sayable: Sayable, segments: tuple[str, ...] = (), *, blocks_pass: bool = False
 ) -> Remark:
     """A message as a remark of a calibration."""
-    en, zh = (say(sayable, language) for language in ("en", "zh"))
-    return Remark(code=code, en=en, zh=zh, segments=segments, blocks_pass=blocks_pass)
+    return Remark(code=code, **texts(sayable), segments=segments, blocks_pass=blocks_pass)
 
 
 def _argument(value: Argument, language: str) -> object:

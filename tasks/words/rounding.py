@@ -24,7 +24,7 @@ _COMBINED = Context(prec=COMBINED, rounding=ROUND_HALF_EVEN)
 
 
 @dataclass(frozen=True)
-class Column:
+class RoundedColumn:
     """A column of results that shares one power of ten.
 
     exponent: every text is in units of 10^exponent; values, uncertainties: a text for each
@@ -62,7 +62,7 @@ def round_like(value: float, uncertainty: Decimal) -> Decimal:
 
 def column(
     values: Sequence[float | None], uncertainties: Sequence[float | None], k: float = USUAL_K
-) -> Column:
+) -> RoundedColumn:
     """Values and their expanded uncertainties as the texts of one column of a table.
 
     k: the coverage factor of the uncertainties. Each value is rounded to the place of its own;
@@ -72,7 +72,7 @@ def column(
     """
     pairs = [_rounded(*pair, k) for pair in zip(values, uncertainties, strict=True)]
     exponent = _exponent(pairs)
-    return Column(
+    return RoundedColumn(
         exponent,
         tuple(text(value, exponent) for value, _ in pairs),
         tuple(text(uncertainty, exponent) for _, uncertainty in pairs),

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tasks.explain.locate.run import Moments, Run
+from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 
@@ -13,7 +13,7 @@ MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less ca
 
 
 @dataclass(frozen=True)
-class Design:
+class StandardDesign:
     """The design matrix of the standard's model in one channel, of k regressors.
 
     values: (n, k), zero where the motion is not known. known: (n,) bool.
@@ -26,7 +26,7 @@ class Design:
     sums: np.ndarray
 
     @classmethod
-    def of(cls, run: Run, channel: int) -> Self:
+    def of(cls, run: BlockedRun, channel: int) -> Self:
         """The design matrix of channel 0 to 5."""
         values = regressors(run.motion, channel)
         known = np.isfinite(values).all(axis=1)
@@ -65,12 +65,14 @@ class ChannelExcess:
 
     values: np.ndarray
     moments: Moments
-    design: Design
+    design: StandardDesign
     factor: float
     unit: str
 
     @classmethod
-    def of(cls, run: Run, values: np.ndarray, design: Design, channel: int, noise: float) -> Self:
+    def of(
+        cls, run: BlockedRun, values: np.ndarray, design: StandardDesign, channel: int, noise: float
+    ) -> Self:
         """noise: one standard deviation, rad/s or m/s²."""
         factor, unit = (float(np.degrees(noise)), "°/s") if channel < 3 else (noise, "m/s²")
         return cls(values, run.moments(values, design.known), design, factor, unit)

@@ -16,7 +16,7 @@ from schemas.discrepancy import Dimension
 from tasks.explain.locate.excess import MIN_VISIBLE, ChannelExcess
 from tasks.explain.locate.partitions import Partition
 from tasks.explain.locate.rotation import MAX_HARMONIC, Rotation
-from tasks.explain.locate.run import Moments, Run
+from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.words import Message, message
 
 FLOOR = 0.03  # of the mean square: smaller remainders do not count
@@ -62,7 +62,9 @@ def cost(parameters: int, searched: int, intervals: int) -> float:
     return (parameters + float(np.log(searched))) / intervals
 
 
-def partition_pattern(run: Run, partition: Partition, excess: ChannelExcess, tried: int) -> Pattern:
+def partition_pattern(
+    run: BlockedRun, partition: Partition, excess: ChannelExcess, tried: int
+) -> Pattern:
     """What a partition says of an excess; rows of unknown cell do not count."""
     blocks = excess.moments
     cells = Moments(*(partition.indicator @ v for v in (blocks.rows, blocks.first, blocks.second)))
@@ -115,7 +117,7 @@ def _variation(
     )  # fmt: skip
 
 
-def change_point_pattern(run: Run, excess: ChannelExcess) -> Pattern | None:
+def change_point_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | None:
     """A step at the moment that absorbs most, or the moment that parts the power best."""
     moments = excess.moments
     ends = np.cumsum([moments.rows, moments.first, moments.second], axis=1)
@@ -148,7 +150,7 @@ def change_point_pattern(run: Run, excess: ChannelExcess) -> Pattern | None:
     return Pattern("time", float(parted[split]) - paid, description, (run.t > time) == later)
 
 
-def harmonics_pattern(run: Run, rotation: Rotation, excess: ChannelExcess) -> Pattern:
+def harmonics_pattern(run: BlockedRun, rotation: Rotation, excess: ChannelExcess) -> Pattern:
     """The numbers of waves per turn of an axis that hold most of an excess."""
     values, whole = excess.values, excess.power
     power = rotation.harmonic_power(values)
@@ -171,7 +173,7 @@ def harmonics_pattern(run: Run, rotation: Rotation, excess: ChannelExcess) -> Pa
     return Pattern("rotation_phase", score, description, mask[run.starts])
 
 
-def frequency_pattern(run: Run, excess: ChannelExcess) -> Pattern | None:
+def frequency_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | None:
     """The frequency at which an excess has most of its power."""
     count = len(excess.values)
     power = np.abs(np.fft.rfft(excess.values)) ** 2

@@ -17,7 +17,7 @@ from tasks.explain.locate.patterns import (
     harmonics_pattern,
     partition_pattern,
 )
-from tasks.explain.locate.run import Moments, Run
+from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 
@@ -43,7 +43,7 @@ class Place:
 
 
 def places(
-    run: Run, channels: Mapping[int, ChannelExcess], contribution: np.ndarray
+    run: BlockedRun, channels: Mapping[int, ChannelExcess], contribution: np.ndarray
 ) -> dict[int, Place]:
     """The place of each channel's part of one finding; contribution: (n, 6).
 
@@ -68,7 +68,7 @@ def places(
     }
 
 
-def _patterns(run: Run, excess: ChannelExcess) -> list[Pattern]:
+def _patterns(run: BlockedRun, excess: ChannelExcess) -> list[Pattern]:
     """Every pattern of one channel's excess that carries enough information."""
     tried = Counter(partition.dimension for partition in run.partitions)
     every = [
@@ -80,7 +80,9 @@ def _patterns(run: Run, excess: ChannelExcess) -> list[Pattern]:
     return [each for each in every if each is not None and each.score >= MIN_SCORE]
 
 
-def _place(run: Run, best: Pattern | None, excess: Moments, contribution: np.ndarray) -> Place:
+def _place(
+    run: BlockedRun, best: Pattern | None, excess: Moments, contribution: np.ndarray
+) -> Place:
     if best is None:
         return _without_pattern(run, excess)
     description = best.description
@@ -91,7 +93,7 @@ def _place(run: Run, best: Pattern | None, excess: Moments, contribution: np.nda
     return Place(best.dimension, description, _main_segments(run, excess, best.rows))
 
 
-def _without_pattern(run: Run, excess: Moments) -> Place:
+def _without_pattern(run: BlockedRun, excess: Moments) -> Place:
     """In short intervals of the run that no pattern describes, or everywhere alike."""
     part = np.minimum(PARTS * np.arange(len(run.t)) // len(run.t), PARTS - 1)
     power = np.bincount(part, excess.second, PARTS)
@@ -103,7 +105,7 @@ def _without_pattern(run: Run, excess: Moments) -> Place:
     return Place("time", description, _main_segments(run, excess, np.isin(part, densest)))
 
 
-def _main_segments(run: Run, excess: Moments, rows: np.ndarray) -> tuple[str, ...]:
+def _main_segments(run: BlockedRun, excess: Moments, rows: np.ndarray) -> tuple[str, ...]:
     """The segments that hold most of the power at some blocks, by falling power."""
     inside = rows & (run.segment >= 0)
     power = np.bincount(run.segment[inside], excess.second[inside], len(run.names))

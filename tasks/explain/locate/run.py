@@ -25,7 +25,7 @@ class Moments:
 
 
 @dataclass(frozen=True)
-class Run:
+class BlockedRun:
     """A recording of n rows in m blocks of 0.04 s or of one row, whichever is longer.
 
     motion: at the rows. starts: (m,) first row of each block. t: (m,) s, its middle.

@@ -10,9 +10,9 @@ import numpy as np
 from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding
-from tasks.explain.locate.excess import ChannelExcess, Design, noise_scales
+from tasks.explain.locate.excess import ChannelExcess, StandardDesign, noise_scales
 from tasks.explain.locate.place import Place, places
-from tasks.explain.locate.run import Run
+from tasks.explain.locate.run import BlockedRun
 from tasks.words import message, statement
 
 MIN_SHARE = 0.05  # of a finding's excess, from which a channel has an entry of its own
@@ -31,14 +31,14 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     """
     if not explanation.findings:
         return ()
-    run = Run.of(explanation.recording)
-    designs = tuple(Design.of(run, channel) for channel in range(len(CHANNELS)))
+    run = BlockedRun.of(explanation.recording)
+    designs = tuple(StandardDesign.of(run, channel) for channel in range(len(CHANNELS)))
     noise = noise_scales(explanation.noise)
     return tuple(_entries(run, finding, designs, noise) for finding in explanation.findings)
 
 
 def _entries(
-    run: Run, finding: Finding, designs: tuple[Design, ...], noise: np.ndarray
+    run: BlockedRun, finding: Finding, designs: tuple[StandardDesign, ...], noise: np.ndarray
 ) -> tuple[Where, ...]:
     """noise: (6,) standard deviations, which the excess is counted in."""
     scaled = finding.contribution / noise

@@ -8,7 +8,7 @@ from scipy.fft import next_fast_len, rfft
 from schemas.recording import MEASURED
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
-from tasks.explain.report.cells import Cells
+from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import channel_title
 from tasks.pages.chart import AFTER, BEFORE, draw, time_axis
 from tasks.words import say
@@ -26,7 +26,7 @@ GYRO_UNITS = (("°/s", 0.03, 180 / np.pi), ("°/h", 0.0, 180 / np.pi * 3600))  #
 ACCEL_UNITS = (("m/s²", 0.5, 1.0), ("mm/s²", 5e-4, 1e3), ("µm/s²", 0.0, 1e6))
 
 
-def before_after_svg(explanation: Explanation, cells: Cells) -> str:
+def before_after_svg(explanation: Explanation, cells: ExcessCells) -> str:
     """The picture; its words are English with the field's symbols."""
     shown = affected(explanation, cells)
     height = HEAD + ROW * (len(shown) - 1) + PLOT + FOOT
@@ -52,7 +52,7 @@ HEADING: dict[str, Any] = {
 }  # fmt: skip
 
 
-def affected(explanation: Explanation, cells: Cells) -> list[int]:
+def affected(explanation: Explanation, cells: ExcessCells) -> list[int]:
     """The channels that gain the most, or without findings those with the largest excess."""
     readings = explanation.recording.imu.stack(CHANNELS)
     noise = np.where(explanation.noise == 0, 1.0, explanation.noise)
@@ -82,7 +82,7 @@ def _draw_legend(axes: Any, found: bool) -> None:
                 borderaxespad=0)  # fmt: skip
 
 
-def _draw_means(axes: Any, cells: Cells, channel: int) -> None:
+def _draw_means(axes: Any, cells: ExcessCells, channel: int) -> None:
     """Means of the cells over time; a pale bar is what swings within a cell."""
     reach = _reach(cells, channel)
     unit, factor = _unit(channel, reach)
@@ -113,7 +113,7 @@ def _title(channel: int) -> str:
     return say(channel_title(CHANNELS[channel]), "en")
 
 
-def _reach(cells: Cells, channel: int) -> float:
+def _reach(cells: ExcessCells, channel: int) -> float:
     """How far the picture reaches up and down, SI."""
     sizes = np.abs(cells.before[channel]) + cells.swing_before[channel]
     known = np.isfinite(sizes)

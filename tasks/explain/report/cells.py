@@ -22,7 +22,7 @@ Parts = Sequence[np.ndarray]  # the known rows of each cell
 
 
 @dataclass(frozen=True)
-class Cells:
+class ExcessCells:
     """Cells of time, k of them, and what the six channels do in each.
 
     edges: (k+1,) s on the unit's clock. segments: those of the recording; kinds: of each cell,
@@ -43,7 +43,7 @@ class Cells:
     noise: np.ndarray
 
 
-def cells_of(explanation: Explanation) -> Cells:
+def cells_of(explanation: Explanation) -> ExcessCells:
     """The cells of an explanation: cut at the ends of segments, and finely in between."""
     t = explanation.recording.imu.t
     segments = segments_of(explanation.recording)
@@ -67,7 +67,7 @@ def cells_of(explanation: Explanation) -> Cells:
     for segment in segments:
         first, last = np.searchsorted(middles, (segment.t_start, segment.t_end))
         kinds[first:last] = [segment.kind] * (last - first)
-    return Cells(edges, segments, tuple(kinds), *np.stack(channels, axis=1))
+    return ExcessCells(edges, segments, tuple(kinds), *np.stack(channels, axis=1))
 
 
 def _edges(t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:

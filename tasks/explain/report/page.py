@@ -2,12 +2,17 @@
 
 from pathlib import Path
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy
+from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
 from tasks.explain.report import names, statements
 from tasks.explain.report.before_after import before_after_svg
 from tasks.explain.report.cells import cells_of
-from tasks.explain.report.files import appear, prediction
 from tasks.explain.report.verdict import detected, tested
 from tasks.explain.report.where import where_svg
 from tasks.pages import inline, page
@@ -33,13 +38,13 @@ def write_report(
     cells = cells_of(explanation)
     where, before_after = where_svg(discrepancy, cells), before_after_svg(explanation, cells)
     contents = {
-        "prediction.parquet": prediction(explanation),
+        "prediction.parquet": _prediction(explanation),
         "where.svg": where.encode(),
         "before_after.svg": before_after.encode(),
         "report.json": (discrepancy.model_dump_json(indent=1) + "\n").encode(),
         "report.html": report_html(discrepancy, explanation, where, before_after).encode(),
     }
-    return tuple(appear(folder, name, content) for name, content in contents.items())[::-1]
+    return tuple(_appear(folder, name, content) for name, content in contents.items())[::-1]
 
 
 def report_html(
@@ -66,3 +71,39 @@ def report_html(
         recording=explanation.recording,
         code_version=code_version(),
     )
+
+
+def _appear(folder: Path, name: str, content: bytes) -> Path:
+    """Writes a file under another name first, then gives it its own; makes the folder.
+
+    Raises Unusable where the disk refuses.
+    """
+    path, draft = folder / name, folder / f".{name}.part"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        draft.write_bytes(content)
+        draft.replace(path)
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be written ({error.strerror or error}); name another folder with "
+            "--out, or make room and give rights there."
+        ) from error
+    finally:
+        if draft.is_file():
+            draft.unlink()
+    return path
+
+
+def _prediction(explanation: Explanation) -> bytes:
+    """prediction.parquet: t (s), and each channel's nominal and found reading, rad/s and m/s².
+
+    One row for each row of the unit's stream; NaN where the motion is not known.
+    """
+    columns = {"t": explanation.recording.imu.t}
+    for i, channel in enumerate(CHANNELS):
+        columns[f"{channel}_nominal"] = explanation.nominal[:, i]
+        columns[f"{channel}_found"] = explanation.found[:, i]
+    arrays = {name: np.ascontiguousarray(each, float) for name, each in columns.items()}
+    sink = pa.BufferOutputStream()
+    pq.write_table(pa.table(arrays), sink, compression="zstd")
+    return bytes(sink.getvalue().to_pybytes())

@@ -41,13 +41,10 @@ def finding_statement(finding: FindingSaid) -> Statement:
 def what(finding: FindingSaid) -> Sayable:
     """What it is and how large, U with k = 2; for what has no name, what it follows."""
     largest = sorted(finding.parameters, key=_significance, reverse=True)[:MAX_PARAMETERS]
-    sizes = ", ".join(map(parameter_text, largest))
-    more = len(finding.parameters) - len(largest)
-    if not sizes:
-        return message("report-what", title=finding.title)
-    if not more:
-        return message("report-what-size", title=finding.title, sizes=sizes)
-    return message("report-what-sizes", title=finding.title, sizes=sizes, more=more)
+    return message(
+        "report-what", title=finding.title, given=len(largest),
+        sizes=", ".join(map(parameter_text, largest)), more=len(finding.parameters) - len(largest),
+    )  # fmt: skip
 
 
 def where(finding: FindingSaid) -> Sayable:

@@ -28,8 +28,7 @@ def verdict_statement(explanation: Explanation, findings: Sequence[FindingSaid])
     named = [finding for finding in findings if finding.effect != "unnamed"]
     parts: list[Sayable] = [_left_out(named)] if named else []
     if explanation.verdict != "explained":
-        part = explanation.verdict == "partly_explained"
-        parts.append(_unnamed("part" if part else "all", findings))
+        parts.append(_unnamed(explanation.verdict, findings))
     parts += [_gained(explanation.held_out), _moved(findings), detected(explanation)]
     return statement(sentences(parts))
 
@@ -44,11 +43,10 @@ def tested(explanation: Explanation) -> Message:
     counts = Counter(segment.kind for segment in recording.manifest.segments or ())
     segments = tuple(message(f"report-{kind}-segments", count=counts[kind])
                      for kind in MEASURED if counts[kind])  # fmt: skip
-    if not segments:
-        return message("report-tested", channels=channels, minutes=minutes, rate=rate)
     return message(
-        "report-tested-segments", channels=channels, minutes=minutes, rate=rate, segments=segments
-    )
+        "report-tested", channels=channels, minutes=minutes, rate=rate, kinds=len(segments),
+        segments=segments,
+    )  # fmt: skip
 
 
 def detected(explanation: Explanation) -> Message:
@@ -69,12 +67,11 @@ def _left_out(findings: Sequence[FindingSaid]) -> Message:
     return message("report-left-out", findings=clauses(titles))
 
 
-def _unnamed(how_much: str, findings: Sequence[FindingSaid]) -> Message:
-    unnamed = [finding for finding in findings if finding.effect == "unnamed"]
-    follows = clauses([finding.follows for finding in unnamed if finding.follows])
-    if not follows:
-        return message(f"report-unnamed-{how_much}")
-    return message(f"report-unnamed-{how_much}-follows", follows=follows)
+def _unnamed(verdict: str, findings: Sequence[FindingSaid]) -> Message:
+    follows = [f.follows for f in findings if f.effect == "unnamed" and f.follows]
+    return message(
+        "report-unnamed", verdict=verdict, described=len(follows), follows=clauses(follows)
+    )
 
 
 def _gained(held_out: HeldOut) -> Message:

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.discrepancy import Discrepancy, FindingSaid
 from schemas.recording import MEASURED, Segment
 from tasks.explain.channels import CHANNELS
-from tasks.explain.report.cells import Cells
+from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import capital, channel_title
 from tasks.pages.chart import FINDINGS, GREY, PALE, draw, time_axis
 from tasks.words import say
@@ -30,7 +30,7 @@ STRIP, TITLES = -0.5, -0.58  # in rows: the strip of segments, and what stands a
 LETTER = 7.5  # px, width of a letter
 
 
-def where_svg(discrepancy: Discrepancy, cells: Cells) -> str:
+def where_svg(discrepancy: Discrepancy, cells: ExcessCells) -> str:
     """The picture; its words are English with the field's symbols."""
     findings = discrepancy.findings[: len(FINDINGS)]
     bottom = 88 + 24 * len(findings)
@@ -75,7 +75,7 @@ def _group_title(segment: Segment) -> str:
     return title if segment.kind == "static" else f"{title} {segment.axis}"
 
 
-def _cells(axes: Any, cells: Cells) -> None:
+def _cells(axes: Any, cells: ExcessCells) -> None:
     """Neighbours of one colour are drawn as one."""
     classes = np.where(np.isnan(cells.excess), len(COLOURS) - 1,
                        np.searchsorted(THRESHOLDS, cells.excess, "right"))  # fmt: skip
@@ -92,7 +92,7 @@ def _bars(axes: Any, spans: Any, row: float, height: float, colours: Any) -> Non
                      clip_on=False)  # fmt: skip
 
 
-def _findings(axes: Any, findings: Sequence[FindingSaid], cells: Cells) -> None:
+def _findings(axes: Any, findings: Sequence[FindingSaid], cells: ExcessCells) -> None:
     """Bars below each row where a finding sits, its share at the right end, its title below."""
     start, end = axes.get_xlim()
     spans = {s.name: (s.t_start, s.t_end - s.t_start) for s in cells.segments}
@@ -126,7 +126,7 @@ def _disc(axes: Any, number: int, words: str, x: float, y: float, size: float) -
     axes.annotate(words, xytext=(x - LEFT + 14, y), fontsize=size, **at)
 
 
-def _colour_legend(axes: Any, cells: Cells) -> None:
+def _colour_legend(axes: Any, cells: ExcessCells) -> None:
     from matplotlib.patches import Patch
 
     present = {segment.kind for segment in cells.segments}

@@ -9,9 +9,13 @@ report-or = { $first } or { $rest }
 report-whole-certificate = the certificate as a whole
 
 # A finding in sentences.
-report-what = { $title }.
-report-what-size = { $title }: { $sizes } (k = 2).
-report-what-sizes = { $title }: { $sizes }, and { $more } more (k = 2).
+report-what = { $title }{ $given ->
+        [0] {""}
+       *[other] : { $sizes }{ $more ->
+            [0] {""}
+           *[other] , and { $more } more
+        } (k = 2)
+    }.
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
 report-predicted = Stretches that the fit did not see become { $times } as probable ({ $nats } nats)
@@ -39,8 +43,10 @@ report-partly_explained = partly explained
 report-unexplained = unexplained
     .headline = Unexplained: model and recording differ, and nothing in the catalogue accounts for it
 report-nothing-found = Nothing was found that the standard's model leaves out. On stretches that the fit did not see it leaves χ² = { $chi2 } per degree of freedom (noise alone: 1). What is smaller than the noise lets see, or what the standard's parameters absorb whole, this recording cannot show.
-report-tested = Tested were { $channels } channels over { $minutes } min at { $rate } Hz.
-report-tested-segments = Tested were { $channels } channels over { $minutes } min at { $rate } Hz with { $segments }.
+report-tested = Tested were { $channels } channels over { $minutes } min at { $rate } Hz{ $kinds ->
+        [0] {""}
+       *[other] {" "}with { $segments }
+    }.
 report-static-segments =
     { $count ->
         [one] { $count } rest
@@ -59,10 +65,13 @@ report-rotation-segments =
 report-detected = The strongest departure from the standard's model has { $p }, corrected for how many were looked for; a mismatch is stated below p = { $limit }, which one clean recording in { $odds } reaches by chance.
 report-left-out = The standard's model leaves out: { $findings }.
 report-left-out-size = { $title } ({ $size })
-report-unnamed-part = A part of the excess is explained by nothing in the catalogue, and is given no name.
-report-unnamed-part-follows = A part of the excess is explained by nothing in the catalogue, and is given no name; what it follows: { $follows }.
-report-unnamed-all = What model and recording differ by is explained by nothing in the catalogue, and is given no name.
-report-unnamed-all-follows = What model and recording differ by is explained by nothing in the catalogue, and is given no name; what it follows: { $follows }.
+report-unnamed = { $verdict ->
+        [partly_explained] A part of the excess
+       *[unexplained] What model and recording differ by
+    } is explained by nothing in the catalogue, and is given no name{ $described ->
+        [0] {""}
+       *[other] ; what it follows: { $follows }
+    }.
 report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1).
 report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1), and the rms residual of the { $channel } falls to { $share }.
 report-values-moved = Taking it into account moves { $values ->

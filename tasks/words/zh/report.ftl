@@ -9,9 +9,13 @@ report-or = { $first }或{ $rest }
 report-whole-certificate = 证书总结论
 
 # 一项发现的叙述。
-report-what = { $title }。
-report-what-size = { $title }：{ $sizes }（k = 2）。
-report-what-sizes = { $title }：{ $sizes }，另有 { $more } 个参数（k = 2）。
+report-what = { $title }{ $given ->
+        [0] {""}
+       *[other] ：{ $sizes }{ $more ->
+            [0] {""}
+           *[other] ，另有 { $more } 个参数
+        }（k = 2）
+    }。
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
 report-predicted = 未参与拟合的区段，其数据概率提高到 { $times }（{ $nats } nat）
@@ -39,18 +43,23 @@ report-partly_explained = 部分查明
 report-unexplained = 未查明
     .headline = 未查明：模型与记录不符，目录中无任何效应可以解释
 report-nothing-found = 未发现规范模型遗漏的物理因素。在未参与拟合的区段上，每自由度 χ² = { $chi2 }（仅有噪声时为 1）。小于噪声可分辨程度的效应，或被规范参数完全吸收的效应，本次记录无法显示。
-report-tested = 检验了 { $channels } 个通道、{ $minutes } min、{ $rate } Hz 的数据。
-report-tested-segments = 检验了 { $channels } 个通道、{ $minutes } min、{ $rate } Hz 的数据，含{ $segments }。
+report-tested = 检验了 { $channels } 个通道、{ $minutes } min、{ $rate } Hz 的数据{ $kinds ->
+        [0] {""}
+       *[other] ，含{ $segments }
+    }。
 report-static-segments = { $count } 个静止段
 report-rate-segments = { $count } 个恒定角速率段
 report-rotation-segments = { $count } 个定角转动段
 report-detected = 与规范模型的最强偏离为 { $p }（已按检验次数修正）；p < { $limit } 时判为失配，无失配的记录约每 { $odds } 次有 1 次误报。
 report-left-out = 规范模型遗漏了：{ $findings }。
 report-left-out-size = { $title }（{ $size }）
-report-unnamed-part = 其余部分失配无法用目录中任何效应解释，故不予命名。
-report-unnamed-part-follows = 其余部分失配无法用目录中任何效应解释，故不予命名；其变化规律：{ $follows }。
-report-unnamed-all = 模型与记录的差异无法用目录中任何效应解释，故不予命名。
-report-unnamed-all-follows = 模型与记录的差异无法用目录中任何效应解释，故不予命名；其变化规律：{ $follows }。
+report-unnamed = { $verdict ->
+        [partly_explained] 其余部分失配
+       *[unexplained] 模型与记录的差异
+    }无法用目录中任何效应解释，故不予命名{ $described ->
+        [0] {""}
+       *[other] ；其变化规律：{ $follows }
+    }。
 report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1）。
 report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1），{ $channel } 残差均方根降至 { $share }。
 report-values-moved = 计入后，证书中有 { $values } 个值的变化超过 U。
