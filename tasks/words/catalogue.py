@@ -1,34 +1,22 @@
 """The catalogues: every sentence in every language, and messages said in one of them."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import cache, lru_cache
 from importlib.resources import files
-from importlib.resources.abc import Traversable
 from typing import Any
 
 from schemas.text import Remark, Statement
 from tasks.words.message import Argument, Message, Sayable
 
-SUFFIX = ".ftl"
+COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
 LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
-
-
-def _folders() -> Iterable[Traversable]:
-    return (each for each in files("tasks.words").iterdir() if _sources(each))
-
-
-def _sources(folder: Traversable) -> list[Traversable]:
-    """The catalogue files of one language, by name; none where it is no language's folder."""
-    if not folder.is_dir():
-        return []
-    found = (each for each in folder.iterdir() if each.name.endswith(SUFFIX))
-    return sorted(found, key=lambda each: each.name)
-
-
-LANGUAGES: tuple[str, ...] = tuple(sorted(folder.name for folder in _folders()))
+FOLDER = files("tasks.words")
+LANGUAGES: tuple[str, ...] = tuple(
+    sorted(each.name for each in FOLDER.iterdir() if (each / COMMON).is_file())
+)
 
 
 @cache
@@ -38,7 +26,8 @@ def _file_of(language: str) -> Mapping[str, str]:
     Raises ValueError where an identifier stands twice.
     """
     found: dict[str, str] = {}
-    for source in _sources(files("tasks.words") / language):
+    catalogues = (each for each in (FOLDER / language).iterdir() if each.name.endswith(".ftl"))
+    for source in catalogues:
         for id_ in IDENTIFIER.findall(source.read_text(encoding="utf-8")):
             if id_ in found:
                 raise ValueError(
@@ -58,7 +47,7 @@ def _bundle(language: str, file: str) -> Any:
     from fluent.runtime import FluentBundle, FluentResource
     from fluent.syntax.ast import Junk
 
-    source = files("tasks.words") / language / file
+    source = FOLDER / language / file
     resource = FluentResource(source.read_text(encoding="utf-8"))
     for entry in resource.body:
         if isinstance(entry, Junk):
