@@ -37,7 +37,7 @@ class Step:
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
-def next_step(model: Model, motion: Motion, readings: np.ndarray, whiten: Whiten) -> Step:
+def _step(model: Model, motion: Motion, readings: np.ndarray, whiten: Whiten) -> Step:
     """The step from where a model stands; readings: (n, 6) rad/s and m/s²."""
     design = model.design(motion)
     normal, right, _ = whiten(design.columns, readings - design.prediction).normal()
@@ -60,7 +60,7 @@ def gauss_newton(
 ) -> tuple[Model, bool]:
     """The model with its free parameters and continuous shapes fitted, and whether it settled."""
     for _ in range(max_steps):
-        step = next_step(model, motion, readings, whiten)
+        step = _step(model, motion, readings, whiten)
         stepped = model.stepped(step.change, step.covariance)
         if stepped.negative.any():  # the others' step made up for it: they are solved again
             model = model.held_at_zero(stepped.negative)

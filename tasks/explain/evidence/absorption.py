@@ -14,8 +14,7 @@ from scipy.special import chdtrc
 
 from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.regression.equations import whitened_gram
-from tasks.explain.regression.spectrum import Noise, transformed, weighted
+from tasks.explain.regression.spectrum import Noise, transformed, weighted, whitened_gram
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign
 from tasks.explain.search.stepwise import Selected

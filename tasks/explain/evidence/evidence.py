@@ -11,7 +11,7 @@ from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.groups import FindingGroup, finding_groups
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
-from tasks.explain.regression.equations import equations_of
+from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.regression import WhitenedEquations, inverse

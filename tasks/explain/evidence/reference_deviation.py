@@ -7,7 +7,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.regression.equations import equations_of
+from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.model import Model

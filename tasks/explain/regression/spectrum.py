@@ -11,6 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.fft import dct, next_fast_len
 
+from tasks.explain.inputs.blocks import Blocks
+from tasks.model.regression import WhitenedEquations, of_channel
+from tasks.model.term import Column
+
 SINGLE_BANDS = 8  # lowest coefficients that are bands of their own
 PER_OCTAVE = 4
 FLICKER_RANGE = (0.006, 1.0)  # Hz: where flicker is read off
@@ -159,3 +163,27 @@ def _posterior(left: ChannelResidual, bands: Bands, floor: float) -> CornerPoste
     expected = white / (1.0 + CORNERS[:, None] / top) * (1.0 + CORNERS[:, None] / frequency)
     costs = (sizes * (np.log(expected) + levels / expected)).sum(axis=1)
     return CornerPosterior(white, np.exp(-0.5 * EFFICIENCY * (costs - costs.min())))
+
+
+def equations_of(
+    columns: Sequence[Column],
+    misfit: np.ndarray,
+    observed: Blocks,
+    noises: Sequence[Noise],
+) -> WhitenedEquations:
+    """Whitened Gram matrices of columns and misfit (n, 6)."""
+    grams, which = [], []
+    for channel, noise in enumerate(noises):
+        own, signals = of_channel(columns, misfit, channel)
+        stack = transformed(weighted(signals, observed.weight[:, channel]))
+        grams.append(whitened_gram(stack, observed.rate, noise))
+        which.append(own)
+    return WhitenedEquations(tuple(grams), tuple(which), len(columns))
+
+
+def whitened_gram(stack: np.ndarray, rate: float, noise: Noise) -> np.ndarray:
+    """Products (k, k) of transformed rows (k, n) of signals at a rate, Hz, divided by the noise."""
+    count = stack.shape[1]
+    frequency = np.maximum(np.arange(count), 0.5) * rate / (2 * count)
+    stack = stack / np.sqrt(noise.variance(frequency))
+    return np.asarray(stack @ stack.T)

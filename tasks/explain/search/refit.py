@@ -10,8 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.equations import equations_of
-from tasks.explain.regression.spectrum import Noise
+from tasks.explain.regression.spectrum import Noise, equations_of
 from tasks.explain.search.candidates import Candidate
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model

@@ -7,7 +7,7 @@ import numpy as np
 from schemas.recording import AXES, Recording
 from tasks.model.parameters import DEG, OFF_DIAGONAL, each_axis, each_pair, turned
 from tasks.model.term import Inputs, Parameter, Term
-from tasks.model.turning import turned_by
+from tasks.model.terms.axes import turned_by
 from tasks.motion.whole import Motion
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from schemas.recording import Recording
 from tasks.model.parameters import DEG, GYRO_FIRST, crossed, each_pair
 from tasks.model.term import Column, Inputs, Parameter, Term
-from tasks.model.turning import level_axes
+from tasks.model.terms.axes import level_axes
 from tasks.motion.whole import Motion
 
 EQUATOR = 31.2e-6  # T, Earth's dipole field at the equator

@@ -1,6 +1,7 @@
 """What the clocks do: a shift, a rate, axes read one after another."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -40,38 +41,31 @@ def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarra
 
 
 @dataclass(frozen=True)
-class TimeOffset(Term):
-    """The unit's stamps are late: at t it says what happened at t − seconds."""
+class LateReadings(Term):
+    """At t the unit says what happened `late` seconds before, by the term's one parameter."""
+
+    late: Callable[[Motion, float], float | np.ndarray] = field(kw_only=True)
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
         if not values[0]:
             return readings
-        return shifted_within(motion, readings, values[0] / motion.interval)
+        return shifted_within(motion, readings, self.late(motion, values[0]) / motion.interval)
 
 
-TIME_OFFSET = TimeOffset(
+TIME_OFFSET = LateReadings(
     "time_offset", "time", "signal", "y′(t) = y(t − τ)",
     "definition of a time stamp; IEEE Std 1554",
-    single("seconds", "τ", ("s", 1.0, 0.1)),
+    single("seconds", "τ", ("s", 1.0, 0.1)), late=lambda motion, seconds: seconds,
     confused_with=("bandwidth", "gyro_angular_acceleration", "clock_skew"),
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class ClockSkew(Term):
-    """The unit's clock runs fast: what it stamps t happened at t/(1 + share)."""
-
-    def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
-        if not values[0]:
-            return readings
-        late = motion.t * values[0] / (1.0 + values[0])
-        return shifted_within(motion, readings, late / motion.interval)
-
-
-CLOCK_SKEW = ClockSkew(
+# The unit's clock runs fast: what it stamps t happened at t/(1 + share).
+CLOCK_SKEW = LateReadings(
     "clock_skew", "time", "signal", "y′(t) = y(t/(1 + ε))",
     "definition of a time stamp; IEEE Std 1139",
     single("share", "ε", ("1", 1.0, 1e-3)),
+    late=lambda motion, share: motion.t * share / (1.0 + share),
     confused_with=("time_offset", "dropped_samples", "table_scale"),
 )  # fmt: skip
 
