@@ -7,7 +7,7 @@ from itertools import groupby
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Segment
 from schemas.text import Remark
-from tasks.words import Message, message, texts
+from tasks.words import message, texts
 
 MEASURED = ("static", "rate", "rotation")
 MAX_NAMED = 3
@@ -64,7 +64,12 @@ def _remark(
         low=format(min(amounts), decimals),
         high=format(max(amounts), decimals),
         limits=_limits(code, limits),
-        place=_place(touched),
+        place=message(
+            "station-place",
+            names=touched[:MAX_NAMED],
+            count=len(touched),
+            more=max(len(touched) - MAX_NAMED, 0),
+        ),
     )
     return Remark(
         code=code,
@@ -77,12 +82,3 @@ def _remark(
 def _limits(code: str, limits: EnvironmentLimits) -> str:
     low, high = limits.humidity_percent if code == "air_humidity" else limits.temperature_degc
     return f"{low:g}–{high:g}"
-
-
-def _place(touched: tuple[str, ...]) -> Message:
-    if not touched:
-        return message("station-between-segments")
-    if len(touched) <= MAX_NAMED:
-        return message("station-in-segments", names=touched)
-    named, count = touched[:MAX_NAMED], len(touched)
-    return message("station-in-many-segments", names=named, count=count, more=count - MAX_NAMED)

@@ -1,7 +1,7 @@
 """What a run needs of a station, connected and ready."""
 
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from dataclasses import dataclass
 
 from schemas.procedure import Refix
@@ -37,7 +37,7 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
         fixture = ModbusFixture(link)
     try:
         table = await ModbusTable.find(link, names)
-        with SerialLine(station.unit_link) as line:
+        with closing(SerialLine(station.unit_link)) as line:
             yield Bench(table, ModbusChamber(link), fixture, Unit(station.unit_link, line))
     finally:
         link.close()

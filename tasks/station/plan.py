@@ -66,10 +66,7 @@ class PlannedSegment:
 
 def plan(procedure: Procedure) -> tuple[PlannedSegment, ...]:
     """The segments of a procedure that are measured, with the time that each is to take."""
-    return tuple(_timed(procedure))
-
-
-def _timed(procedure: Procedure) -> Iterator[PlannedSegment]:
+    timed = []
     first = next(step for step in procedure.steps if not isinstance(step, Refix))
     angles = (0.0,) * len(first.angles_deg)
     rate, refix, fixture = 0.0, None, None
@@ -78,7 +75,8 @@ def _timed(procedure: Procedure) -> Iterator[PlannedSegment]:
             refix, fixture = step, step.mount
             continue
         before_s = rate_change_s(rate, procedure.acceleration_deg_s2)
-        before_s += _refix_s(procedure, refix)
+        if refix is not None:
+            before_s += REFIX_S + (procedure.warm_up_s if refix.power_off else 0.0)
         rate = 0.0
         for planned in _segments_of(procedure, step):
             angles_s = _move_s(procedure, angles, planned.angles_deg)
@@ -88,14 +86,9 @@ def _timed(procedure: Procedure) -> Iterator[PlannedSegment]:
                 rate = planned.rate_deg_s
             moving_s = before_s + angles_s + change_s + SERVO_S + procedure.settle_s
             planned_s = moving_s + planned.dwell_s
-            yield replace(planned, planned_s=planned_s, refix=refix, fixture=fixture)
+            timed.append(replace(planned, planned_s=planned_s, refix=refix, fixture=fixture))
             before_s, refix, angles = 0.0, None, planned.angles_deg
-
-
-def _refix_s(procedure: Procedure, refix: Refix | None) -> float:
-    if refix is None:
-        return 0.0
-    return REFIX_S + (procedure.warm_up_s if refix.power_off else 0.0)
+    return tuple(timed)
 
 
 def _segments_of(

@@ -113,7 +113,6 @@ class UnitReader:
         self._clock = clock
         self._note = note
         self._taken_s = clock.station_s
-        self._is_off = False
         self._on_s: float | None = None
         self._begin()
 
@@ -125,12 +124,11 @@ class UnitReader:
 
     def switched_off(self) -> None:
         """The unit is to be switched off: it may be silent now."""
-        self._is_off = True
         self._unit.switched_off()
 
     def switched_on(self, station_s: float | None) -> None:
         """It was switched on again, at a station time (s) where that is known."""
-        self._is_off, self._on_s = False, station_s
+        self._on_s = station_s
         self._unit.switched_on()
 
     def take(self, final: bool = False) -> Stream:
@@ -155,7 +153,7 @@ class UnitReader:
             frames = self._held = np.concatenate([self._held, frames])
             on_s = self._on_s if len(self.shifts_s) > 1 else None
             enough = on_s is not None or len(self._differences) >= SHIFT_TAKES
-            self._is_shift_known = final or (enough and not self._is_off)
+            self._is_shift_known = final or (enough and not self._unit.is_off)
             if not self._is_shift_known:
                 return to_stream(frames[:0], link)
             self._settle_shift(on_s)

@@ -44,7 +44,7 @@ class Recorder:
         self.encoders = EncoderReader(bench.table, clock, self.anomalies.append)
         self.climate = ClimateReader(bench.chamber, clock, limits, self.anomalies.append)
         self.unit = UnitReader(bench.unit, clock, self.anomalies.append)
-        self._monitor = SegmentMonitor(bench.unit.link)
+        self.monitor = SegmentMonitor(bench.unit.link)
         self._sink = sink
 
     async def run(self) -> None:
@@ -58,7 +58,7 @@ class Recorder:
         table = self._written(self.encoders.take(), self._sink.table)
         self._written(self.climate.take(), self._sink.environment)
         imu = self._written(self.unit.take(final), self._sink.imu)
-        self.anomalies += self._monitor.run(imu, table)
+        self.anomalies += self.monitor.run(imu, table)
 
     def _written(self, stream: Stream, write: Callable[[Stream], object]) -> Stream:
         if len(stream):
@@ -68,7 +68,7 @@ class Recorder:
     def finish(self, segment: Segment, spin_axis: str | None) -> None:
         """A measured segment is over: label it, and check it when its data are there."""
         self.manifest.add(segment)
-        self._monitor.add(segment, spin_axis)
+        self.monitor.add(segment, spin_axis)
         self.write_manifest()
 
     def write_manifest(self) -> None:
@@ -80,7 +80,3 @@ class Recorder:
             since_start = [round(shift_s - self.manifest.origin_s, 6) for shift_s in again_s]
             self.manifest.extra["unit_power_on_s"] = since_start
         self._sink.manifest(self.manifest.build())
-
-    def has_passed(self, t: float) -> bool:
-        """Whether unit and encoders are there up to a station time (s)."""
-        return self._monitor.has_passed(t)

@@ -68,11 +68,8 @@ def _check_names(procedure: Procedure, planned: tuple[PlannedSegment, ...]) -> N
 
 
 def _check_axes(procedure: Procedure, step: Position | Sweep | RateRun | Turns, axes: int) -> None:
-    moved = {
-        "spin_axis": getattr(step, "spin_axis", 0),
-        "table_axis": getattr(step, "table_axis", 0),
-    }
-    for field, axis in moved.items():
+    for field in ("spin_axis", "table_axis"):
+        axis = getattr(step, field, 0)
         if axis >= axes:
             raise Unusable(
                 f"step {step.name} of procedure {procedure.name} spins axis {axis} and the "

@@ -193,7 +193,7 @@ class Sequencer:
         """Wait for the last data; a unit that is silent by now says so itself."""
         for _ in range(round(CATCH_UP_S / CATCH_UP_STEP_S)):
             self.recorder.flush(final=True)
-            if self.recorder.has_passed(station_s):
+            if self.recorder.monitor.has_passed(station_s):
                 return
             await asyncio.sleep(CATCH_UP_STEP_S)
 

@@ -100,11 +100,5 @@ def _without_overlap(starts: np.ndarray, size: int) -> np.ndarray:
 
 def _apart(places: np.ndarray, taken: np.ndarray, size: int) -> int:
     """How many of the places are a frame's length or more from every frame taken."""
-    if not len(taken):
-        return len(places)
-    after = np.searchsorted(taken, places)
-    nearest = np.minimum(
-        np.abs(places - taken[np.maximum(after - 1, 0)]),
-        np.abs(places - taken[np.minimum(after, len(taken) - 1)]),
-    )
-    return int(np.count_nonzero(nearest >= size))
+    apart = np.abs(places[:, None] - taken).min(axis=1, initial=size)
+    return int(np.count_nonzero(apart >= size))

@@ -3,8 +3,7 @@
 import queue
 import threading
 import time
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from schemas.base import Unusable
 from schemas.station import AnyLink
@@ -14,36 +13,29 @@ READ_TIMEOUT_S = 0.05
 
 
 class SerialLine:
-    """Reads from `with` to the end of the block. Raises Unusable where it cannot be opened."""
+    """Reads from when it is made until it is closed. Raises Unusable where it cannot be opened."""
 
     def __init__(self, link: AnyLink) -> None:
+        import serial
+
         self._link = link
         self._chunks: queue.SimpleQueue[tuple[float, bytes]] = queue.SimpleQueue()
         self._done = threading.Event()
         self.broken: str | None = None
-
-    def __enter__(self) -> Self:
-        import serial
-
         try:
             self._port: Any = serial.serial_for_url(
-                self._link.url, baudrate=self._link.baudrate, timeout=READ_TIMEOUT_S
+                link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
             )
         except (serial.SerialException, OSError, ValueError) as error:
             raise Unusable(
-                f"the unit's line {self._link.url} cannot be opened ({error}): check the cable "
+                f"the unit's line {link.url} cannot be opened ({error}): check the cable "
                 f"and unit_link.url of the station file"
             ) from error
         self._thread = threading.Thread(target=self._read, name="unit", daemon=True)
         self._thread.start()
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Read to the end, and hang up."""
         self.end()
         self._port.close()
 

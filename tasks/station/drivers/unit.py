@@ -27,7 +27,7 @@ class Unit:
         self._rest = b""
         self._bytes_since = 0
         self._last_stamp = -1
-        self._is_off = False
+        self.is_off = False
         self._may_restart = False
         self._other_kind: str | None = None
 
@@ -37,11 +37,11 @@ class Unit:
 
     def switched_off(self) -> None:
         """From now on it may be silent, and then start its clock anew, once."""
-        self._is_off = self._may_restart = True
+        self.is_off = self._may_restart = True
 
     def switched_on(self) -> None:
         """From now on its silence counts again."""
-        self._is_off = False
+        self.is_off = False
         self.arrived_s = wall_s()
 
     def take(self) -> tuple[np.ndarray, np.ndarray]:
@@ -53,7 +53,9 @@ class Unit:
         data, arrived_s = self._line.received()
         found = find_frames(self._rest + data, self.link.frame)
         if data and not len(found.frames):
-            self._look_for_other_kinds(self._rest + data)
+            for kind in FRAMES:
+                if len(find_frames(self._rest + data, kind).frames):
+                    self._other_kind = kind
         self._rest = found.rest
         self.bad_frames += found.bad
         self._bytes_since = 0 if len(found.frames) else self._bytes_since + len(data)
@@ -61,7 +63,7 @@ class Unit:
             self.arrived_s = arrived_s
             restart = self._restart_in(found.frames["stamp"])
             return found.frames[:restart], found.frames[restart:]
-        if wall_s() - self.arrived_s > SILENCE_S and not self._is_off:
+        if wall_s() - self.arrived_s > SILENCE_S and not self.is_off:
             raise Unusable(self._silence())
         if self._line.broken:
             raise Unusable(self._line.broken)
@@ -83,24 +85,17 @@ class Unit:
         self._may_restart = False
         return int(back[0])
 
-    def _look_for_other_kinds(self, data: bytes) -> None:
-        for kind in FRAMES:
-            if len(find_frames(data, kind).frames):
-                self._other_kind = kind
-
     def _silence(self) -> str:
+        unit = f"the unit on {self.link.url}"
         if self._other_kind:
             return (
-                f"the unit on {self.link.url} sends frames of {self._other_kind} where "
-                f"unit_link.frame of the station file says {self.link.frame}: correct the station "
-                f"file, or set the unit to send {self.link.frame}"
+                f"{unit} sends frames of {self._other_kind} where unit_link.frame of the station "
+                f"file says {self.link.frame}: correct the station file, or set the unit to send "
+                f"{self.link.frame}"
             )
         if self._bytes_since:
             return (
-                f"the unit on {self.link.url} has sent {self._bytes_since} bytes and no whole "
-                f"frame for {SILENCE_S:g} s: check its frame layout, its baud rate and the cable"
+                f"{unit} has sent {self._bytes_since} bytes and no whole frame for "
+                f"{SILENCE_S:g} s: check its frame layout, its baud rate and the cable"
             )
-        return (
-            f"the unit on {self.link.url} has sent nothing for {SILENCE_S:g} s: check its supply "
-            f"and the cable"
-        )
+        return f"{unit} has sent nothing for {SILENCE_S:g} s: check its supply and the cable"

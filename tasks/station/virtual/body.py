@@ -9,13 +9,6 @@ from tasks.station.virtual.config import EARTH_RATE_RAD_S, STEP_S, VirtualStatio
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def _earth_turn(latitude_deg: float) -> np.ndarray:
-    """Rotation of East-North-Up in inertial space during one step, (4, 1)."""
-    latitude = np.radians(latitude_deg)
-    axis = np.array([0.0, np.cos(latitude), np.sin(latitude)])
-    return quaternions.about(axis, np.array([EARTH_RATE_RAD_S * STEP_S]))
-
-
 class Body:
     """Follows the table's angles; what it gives is one step behind what it got."""
 
@@ -25,7 +18,10 @@ class Body:
         self._base = quaternions.about(-UP, np.radians([config.heading_deg]))
         mount = Rotation.from_quat(config.mount.quaternion_wxyz, scalar_first=True)
         self._mount = mount.as_quat(scalar_first=True)[:, None]
-        self._earth = _earth_turn(config.latitude_deg)
+        latitude = np.radians(config.latitude_deg)
+        north_up = np.array([0.0, np.cos(latitude), np.sin(latitude)])
+        # rotation of East-North-Up in inertial space during one step, (4, 1)
+        self._earth = quaternions.about(north_up, np.array([EARTH_RATE_RAD_S * STEP_S]))
         self._gravity = config.gravity_m_s2
         start = self.attitude(np.zeros((1, len(directions))), self._mount)
         self._attitude = start

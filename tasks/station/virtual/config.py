@@ -7,8 +7,8 @@ import numpy as np
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
-from schemas.recording import Mount, Station, TableAxis, Unit
-from schemas.station import AngleLink, AnyLink, Equipment, StationFile, UnitLink
+from schemas.recording import Mount, TableAxis
+from schemas.station import Equipment, StationFile
 from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
 from tasks.words import message, say
 
@@ -74,32 +74,35 @@ def station_file(
     config: VirtualStation, speed: float, host: str, modbus_port: int, unit_port: int
 ) -> StationFile:
     """What a client needs; `clock_speed` of its station part is station time over wall time."""
-    unit, url = config.unit, f"socket://{host}:{unit_port}"
-    model, letter = ("V-MIMU", "V") if unit.angle_lsb is None else ("V-AHRS", "A")
-    return StationFile(
-        modbus_host=host,
-        modbus_port=modbus_port,
-        unit_link=_unit_link(unit, url),
-        station=Station.model_validate({
+    unit, angles = config.unit, config.unit.angle_lsb is not None
+    size = {"angle_lsb_rad": unit.angle_lsb} if angles else {"gyro_lsb_rad_s": unit.gyro.lsb}
+    return StationFile.model_validate({
+        "modbus_host": host,
+        "modbus_port": modbus_port,
+        "unit_link": {
+            "url": f"socket://{host}:{unit_port}",
+            "rate_hz": unit.rate_hz,
+            "frame": unit.frame,
+            "accel_lsb_m_s2": unit.accel.lsb,
+            **size,
+        },
+        "station": {
             "id": config.id,
             "latitude_deg": config.latitude_deg,
             "gravity_m_s2": config.gravity_m_s2,
             "heading_deg": config.heading_deg,
             "table_axes": config.table.axes,
             "clock_speed": speed,
-        }),
-        mount=config.mount,
-        fixture="commanded",
-        unit=Unit(manufacturer="Virtual", model=model, serial=f"{letter}{unit.seed:05d}"),
-        equipment=_equipment(len(config.table.axes)),
-    )  # fmt: skip
-
-
-def _unit_link(unit: UnitTruth, url: str) -> AnyLink:
-    line = {"url": url, "rate_hz": unit.rate_hz, "accel_lsb_m_s2": unit.accel.lsb}
-    if unit.angle_lsb is None:
-        return UnitLink.model_validate({**line, "gyro_lsb_rad_s": unit.gyro.lsb})
-    return AngleLink.model_validate({**line, "frame": unit.frame, "angle_lsb_rad": unit.angle_lsb})
+        },
+        "mount": config.mount,
+        "fixture": "commanded",
+        "unit": {
+            "manufacturer": "Virtual",
+            "model": "V-AHRS" if angles else "V-MIMU",
+            "serial": f"{'A' if angles else 'V'}{unit.seed:05d}",
+        },
+        "equipment": _equipment(len(config.table.axes)),
+    })  # fmt: skip
 
 
 def _equipment(axes: int) -> tuple[Equipment, ...]:

@@ -1,7 +1,7 @@
 """Faults to simulate: a table of rows, each a change to a station that is sound."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal, Self
 
 import numpy as np
@@ -91,7 +91,7 @@ class Fault:
     """A fault of FAULTS and the station time (s) from which it holds."""
 
     name: str
-    at_seconds: float = field(default=0.0)
+    at_seconds: float = 0.0
 
     @classmethod
     def parse(cls, text: str) -> Self:

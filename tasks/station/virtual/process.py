@@ -5,16 +5,14 @@ of JSON, and ends when standard input closes.
 """
 
 import asyncio
-import json
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
 from schemas.base import Unusable
 from schemas.station import StationFile
-from tasks.station.virtual.config import VirtualStation, truth
+from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import Fault
 
 END_S = 5.0
@@ -22,18 +20,13 @@ END_S = 5.0
 
 @contextmanager
 def running(
-    config: VirtualStation,
-    speed: float,
-    faults: Iterable[Fault] = (),
-    truth_path: Path | None = None,
+    config: VirtualStation, speed: float, faults: Iterable[Fault] = ()
 ) -> Iterator[StationFile]:
     """A running station; it ends with the block, or with this process.
 
-    speed: station seconds in a wall second. truth_path: where the truth is written as JSON.
-    Raises Unusable with the station's own sentence where it cannot start.
+    speed: station seconds in a wall second. Raises Unusable with the station's own sentence where
+    it cannot start.
     """
-    if truth_path is not None:
-        truth_path.write_text(json.dumps(truth(config), indent=1) + "\n", encoding="utf-8")
     with subprocess.Popen(
         [sys.executable, "-m", __name__, config.model_dump_json(), str(speed), *map(str, faults)],
         stdin=subprocess.PIPE,

@@ -10,13 +10,13 @@ station-table-rate = The encoders show axis { $subject } turning { $low } % to {
 station-stuck-channel = Channel { $subject } of the unit did not change by one count ({ $place }).
 station-spikes = Channel { $subject } of the unit has { $total } spikes ({ $place }).
 
-station-between-segments = between the measured segments
-station-in-segments = in { $names }
-station-in-many-segments =
+station-place =
     { $count ->
-       *[other] in { $names } and { $more } more { $more ->
-            [one] segment
-           *[other] segments
+        [0] between the measured segments
+       *[other] { $more ->
+            [0] in { $names }
+            [one] in { $names } and { $more } more segment
+           *[other] in { $names } and { $more } more segments
         }
     }
 

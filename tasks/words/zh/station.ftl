@@ -10,11 +10,13 @@ station-table-rate = 编码器表明转台 { $subject } 轴的角速率与给定
 station-stuck-channel = 被校单元的 { $subject } 输出始终不变（{ $place }）。
 station-spikes = 被校单元的 { $subject } 输出有 { $total } 个野值（{ $place }）。
 
-station-between-segments = 不在测量段内
-station-in-segments = { $names }
-station-in-many-segments =
-    { $more ->
-       *[other] { $names }等 { $count } 段
+station-place =
+    { $count ->
+        [0] 不在测量段内
+       *[other] { $more ->
+            [0] { $names }
+           *[other] { $names }等 { $count } 段
+        }
     }
 
 ## 虚拟台站的设备。
