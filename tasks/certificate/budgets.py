@@ -34,7 +34,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Line:
-    """An input quantity: what it is, u(x), c = ∂y/∂x, |c|·u(x), share of the variance, dof."""
+    """An input quantity: what it is, u(x), c = ∂y/∂x, |c|·u(x), share of the variance, dof.
+
+    Of a limit of the equipment also its half-width (U for normal) and who states it.
+    """
 
     name: Sayable
     symbol: str
@@ -46,6 +49,8 @@ class Line:
     contribution: Figure
     share: str
     dof: str
+    half_width: str | None
+    source: Sayable
 
 
 @dataclass(frozen=True)
@@ -77,22 +82,11 @@ class BudgetTable:
 
 
 @dataclass(frozen=True)
-class LimitRow:
-    """A limit of the equipment: what, symbol, half-width (U for normal), shape, who states it."""
-
-    name: Sayable
-    symbol: str
-    half_width: str
-    distribution: Message
-    source: Sayable
-
-
-@dataclass(frozen=True)
 class Budgets:
     """How the budgets are made, the limits that enter them, and those of every item."""
 
     introductions: tuple[Message, ...]
-    limits: tuple[LimitRow, ...]
+    limits: tuple[Line, ...]
     tables: tuple[BudgetTable, ...]
 
 
@@ -104,18 +98,8 @@ def budgets(calibration: Calibration) -> Budgets | None:
         filter(None, (first_known(f"certificate-budgets.{slug(kind)}") for kind in kinds))
     )
     tables = tuple(_table(name, item) for name, item in items.items())
-    limits = tuple(map(_limit, limits_of(calibration)))
+    limits = tuple(map(_line, limits_of(calibration)))
     return Budgets(introductions, limits, tables) if tables else None
-
-
-def _limit(line: BudgetInput) -> LimitRow:
-    return LimitRow(
-        name=name_of(line),
-        symbol=line.symbol,
-        half_width=half_width(line),
-        distribution=message(f"certificate-distribution.{line.distribution}"),
-        source=source(line),
-    )
 
 
 def _table(name: str, item: Item) -> BudgetTable:
@@ -151,6 +135,8 @@ def _line(line: BudgetInput) -> Line:
         contribution=figure(line.contribution),
         share=_share(100.0 * line.share),
         dof=_dof(line.dof),
+        half_width=half_width(line),
+        source=source(line),
     )
 
 

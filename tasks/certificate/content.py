@@ -15,7 +15,7 @@ from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import Conditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
-from tasks.certificate.fields import NOT_GIVEN, Field, field, given, literal
+from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.results import Section, sections
 from tasks.certificate.statements import (
@@ -153,7 +153,7 @@ def _standards(certificate: Certificate) -> tuple[Standard, ...]:
             given(standard.serial),
             given(standard.accuracy),
             given(standard.certificate),
-            given(standard.valid_until.isoformat() if standard.valid_until else None),
+            day(standard.valid_until),
         )
         for standard in equipment
     ]

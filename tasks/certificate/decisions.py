@@ -1,8 +1,6 @@
 """The statement of conformity: limits, decision rules, risks of a wrong decision, verdict."""
 
-import math
-
-from schemas.tolerance import Decision, LimitDecision
+from schemas.tolerance import Decision, GlobalRisks, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.fields import Field, field, given, slug
 from tasks.conformity.limits import probability_text
@@ -87,18 +85,17 @@ def _specific_risks(decision: Decision) -> list[Field]:
 
 def _global_risks(decision: Decision) -> list[Field]:
     """Risks over the production, for the worst element of each item that has a prior."""
-    worst: dict[str, tuple[float, float]] = {}
+    risks: dict[str, list[GlobalRisks]] = {}
     for limit in decision.limits:
         if limit.global_risks:
-            consumer, producer = worst.get(limit.item, (-math.inf, -math.inf))
-            risks = limit.global_risks
-            worst[limit.item] = max(consumer, risks.consumer), max(producer, risks.producer)
+            risks.setdefault(limit.item, []).append(limit.global_risks)
     parts = [
         message(
             "certificate-global-risk.item", item=item_title(item),
-            consumer=probability_text(consumer), producer=probability_text(producer),
+            consumer=probability_text(max(risk.consumer for risk in of_item)),
+            producer=probability_text(max(risk.producer for risk in of_item)),
         )
-        for item, (consumer, producer) in worst.items()
+        for item, of_item in risks.items()
     ]  # fmt: skip
     if not parts:
         return []

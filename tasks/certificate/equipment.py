@@ -41,9 +41,10 @@ def source(line: BudgetInput) -> Sayable:
     return ASSUMED.get(line.source or "") or clause(line.source or "")
 
 
-def half_width(line: BudgetInput) -> str:
+def half_width(line: BudgetInput) -> str | None:
     """The half-width of a limit with its unit, angles in arcseconds and the latitude in degrees."""
-    assert line.half_width is not None
+    if line.half_width is None:
+        return None
     if line.unit != "rad":
         return quantity_text(plain(line.half_width, 6), line.unit)
     degrees = math.degrees(line.half_width)
@@ -76,7 +77,7 @@ def whose_limits(calibration: Calibration, specification: Specification) -> tupl
     return message("certificate-limits", parts=clauses(parts)), flatness
 
 
-def _assumed(name: Sayable, known: str) -> Message:
+def _assumed(name: Sayable, known: str | None) -> Message:
     return message("certificate-limits.assumed", limit=name, known=f"±{known}")
 
 

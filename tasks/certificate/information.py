@@ -51,43 +51,33 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
 
 def contained(
     calibration: Calibration, item: str, specification: Specification
-) -> tuple[Message, ...]:
-    """What the clause's value of an item contains, where that is more than its U; how much."""
-    not_shown = EARTH_NOT_SHOWN & {remark.code for remark in calibration.remarks}
-    return tuple(
-        statement
-        for name, shown in calibration.information.items()
-        if name in SEPARATED and shown.about == item and not (name == EARTH and not_shown)
-        for statement in _contained(calibration, item, shown, specification, slug(name))
-    )
-
-
-def _contained(
-    calibration: Calibration,
-    item: str,
-    separated: Information,
-    specification: Specification,
-    name: str,
 ) -> Iterator[Message]:
-    """The element at which the difference is largest against U, if it is above U."""
+    """What the clause's value of an item contains, where that is more than its U; how much.
+
+    By the element at which the difference is largest against U.
+    """
     clause = calibration.items[item]
-    difference = {
-        element: value - other
-        for element, other in separated.value.items()
-        if other is not None and (value := clause.value.get(element)) is not None
-    }
-    ratios = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
-    worst = max(ratios, key=lambda element: ratios[element], default=None)
-    if worst is not None and ratios[worst] > 1.0:
-        ids = (f"certificate-value-of.{kind}" for kind in (specification.method, name))
-        yield message(
-            "certificate-contained",
-            value=first_known(*ids) or "",
-            part=message(f"certificate-contained.{name}"),
-            element=worst,
-            size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
-            times=f"{float(f'{ratios[worst]:.2g}'):g}",
-        )
+    not_shown = EARTH_NOT_SHOWN & {remark.code for remark in calibration.remarks}
+    for name, separated in calibration.information.items():
+        if name not in SEPARATED or separated.about != item or (name == EARTH and not_shown):
+            continue
+        difference = {
+            element: value - other
+            for element, other in separated.value.items()
+            if other is not None and (value := clause.value.get(element)) is not None
+        }
+        ratios = {e: abs(d) / U for e, d in difference.items() if (U := clause.U.get(e))}
+        worst = max(ratios, key=lambda element: ratios[element], default=None)
+        if worst is not None and ratios[worst] > 1.0:
+            ids = (f"certificate-value-of.{key}" for key in (specification.method, slug(name)))
+            yield message(
+                "certificate-contained",
+                value=first_known(*ids) or "",
+                part=message(f"certificate-contained.{slug(name)}"),
+                element=worst,
+                size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
+                times=f"{float(f'{ratios[worst]:.2g}'):g}",
+            )
 
 
 def _row(shown: Information) -> InformationRow:

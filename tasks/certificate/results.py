@@ -3,7 +3,6 @@
 Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
@@ -11,8 +10,7 @@ from schemas.text import Statement
 from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
-from tasks.certificate.numbers import numbers
-from tasks.certificate.rows import Row, row
+from tasks.certificate.rows import Row, rows
 from tasks.certificate.statements import determined, identifiers
 from tasks.conformity.limits import quantity_title, relative_text
 from tasks.conformity.reasons import unavailable
@@ -90,8 +88,8 @@ def _group(
     elements = _elements(item, definition)
     columns = _columns(definition, specification)
     two = len(columns) > 1
-    printed = numbers(calibration, name, elements, two)
     limits = [limit for limit in decision.limits if limit.item == name]
+    exponent, listed = rows(calibration, name, definition, elements, limits, two)
     shorts = identifiers(calibration)
     known = determined(item)
     at = clause(item.clause, specification.standard) if item else None
@@ -102,11 +100,11 @@ def _group(
         k=f"{item.k:g}" if item else "",
         kind=message(f"certificate-kind.{slug(item.uncertainty_kind)}") if item else None,
         unit=unit_text(item.unit if item else definition.unit if definition else ""),
-        exponent=printed.exponent,
+        exponent=exponent,
         columns=columns,
-        U_apart=printed.separate,
-        rows=tuple(row(definition, e, printed, i, limits, two) for i, e in enumerate(elements)),
-        matrices=_matrices(definition, elements, columns, (printed.values, printed.seconds)),
+        U_apart=any(row.U_second and row.U_second != row.U for row in listed),
+        rows=listed,
+        matrices=_matrices(definition, elements, columns, listed),
         readings=tuple(shorts[reading] for reading in item.readings) if item and known else (),
         sentences=(
             *(_about(name, limits, specification, two) if known else ()),
@@ -184,14 +182,15 @@ def _matrices(
     definition: ItemDefinition | None,
     elements: tuple[str, ...],
     columns: tuple[Message, ...],
-    sources: Sequence[Sequence[str | None]],
+    rows: tuple[Row, ...],
 ) -> tuple[Matrix, ...]:
     """The matrix of each value of an item that is listed row by row; its diagonal may be 0."""
     if definition is None or elements not in (MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS):
         return ()
     diagonal = dict.fromkeys((axis * 2 for axis in "xyz"), "0")
     matrices = []
-    for caption, texts in zip(columns, sources, strict=False):
+    values = ([row.value for row in rows], [row.second for row in rows])
+    for caption, texts in zip(columns, values, strict=False):
         if any(texts):
             cells = diagonal | dict(zip(elements, texts, strict=True))
             grid = tuple(tuple(cells[row + col] for col in "xyz") for row in "xyz")

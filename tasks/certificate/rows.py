@@ -1,13 +1,20 @@
-"""One element of an item as a row: its numbers, limits and verdicts."""
+"""The elements of an item as rows: their numbers, limits and verdicts."""
 
 from dataclasses import dataclass
 
+from schemas.calibration import Calibration
 from schemas.tolerance import LimitDecision, Verdict
 from tasks.certificate.fields import given
-from tasks.certificate.numbers import Numbers
 from tasks.conformity.limits import accepted_text, limits_text, probability_text, verdict_title
-from tasks.specifications.items import ItemDefinition
+from tasks.specifications.items import ItemDefinition, second_value
 from tasks.words import Message, Sayable
+from tasks.words.rounding import USUAL_K, column
+
+# Items whose numbers are written in one power of ten, so that they can be compared.
+SAME_EXPONENT = {
+    "gyro_cross_coupling": "accel_cross_coupling",
+    "accel_cross_coupling": "gyro_cross_coupling",
+}
 
 
 @dataclass(frozen=True)
@@ -39,26 +46,48 @@ class Row:
     marks: tuple[Mark, ...]
 
 
-def row(
+def rows(
+    calibration: Calibration,
+    name: str,
     definition: ItemDefinition | None,
-    element: str,
-    shown: Numbers,
-    i: int,
+    elements: tuple[str, ...],
     limits: list[LimitDecision],
     two: bool,
-) -> Row:
-    """The i-th element of an item. two: whether the item shows two values."""
-    own = [limit for limit in limits if limit.element == element]
-    return Row(
-        name=definition.element_title(element) if definition else given(element),
-        letter=definition.letter if definition else "",
-        sub=definition.element_subscript(element) if definition else "",
-        value=shown.values[i],
-        second=shown.seconds[i],
-        U=shown.U[i],
-        U_second=shown.U_second[i],
-        limits=tuple(line for limit in own for line in _limit_lines(limit, shown.exponent, two)),
-        marks=tuple(map(_mark, own)),
+) -> tuple[int, tuple[Row, ...]]:
+    """The power of ten of an item's numbers, and a row for each of its elements.
+
+    Cross couplings of both triads share the power of ten. two: whether the item shows two values.
+    """
+    items = calibration.items
+    item, paired = items.get(name), items.get(SAME_EXPONENT.get(name, ""))
+    second = getattr(item, second_value(name) or "", None) if two else None
+    U = item.U if item else {}
+    own = item.U_without_earth_rotation if item and second else None
+    sources = ((item.value if item else {}, U), (second or {}, own or U))
+    pairs = [(value.get(e), u.get(e)) for value, u in sources for e in elements]
+    others = [(value, paired.U.get(e)) for e, value in paired.value.items()] if paired else []
+    every, n = [*pairs, *others], len(elements)
+    printed = column(
+        [value for value, _ in every], [u for _, u in every], item.k if item else USUAL_K
+    )
+    return printed.exponent, tuple(
+        Row(
+            name=definition.element_title(element) if definition else given(element),
+            letter=definition.letter if definition else "",
+            sub=definition.element_subscript(element) if definition else "",
+            value=printed.values[i],
+            second=printed.values[n + i],
+            U=printed.uncertainties[i],
+            U_second=printed.uncertainties[n + i],
+            limits=tuple(
+                line
+                for limit in limits
+                if limit.element == element
+                for line in _limit_lines(limit, printed.exponent, two)
+            ),
+            marks=tuple(_mark(limit) for limit in limits if limit.element == element),
+        )
+        for i, element in enumerate(elements)
     )
 
 

@@ -6,14 +6,13 @@ outside the conditions is inconclusive.
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from datetime import date
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
 from schemas.station import Equipment
 from schemas.text import Statement
-from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict, bounds
+from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (
     global_risks,
@@ -25,19 +24,6 @@ from tasks.conformity.scope import check, limited, withdrawn
 from tasks.words import Message, Sayable, message, statement
 
 Doubts = Mapping[str, tuple[Sayable, ...]]
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The measured value of one element: its U, its standard uncertainty, its degrees of freedom.
-
-    U and u are above zero where they are not None.
-    """
-
-    value: float | None
-    U: float | None
-    u: float | None
-    dof: float
 
 
 def decide(
@@ -124,46 +110,52 @@ def _decisions(
 def _decision(
     limit: Limit, rule: Criterion, element: str, item: Item | None, undecided: bool
 ) -> LimitDecision:
-    measured = _measured(item, limit, element)
-    lower, upper = bounds(limit)
+    """The verdict on one element, by its U where that is above zero."""
+    value = _at(getattr(item, limit.applied_to), element) if item else None
+    U = _expanded_uncertainty(item, limit, element) if item else None
+    accepted = rule.accepted(U) if U else (None, None)
+    verdict: dict[str, Any] = {"verdict": "inconclusive"}
+    if item and U and value is not None and not undecided:
+        budget = item.budgets.get(element)
+        dof = budget.dof if budget else math.inf
+        verdict = _verdict(limit, rule, value, U, U / item.k, dof)
     return LimitDecision(
         item=limit.item,
         element=element,
         unit=limit.unit,
         applied_to=limit.applied_to,
-        value=measured.value,
-        U=measured.U,
+        value=value,
+        U=U,
         k=item.k if item else None,
-        lower=lower,
-        upper=upper,
+        lower=_finite(rule.lower),
+        upper=_finite(rule.upper),
         nominal=limit.nominal,
         rule=rule.rule,
         guard_band_factor=rule.factor,
+        accept_lower=_finite(accepted[0]),
+        accept_upper=_finite(accepted[1]),
+        capability=_finite(rule.capability(U)) if U else None,
         min_capability=rule.min_capability,
         U_max=rule.U_max,
-        **(_acceptance(rule, measured) if measured.U else {}),
-        **_verdict(limit, rule, measured, undecided),
+        **verdict,
     )
 
 
-def _acceptance(rule: Criterion, measured: Measured) -> dict[str, Any]:
-    """Where a value with this U is accepted, and how good U is for these limits."""
-    assert measured.U is not None
-    low, high = rule.accepted(measured.U)
-    return {
-        "accept_lower": _finite(low),
-        "accept_upper": _finite(high),
-        "capability": _finite(rule.capability(measured.U)),
-    }
+def _expanded_uncertainty(item: Item, limit: Limit, element: str) -> float | None:
+    """U of the quantity that a limit is applied to, where it is above zero."""
+    without_earth = limit.applied_to == "value_without_earth_rotation"
+    own = item.U_without_earth_rotation if without_earth else None
+    U = _at(own or item.U, element)
+    return U if U and U > 0 else None
 
 
-def _verdict(limit: Limit, rule: Criterion, measured: Measured, undecided: bool) -> dict[str, Any]:
-    """The verdict with its risk; both only where there is something to decide on."""
-    if undecided or measured.value is None or measured.U is None or measured.u is None:
-        return {"verdict": "inconclusive"}
-    about = (measured.value, measured.u, rule.limits, measured.dof)
+def _verdict(
+    limit: Limit, rule: Criterion, value: float, U: float, u: float, dof: float
+) -> dict[str, Any]:
+    """The verdict with its risk; dof: those of the element's budget, infinite without one."""
+    about = (value, u, rule.limits, dof)
     conforms, not_so = probability_of_conformity(*about), probability_of_nonconformity(*about)
-    verdict = rule.verdict(measured.value, measured.U, conforms)
+    verdict = rule.verdict(value, U, conforms)
     if verdict == "inconclusive":
         shown = {"probability_of_conformity": conforms} if rule.unbounded else {}
         return {"verdict": verdict, **shown}
@@ -173,29 +165,13 @@ def _verdict(limit: Limit, rule: Criterion, measured: Measured, undecided: bool)
         "false_rejection": None if accepted else conforms,
     }
     if limit.prior:
-        interval = rule.accepted(measured.U)
-        risk["global_risks"] = global_risks(limit.prior, measured.u, rule.limits, interval)
+        risk["global_risks"] = global_risks(limit.prior, u, rule.limits, rule.accepted(U))
     return {
         "verdict": verdict,
-        "marginal": rule.marginal(measured.value, measured.U, verdict),
+        "marginal": rule.marginal(value, U, verdict),
         "probability_of_conformity": conforms,
         **risk,
     }
-
-
-def _measured(item: Item | None, limit: Limit, element: str) -> Measured:
-    """The quantity that a limit is applied to, with the uncertainty of that quantity.
-
-    Degrees of freedom are those of the element's budget, where it has one.
-    """
-    if item is None:
-        return Measured(None, None, None, math.inf)
-    value = _at(getattr(item, limit.applied_to), element)
-    without_earth = limit.applied_to == "value_without_earth_rotation"
-    own = item.U_without_earth_rotation if without_earth else None
-    U = _positive(_at(own or item.U, element))
-    budget = item.budgets.get(element)
-    return Measured(value, U, U / item.k if U else None, budget.dof if budget else math.inf)
 
 
 def _at(values: Elements | None, element: str) -> float | None:
@@ -204,10 +180,6 @@ def _at(values: Elements | None, element: str) -> float | None:
 
 def _finite(value: float | None) -> float | None:
     return value if value is not None and math.isfinite(value) else None
-
-
-def _positive(value: float | None) -> float | None:
-    return value if value is not None and value > 0 else None
 
 
 def _reasons(

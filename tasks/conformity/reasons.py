@@ -24,7 +24,7 @@ def outside(limit: LimitDecision) -> Message:
     """A value that fails by its rule, with its uncertainty and the risk of having rejected it."""
     limits = _limits(limit)
     where = message("conformity-where.outside", limits=limits)
-    if _inside(Decimal(repr(limit.value)), limit.lower, limit.upper):
+    if _inside_limits(limit):
         accepted = quantity_text(str(accepted_text(limit)), limit.unit)
         where = message("conformity-where.guard-band", limits=limits, accepted=accepted)
     return message("conformity-outside", measured=_measured(limit), where=where, risk=_risk(limit))
@@ -34,17 +34,12 @@ def conditional(decision: Decision) -> list[Message]:
     """One sentence for each pass that lies within U of a limit, or outside it."""
     return [
         message(
-            f"conformity-conditional-pass.{_side(limit)}",
+            f"conformity-conditional-pass.{'near' if _inside_limits(limit) else 'outside'}",
             measured=_measured(limit), limits=_limits(limit), risk=_risk(limit),
         )
         for limit in decision.limits
         if limit.marginal and limit.verdict == "pass"
     ]  # fmt: skip
-
-
-def _side(limit: LimitDecision) -> str:
-    inside = _inside(Decimal(repr(limit.value)), limit.lower, limit.upper)
-    return "near" if inside else "outside"
 
 
 def too_uncertain(limit: LimitDecision) -> Message:
@@ -137,16 +132,13 @@ def _value(limit: LimitDecision) -> str:
     """The value rounded to the place of U; in full where that would hide what was decided."""
     assert limit.value is not None  # else nothing was decided
     full, rounded = Decimal(repr(limit.value)), round_like(limit.value, _rounded_U(limit))
-    same = _sides(rounded, limit) == _sides(full, limit)
+    intervals = ((limit.lower, limit.upper), (limit.accept_lower, limit.accept_upper))
+    same = all(_inside(rounded, *edges) == _inside(full, *edges) for edges in intervals)
     return quantity_text(str(text(rounded if same else full)), limit.unit)
 
 
-def _sides(value: Decimal, limit: LimitDecision) -> tuple[bool, bool]:
-    """Whether a value is inside the limits, and inside the acceptance limits."""
-    return (
-        _inside(value, limit.lower, limit.upper),
-        _inside(value, limit.accept_lower, limit.accept_upper),
-    )
+def _inside_limits(limit: LimitDecision) -> bool:
+    return _inside(Decimal(repr(limit.value)), limit.lower, limit.upper)
 
 
 def _inside(value: Decimal, lower: float | None, upper: float | None) -> bool:
