@@ -51,13 +51,14 @@ def information_rows(calibration: Calibration) -> tuple[InformationRow, ...]:
 
 def contained(
     calibration: Calibration, item: str, specification: Specification
-) -> Iterator[Message]:
+) -> tuple[Message, ...]:
     """What the clause's value of an item contains, where that is more than its U; how much.
 
     By the element at which the difference is largest against U.
     """
     clause = calibration.items[item]
     not_shown = EARTH_NOT_SHOWN & {remark.code for remark in calibration.remarks}
+    sentences = []
     for name, separated in calibration.information.items():
         if name not in SEPARATED or separated.about != item or (name == EARTH and not_shown):
             continue
@@ -70,14 +71,17 @@ def contained(
         worst = max(ratios, key=lambda element: ratios[element], default=None)
         if worst is not None and ratios[worst] > 1.0:
             ids = (f"certificate-value-of.{key}" for key in (specification.method, slug(name)))
-            yield message(
-                "certificate-contained",
-                value=first_known(*ids) or "",
-                part=message(f"certificate-contained.{slug(name)}"),
-                element=worst,
-                size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
-                times=f"{float(f'{ratios[worst]:.2g}'):g}",
+            sentences.append(
+                message(
+                    "certificate-contained",
+                    value=first_known(*ids) or "",
+                    part=message(f"certificate-contained.{slug(name)}"),
+                    element=worst,
+                    size=quantity_text(str(text(round_up(abs(difference[worst])))), clause.unit),
+                    times=f"{float(f'{ratios[worst]:.2g}'):g}",
+                )
             )
+    return tuple(sentences)
 
 
 def _row(shown: Information) -> InformationRow:

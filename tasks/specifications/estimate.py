@@ -18,7 +18,7 @@ from tasks.specifications.linear import (
     solve,
 )
 from tasks.uncertainty.budget import Contribution, observed
-from tasks.uncertainty.degrees_of_freedom import type_a_dof
+from tasks.uncertainty.type_a import type_a_dof
 from tasks.uncertainty.type_b import resolution
 from tasks.words import Sayable, message, remark
 

@@ -77,6 +77,7 @@ def combine(
     variance = max(float(terms.sum()), 0.0)
     dof = effective_dof(c * u, r, [q.dof for q in quantities], [q.sample for q in quantities])
     k, u_c = coverage_factor(dof, probability), math.sqrt(variance)
+    shapes = [(q.distribution, abs(x), q.dof) for q, x in zip(quantities, c * u, strict=True)]
     shares = terms / variance if variance > 0.0 else np.zeros(len(terms))
     return Budget(
         result=result,
@@ -86,13 +87,16 @@ def combine(
             _line(contribution, share)
             for contribution, share in zip(contributions, shares, strict=True)
         ),
-        correlations=_not_zero(quantities, r),
+        correlations=tuple(
+            Correlation(first=quantities[i].symbol, second=quantities[j].symbol, r=float(r[i, j]))
+            for i, j in zip(*np.nonzero(np.triu(r, 1)), strict=True)
+        ),
         u_c=u_c,
         dof=dof,
         k=k,
         coverage_probability=probability,
         U=k * u_c,
-        half_width_95=None if (r != np.eye(len(r))).any() else _half_width(contributions),
+        half_width_95=None if (r != np.eye(len(r))).any() else half_width(shapes),
     )
 
 
@@ -102,15 +106,6 @@ def observed(u: float, unit: str, dof: float = math.inf) -> Contribution:
     name = message("uncertainty-repeatability")
     quantity = InputQuantity("u_A", name, unit, u, "A", distribution, dof=dof)
     return Contribution(quantity, 1.0)
-
-
-def _half_width(contributions: Sequence[Contribution]) -> float:
-    return half_width(
-        [
-            (c.quantity.distribution, abs(c.sensitivity) * c.quantity.u, c.quantity.dof)
-            for c in contributions
-        ]
-    )
 
 
 def _line(contribution: Contribution, share: float) -> BudgetInput:
@@ -142,10 +137,3 @@ def _refuse_equal_symbols(quantities: Sequence[InputQuantity]) -> None:
                 f"the budget has {symbols.count(symbol)} inputs with the symbol {symbol}; give "
                 "each its own"
             )
-
-
-def _not_zero(quantities: Sequence[InputQuantity], r: np.ndarray) -> tuple[Correlation, ...]:
-    return tuple(
-        Correlation(first=quantities[i].symbol, second=quantities[j].symbol, r=float(r[i, j]))
-        for i, j in zip(*np.nonzero(np.triu(r, 1)), strict=True)
-    )

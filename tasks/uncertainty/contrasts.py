@@ -87,26 +87,25 @@ def _design(segments: list[SegmentMean], channel: int) -> np.ndarray:
     rest; a rest of unknown heading has a column of its own. An accelerometer that lies level in a
     run of rates is tilted by one amount in all of it.
     """
-    columns = [np.ones(len(segments))]
-    for axis in AXES:
-        about = np.array([s.segment.rate_deg_s or 0.0 if s.segment.axis == axis else 0.0
-                          for s in segments]) / 100.0  # fmt: skip
-        columns += [np.array([(s.segment.up == f"+{axis}") - float(s.segment.up == f"-{axis}")
-                              for s in segments]), about**2]  # fmt: skip
-        if channel < len(AXES):
-            columns.append(about)
     labels = [segment.segment for segment in segments]
-    level = [s.kind == "static" and _is_level(s, channel) for s in labels]
+    up = np.array([label.up or "" for label in labels])
+    about = np.array([label.axis or "" for label in labels])
+    kind = np.array([label.kind for label in labels])
+    rate = np.array([label.rate_deg_s or 0.0 for label in labels]) / 100.0
+    heading = np.radians([label.turn_deg or 0.0 for label in labels])
+    has_heading = np.array([label.turn_deg is not None for label in labels])
+    level = np.array([_is_level(label, channel) for label in labels])
+    columns = [np.ones(len(labels))]
+    for axis in AXES:
+        turning = np.where(about == axis, rate, 0.0)
+        columns += [1.0 * (up == f"+{axis}") - (up == f"-{axis}"), turning**2]
+        if channel < len(AXES):
+            columns.append(turning)
     if channel >= len(AXES):
-        turning = [s.kind == "rate" and _is_level(s, channel) for s in labels]
-        columns += [np.array([t and s.up == up for t, s in zip(turning, labels, strict=True)],
-                             float) for up in FACES]  # fmt: skip
-    for i, label in enumerate(labels):
-        if level[i] and label.turn_deg is None:
-            columns.append(np.eye(len(labels))[i])
-    for up in FACES:
-        held = np.array([at_rest and s.up == up for at_rest, s in zip(level, labels, strict=True)])
-        with_heading = held * np.array([s.turn_deg is not None for s in labels])
-        heading = np.radians([s.turn_deg or 0.0 for s in labels])
-        columns += [with_heading * np.cos(heading), with_heading * np.sin(heading).round(9)]
+        columns += [1.0 * (level & (kind == "rate") & (up == face)) for face in FACES]
+    at_rest = level & (kind == "static")
+    columns += list(np.eye(len(labels))[at_rest & ~has_heading])
+    for face in FACES:
+        held = at_rest & has_heading & (up == face)
+        columns += [held * np.cos(heading), held * np.sin(heading).round(9)]
     return np.column_stack(columns)

@@ -62,6 +62,11 @@ class PooledAllan:
         return np.minimum(MAX_DEGREES, _differences(len(self.tau)) * self.segments)
 
 
+def seconds_of(segments: tuple[SegmentMean, ...]) -> np.ndarray:
+    """Lengths (n,) of the segments, s."""
+    return np.array([max(segment.seconds, INSTANT) for segment in segments])
+
+
 def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
     """Covariance (DRIFTS, n, n) of the segment means per unit of each flicker, walk and trend.
 
@@ -72,7 +77,8 @@ def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
     stop = np.array([max(s.t_end, s.t_start + INSTANT) for s in segments])
     first, last = start.min(), stop.max()
     flickers = [_mean_flicker(start, stop, level) for level in LEVELS]
-    apart = _mean_distance(np.append(start, first), np.append(stop, last))
+    # The mean distance between two intervals, the whole run the last of them.
+    apart = _mean_of(lambda x: x**3 / 6.0, np.append(start, first), np.append(stop, last))
     to_run = apart[:-1, -1]
     walk = 0.5 * (to_run[:, None] + to_run[None, :] - apart[:-1, :-1] - apart[-1, -1])
     middle = 0.5 * (start + stop - first - last)
@@ -120,9 +126,7 @@ def _differences(levels: int) -> np.ndarray:
 def _detectable_strengths(contrasts: Contrasts, allan: PooledAllan) -> list[float]:
     """Strength of flicker, walk and trend that equals the white noise where it shows best."""
     if contrasts.value.size:
-        return [
-            float(1.0 / contrasts.gain[:, shape].max()) for shape in range(contrasts.gain.shape[1])
-        ]
+        return (1.0 / contrasts.gain.max(axis=(0, 2))).tolist()
     detectable = math.sqrt(2.0 / float(allan.degrees[-1]))  # of the longest blocks' white noise
     return [detectable * allan.white / float(allan.tau[-1]) / FLICKER_ALLAN]
 
@@ -203,11 +207,6 @@ def flicker_integral(x: np.ndarray) -> np.ndarray:
 def _mean_flicker(start: np.ndarray, stop: np.ndarray, level: float) -> np.ndarray:
     """Mean of E₁(|t − s|/level) over t in interval i and s in interval j, (n, n)."""
     return _mean_of(lambda x: level**2 * flicker_integral(x / level), start, stop)
-
-
-def _mean_distance(start: np.ndarray, stop: np.ndarray) -> np.ndarray:
-    """Mean of |t − s| over t in interval i and s in interval j, (n, n)."""
-    return _mean_of(lambda x: x**3 / 6.0, start, stop)
 
 
 def _mean_of(

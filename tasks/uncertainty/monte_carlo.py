@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -71,7 +71,7 @@ def monte_carlo(
     block = max(math.ceil(100.0 / (1.0 - probability)), MIN_BLOCK)
     blocks: list[np.ndarray] = []
     figures: list[tuple[float, float, float, float]] = []
-    settling = slice(None) if has_deviation(quantities) else slice(2, None)
+    has_u = has_deviation(quantities)
     for values in _evaluations(function, draws, block):
         blocks.append(values)
         ends = symmetric_interval(np.sort(values), probability)
@@ -79,12 +79,19 @@ def monte_carlo(
         if len(blocks) < 2:
             continue
         low, high = np.mean(figures, axis=0)[2:]
-        u = _pooled_u(figures, block) if settling.start is None else (high - low) / 4.0
+        u = _pooled_u(figures, block) if has_u else (high - low) / 4.0
         tolerance = numerical_tolerance(u, digits)
         spread = np.std(figures, axis=0, ddof=1) / math.sqrt(len(figures))
-        if np.all(2.0 * spread[settling] <= tolerance):
-            result = _result(np.sort(np.concatenate(blocks)), probability, tolerance)
-            return result if settling.start is None else replace(result, u=math.nan)
+        if np.all(2.0 * spread[0 if has_u else 2 :] <= tolerance):
+            ordered = np.sort(np.concatenate(blocks))
+            return MonteCarlo(
+                value=float(ordered.mean()),
+                u=float(ordered.std(ddof=1)) if has_u else math.nan,
+                symmetric=symmetric_interval(ordered, probability),
+                shortest=shortest_interval(ordered, probability),
+                trials=len(ordered),
+                tolerance=tolerance,
+            )
     raise Unusable(
         f"Monte Carlo did not settle to {digits} digits within {MAX_TRIALS} trials; ask for fewer "
         "digits"
@@ -155,17 +162,6 @@ def _pooled_u(figures: Sequence[tuple[float, float, float, float]], block: int) 
     return float(math.sqrt(squares / (block * len(figures) - 1)))
 
 
-def _result(ordered: np.ndarray, probability: float, tolerance: float) -> MonteCarlo:
-    return MonteCarlo(
-        value=float(ordered.mean()),
-        u=float(ordered.std(ddof=1)),
-        symmetric=symmetric_interval(ordered, probability),
-        shortest=shortest_interval(ordered, probability),
-        trials=len(ordered),
-        tolerance=tolerance,
-    )
-
-
 def _inside(count: int, probability: float) -> int:
     """q of 7.7: pM, or the integer part of pM + ½."""
     return int(probability * count + 0.5)
@@ -187,12 +183,9 @@ def _sampler(
     root = vectors * np.sqrt(np.maximum(values, 0.0))
 
     def draws(trials: int) -> np.ndarray:
-        x = np.empty((len(quantities), trials))
-        for i, quantity in enumerate(quantities):
-            x[i] = draw(quantity.distribution, trials, rng, quantity.dof)
+        x = np.array([draw(q.distribution, trials, rng, q.dof) for q in quantities])
         x[joint] = root @ x[joint]
-        for i, quantity in enumerate(quantities):
-            x[i] = quantity.estimate + quantity.u * x[i]
-        return x
+        estimates, u = np.array([(q.estimate, q.u) for q in quantities]).T
+        return estimates[:, None] + u[:, None] * x
 
     return draws

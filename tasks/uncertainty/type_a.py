@@ -11,6 +11,7 @@ averaged over intervals is the double integral of the autocovariances h·E₁(|�
 S(f) = h/f above 1/(2πL), and −q·|τ|/2.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,14 +21,16 @@ from tasks.segments.summarise import SegmentMean
 from tasks.uncertainty.contrasts import contrasts
 from tasks.uncertainty.drift import (
     DRIFTS,
-    INSTANT,
     PooledAllan,
     drift_allan,
     drift_shapes,
     drift_strengths,
+    seconds_of,
     white_of,
 )
 
+PER_DIFFERENCE = 0.8  # degrees of freedom of the white noise for each finest Allan difference
+COARSE = 4.0  # Allan differences of a segment, at its two longest blocks, that flicker shows in
 MIN_LENGTH = 0.5  # of the longest segment: shorter ones know less of drift, at other block lengths
 
 
@@ -46,6 +49,10 @@ class ChannelNoise:
     drift: np.ndarray
     shapes: np.ndarray
     contrasts: np.ndarray
+
+    def drift_covariance(self, channel: int) -> np.ndarray:
+        """Covariance (segments, segments) of one channel's means by drift alone."""
+        return np.tensordot(self.drift[:, channel], self.shapes, axes=1)
 
 
 def fit_noise(
@@ -67,12 +74,13 @@ def fit_noise(
         segments = tuple(map(_corrected, segments, up, rate))
     white_only = _white(segments, np.zeros((DRIFTS, 6)))
     shapes = drift_shapes(segments)
-    seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
     drift, count = np.zeros((DRIFTS, 6)), np.zeros(6)
     for channel in range(6):
         pooled = _pooled_allan(segments, channel)
         if pooled is not None:
-            errors = contrasts(segments, shapes, white_only[:, channel] / seconds, channel)
+            errors = contrasts(
+                segments, shapes, white_only[:, channel] / seconds_of(segments), channel
+            )
             drift[:, channel] = drift_strengths(errors, pooled)
             count[channel] = errors.value.shape[1]
     return ChannelNoise(_white(segments, drift), drift, shapes, count)
@@ -86,9 +94,47 @@ def covariance_of_means(
     What it gives a bias is the uncertainty of its mean over all time where it flickers, over the
     recording itself where it walks or has a trend.
     """
-    seconds = np.array([max(segment.seconds, INSTANT) for segment in segments])
-    white = np.diag(noise.white[:, channel] / seconds)
-    return white + np.tensordot(noise.drift[:, channel], noise.shapes, axes=1)
+    white = np.diag(noise.white[:, channel] / seconds_of(segments))
+    return white + noise.drift_covariance(channel)
+
+
+def type_a_dof(
+    weights: np.ndarray,
+    segments: tuple[SegmentMean, ...],
+    noise: ChannelNoise,
+    channel: int,
+    variance: float,
+) -> float:
+    """Effective degrees of freedom of the variance of o·U, Welch-Satterthwaite (GUM G.4).
+
+    weights: o (n,) of all segment means; variance: of o·U, whole. The white noise of a segment
+    comes from its own B blocks: 0.8·(B − 1) degrees (by simulation, within 5 % from 4 blocks
+    on). The drift comes from what all segments leave unexplained: as many degrees as there are
+    independent contrasts between them (`drift.contrasts`), or, where there are none, four for
+    each segment, the differences of its longest blocks. What else is in the variance (readings
+    of an angle, by the thousand) counts as known. Without any variance: infinitely many.
+    """
+    if variance <= 0.0:
+        return math.inf
+    used = np.flatnonzero(weights)
+    white = weights[used] ** 2 * noise.white[used, channel] / seconds_of(segments)[used]
+    drifting = noise.drift_covariance(channel)[np.ix_(used, used)]
+    drift = max(float(weights[used] @ drifting @ weights[used]), 0.0)
+    weight = float((white**2 / [_white_degrees(segments[i], segments) for i in used]).sum())
+    if drift > 0.0:
+        weight += drift**2 / (noise.contrasts[channel] or COARSE * len(segments))
+    return max(variance**2 / weight, 1.0) if weight > 0.0 else math.inf
+
+
+def _white_degrees(segment: SegmentMean, segments: tuple[SegmentMean, ...]) -> float:
+    """Those of a segment's own blocks; a turn has the median noise of the segments beside it."""
+    if segment.segment.kind != "rotation":
+        return _degrees(segment)
+    return float(np.median([_degrees(s) for s in segments if s.segment.kind != "rotation"] or [1]))
+
+
+def _degrees(segment: SegmentMean) -> float:
+    return max(PER_DIFFERENCE * (2.0 ** len(segment.tau) - 1.0), 1.0)
 
 
 def _corrected(segment: SegmentMean, up: Up | None, rate: float) -> SegmentMean:

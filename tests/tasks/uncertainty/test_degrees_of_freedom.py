@@ -8,8 +8,8 @@ import pytest
 
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.gather import gather
-from tasks.uncertainty.degrees_of_freedom import type_a_dof
 from tasks.uncertainty.drift import DRIFTS
+from tasks.uncertainty.type_a import type_a_dof
 
 
 @pytest.fixture(scope="module")
