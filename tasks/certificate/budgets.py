@@ -33,7 +33,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Line:
+class BudgetLine:
     """An input quantity: what it is, u(x), c = ∂y/∂x, |c|·u(x), share of the variance, dof.
 
     Of a limit of the equipment also its half-width (U for normal) and who states it.
@@ -76,7 +76,7 @@ class BudgetTable:
     k: str
     of: str
     heading: Message
-    lines: tuple[Line, ...]
+    lines: tuple[BudgetLine, ...]
     exponent: int
     elements: tuple[Element, ...]
 
@@ -86,7 +86,7 @@ class Budgets:
     """How the budgets are made, the limits that enter them, and those of every item."""
 
     introductions: tuple[Message, ...]
-    limits: tuple[Line, ...]
+    limits: tuple[BudgetLine, ...]
     tables: tuple[BudgetTable, ...]
 
 
@@ -123,8 +123,8 @@ def _table(name: str, item: Item) -> BudgetTable:
     )
 
 
-def _line(line: BudgetInput) -> Line:
-    return Line(
+def _line(line: BudgetInput) -> BudgetLine:
+    return BudgetLine(
         name=name_of(line),
         symbol=line.symbol,
         kind=line.kind,

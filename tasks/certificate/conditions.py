@@ -25,7 +25,7 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Conditions:
+class ReportedConditions:
     """What the certificate says about how it was measured; has_p: whether p is calibrated."""
 
     rates: tuple[Rates, ...]
@@ -36,10 +36,10 @@ class Conditions:
 
 def conditions(
     calibration: Calibration, manifest: Manifest, specification: Specification
-) -> Conditions:
+) -> ReportedConditions:
     """Rate points, dwell, positions, mounting, and whether the largest rate was included."""
     turned = any(segment.kind in ("rate", "rotation") for segment in calibration.segments)
-    return Conditions(
+    return ReportedConditions(
         rates=tuple(_rates(calibration, axis) for axis in AXES) if turned else (),
         has_p="accel_rate_sensitivity" in specification.definitions,
         fields=tuple(

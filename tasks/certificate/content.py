@@ -12,14 +12,14 @@ from schemas.certificate import Certificate
 from schemas.text import Statement
 from tasks.certificate import cover
 from tasks.certificate.budgets import Budgets, budgets
-from tasks.certificate.conditions import Conditions, conditions
+from tasks.certificate.conditions import ReportedConditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
-from tasks.certificate.results import Section, sections
+from tasks.certificate.results import PrintedSection, sections
 from tasks.certificate.statements import (
-    Reading,
+    ReadingRow,
     basis,
     readings,
     reasons,
@@ -36,7 +36,7 @@ from tasks.words.typography import typeset
 
 
 @dataclass(frozen=True)
-class Standard:
+class StandardRow:
     """Clause 8 h): name, serial number, accuracy, certificate number, valid until."""
 
     name: Sayable
@@ -47,7 +47,7 @@ class Standard:
 
 
 @dataclass(frozen=True)
-class Condition:
+class ConditionRow:
     """Clause 8 i): what was measured during the run, and what the specification asks for."""
 
     name: Message
@@ -71,15 +71,15 @@ class Content:
     uncertainty_in_short: Message | None
     signatures: tuple[Signature, ...]
     statement: tuple[Message, ...]
-    standards: tuple[Standard, ...]
-    environment: tuple[Condition, ...]
-    conditions: Conditions
-    sections: tuple[Section, ...]
+    standards: tuple[StandardRow, ...]
+    environment: tuple[ConditionRow, ...]
+    conditions: ReportedConditions
+    sections: tuple[PrintedSection, ...]
     information: tuple[InformationRow, ...]
     uncertainty: tuple[Message, ...]
     conformity: tuple[Field, ...]
     reasons: tuple[Message, ...]
-    readings: tuple[Reading, ...]
+    readings: tuple[ReadingRow, ...]
     remarks: tuple[Message, ...]
     budgets: Budgets | None
     trace: tuple[Field, ...]
@@ -145,10 +145,10 @@ def _validation(certificate: Certificate) -> tuple[Message, ...]:
     return (message("certificate-validation", record=Statement(en=en, zh=zh)),)
 
 
-def _standards(certificate: Certificate) -> tuple[Standard, ...]:
+def _standards(certificate: Certificate) -> tuple[StandardRow, ...]:
     equipment = certificate.laboratory.equipment if certificate.laboratory else ()
     rows = [
-        Standard(
+        StandardRow(
             given(standard.name, standard.name_zh),
             given(standard.serial),
             given(standard.accuracy),
@@ -157,16 +157,18 @@ def _standards(certificate: Certificate) -> tuple[Standard, ...]:
         )
         for standard in equipment
     ]
-    return tuple(rows) or (Standard(*[NOT_GIVEN] * len(fields(Standard))),)
+    return tuple(rows) or (StandardRow(*[NOT_GIVEN] * len(fields(StandardRow))),)
 
 
-def _environment(certificate: Certificate, specification: Specification) -> tuple[Condition, ...]:
+def _environment(
+    certificate: Certificate, specification: Specification
+) -> tuple[ConditionRow, ...]:
     air = certificate.calibration.environment
     low, high = specification.conditions.temperature_degc
     middle, half = (low + high) / 2, (high - low) / 2
     dry, damp = specification.conditions.humidity_percent
     return tuple(
-        Condition(message(f"certificate-environment.{name}"), _range(measured, unit), required)
+        ConditionRow(message(f"certificate-environment.{name}"), _range(measured, unit), required)
         for name, measured, unit, required in (
             ("temperature", air.temperature_degc, "°C", f"({middle:g} ± {half:g}) °C"),
             ("humidity", air.humidity_percent, "%", f"{dry:g} % … {damp:g} %"),

@@ -59,7 +59,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Section:
+class PrintedSection:
     """A numbered section of the appendix."""
 
     title: Message
@@ -68,7 +68,7 @@ class Section:
 
 def sections(
     calibration: Calibration, decision: Decision, specification: Specification
-) -> tuple[Section, ...]:
+) -> tuple[PrintedSection, ...]:
     """Every section of the specification's appendix, also where nothing was determined."""
     layout = [(section.title, section.items) for section in specification.layout]
     known = {item for _, items in layout for item in items}
@@ -76,7 +76,9 @@ def sections(
     if others:
         layout.append((message("certificate-other-results"), others))
     return tuple(
-        Section(title, tuple(_group(calibration, decision, name, specification) for name in items))
+        PrintedSection(
+            title, tuple(_group(calibration, decision, name, specification) for name in items)
+        )
         for title, items in layout
     )
 
@@ -118,9 +120,8 @@ def _columns(
     definition: ItemDefinition | None, specification: Specification
 ) -> tuple[Message, ...]:
     """The headings of the values: one, or those of both values."""
-    if definition is None or definition.second_value is None:
-        return (message("certificate-column"),)
-    if definition.key in specification.printed_once:
+    once = specification.printed_once
+    if definition is None or definition.second_value is None or definition.key in once:
         return (message("certificate-column"),)
     key = slug(definition.key)
     first = first_known(

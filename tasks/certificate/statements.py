@@ -18,7 +18,7 @@ from tasks.words.typography import clause
 
 
 @dataclass(frozen=True)
-class Reading:
+class ReadingRow:
     """How the specification was read where it is wrong or silent: R1, the clause, the reading."""
 
     short: str
@@ -107,7 +107,7 @@ def identifiers(calibration: Calibration) -> dict[str, str]:
     return {reading: f"R{n}" for n, reading in enumerate(dict.fromkeys(every), start=1)}
 
 
-def readings(calibration: Calibration) -> tuple[Reading, ...]:
+def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:
     """The readings taken, from the register."""
     from tasks.specifications.readings import READINGS
 
@@ -115,9 +115,9 @@ def readings(calibration: Calibration) -> tuple[Reading, ...]:
     for identifier, short in identifiers(calibration).items():
         known = READINGS.get(identifier)
         rows.append(
-            Reading(short, clause(known.clause), statement(known.text))
+            ReadingRow(short, clause(known.clause), statement(known.text))
             if known
-            else Reading(short, given(identifier), message("certificate-unregistered"))
+            else ReadingRow(short, given(identifier), message("certificate-unregistered"))
         )
     return tuple(rows)
 
