@@ -30,14 +30,10 @@ def party_address(party: Party | None) -> Sayable:
     return given(party.address, party.address_zh) if party else NOT_GIVEN
 
 
-def deviates(calibration: Calibration) -> bool:
-    """Whether a condition of the specification was not met."""
-    return any(remark.blocks_pass for remark in calibration.remarks)
-
-
 def by_method(what: str, calibration: Calibration) -> str:
-    """The message of a method, and of a calibration by it with deviations."""
-    return f"certificate-{what}.{calibration.method}" + "-deviating" * deviates(calibration)
+    """The message of a method, or of a calibration by it that missed a condition."""
+    deviates = any(remark.blocks_pass for remark in calibration.remarks)
+    return f"certificate-{what}.{calibration.method}" + "-deviating" * deviates
 
 
 def by_document(what: str, specification: Specification) -> str:

@@ -1,6 +1,7 @@
 """Budgets of linear combinations of input quantities by the law of propagation."""
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -130,10 +131,8 @@ def _line(contribution: Contribution, share: float) -> BudgetInput:
 
 
 def _refuse_equal_symbols(quantities: Sequence[InputQuantity]) -> None:
-    symbols = [quantity.symbol for quantity in quantities]
-    for symbol in symbols:
-        if symbols.count(symbol) > 1:
+    for symbol, count in Counter(quantity.symbol for quantity in quantities).items():
+        if count > 1:
             raise Unusable(
-                f"the budget has {symbols.count(symbol)} inputs with the symbol {symbol}; give "
-                "each its own"
+                f"the budget has {count} inputs with the symbol {symbol}; give each its own"
             )
