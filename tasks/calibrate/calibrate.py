@@ -1,12 +1,13 @@
 """The calibration of a recording by a specification."""
 
-from schemas.calibration import Calibration
-from schemas.recording import Recording
-from tasks.calibrate.build import build
+from schemas.calibration import Calibration, EnvironmentSeen, SegmentUsed
+from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.segments.check import check_segments
+from tasks.specifications.evidence import Evidence
 from tasks.specifications.specification import Specification
+from tasks.words import say
 
 
 def calibrate(
@@ -38,14 +39,47 @@ def calibrate(
     items = {
         item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
     }
-    return build(
-        specification,
-        evidence,
-        items,
-        result.unavailable,
-        remarks=(*result.remarks, *evaluation.remarks, *checked),
-        information=information(evidence, items, specification.rate_sensor),
-        settings=evaluation.settings,
+    missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
+    return Calibration(
+        recording_id=evidence.recording.manifest.recording_id,
         run=run,
+        digest=evidence.recording.digest,
+        method=specification.method,
         code_version=code_version,
+        procedure=specification.procedure,
+        settings={
+            "gravity_m_s2": evidence.gravity,
+            "latitude_deg": evidence.latitude_deg,
+            **evaluation.settings,
+        },
+        items=items,
+        information=information(evidence, items, specification.rate_sensor),
+        unavailable={key: say(why, "en") for key, why in missing.items()},
+        unavailable_zh={key: say(why, "zh") for key, why in missing.items()},
+        remarks=(*result.remarks, *evaluation.remarks, *checked),
+        segments=tuple(_used(evidence, i) for i in range(len(evidence.segments))),
+        environment=EnvironmentSeen(
+            temperature_degc=_extent(evidence.recording.environment, "temperature"),
+            humidity_percent=_extent(evidence.recording.environment, "humidity"),
+        ),
     )
+
+
+def _used(evidence: Evidence, i: int) -> SegmentUsed:
+    summary = evidence.segments[i]
+    return SegmentUsed(
+        **summary.segment.model_dump(
+            include={"name", "kind", "t_start", "t_end", "axis", "rate_deg_s"}
+        ),
+        origin=summary.origin,
+        up=evidence.up[i],
+        rows=summary.rows,
+        rows_left_out=summary.left_out,
+    )
+
+
+def _extent(environment: Stream | None, name: str) -> tuple[float, float] | None:
+    if environment is None or name not in environment.columns:
+        return None
+    values = environment.columns[name]
+    return float(values.min()), float(values.max())

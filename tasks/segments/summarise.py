@@ -9,7 +9,7 @@ from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
 
 Origin = Literal["label", "found"]
 
-CHANNELS = GYRO + ACCEL
+CHANNELS: tuple[str, ...] = GYRO + ACCEL
 GYRO_COLUMNS = slice(0, 3)
 ACCEL_COLUMNS = slice(3, 6)
 

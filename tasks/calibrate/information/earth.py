@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from schemas.calibration import Information, Item
 from tasks.calibrate.information.entry import entry
 from tasks.specifications.earth_rotation import EarthRotationGain, earth_rotation_message
-from tasks.words import Message, message, say
+from tasks.words import Message, message
 
 ITEM = "gyro_g_sensitivity"
 WITHOUT_EARTH = "gyro_g_sensitivity_without_earth_rotation"
@@ -26,9 +26,9 @@ def earth_information(
 def _gain(earth: EarthRotationGain | None) -> dict[str, Information]:
     if earth is None:
         return {}
-    title = message("information-earth-gain")
     text = message("information-earth-gain.text", shown=earth_rotation_message(earth))
-    return {EARTH_ROTATION: entry(title, "1", {"λ": earth.gain}, {"λ": earth.u}, text, about=ITEM)}
+    gain = entry("earth-gain", "1", [earth.gain], [earth.u], text, elements="λ", about=ITEM)
+    return {EARTH_ROTATION: gain}
 
 
 def separated(item: Item, earth: EarthRotationGain | None) -> dict[str, Information]:
@@ -48,22 +48,13 @@ def separated(item: Item, earth: EarthRotationGain | None) -> dict[str, Informat
     )
     if not off:
         return {}
-    title = message("information-without-earth")
     text = message("information-without-earth.text", difference=_difference(off, earth))
-    return {
-        WITHOUT_EARTH: Information(
-            title=say(title, "en"),
-            title_zh=say(title, "zh"),
-            unit=item.unit,
-            value=without,
-            u=item.u_without_earth_rotation,
-            U=item.U_without_earth_rotation,
-            k=item.k,
-            about=ITEM,
-            en=say(text, "en"),
-            zh=say(text, "zh"),
-        )
-    }
+    u = item.u_without_earth_rotation or dict.fromkeys(without)
+    numbers = [*without.values()], [*u.values()]
+    shown = entry(
+        "without-earth", item.unit, *numbers, text, elements=without, k=item.k, about=ITEM
+    )
+    return {WITHOUT_EARTH: shown}
 
 
 def _difference(off: float, earth: EarthRotationGain | None) -> Message:

@@ -1,6 +1,6 @@
 """An entry of the result's information."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -9,43 +9,47 @@ from schemas.recording import AXES
 from tasks.words import Message, message, say
 from tasks.words.rounding import USUAL_K
 
+Numbers = Sequence[float | None] | np.ndarray
+
 
 def entry(
-    title: Message,
+    name: str,
     unit: str,
-    value: Mapping[str, float],
-    u: Mapping[str, float],
+    value: Numbers,
+    u: Numbers,
     *sentences: Message,
+    elements: Iterable[str] = AXES,
+    factor: float = 1.0,
+    k: float = USUAL_K,
     about: str | None = None,
 ) -> Information:
-    """Values with standard uncertainties by element, NaN where there is none; U = 2·u.
+    """Values with standard uncertainties, one of each element, NaN where there is none; U = k·u.
 
-    sentences: what it is and how it was found; about: the item that it stands beside.
+    name: of the title's message; sentences: what it is and how it was found; factor: from the
+    values' unit to the printed one; about: the item that it stands beside.
     """
-    expanded = {element: USUAL_K * each for element, each in u.items()}
+    title = message(f"information-{name.replace('_', '-')}")
+    values = factor * np.array(value, float)
+    us = np.where(np.isfinite(values), factor * np.array(u, float), np.nan)
+
+    def known(numbers: np.ndarray) -> Elements:
+        finite = (float(n) if np.isfinite(n) else None for n in numbers)
+        return dict(zip(elements, finite, strict=True))
+
     return Information(
         title=say(title, "en"),
         title_zh=say(title, "zh"),
         unit=unit,
-        value=_finite(value, value),
-        u=_finite(u, value),
-        U=_finite(expanded, value),
+        value=known(values),
+        u=known(us),
+        U=known(k * us),
+        k=k,
         about=about,
         en=" ".join(say(sentence, "en") for sentence in sentences),
         zh="".join(say(sentence, "zh") for sentence in sentences),
     )
 
 
-def by_axis(values: Sequence[float] | np.ndarray) -> dict[str, float]:
-    """(3,) values by axis."""
-    return dict(zip(AXES, map(float, values), strict=True))
-
-
 def of_axes(id_: str, axes: Sequence[str], **arguments: str) -> list[Message]:
     """A sentence about some axes; none where there are none."""
     return [message(id_, axes=", ".join(axes), **arguments)] if axes else []
-
-
-def _finite(numbers: Mapping[str, float], value: Mapping[str, float]) -> Elements:
-    known = {e for e in value if np.isfinite(value[e])}
-    return {e: n if e in known and np.isfinite(n) else None for e, n in numbers.items()}

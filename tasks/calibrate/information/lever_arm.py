@@ -12,7 +12,7 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.calibration import Information
 from schemas.recording import ACCEL, Recording, Stream
-from tasks.calibrate.information.entry import by_axis, entry
+from tasks.calibrate.information.entry import entry
 from tasks.model.fit import Fit, fit
 from tasks.model.noise import RowNoise
 from tasks.model.simulate import predict
@@ -68,7 +68,19 @@ def lever_arm_information(evidence: Evidence) -> dict[str, Information]:
     if not np.isfinite([*r, *p]).all():
         return {}
     excess = max(1.0, float(np.sqrt(fitted.chi2 / fitted.degrees)))
-    return _as_information(r, excess * u, p, excess * u_p)
+    arm, free = message("information-lever-arm.text"), message("information-without-lever-arm.text")
+    return {
+        "lever_arm": entry("lever-arm", "m", r, excess * u, arm),
+        "accel_rate_sensitivity_without_lever_arm": entry(
+            "without-lever-arm",
+            "m",
+            p,
+            excess * u_p,
+            free,
+            elements=[parameter.name for parameter in ACCEL_RATE_SENSITIVITY.parameters],
+            about="accel_rate_sensitivity",
+        ),
+    }
 
 
 def _thinned(recording: Recording) -> Recording:
@@ -176,21 +188,3 @@ def _fit(cells: Cells, evidence: Evidence) -> Fit:
             break
         start = fitted.values
     return fitted
-
-
-def _as_information(
-    r: np.ndarray, u: np.ndarray, p: np.ndarray, u_p: np.ndarray
-) -> dict[str, Information]:
-    couplings = [parameter.name for parameter in ACCEL_RATE_SENSITIVITY.parameters]
-    arm, free = message("information-lever-arm"), message("information-without-lever-arm")
-    return {
-        "lever_arm": entry(arm, "m", by_axis(r), by_axis(u), message("information-lever-arm.text")),
-        "accel_rate_sensitivity_without_lever_arm": entry(
-            free,
-            "m",
-            dict(zip(couplings, map(float, p), strict=True)),
-            dict(zip(couplings, map(float, u_p), strict=True)),
-            message("information-without-lever-arm.text"),
-            about="accel_rate_sensitivity",
-        ),
-    }

@@ -13,7 +13,7 @@ from scipy.special import chdtrc, chdtri
 
 from schemas.calibration import Information
 from schemas.recording import AXES
-from tasks.calibrate.information.entry import by_axis, entry, of_axes
+from tasks.calibrate.information.entry import entry, of_axes
 from tasks.specifications.evidence import Evidence
 from tasks.specifications.linear import EXCESS_LEVEL, residuals_of, solve
 from tasks.words import message
@@ -93,11 +93,12 @@ def _entry(name: str, item: str, ratios: list[Ratio]) -> Information:
     significant = [a for a, ratio in zip(AXES, ratios, strict=True) if ratio.significant]
     beyond = of_axes("information-more-than-noise", significant)
     return entry(
-        message(f"information-{name}"),
+        name,
         "ppm",
-        by_axis([PPM * ratio.value for ratio in ratios]),
-        by_axis([PPM * ratio.u for ratio in ratios]),
+        [ratio.value for ratio in ratios],
+        [ratio.u for ratio in ratios],
         message(f"information-{name}.text"),
         *(beyond or [message("information-no-more-than-noise")]),
+        factor=PPM,
         about=item,
     )

@@ -4,22 +4,19 @@ Source: IEEE Std 952, annex C: the random walk coefficient N is the Allan deviat
 part at 1 s; the bias instability is the minimum of the Allan deviation over √(2·ln 2/π) = 0.664.
 """
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-
 import numpy as np
 
 from schemas.calibration import Information
-from schemas.recording import ACCEL, AXES, GYRO, Recording
-from tasks.calibrate.information.allan import (
-    MIN_LEVELS,
-    AllanCurve,
-    WhiteNoise,
-    allan_curve,
-    white_noise,
+from schemas.recording import AXES, Recording
+from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
+from tasks.calibrate.information.entry import entry, of_axes
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    CHANNELS,
+    GYRO_COLUMNS,
+    SegmentMean,
+    coarsely_quantised,
 )
-from tasks.calibrate.information.entry import by_axis, entry, of_axes
-from tasks.segments.summarise import SegmentMean, coarsely_quantised
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import Evidence
 from tasks.words import Message, message
@@ -32,70 +29,73 @@ SQRT_HOUR = 60.0  # √(3600 s)
 HOUR = 3600.0
 
 
-@dataclass(frozen=True)
-class SensorTriad:
-    """Three sensors and how their noise is printed.
-
-    walk, instability: key of the result, its unit, and the factor from SI.
-    """
-
-    columns: tuple[str, ...]
-    first: int
-    walk: tuple[str, str, float]
-    instability: tuple[str, str, float]
-
-
-def _rate_sensors(name: str) -> SensorTriad:
-    walk = (f"{name}_angle_random_walk", "deg/sqrt(h)", DEG * SQRT_HOUR)
-    return SensorTriad(GYRO, 0, walk, (f"{name}_bias_instability", "deg/h", DEG * HOUR))
-
-
-ACCELEROMETERS = SensorTriad(
-    ACCEL,
-    3,
-    ("accel_velocity_random_walk", "(m/s2)/sqrt(Hz)", 1.0),
-    ("accel_bias_instability", "m/s2", 1.0),
-)
+Quantity = tuple[str, str, float]  # key in the result, printed unit, factor from SI
 
 
 def noise_information(evidence: Evidence, rate_sensor: str) -> dict[str, Information]:
     """Random walk and bias instability of each triad that the recording has."""
-    rates = _rate_sensors(rate_sensor)
-    made: dict[str, Information] = {}
-    for triad in (rates, ACCELEROMETERS) if rate_sensor == "gyro" else (rates,):
-        if all(name in evidence.recording.imu.columns for name in triad.columns):
-            made |= _of_triad(evidence, triad)
+    made = _of_triad(
+        evidence,
+        GYRO_COLUMNS,
+        (f"{rate_sensor}_angle_random_walk", "deg/sqrt(h)", DEG * SQRT_HOUR),
+        (f"{rate_sensor}_bias_instability", "deg/h", DEG * HOUR),
+    )
+    if rate_sensor == "gyro":
+        made |= _of_triad(
+            evidence,
+            ACCEL_COLUMNS,
+            ("accel_velocity_random_walk", "(m/s2)/sqrt(Hz)", 1.0),
+            ("accel_bias_instability", "m/s2", 1.0),
+        )
     return made
 
 
-def _of_triad(evidence: Evidence, triad: SensorTriad) -> dict[str, Information]:
-    recording = evidence.recording
-    rests = _longest(evidence, triad)
+def _of_triad(
+    evidence: Evidence, triad: slice, walk: Quantity, instability: Quantity
+) -> dict[str, Information]:
+    """Both quantities of three channels; none without a whole rest."""
+    imu, rests = evidence.recording.imu, _longest(evidence, triad)
     if not rests:
         return {}
-    seconds = min(rest.seconds for rest in rests)
     interval = float(np.median([rest.seconds / rest.rows for rest in rests]))
-    within = (recording.imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
-    readings = [recording.imu.channels(triad.columns, rows) for rows in within]
-    curve = allan_curve(readings, interval)
-    coarse = np.any([coarsely_quantised(rest) for rest in rests], axis=0)
-    fine = [i for i in range(3) if not coarse[triad.first + i]]
-    white = {i: white_noise(curve, i) for i in fine if len(curve.tau) >= MIN_LEVELS}
-    source = message("information-rests", count=len(rests), seconds=f"{seconds:.0f}")
-    hidden = [AXES[i] for i in range(3) if i not in fine]
+    within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
+    curve = allan_curve([imu.channels(CHANNELS[triad], rows) for rows in within], interval)
+    hidden = np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0)
+    white, floor = np.full((2, 3), np.nan), np.full((3, 3), np.nan)
+    if len(curve.tau) >= MIN_LEVELS:
+        for i in np.flatnonzero(~hidden).tolist():
+            white[:, i], floor[:, i] = _random_walk(curve, i), _bias_instability(curve, i)
+    seconds = f"{min(rest.seconds for rest in rests):.0f}"
+    source = message("information-rests", count=len(rests), seconds=seconds)
+    coarse = of_axes("information-noise-hidden", _axes(hidden))
+    averaged = [f"{AXES[i]} {floor[2, i]:.3g} s" for i in np.flatnonzero(np.isfinite(floor[2]))]
+    longest = f"{curve.tau.max(initial=0.0):.3g}"
     return {
-        triad.walk[0]: _walk(triad, white, source, hidden),
-        triad.instability[0]: _instability(triad, curve, white.keys(), source, hidden),
+        walk[0]: _entry(
+            walk,
+            white,
+            message("information-random-walk", source=source),
+            *coarse,
+            *of_axes("information-no-white-noise", _axes(np.isnan(white[0]) & ~hidden)),
+        ),
+        instability[0]: _entry(
+            instability,
+            floor[:2],
+            message("information-bias-instability", source=source),
+            *of_axes("information-averaging-times", averaged),
+            *coarse,
+            *of_axes("information-no-floor", _axes(np.isnan(floor[2]) & ~hidden), tau=longest),
+        ),
     }
 
 
-def _longest(evidence: Evidence, triad: SensorTriad) -> list[SegmentMean]:
+def _longest(evidence: Evidence, triad: slice) -> list[SegmentMean]:
     """The rests as long as the longest, whole: no row left out of them and none lost."""
     whole = [
         s
         for s in (evidence.segments[i] for i in evidence.of_kind("static"))
         if s.left_out == 0
-        and np.isfinite(s.mean[triad.first : triad.first + 3]).all()
+        and np.isfinite(s.mean[triad]).all()
         and _without_gap(evidence.recording, s)
     ]
     longest = max((s.seconds for s in whole), default=0.0)
@@ -107,58 +107,29 @@ def _without_gap(recording: Recording, rest: SegmentMean) -> bool:
     return bool(np.diff(t).max(initial=0.0) < GAP * rest.seconds / rest.rows)
 
 
-def _walk(
-    triad: SensorTriad,
-    white: Mapping[int, WhiteNoise | None],
-    source: Message,
-    hidden: Sequence[str],
-) -> Information:
-    value, u = np.full(3, np.nan), np.full(3, np.nan)
-    for i, noise in white.items():
-        if noise is not None:
-            value[i] = np.sqrt(noise.density)
-            u[i] = noise.u / (2.0 * value[i])
-    absent = [AXES[i] for i in range(3) if np.isnan(value[i]) and AXES[i] not in hidden]
-    return _entry(
-        triad.walk,
-        value,
-        u,
-        message("information-random-walk", source=source),
-        *of_axes("information-noise-hidden", hidden),
-        *of_axes("information-no-white-noise", absent),
-    )
+def _random_walk(curve: AllanCurve, channel: int) -> tuple[float, float]:
+    """N of the white noise and its standard uncertainty, NaN where none shows."""
+    noise = white_noise(curve, channel)
+    if noise is None:
+        return np.nan, np.nan
+    value = np.sqrt(noise.density)
+    return value, noise.u / (2.0 * value)
 
 
-def _instability(
-    triad: SensorTriad,
-    curve: AllanCurve,
-    channels: Collection[int],
-    source: Message,
-    hidden: Sequence[str],
-) -> Information:
-    value, u, at = np.full(3, np.nan), np.full(3, np.nan), np.full(3, np.nan)
-    for i in channels:
-        level = int(curve.variance[:, i].argmin())
-        least = float(curve.variance[level, i])
-        if level >= 2 and curve.variance[level - 2, i] < FALLING * least:
-            at[i], value[i] = curve.tau[level], np.sqrt(least) / FLOOR
-            u[i] = value[i] / np.sqrt(2.0 * curve.flicker_dof[level])
-    reached = [f"{AXES[i]} {at[i]:.3g} s" for i in range(3) if np.isfinite(at[i])]
-    falling = [AXES[i] for i in range(3) if np.isnan(at[i]) and AXES[i] not in hidden]
-    return _entry(
-        triad.instability,
-        value,
-        u,
-        message("information-bias-instability", source=source),
-        *of_axes("information-averaging-times", reached),
-        *of_axes("information-noise-hidden", hidden),
-        *of_axes("information-no-floor", falling, tau=f"{curve.tau.max(initial=0.0):.3g}"),
-    )
+def _bias_instability(curve: AllanCurve, channel: int) -> tuple[float, float, float]:
+    """Bias instability, its standard uncertainty and its averaging time (s), NaN without floor."""
+    variance = curve.variance[:, channel]
+    level = int(variance.argmin())
+    if level < 2 or not variance[level - 2] < FALLING * variance[level]:
+        return np.nan, np.nan, np.nan
+    value = np.sqrt(variance[level]) / FLOOR
+    return value, value / np.sqrt(2.0 * curve.flicker_dof[level]), curve.tau[level]
 
 
-def _entry(
-    what: tuple[str, str, float], value: np.ndarray, u: np.ndarray, *sentences: Message
-) -> Information:
-    key, unit, factor = what
-    title = message(f"information-{key.replace('_', '-')}")
-    return entry(title, unit, by_axis(factor * value), by_axis(factor * u), *sentences)
+def _axes(which: np.ndarray) -> list[str]:
+    return [AXES[i] for i in np.flatnonzero(which)]
+
+
+def _entry(quantity: Quantity, value_and_u: np.ndarray, *sentences: Message) -> Information:
+    key, unit, factor = quantity
+    return entry(key, unit, *value_and_u, *sentences, factor=factor)

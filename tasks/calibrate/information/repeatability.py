@@ -4,11 +4,14 @@ An axis that points up reads the same gravity and the same part of Earth's rotat
 heading, so all rests with it up are one measurement repeated; those with it down another.
 """
 
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
 from schemas.calibration import Information
 from schemas.recording import AXES
-from tasks.calibrate.information.entry import by_axis, entry
+from tasks.calibrate.information.entry import entry
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import Evidence
@@ -39,32 +42,33 @@ def repeatability_information(evidence: Evidence, rate_sensor: str) -> dict[str,
     return {name: _entry(name, *rest) for name, rest in made.items() if any(n for _, n in rest[2])}
 
 
-def pooled_deviation(groups: list[np.ndarray]) -> Deviation:
+def pooled_deviation(groups: Iterable[Sequence[float] | np.ndarray]) -> Deviation:
     """Standard deviation of one repetition pooled over groups (n,), and its degrees of freedom.
 
-    NaN where no group has two.
+    Readings that are NaN do not count; NaN where no group has two others.
     """
-    dof = sum(len(group) - 1 for group in groups if len(group) > 1)
+    known = [values[np.isfinite(values)] for values in map(np.array, groups)]
+    repeated = [values for values in known if len(values) > 1]
+    dof = sum(len(values) - 1 for values in repeated)
     if not dof:
         return float("nan"), 0
-    square = sum(float(((group - group.mean()) ** 2).sum()) for group in groups if len(group) > 1)
+    square = sum(float(((values - values.mean()) ** 2).sum()) for values in repeated)
     return float(np.sqrt(square / dof)), dof
 
 
 def _repeated_rests(evidence: Evidence, axis: int, channel: int) -> Deviation:
     rests = (evidence.rests[f"{sign}{AXES[axis]}"] for sign in "+-")
-    return pooled_deviation([_known(evidence.means[list(held), channel]) for held in rests])
+    return pooled_deviation(evidence.means[list(held), channel] for held in rests)
 
 
 def _repeated_rates(evidence: Evidence, channel: int) -> Deviation:
     """Outputs over rate where one rate was held several times."""
-    points = list(evidence.points[AXES[channel]])
-    points = [i for i in points if abs(evidence.rate[i]) > SAME_RATE]
-    groups: dict[int, list[float]] = {}
-    for i in points:
-        output = evidence.means[i, channel] / evidence.rate[i]
-        groups.setdefault(round(evidence.rate[i] / SAME_RATE), []).append(output)
-    return pooled_deviation([_known(np.array(group)) for group in groups.values()])
+    rate = evidence.rate
+    groups = defaultdict(list)
+    for i in evidence.points[AXES[channel]]:
+        if abs(rate[i]) > SAME_RATE:
+            groups[round(rate[i] / SAME_RATE)].append(evidence.means[i, channel] / rate[i])
+    return pooled_deviation(groups.values())
 
 
 def _repeated_scale(evidence: Evidence, axis: int, channel: int) -> Deviation:
@@ -73,22 +77,19 @@ def _repeated_scale(evidence: Evidence, axis: int, channel: int) -> Deviation:
     if gravity is None:
         return float("nan"), 0
     up, down = (_by_heading(evidence, f"{sign}{AXES[axis]}", channel) for sign in "+-")
-    ratios = [(up[turn] - down[turn]) / (2.0 * gravity) for turn in up if turn in down]
-    return pooled_deviation([_known(np.array(ratios))])
+    return pooled_deviation([
+        [(up[turn] - down[turn]) / (2.0 * gravity) for turn in up if turn in down]
+    ])  # fmt: skip
 
 
 def _by_heading(evidence: Evidence, up: str, channel: int) -> dict[int, float]:
     """Mean reading at each heading, whole degrees."""
-    groups: dict[int, list[float]] = {}
+    groups = defaultdict(list)
     for i in evidence.positions[up]:
         turn = evidence.segments[i].segment.turn_deg
         if turn is not None:
-            groups.setdefault(round(turn) % 360, []).append(evidence.means[i, channel])
+            groups[round(turn) % 360].append(evidence.means[i, channel])
     return {turn: float(np.mean(held)) for turn, held in groups.items()}
-
-
-def _known(values: np.ndarray) -> np.ndarray:
-    return values[np.isfinite(values)]
 
 
 def _entry(name: str, unit: str, factor: float, deviations: list[Deviation]) -> Information:
@@ -96,6 +97,5 @@ def _entry(name: str, unit: str, factor: float, deviations: list[Deviation]) -> 
     s, dof = (np.array(column, float) for column in zip(*deviations, strict=True))
     u = s / np.sqrt(2.0 * np.maximum(dof, 1.0))
     listed = ", ".join(f"{axis} {int(n)}" for axis, n in zip(AXES, dof, strict=True) if n)
-    title = message(f"information-{name.replace('_', '-')}")
     text = message("information-repetition", dof=listed)
-    return entry(title, unit, by_axis(factor * s), by_axis(factor * u), text)
+    return entry(name, unit, s, u, text, factor=factor)
