@@ -1,4 +1,8 @@
-"""Coverage: over many simulated units, how often the stated 95 % interval holds the truth."""
+"""Stated intervals and values against the truth of simulated units: coverage, and recovery.
+
+Coverage: over many units, how often the stated 95 % interval holds the truth. Recovery: what an
+ideal run without noise says of a unit.
+"""
 
 import math
 import os
@@ -7,13 +11,14 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
 import numpy as np
+import pandas as pd
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from schemas.validation import Check, Coverage
 from tasks.validation import run1536, run2003
 from tasks.validation.draw import Case, draw_case
-from tasks.validation.record import WITHOUT_EARTH, checked
+from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
 from tasks.words import message
 
 Calibrate = Callable[..., Calibration]
@@ -23,6 +28,7 @@ Run = Callable[[Case, int], tuple[Recording, Truth]]
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
 TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval: less is no evidence
 MIN_UNITS = 1000
+MAX_ERROR = 1e-9  # of a recovered value, in the printed unit of the item
 RUNS: dict[str, tuple[Run, float]] = {
     "jjf2003": (run2003.record, run2003.RATE_HZ),
     "joint": (run2003.record, run2003.RATE_HZ),
@@ -37,7 +43,7 @@ def simulate(method: str, seed: int, ideal: bool = False) -> tuple[Recording, Tr
     record, rate_hz = RUNS[method]
     recording, truth = record(draw_case(seed, rate_hz, ideal), seed)
     if method == "joint":  # its g-sensitivity is without Earth's rotation
-        truth = {**truth, "gyro_g_sensitivity": truth[WITHOUT_EARTH]}
+        truth = {**truth, G_SENSITIVITY: truth[WITHOUT_EARTH]}
     return recording, truth
 
 
@@ -52,7 +58,7 @@ def errors_of(calibration: Calibration, truth: Truth) -> Errors:
             and (u := item.u[element]) is not None and (U := item.U[element]) is not None
         }  # fmt: skip
         values, us = item.value_without_earth_rotation, item.u_without_earth_rotation
-        if calibration.method != "joint" and values and us and name == "gyro_g_sensitivity":
+        if calibration.method != "joint" and values and us and name == G_SENSITIVITY:
             errors[WITHOUT_EARTH] = {
                 element: (value - truth[WITHOUT_EARTH][element], u, NORMAL_95 * u, item.k * u)
                 for element, value in values.items()
@@ -88,43 +94,39 @@ def study(
 
 def _in_processes(jobs: list[tuple[str, Calibrate, int]]) -> Iterator[tuple[str, Errors]]:
     """The jobs' results as they come; one thread each, or the processes hinder one another."""
-    threads = os.environ.get("OPENBLAS_NUM_THREADS")
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
-    try:
-        with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
-            yield from pool.map(errors_of_unit, jobs, chunksize=max(1, min(8, len(jobs) // 8)))
-    finally:
-        os.environ.pop("OPENBLAS_NUM_THREADS")
-        if threads is not None:
-            os.environ["OPENBLAS_NUM_THREADS"] = threads
+    threads = ("OPENBLAS_NUM_THREADS", "1")  # read when a process imports numpy, at its first job
+    with ProcessPoolExecutor(
+        mp_context=get_context("spawn"), initializer=os.putenv, initargs=threads
+    ) as pool:
+        yield from pool.map(errors_of_unit, jobs, chunksize=max(1, min(8, len(jobs) // 8)))
 
 
 def summarise(runs: Iterable[Errors]) -> dict[str, Coverage]:
     """Coverage of each item, pooled over its elements and over the runs."""
-    gathered: dict[str, dict[str, list[tuple[float, float, float, float]]]] = {}
-    units: dict[str, int] = {}
-    for errors in runs:
-        for name, elements in errors.items():
-            units[name] = units.get(name, 0) + 1
-            for element, row in elements.items():
-                gathered.setdefault(name, {}).setdefault(element, []).append(row)
-    return {name: _coverage(elements, units[name]) for name, elements in gathered.items()}
+    rows = [
+        (item, run, element, *row)
+        for run, errors in enumerate(runs)
+        for item, elements in errors.items()
+        for element, row in elements.items()
+    ]
+    table = pd.DataFrame(rows, columns=["item", "run", "element", "error", "u", "half_95", "U"])
+    return {str(item): _coverage(rows) for item, rows in table.groupby("item", sort=False)}
 
 
-def _coverage(elements: dict[str, list[tuple[float, float, float, float]]], units: int) -> Coverage:
-    rows = np.array([row for rows in elements.values() for row in rows])
-    inside = np.abs(rows[:, 0]) <= rows[:, 2]
+def _coverage(rows: pd.DataFrame) -> Coverage:
+    units, size = rows["run"].nunique(), rows["error"].abs()
+    inside = size <= rows["half_95"]
     share = float(inside.mean())
     return Coverage(
         units=units,
         elements=len(rows),
         inside_95=share,
         confidence=wilson(share, units),
-        inside_expanded=float((np.abs(rows[:, 0]) <= rows[:, 3]).mean()),
-        rms_z=float(np.sqrt(np.mean((rows[:, 0] / rows[:, 1]) ** 2))),
+        inside_expanded=float((size <= rows["U"]).mean()),
+        rms_z=float(np.sqrt(((size / rows["u"]) ** 2).mean())),
         by_element={
-            element: float(np.mean([abs(row[0]) <= row[2] for row in each]))
-            for element, each in elements.items()
+            str(element): float(each.mean())
+            for element, each in inside.groupby(rows["element"], sort=False)
         },
     )
 
@@ -156,3 +158,18 @@ def coverage_check(coverage: Coverage) -> Check:
             fewest=MIN_UNITS,
         ),
     )  # fmt: skip
+
+
+def recovery_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, Check]:
+    """Largest error of each item in an ideal run: no noise, no errors of the equipment."""
+    recording, truth = simulate(method, seed, ideal=True)
+    calibration = calibrate(recording, run="ideal", code_version="-")
+    checks = {}
+    for name, elements in errors_of(calibration, truth).items():
+        largest = max(abs(error) for error, *_ in elements.values())
+        unit = calibration.items[clause_item(name)].unit
+        stated = message(
+            "validation-recovery", error=f"{largest:.1e}", unit=unit, close=f"{MAX_ERROR:.0e}"
+        )
+        checks[name] = checked(largest <= MAX_ERROR, stated)
+    return checks

@@ -7,19 +7,18 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.calibration import Item
-from schemas.recording import ACCEL, ANGLE, AXES, GYRO, Recording, Segment
+from schemas.recording import ANGLE, AXES, Recording, Segment
 from schemas.uncertainty import Budget
 from schemas.validation import Check
 from tasks.validation.coverage import Calibrate, simulate
-from tasks.validation.plain_joint import plain_joint
+from tasks.validation.plain_joint import DEGREE, Values, plain_joint, segment_means
 from tasks.validation.record import checked
-from tasks.validation.run2003 import matrix, vector
+from tasks.validation.run2003 import matrix, printed_items, vector
 from tasks.words import message
 
 MAX_DIFFERENCE = 1e-3  # of u: the clauses' values are the same formulas
 MAX_DIFFERENCE_JOINT = 0.01  # of u: the joint fit takes the attitude at other times of a segment
 MAX_BUDGET_DIFFERENCE = 1e-6  # relative, of combined uncertainty and degrees of freedom
-Values = dict[str, dict[str, float]]
 
 
 def independent_checks(method: str, calibrate: Calibrate, seed: int) -> dict[str, Check]:
@@ -76,13 +75,12 @@ def gtc_difference(budget: Budget, gtc: Any) -> float:
 
 def plain_2003(recording: Recording) -> Values:
     """Every item of JJF 2003 by numpy.linalg.lstsq on plain means, in printed units."""
-    means = _means(recording, GYRO + ACCEL)
+    means = list(zip(recording.manifest.segments or (), segment_means(recording)[0], strict=True))
     gravity = float(recording.manifest.station.gravity_m_s2 or np.nan)
-    degree = np.pi / 180.0
     K_gyro, offset, p = np.empty((3, 3)), np.empty(3), np.zeros((3, 3))
     for j, axis in enumerate(AXES):
         points = [(s, m) for s, m in means if s.kind == "rate" and s.axis == axis]
-        rate = np.array([s.rate_deg_s or 0.0 for s, _ in points]) * degree
+        rate = np.array([s.rate_deg_s or 0.0 for s, _ in points]) * DEGREE
         read = np.array([m for _, m in points])
         (K_gyro[:, j], line), *_ = np.linalg.lstsq(
             np.column_stack([rate, np.ones(len(rate))]), read[:, :3], rcond=None
@@ -92,30 +90,16 @@ def plain_2003(recording: Recording) -> Values:
         fast = np.abs(rate) == np.abs(rate).max()
         turning = read[fast, 3:].mean(axis=0)
         p[:, j] = (np.mean(rests, axis=0)[3:] - turning) / rate[fast][0] ** 2
-    rows: list[list[float]] = []
-    readings: list[np.ndarray] = []
-    for s, m in means:
-        if s.item == "twelve_position" and s.up:
-            rows.append([(s.up[1] == a) * (1.0 if s.up[0] == "+" else -1.0) for a in AXES] + [1.0])
-            readings.append(m)
-    both, *_ = np.linalg.lstsq(np.array(rows), np.array(readings), rcond=None)
-    return {
-        "gyro_scale_factor": vector(np.diag(K_gyro)),
-        "gyro_cross_coupling": matrix(K_gyro, off_diagonal=True),
-        "gyro_fit_offset": vector(offset / degree),
-        "gyro_bias": vector(both[3, :3] / degree),
-        "gyro_g_sensitivity": matrix(both[:3, :3].T / degree),
-        "accel_scale_factor": vector(np.diag(both[:3, 3:]) / gravity),
-        "accel_cross_coupling": matrix(both[:3, 3:].T / gravity, off_diagonal=True),
-        "accel_bias": vector(both[3, 3:]),
-        "accel_rate_sensitivity": matrix(p, off_diagonal=True),
-    }
+    held = [(s.up, m) for s, m in means if s.item == "twelve_position" and s.up]
+    design = [[*(float(f"{up[0]}1") * (up[1] == a) for a in AXES), 1.0] for up, _ in held]
+    both, *_ = np.linalg.lstsq(np.array(design), np.array([m for _, m in held]), rcond=None)
+    tilted, bias = both[:3].T, both[3]
+    return printed_items(K_gyro, offset, bias[:3], tilted[:3], tilted[3:] / gravity, bias[3:], p)
 
 
 def plain_1536(recording: Recording) -> Values:
     """Every item of JJF 1536 from the angles at both ends of each segment, in printed units."""
     gains = [(s, *_gained(recording, s)) for s in recording.manifest.segments or ()]
-    degree = np.pi / 180.0
     K, B, L = np.empty(3), np.empty(3), np.zeros((3, 3))
     for j, axis in enumerate(AXES):
         about = [(s, n, t) for s, n, t in gains if s.axis == axis]
@@ -123,25 +107,16 @@ def plain_1536(recording: Recording) -> Values:
                         if s.kind == "static" and s.item == "scale_factor"])  # fmt: skip
         points = [(s.rate_deg_s or 0.0, n[j] / t - rest) for s, n, t in about if s.kind == "rate"]
         rate, read = np.array(points).T
-        K[j] = np.polyfit(rate * degree, read, 1)[0]
+        K[j] = np.polyfit(rate * DEGREE, read, 1)[0]
         B[j] = np.mean([n[j] / t for s, n, t in about if s.item == "four_position"])
         turns = {s.angle_deg or 0.0: n for s, n, _ in about if s.kind == "rotation"}
         forward, back = max(turns), min(turns)
         L[:, j] = (turns[forward] - turns[back]) / (forward - back)
     return {
         "ahrs_scale_factor": vector(K),
-        "ahrs_zero_offset": vector(B / degree),
-        "ahrs_misalignment": matrix(L / degree**2, off_diagonal=True),
+        "ahrs_zero_offset": vector(B / DEGREE),
+        "ahrs_misalignment": matrix(L / DEGREE**2, off_diagonal=True),
     }
-
-
-def _means(recording: Recording, names: tuple[str, ...]) -> list[tuple[Segment, np.ndarray]]:
-    t = recording.imu.t
-    columns = np.array([recording.imu.columns[name] for name in names])
-    return [
-        (s, columns[:, (t >= s.t_start) & (t < s.t_end)].mean(axis=1))
-        for s in recording.manifest.segments or ()
-    ]
 
 
 def _gained(recording: Recording, segment: Segment) -> tuple[np.ndarray, float]:

@@ -5,12 +5,11 @@ from collections.abc import Callable
 from datetime import date
 
 from schemas.validation import Check, Evidence, ItemValidation, MethodValidation, ValidationRecord
-from tasks.validation.coverage import Calibrate, coverage_check, study
+from tasks.validation.coverage import Calibrate, coverage_check, recovery_checks, study
 from tasks.validation.examples import example_check
 from tasks.validation.fingerprint import fingerprint
 from tasks.validation.independent import independent_checks
-from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH
-from tasks.validation.recovery import recovery_checks
+from tasks.validation.record import clause_item
 
 
 def make_record(
@@ -31,16 +30,15 @@ def make_record(
     for method, coverages in study(methods, units, seed, report).items():
         items = {}
         for name, coverage in coverages.items():
-            # The same clause and the same budget.
-            clause_item = G_SENSITIVITY if name == WITHOUT_EARTH else name
+            item = clause_item(name)
             checks: dict[Evidence, Check] = {
-                "worked example": example_check(clause_item),
+                "worked example": example_check(item),
                 "coverage": coverage_check(coverage),
             }
             if name in recovered[method]:
                 checks["truth recovery"] = recovered[method][name]
-            if clause_item in independent[method]:
-                checks["independent program"] = independent[method][clause_item]
+            if item in independent[method]:
+                checks["independent program"] = independent[method][item]
             items[name] = ItemValidation(checks=checks, coverage=coverage)
         methods_made[method] = MethodValidation(fingerprint=fingerprint(method), items=items)
     return ValidationRecord.model_validate(

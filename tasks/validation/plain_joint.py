@@ -13,7 +13,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.gather import gather
 from tasks.specifications.joint.segment_motion import segment_motion
 from tasks.specifications.joint.solution import solve_jointly
-from tasks.validation.run2003 import matrix, vector
+from tasks.validation.run2003 import printed_items
 
 EARTH = 7.292115e-5  # rad/s
 ROUNDS = 12
@@ -27,10 +27,8 @@ def plain_joint(recording: Recording) -> Values:
     recording: a run of `run2003`, whose table turns about z, x, z from the outside in.
     """
     station, segments = recording.manifest.station, recording.manifest.segments or ()
-    gravity, t = float(station.gravity_m_s2 or np.nan), recording.imu.t
-    rows = [(t >= s.t_start) & (t < s.t_end) for s in segments]
-    columns = np.array([recording.imu.columns[name] for name in GYRO + ACCEL])
-    means = np.array([columns[:, which].mean(axis=1) for which in rows])
+    gravity = float(station.gravity_m_s2 or np.nan)
+    means, rows = segment_means(recording)
     up, earth = _vertical_and_earth_rate(recording, rows, np.radians(station.latitude_deg or 0.0))
     rate = np.array([[(s.axis == a) * (s.rate_deg_s or 0.0) * DEGREE for a in AXES]
                      for s in segments])  # fmt: skip
@@ -47,17 +45,15 @@ def plain_joint(recording: Recording) -> Values:
     read = means[:, :3] - rate @ K.T
     offset = [read[[s.kind == "rate" and s.axis == a for s in segments], i].mean()
               for i, a in enumerate(AXES)]  # fmt: skip
-    return {
-        "gyro_scale_factor": vector(np.diag(K)),
-        "gyro_cross_coupling": matrix(K, off_diagonal=True),
-        "gyro_fit_offset": vector(np.array(offset) / DEGREE),
-        "gyro_bias": vector(bias / DEGREE),
-        "gyro_g_sensitivity": matrix(g / DEGREE),
-        "accel_scale_factor": vector(np.diag(accel[:, :3])),
-        "accel_cross_coupling": matrix(accel[:, :3], off_diagonal=True),
-        "accel_bias": vector(accel[:, 3]),
-        "accel_rate_sensitivity": matrix(-accel[:, 4:], off_diagonal=True),
-    }
+    return printed_items(K, np.array(offset), bias, g, accel[:, :3], accel[:, 3], -accel[:, 4:])
+
+
+def segment_means(recording: Recording) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Plain means (n, 6) of gyros and accelerometers, and which rows (bool) each segment has."""
+    t = recording.imu.t
+    rows = [(t >= s.t_start) & (t < s.t_end) for s in recording.manifest.segments or ()]
+    columns = np.array([recording.imu.columns[name] for name in GYRO + ACCEL])
+    return np.array([columns[:, which].mean(axis=1) for which in rows]), rows
 
 
 def _gyro(

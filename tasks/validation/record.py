@@ -15,6 +15,11 @@ G_SENSITIVITY = "gyro_g_sensitivity"
 WITHOUT_EARTH = "gyro_g_sensitivity_without_earth_rotation"
 
 
+def clause_item(name: str) -> str:
+    """The item that evidence belongs to: the second value of one has its clause and its budget."""
+    return G_SENSITIVITY if name == WITHOUT_EARTH else name
+
+
 def checked(passed: bool, sentence: Message) -> Check:
     """A piece of evidence with what was compared."""
     stated = statement(sentence)

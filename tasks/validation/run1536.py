@@ -2,13 +2,12 @@
 
 import numpy as np
 
-from schemas.recording import ANGLE, AXES, Manifest, Recording, Stream
-from tasks.station.virtual.sensors import Noise
+from schemas.recording import ANGLE, AXES, Recording
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF1536
-from tasks.validation.draw import GRAVITY, LATITUDE, Case
+from tasks.validation.draw import Case, recording_of
 from tasks.validation.journey import Journey, TableErrors, accumulated_angles
-from tasks.validation.run2003 import air, matrix, vector
+from tasks.validation.run2003 import matrix, vector
 
 RATE_HZ = 4.0
 REST_S, RATE_S, POSITION_S, TURNS_S = 20.0, 20.0, 1800.0, 36.0  # 7.1.1, 7.2.1, 7.3.1
@@ -31,18 +30,15 @@ def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, 
     errors = TableErrors(rate=case.error(*RATE_LIMIT))
     site = case.site(JJF1536.gravity, JJF1536.latitude)
     journey = _journey(case)
-    noise = None if case.ideal else Noise(case.unit)
-    angles = accumulated_angles(journey.track(), errors, site, case.unit, noise)
-    return _recording(journey, angles, number), _truth(case)
-
-
-def _truth(case: Case) -> dict[str, dict[str, float]]:
+    angles = accumulated_angles(journey.track(), errors, site, case.unit, case.noise())
+    imu = dict(zip(ANGLE, angles, strict=True))
     K = np.array(case.unit.gyro.scale)
-    return {
+    truth = {
         "ahrs_scale_factor": vector(np.diag(K)),
         "ahrs_zero_offset": vector(np.array(case.unit.gyro.bias) / DEGREE),
         "ahrs_misalignment": matrix(K / DEGREE, off_diagonal=True),
     }
+    return recording_of("JJF 1536-2015", number, journey, imu), truth
 
 
 def _journey(case: Case) -> Journey:
@@ -87,17 +83,3 @@ def _angles(points: str) -> tuple[float, float, float]:
         return float(np.arctan2(attitude[1, 0], attitude[0, 0])), middle, 0.0
     outer = float(np.arctan2(attitude[0, 2], -attitude[1, 2]))
     return outer, middle, float(np.arctan2(attitude[2, 0], attitude[2, 1]))
-
-
-def _recording(journey: Journey, angles: np.ndarray, number: int) -> Recording:
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": f"simulated-1536-{number}",
-        "standard": "JJF 1536-2015",
-        "unit": {"manufacturer": "Virtual", "model": "V-AHRS", "serial": f"S{number}"},
-        "station": {"id": "simulated", "gravity_m_s2": GRAVITY, "heading_deg": 0.0,
-                    "latitude_deg": float(np.degrees(LATITUDE))},
-        "segments": journey.segments,
-    })  # fmt: skip
-    t = np.arange(angles.shape[1]) / RATE_HZ
-    imu = Stream(t, dict(zip(ANGLE, angles, strict=True)))
-    return Recording(manifest, imu, environment=air(t), digest="0" * 64)

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
-from tasks.station.virtual.config import EARTH_RATE_RAD_S, THREE_AXES
-from tasks.station.virtual.sensors import Noise
+from schemas.recording import ACCEL, AXES, GYRO, Recording
+from tasks.station.virtual.config import EARTH_RATE_RAD_S
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF2003
-from tasks.validation.draw import GRAVITY, LATITUDE, Case
+from tasks.validation.draw import Case, recording_of
 from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
+from tasks.validation.record import WITHOUT_EARTH
 
 RATE_HZ = 20.0
 DWELL_S, WHOLE_TURNS_S = 30.0, 36.0  # of a point; in which every rate makes whole turns
@@ -36,34 +36,25 @@ def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, 
     )  # fmt: skip
     site = case.site(JJF2003.gravity, JJF2003.latitude)
     journey = _journey(case)
-    noise = None if case.ideal else Noise(case.unit)
-    read = sensed_rates(journey.track(), errors, site, case.unit, noise)
-    return _recording(journey, read, number), truth(case, site)
+    track = journey.track()
+    read = sensed_rates(track, errors, site, case.unit, case.noise())
+    imu = dict(zip(GYRO + ACCEL, read, strict=True))
+    return recording_of("JJF 2003-2022", number, journey, imu, track[:3, ::2]), truth(case, site)
 
 
 def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
     """What each item of JJF 2003 should find of a unit: element to value, in printed units.
 
     The clause's g-sensitivity and the fit offset hold Earth's rotation, as their equations do;
-    `gyro_g_sensitivity_without_earth_rotation` does not.
+    WITHOUT_EARTH does not.
     """
-    unit = case.unit
-    K_gyro, K_accel = np.array(unit.gyro.scale), np.array(unit.accel.scale)
-    still = np.array(unit.g_sensitivity) * site.gravity / DEGREE
-    earth = K_gyro * EARTH_RATE_RAD_S * np.sin(site.latitude) / DEGREE
-    bias = np.array(unit.gyro.bias) / DEGREE
-    return {
-        "gyro_scale_factor": vector(np.diag(K_gyro)),
-        "gyro_cross_coupling": matrix(K_gyro, off_diagonal=True),
-        "gyro_fit_offset": vector(bias + np.diag(still + earth)),
-        "gyro_bias": vector(bias),
-        "gyro_g_sensitivity": matrix(still + earth),
-        "gyro_g_sensitivity_without_earth_rotation": matrix(still),
-        "accel_scale_factor": vector(np.diag(K_accel)),
-        "accel_cross_coupling": matrix(K_accel, off_diagonal=True),
-        "accel_bias": vector(np.array(unit.accel.bias)),
-        "accel_rate_sensitivity": matrix(-unit.rate_sensitivity_m, off_diagonal=True),
-    }
+    unit, K = case.unit, np.array(case.unit.gyro.scale)
+    bias, still = np.array(unit.gyro.bias), np.array(unit.g_sensitivity) * site.gravity
+    felt = still + K * EARTH_RATE_RAD_S * np.sin(site.latitude)
+    p = -unit.rate_sensitivity_m
+    K_accel, bias_accel = np.array(unit.accel.scale), np.array(unit.accel.bias)
+    items = printed_items(K, bias + np.diag(felt), bias, felt, K_accel, bias_accel, p)
+    return {**items, WITHOUT_EARTH: matrix(still / DEGREE)}
 
 
 def _journey(case: Case) -> Journey:
@@ -104,32 +95,30 @@ def _tilt_by_axes(axes: np.ndarray, middle: float, inner: float) -> np.ndarray:
     return np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ about
 
 
-def _recording(journey: Journey, read: np.ndarray, number: int) -> Recording:
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": f"simulated-2003-{number}",
-        "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "Virtual", "model": "V-MIMU", "serial": f"S{number}"},
-        "station": {"id": "simulated", "gravity_m_s2": GRAVITY, "heading_deg": 0.0,
-                    "latitude_deg": float(np.degrees(LATITUDE)), "table_axes": THREE_AXES},
-        "segments": journey.segments,
-    })  # fmt: skip
-    t = np.arange(read.shape[1]) / RATE_HZ
-    angles = journey.track()[:3, ::2]
-    table = {f"{axis.name}_angle": angle for axis, angle in zip(THREE_AXES, angles, strict=True)}
-    return Recording(
-        manifest,
-        Stream(t, dict(zip(GYRO + ACCEL, read, strict=True))),
-        table=Stream(t, table),
-        environment=air(t),
-        digest="0" * 64,
-    )
+def printed_items(
+    K_gyro: np.ndarray,
+    offset: np.ndarray,
+    bias_gyro: np.ndarray,
+    g_sensitivity: np.ndarray,
+    K_accel: np.ndarray,
+    bias_accel: np.ndarray,
+    p: np.ndarray,
+) -> dict[str, dict[str, float]]:
+    """Every item of JJF 2003 by its elements, in printed units.
 
-
-def air(t: np.ndarray) -> Stream:
-    """A room within the conditions, one row in ten seconds."""
-    seconds = np.arange(0.0, t[-1], 10.0)
-    room = {"temperature": np.full(len(seconds), 20.0), "humidity": np.full(len(seconds), 45.0)}
-    return Stream(seconds, room)
+    Of arrays (3, 3), of offset and biases (3,), in rad/s, rad/s per g, m/s² and m.
+    """
+    return {
+        "gyro_scale_factor": vector(np.diag(K_gyro)),
+        "gyro_cross_coupling": matrix(K_gyro, off_diagonal=True),
+        "gyro_fit_offset": vector(offset / DEGREE),
+        "gyro_bias": vector(bias_gyro / DEGREE),
+        "gyro_g_sensitivity": matrix(g_sensitivity / DEGREE),
+        "accel_scale_factor": vector(np.diag(K_accel)),
+        "accel_cross_coupling": matrix(K_accel, off_diagonal=True),
+        "accel_bias": vector(bias_accel),
+        "accel_rate_sensitivity": matrix(p, off_diagonal=True),
+    }
 
 
 def vector(values: np.ndarray) -> dict[str, float]:

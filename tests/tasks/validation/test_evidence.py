@@ -7,11 +7,10 @@ import pytest
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.register import SPECIFICATIONS
-from tasks.validation.coverage import simulate
+from tasks.validation.coverage import recovery_checks, simulate
 from tasks.validation.examples import EXAMPLES, example_check
 from tasks.validation.independent import independent_checks
 from tasks.validation.plain_joint import plain_joint
-from tasks.validation.recovery import recovery_checks
 
 METHODS = {name: partial(calibrate, spec) for name, spec in SPECIFICATIONS.items()}
 
