@@ -12,8 +12,12 @@ import numpy as np
 from schemas.recording import AXES, Recording
 from schemas.text import Remark
 from tasks.segments.completeness import completeness_remarks
-from tasks.segments.conditions import Conditions
-from tasks.segments.environment import environment_not_recorded, environment_remarks
+from tasks.segments.conditions import (
+    Conditions,
+    environment_not_recorded,
+    environment_remarks,
+    segment_remark,
+)
 from tasks.segments.find import up_of
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import (
@@ -23,7 +27,7 @@ from tasks.segments.summarise import (
     SegmentMean,
     coarsely_quantised,
 )
-from tasks.words import message, remark
+from tasks.words import message
 
 Channels = tuple[str, ...]
 
@@ -75,13 +79,10 @@ def _position(segment: SegmentMean) -> Iterator[Remark]:
     if shown == label:
         return
     name, axis = segment.segment.name, label[1]
-    taken = message("segments-gravity-used", up=shown) if shown else message("segments-no-axis-up")
-    reading = f"{accel[AXES.index(axis)]:+.3f}"
-    text = message(
-        "segments-position-contradicted",
-        segment=name, label=label, axis=axis, reading=reading, taken=taken,
+    yield segment_remark(
+        "position_contradicted", name, segment=name, label=label, axis=axis,
+        reading=f"{accel[AXES.index(axis)]:+.3f}", shown=shown or "none",
     )  # fmt: skip
-    yield remark("position_contradicted", text, (name,), blocks_pass=True)
 
 
 def _rate(
@@ -89,22 +90,18 @@ def _rate(
 ) -> Iterator[Remark]:
     """A rate that its witness contradicts, or that did not hold still."""
     name, axis = segment.segment.name, segment.segment.axis or ""
-    gyro = channels[AXES.index(axis)]
-    witness = message("segments-table") if point.by_table else gyro
+    witness = "table" if point.by_table else channels[AXES.index(axis)]
     if point.contradicted and point.shown is not None:
-        text = message(
-            "segments-rate-contradicted", segment=name, axis=axis, witness=witness,
+        yield segment_remark(
+            "rate_contradicted", name, segment=name, axis=axis, witness=witness,
             label=f"{np.degrees(point.label):+g}", shown=f"{np.degrees(point.shown):+.4f}",
-            taken=message(f"segments-{'table-rate-used' if point.by_table else 'left-out'}"),
         )  # fmt: skip
-        yield remark("rate_contradicted", text, (name,), blocks_pass=True)
     if point.unsteady:
-        text = message(
-            "segments-unsteady-rate", segment=name, witness=witness,
+        yield segment_remark(
+            "unsteady_rate", name, segment=name, witness=witness,
             wander=f"{np.degrees(point.wander):.4f}", clause=conditions.steadiness_clause,
             percent=f"{100 * conditions.steadiness:g}",
         )  # fmt: skip
-        yield remark("unsteady_rate", text, (name,), blocks_pass=True)
 
 
 def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
@@ -112,18 +109,13 @@ def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
     if segment.left_out == 0:
         return
     name, burst = segment.segment.name, segment.longest_burst
-    counts = [
-        f"{channels[c]} {segment.far_rows[c]}" for c in np.flatnonzero(segment.far_rows).tolist()
-    ]
+    counts = [f"{channels[c]} {rows}" for c, rows in enumerate(segment.far_rows) if rows]
     disturbed = burst > LONGEST_BURST
-    text = message(
-        f"segments-{'disturbed' if disturbed else 'corrupted-rows'}",
+    yield segment_remark(
+        "disturbed" if disturbed else "corrupted_rows", name, blocks_pass=disturbed,
         segment=name, out=segment.left_out, rows=segment.rows, channels=", ".join(counts),
         burst=burst,
     )  # fmt: skip
-    yield remark(
-        "disturbed" if disturbed else "corrupted_rows", text, (name,), blocks_pass=disturbed
-    )
 
 
 def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
@@ -139,12 +131,11 @@ def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> It
         start, length = _longest_repeat(values, shortest)
         if length < shortest:
             continue
-        text = message(
-            "segments-stuck", segment=name, channel=channels[channel],
+        yield segment_remark(
+            "stuck", name, segment=name, channel=channels[channel],
             value=f"{values[start]:.6g}", rows=length,
             time=f"{recording.imu.t[rows.start + start]:.2f}",
         )  # fmt: skip
-        yield remark("stuck", text, (name,), blocks_pass=True)
 
 
 def _longest_repeat(values: np.ndarray, shortest: int) -> tuple[int, int]:
@@ -175,12 +166,11 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     lost = int(np.round(steps[gaps] / interval - 1).sum())
     worst = int(steps.argmax())
     name, at = segment.segment.name, recording.imu.t[rows.start + worst]
-    text = message(
-        "segments-lost-samples",
+    yield segment_remark(
+        "lost_samples", name, blocks_pass=lost > 0.01 * segment.rows,
         segment=name, lost=lost, gaps=int(gaps.sum()), longest=f"{steps[worst]:.3f}",
         time=f"{at:.2f}",
     )  # fmt: skip
-    yield remark("lost_samples", text, (name,), blocks_pass=lost > 0.01 * segment.rows)
 
 
 def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterator[Remark]:
@@ -188,12 +178,11 @@ def _short(segments: tuple[SegmentMean, ...], conditions: Conditions) -> Iterato
     held = [segment for segment in segments if segment.segment.kind != "rotation"]
     short = {s.segment.name: _lasts(s) for s in held if _lasts(s) < conditions.dwell_s - 1e-6}
     if short:
-        text = message(
-            "segments-short-dwell", short=len(short), held=len(held),
+        yield segment_remark(
+            "short_dwell", *short, short=len(short), held=len(held),
             asked=f"{conditions.dwell_s:.0f}", clause=conditions.dwell_clause,
             listed=", ".join(f"{name} {lasts:.1f} s" for name, lasts in short.items()),
         )  # fmt: skip
-        yield remark("short_dwell", text, tuple(short), blocks_pass=True)
 
 
 def _lasts(segment: SegmentMean) -> float:
@@ -212,8 +201,7 @@ def _coarse(segments: tuple[SegmentMean, ...], channels: Channels) -> Iterator[R
     if steps:
         listed = ", ".join(f"{channels[channel]} {step:.3g}" for channel, step in steps.items())
         names = (s.segment.name for s, row in zip(segments, flags, strict=True) if row.any())
-        text = message("segments-coarse-step", steps=listed)
-        yield remark("coarse_step", text, tuple(names), blocks_pass=True)
+        yield segment_remark("coarse_step", *names, steps=listed)
 
 
 def _overlapping(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
@@ -225,13 +213,9 @@ def _overlapping(segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
         if second.t_start < first.t_end - 1.5 * first.seconds / first.rows
     ]
     if pairs:
-        more = len(pairs) - LISTED_PAIRS
-        text = message(
-            "segments-overlapping-more" if more > 0 else "segments-overlapping",
-            pairs=tuple(
-                message("segments-pair", first=a, second=b) for a, b in pairs[:LISTED_PAIRS]
-            ),
-            more=more,
-        )
+        listed = [message("segments-pair", first=a, second=b) for a, b in pairs[:LISTED_PAIRS]]
         names = dict.fromkeys(name for pair in pairs for name in pair)
-        yield remark("overlapping_segments", text, tuple(names), blocks_pass=True)
+        yield segment_remark(
+            "overlapping_segments", *names,
+            pairs=tuple(listed), more=max(len(pairs) - LISTED_PAIRS, 0),
+        )  # fmt: skip

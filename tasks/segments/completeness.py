@@ -7,8 +7,9 @@ import numpy as np
 from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Remark
 from tasks.motion.samples import covered
+from tasks.segments.conditions import segment_remark
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
-from tasks.words import message, remark
+from tasks.words import message
 
 
 def completeness_remarks(
@@ -27,8 +28,7 @@ def _without_rows(recording: Recording) -> Iterator[Remark]:
     empty = {name: rows for name, rows in counts.items() if rows < MIN_ROWS}
     if empty:
         listed = ", ".join(f"{name} {rows}" for name, rows in empty.items())
-        text = message("segments-without-rows", count=len(empty), listed=listed)
-        yield remark("without_rows", text, tuple(empty), blocks_pass=True)
+        yield segment_remark("without_rows", *empty, count=len(empty), listed=listed)
 
 
 def _null_rows(recording: Recording) -> Iterator[Remark]:
@@ -44,11 +44,11 @@ def _null_rows(recording: Recording) -> Iterator[Remark]:
         }
         nulls = {name: count for name, count in counts.items() if count}
         if nulls:
-            text = message(
-                "segments-null-rows", triad=triad[0].removesuffix("_x"), count=len(nulls),
+            yield segment_remark(
+                "null_rows", *nulls, blocks_pass=False,
+                triad=triad[0].removesuffix("_x"), count=len(nulls),
                 listed=", ".join(f"{segment} {count}" for segment, count in nulls.items()),
             )  # fmt: skip
-            yield remark("null_rows", text, tuple(nulls))
 
 
 def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
@@ -60,12 +60,8 @@ def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Itera
     bare = {name: imu.t[row][~covered(table.t, imu.t[row])] for name, row in rows.items()}
     first = {name: float(t[0]) for name, t in bare.items() if len(t)}
     if first:
-        text = message(
-            "segments-table-gap",
-            count=len(first),
-            gaps=tuple(
-                message("segments-table-gap-from", segment=name, time=f"{t:.2f}")
-                for name, t in first.items()
-            ),
+        gaps = tuple(
+            message("segments-table-gap-from", segment=name, time=f"{t:.2f}")
+            for name, t in first.items()
         )
-        yield remark("table_gap", text, tuple(first), blocks_pass=True)
+        yield segment_remark("table_gap", *first, count=len(first), gaps=gaps)
