@@ -3,8 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from schemas.base import Unusable
 from schemas.calibration import Elements, Item, UncertaintyKind
@@ -24,9 +25,13 @@ from tasks.words.rounding import USUAL_K
 
 ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little
 MAX_BITS = 64.0
+EFFECTIVE_BITS = TypeAdapter(Annotated[float, Field(ge=1.0, le=MAX_BITS)])
 EXAMPLE: UncertaintyKind = "as the specification's example"
 BY_EXAMPLE = "the example's"
 NO_SPECIFICATION = (UNKNOWN, "table and fixture not known")
+EQUIPMENT_UNKNOWN = remark(
+    "equipment_unknown", message("specifications-equipment-unknown"), blocks_pass=True
+)
 
 
 @dataclass(frozen=True)
@@ -67,13 +72,12 @@ class Evaluation:
         budgets = self._budgets(definition, estimate.elements)
         k = common_factor(budgets)
         budgets = {e: expanded(budget, k) for e, budget in budgets.items()}
-        none = dict.fromkeys(estimate.elements)
         item = Item(
             unit=definition.unit,
             clause=estimate.clause,
             value=_values(estimate.elements),
-            u={**none, **{e: budget.u_c for e, budget in budgets.items()}},
-            U={**none, **{e: budget.U for e, budget in budgets.items()}},
+            u={e: budgets[e].u_c if e in budgets else None for e in estimate.elements},
+            U={e: budgets[e].U if e in budgets else None for e in estimate.elements},
             k=k,
             uncertainty_kind=self.kind,
             budgets=budgets,
@@ -100,8 +104,8 @@ class Evaluation:
             return {}
         value, u, U = item.value, item.u, item.U
         if second != estimate.elements:
-            value, none = _values(second), dict.fromkeys(second)
-            u = {**none, **{e: b.u_c for e, b in self._budgets(definition, second).items()}}
+            value, budgets = _values(second), self._budgets(definition, second)
+            u = {e: budgets[e].u_c if e in budgets else None for e in second}
             U = {e: None if each is None else item.k * each for e, each in u.items()}
         return {
             "value_without_earth_rotation": value,
@@ -137,8 +141,8 @@ def evaluation_for(
         settings["limits"] = named
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
-        unknown = not equipment.rates or not equipment.angles
-        remarks = (_equipment_unknown(),) if unknown else ()
+        known = equipment.rates and equipment.angles
+        remarks = () if known else (EQUIPMENT_UNKNOWN,)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
         table = equipment.rates[0][1].u
@@ -147,11 +151,6 @@ def evaluation_for(
     )
     settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({BY_EXAMPLE})"
     return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
-
-
-def _equipment_unknown() -> Remark:
-    text = message("specifications-equipment-unknown")
-    return remark("equipment_unknown", text, blocks_pass=True)
 
 
 def common_factor(budgets: Mapping[str, Budget]) -> float:
@@ -173,12 +172,9 @@ def _bits(recording: Recording) -> float | None:
     if stated is None:
         return None
     try:
-        bits = TypeAdapter(float).validate_python(stated, strict=True)
-    except ValidationError:
-        bits = math.nan
-    if not 1.0 <= bits <= MAX_BITS:
+        return EFFECTIVE_BITS.validate_python(stated, strict=True)
+    except ValidationError as error:
         raise Unusable(
             f"{recording.manifest.recording_id}: manifest.json says unit.effective_bits = "
             f"{stated!r}, no number of bits from 1 to {MAX_BITS:.0f}; correct it or leave it out"
-        )
-    return bits
+        ) from error

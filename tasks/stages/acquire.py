@@ -39,7 +39,8 @@ def acquire_run(
     began = datetime.now(UTC)
     recording_id = f"{station.unit.serial}-{procedure.name}-{began:%Y%m%dT%H%M%SZ}"
     raw = home.acquiring / f"{began:%Y%m%dT%H%M%SZ}-{secrets.token_hex(4)}.mcap"
-    sink = _open(raw)
+    with writing_in_home(raw):
+        sink = RawWriter(raw)
     try:
         with sink:
             acquired = acquire(RunRequest(station, procedure, sink, report, recording_id, ask))
@@ -53,11 +54,6 @@ def acquire_run(
         raise BrokenOff(f"stopped by the operator{_left(sink, raw)}") from stop
     raw.unlink()
     return run, acquired
-
-
-def _open(raw: Path) -> RawWriter:
-    with writing_in_home(raw):
-        return RawWriter(raw)
 
 
 def _with_what_is_left(fault: Unusable, sink: RawWriter, raw: Path) -> str:

@@ -1,5 +1,6 @@
 """A calibration that an order names, and the parameters of models (1) and (2) that it gives."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -26,13 +27,9 @@ def read_calibration(reference: str, home: Home) -> Calibration:
 
     Raises Unusable for neither.
     """
-    try:
-        path = Path(reference) if Path(reference).is_file() else None
-    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
-        path = None
-    if path is None:
-        return results.find(reference, home).calibration
-    return settings.read(path, Calibration)
+    if os.path.isfile(reference):  # of a text that can be no path it says no; Path.is_file raises
+        return settings.read(Path(reference), Calibration)
+    return results.find(reference, home).calibration
 
 
 def model_values(calibration: Calibration) -> tuple[np.ndarray, tuple[str, ...]]:

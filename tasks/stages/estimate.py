@@ -1,6 +1,7 @@
 """Stage: every item that a run allows is estimated, and the result is kept."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, UncertaintyKind
@@ -40,14 +41,13 @@ def estimate(
     specification = specification_for(recording.manifest.standard, how.method)
     laboratory = laboratory or settings.laboratory(home)
     limits = laboratory.limits if laboratory else None
-    evaluation = evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits)
-
-    def calibrated(read: Recording) -> Calibration:
-        version = code_version()
-        return calibrate(
-            specification, read, run=run.id, code_version=version, evaluation=evaluation
-        )
-
+    calibrated = partial(
+        calibrate,
+        specification,
+        run=run.id,
+        code_version=code_version(),
+        evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits),
+    )
     if how.terms is None:
         calibration = calibrated(recording)
     else:

@@ -11,7 +11,6 @@ from schemas.base import Unusable
 from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
-from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import runs
 from storage.catalogue.listing import Run
@@ -55,7 +54,9 @@ def explain_run(
     reference = _reference(recording, home, order)
     explanation = explain(recording, reference=reference, progress=progress)
     progress("consequences")
-    effects = consequences(recording, explanation, _tolerance(recording, home))
+    unit = recording.manifest.unit
+    tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
+    effects = consequences(recording, explanation, tolerance)
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects.of_findings, effects.changes)
@@ -116,11 +117,6 @@ def _within(known: np.ndarray, t: np.ndarray) -> np.ndarray:
     before = np.clip(after - 1, 0, None)
     inside = (t > known[before]) & (t < known[after])
     return (known[after] == t) | (inside & (known[after] - known[before] <= longest))
-
-
-def _tolerance(recording: Recording, home: Home) -> Tolerance | None:
-    unit = recording.manifest.unit
-    return settings.tolerance_for(unit.manufacturer, unit.model, home)
 
 
 def _report_folder(order: ExplainOrder) -> Path | None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import ACCEL, ANGLE, GYRO, Manifest, Recording, Segment, Stream
+from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording, Segment, Stream
 from storage.formats import recordings
 from storage.formats.checks import absent
 from storage.verify import Fault
@@ -50,8 +50,9 @@ def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
     has = {"gyro_*": ~absent(imu, GYRO), "accel_*": ~absent(imu, ACCEL)}
     if ANGLE[0] in imu.columns:
         has["angle_*"] = np.ones(len(imu), dtype=bool)
-    for item, segments in _by_item(manifest).items():
-        segments, serving = _needs(item, segments, tuple(has))
+    labelled = [s for s in manifest.segments or () if s.item and s.kind in MEASURED]
+    for item in dict.fromkeys(s.item for s in labelled):
+        segments, serving = _needs(item, [s for s in labelled if s.item == item], tuple(has))
         rows = [imu.rows(segment.t_start, segment.t_end) for segment in segments]
         rows = [part for part in rows if part.start < part.stop]
         if rows and not any(has[name][part].any() for name in serving for part in rows):
@@ -62,16 +63,8 @@ def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
     return None
 
 
-def _by_item(manifest: Manifest) -> dict[str, list[Segment]]:
-    items: dict[str, list[Segment]] = {}
-    for segment in manifest.segments or ():
-        if segment.item is not None and segment.kind in ("static", "rate", "rotation"):
-            items.setdefault(segment.item, []).append(segment)
-    return items
-
-
 def _needs(
-    item: str, segments: list[Segment], triads: tuple[str, ...]
+    item: str | None, segments: list[Segment], triads: tuple[str, ...]
 ) -> tuple[list[Segment], list[str]]:
     """The segments an item is measured in, and the triads of which one must be there."""
     moving = [segment for segment in segments if segment.kind != "static"]

@@ -1,5 +1,6 @@
 """Stage: a recording comes into the store from elsewhere."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -38,16 +39,12 @@ def import_recording(
 
 
 def run_of(reference: str, home: Home) -> Run:
-    """The run that an order names: an id, or a path that is imported on the fly."""
-    path = _path_of(reference)
-    return listing.find(reference, home) if path is None else import_recording(path, home).run
+    """The run that an order names: an id, or a path that is imported on the fly.
 
-
-def _path_of(reference: str) -> Path | None:
-    """The path that a command names, or None where it is a run's id. Raises Unusable for ''."""
+    Raises Unusable for an empty one.
+    """
     if not reference.strip():
         raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
-    try:
-        return Path(reference) if Path(reference).exists() else None
-    except (OSError, ValueError):  # too long for a path, or with a NUL: then it is none
-        return None
+    if os.path.exists(reference):  # of a text that can be no path it says no; Path.exists raises
+        return import_recording(Path(reference), home).run
+    return listing.find(reference, home)
