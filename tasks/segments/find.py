@@ -4,6 +4,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Segment, Stream, Up
 from tasks.motion.table import mean_rate
+from tasks.segments.summarise import runs
 
 WINDOW = 0.5  # s over which quiet is judged
 SHORTEST = 1.0  # s: a rest shorter than this is the turning point of a movement
@@ -36,9 +37,12 @@ def find_segments(recording: Recording) -> tuple[Segment, ...]:
     if len(imu) < MIN_RECORDING_ROWS:
         return ()
     quiet = _quiet_rows(imu) if table is None else _steady_rows(recording.manifest, imu.t, table)
-    offset = np.median(recording.imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
+    offset = np.median(imu.stack(GYRO)[quiet], axis=0) if quiet.any() else np.zeros(3)
     segments: list[Segment] = []
-    for start, stop in _intervals(recording.imu.t, quiet):
+    for first, end in runs(quiet):
+        start, stop = float(imu.t[first]) + MARGIN, float(imu.t[end - 1]) - MARGIN
+        if stop - start < SHORTEST:
+            continue
         segment = _classified(recording, start, stop, len(segments) + 1, offset)
         if segment is not None:
             segments.append(segment)
@@ -84,13 +88,6 @@ def _moving_variance(values: np.ndarray, window: int) -> np.ndarray:
     return np.maximum(square - mean**2, 0.0)
 
 
-def _intervals(t: np.ndarray, flags: np.ndarray) -> list[tuple[float, float]]:
-    """Start and end (s) of the runs of True that last long enough, margins taken off."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    runs = ((float(t[a]) + MARGIN, float(t[b - 1]) - MARGIN) for a, b in edges.reshape(-1, 2))
-    return [(start, stop) for start, stop in runs if stop - start >= SHORTEST]
-
-
 def _classified(
     recording: Recording, start: float, stop: float, number: int, offset: np.ndarray
 ) -> Segment | None:
@@ -102,22 +99,19 @@ def _classified(
     rest = Segment(name=name, kind="static", t_start=start, t_end=stop)
     rate = mean_rate(recording, rest)
     if rate is None or np.linalg.norm(rate) < RESTING_RATE:
-        gyro = recording.imu.stack_rows(GYRO, recording.imu.rows(start, stop)).mean(axis=0)
+        rows = recording.imu.rows(start, stop)
+        gyro = recording.imu.stack_rows(GYRO, rows).mean(axis=0)
         if rate is None and np.linalg.norm(gyro - offset) > TURNING_RATE:
             return None  # it turns, and how fast was not recorded
-        return rest.model_copy(update={"up": _up_axis(recording.imu, rest)})
+        accel = recording.imu.stack_rows(ACCEL, rows)
+        up = up_of(np.median(accel, axis=0), UPRIGHT) if len(accel) else None
+        return rest.model_copy(update={"up": up})
     axis = int(np.abs(rate).argmax())
     if abs(rate[axis]) < ALIGNED * np.linalg.norm(rate):
         return None
     return rest.model_copy(
         update={"kind": "rate", "axis": AXES[axis], "rate_deg_s": float(np.degrees(rate[axis]))}
     )
-
-
-def _up_axis(imu: Stream, segment: Segment) -> Up | None:
-    """The axis that points up in a rest without a label; it must be within 3°."""
-    accel = imu.stack_rows(ACCEL, imu.rows(segment.t_start, segment.t_end))
-    return up_of(np.median(accel, axis=0), UPRIGHT) if len(accel) else None
 
 
 def up_of(accel: np.ndarray, within: float = ALIGNED) -> Up | None:

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import AXES, GYRO, Axis, Recording, Segment
+from schemas.recording import AXES, GYRO, Axis, Recording
 from tasks.motion.table import mean_rate
 from tasks.segments.summarise import SegmentMean
 
@@ -35,11 +35,11 @@ class TurningPoint:
 
     rate: float
     label: float
-    shown: float | None
-    by_table: bool
-    contradicted: bool
-    unsteady: bool
-    wander: float
+    shown: float | None = None
+    by_table: bool = False
+    contradicted: bool = False
+    unsteady: bool = False
+    wander: float = 0.0
 
 
 def turning_points(
@@ -51,32 +51,37 @@ def turning_points(
         for i, segment in enumerate(segments)
         if segment.segment.kind == "rate" and segment.segment.axis and segment.segment.rate_deg_s
     }
-    by_table = {i: mean_rate(recording, segment.segment) for i, segment in turning.items()}
-    lines = {axis: _line(turning, axis) for axis in AXES}
+    lines = [_line(turning, axis) for axis in AXES]
     points = {}
     for i, segment in turning.items():
-        body = by_table[i]
+        axis = AXES.index(segment.segment.axis)
+        label = float(np.radians(segment.segment.rate_deg_s or 0.0))
+        body = mean_rate(recording, segment.segment)
         if body is not None:
-            points[i] = _by_encoders(recording, segment, body)
+            points[i] = _by_encoders(recording, segment, label, float(body[axis]))
         else:
-            points[i] = _by_gyro_and_label(recording, segment, lines[_axis(segment.segment)])
+            points[i] = _by_gyro_and_label(recording, segment, label, axis, lines[axis])
     return points
 
 
-def _axis(segment: Segment) -> Axis:
-    assert segment.axis is not None  # schemas.recording.Segment: a rate has an axis
-    return segment.axis
+def _input_rate(rate: float) -> float:
+    """A rate as an input, NaN for one so slow that it is a rest."""
+    return rate if abs(rate) >= SLOWEST_POINT else float("nan")
 
 
-def _by_encoders(recording: Recording, segment: SegmentMean, body: np.ndarray) -> TurningPoint:
-    label = float(np.radians(segment.segment.rate_deg_s or 0.0))
-    shown = float(body[AXES.index(_axis(segment.segment))])
-    thirds = [mean_rate(recording, part) for part in _thirds(segment.segment)]
+def _by_encoders(
+    recording: Recording, segment: SegmentMean, label: float, shown: float
+) -> TurningPoint:
+    edges = np.linspace(segment.segment.t_start, segment.segment.t_end, 4).tolist()
+    thirds = [
+        mean_rate(recording, segment.segment.model_copy(update={"t_start": start, "t_end": stop}))
+        for start, stop in pairwise(edges)
+    ]
     sizes = [float(np.linalg.norm(part)) for part in thirds if part is not None]
     wander = max(sizes) - min(sizes) if sizes else 0.0
     steps = READOUT * 30.0 / max(segment.seconds, 1e-3)
     return TurningPoint(
-        rate=shown if abs(shown) >= SLOWEST_POINT else float("nan"),
+        rate=_input_rate(shown),
         label=label,
         shown=shown,
         by_table=True,
@@ -87,23 +92,22 @@ def _by_encoders(recording: Recording, segment: SegmentMean, body: np.ndarray) -
 
 
 def _by_gyro_and_label(
-    recording: Recording, segment: SegmentMean, line: tuple[float, float]
+    recording: Recording,
+    segment: SegmentMean,
+    label: float,
+    axis: int,
+    line: tuple[float, float],
 ) -> TurningPoint:
-    label = float(np.radians(segment.segment.rate_deg_s or 0.0))
     if not segment.has_gyro:
-        known = label if abs(label) >= SLOWEST_POINT else float("nan")
-        return TurningPoint(known, label, None, False, False, False, 0.0)
-    axis = AXES.index(_axis(segment.segment))
+        return TurningPoint(_input_rate(label), label)
     shown, (slope, offset) = float(segment.mean[axis]), line
     reach = max(OFF_LINE * abs(label) * slope, OFF_LINE_LEAST)
     contradicted = abs(shown - slope * label - offset) > reach
     wander, noise = _gyro_wander(recording, segment, axis)
-    usable = not contradicted and abs(label) >= SLOWEST_POINT
     return TurningPoint(
-        rate=label if usable else float("nan"),
+        rate=float("nan") if contradicted else _input_rate(label),
         label=label,
         shown=shown,
-        by_table=False,
         contradicted=contradicted,
         unsteady=wander > 4 * STEADINESS * abs(label) + 2 * READOUT + 6 * noise,
         wander=wander,
@@ -127,14 +131,6 @@ def _line(turning: dict[int, SegmentMean], axis: Axis) -> tuple[float, float]:
     if not PLAUSIBLE_SLOPES[0] < slope < PLAUSIBLE_SLOPES[1]:
         return 1.0, 0.0
     return slope, float(np.median(y - slope * x))
-
-
-def _thirds(segment: Segment) -> tuple[Segment, ...]:
-    edges = np.linspace(segment.t_start, segment.t_end, 4)
-    return tuple(
-        segment.model_copy(update={"t_start": float(a), "t_end": float(b)})
-        for a, b in pairwise(edges)
-    )
 
 
 def _gyro_wander(recording: Recording, segment: SegmentMean, axis: int) -> tuple[float, float]:

@@ -111,8 +111,13 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
 
 def longest_run(flags: np.ndarray) -> int:
     """Length of the longest run of True in (n,) flags."""
+    return int(np.diff(runs(flags), axis=1).max(initial=0))
+
+
+def runs(flags: np.ndarray) -> np.ndarray:
+    """First row of each run of True in (n,) flags, and the row after its last; (runs, 2)."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], flags.astype(np.int8), [0]))))
-    return int((edges[1::2] - edges[::2]).max(initial=0))
+    return edges.reshape(-1, 2)
 
 
 def _widened(corrupt: np.ndarray) -> np.ndarray:
@@ -159,11 +164,13 @@ def summarise(
     t = imu.t[rows]
     values = imu.channels(CHANNELS, rows)
     step = steps(imu) if step is None else step
-    far = {} if segment.kind == "rotation" else _far_by_channel(values, step)
-    corrupt = _widened(np.any(list(far.values()), axis=0)) if far else None
-    kept = values if corrupt is None else values[:, ~corrupt]
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
-    stamps = t if corrupt is None else t[~corrupt]
+    kept, stamps, left_out, longest_burst = values, t, 0, 0
+    far = {} if segment.kind == "rotation" else _far_by_channel(values, step)
+    if far:
+        corrupt = _widened(np.any(list(far.values()), axis=0))
+        kept, stamps = values[:, ~corrupt], t[~corrupt]
+        left_out, longest_burst = int(corrupt.sum()), longest_run(corrupt)
     allan, tau = allan_variances(_without_turning(kept, stamps, segment), seconds)
     return SegmentMean(
         segment=segment,
@@ -174,9 +181,9 @@ def summarise(
         mean=kept.mean(axis=1),
         allan=allan,
         tau=tau,
-        left_out=0 if corrupt is None else int(corrupt.sum()),
+        left_out=left_out,
         far_rows=np.array([far[c].sum() if c in far else 0 for c in range(len(CHANNELS))]),
-        longest_burst=0 if corrupt is None else longest_run(corrupt),
+        longest_burst=longest_burst,
         step=step,
         deviation=kept[:, :: max(1, kept.shape[1] // SAMPLE_ROWS)].std(axis=1),
     )
