@@ -7,12 +7,13 @@ from scipy.signal import correlate
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import channel_names
+from tasks.explain.events.event import AddedSignal, channel_names
 from tasks.explain.events.noise import RATE_CHANGE, equalised, median_by_state, motion_states
 from tasks.explain.events.residual import Residual
-from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, damped_wave
+from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, damped_wave
 from tasks.explain.events.spectrum import peak_offset
 from tasks.explain.events.transients import MAX_FILLED, Transient, find_transients
+from tasks.motion.samples import in_blocks
 from tasks.words import message
 
 BLOCK_RATE = 25.0  # Hz, of the means that bursts are looked for in
@@ -27,7 +28,7 @@ MAX_DECAY = 8.0  # s
 MAX_TIMES = 8  # that are listed
 
 
-def find_bursts(residual: Residual) -> Ringing | None:
+def find_bursts(residual: Residual) -> AddedSignal | None:
     """Bursts in a residual."""
     if len(residual.t) < MIN_ROWS:
         return None
@@ -59,25 +60,23 @@ def find_bursts(residual: Residual) -> Ringing | None:
 def _block_means(residual: Residual) -> Residual:
     """Means of so many rows as make up a block; gaps in the stamps are passed over."""
     rows = max(1, round(1 / (BLOCK_RATE * residual.interval)))
-    cut = slice(0, len(residual.t) // rows * rows)
     squares = residual.weight**2
     information, weighted = (
-        values[cut].reshape(-1, rows, 6).sum(axis=1)
-        for values in (squares, residual.values * squares)
+        in_blocks(values, rows).sum(axis=1) for values in (squares, residual.values * squares)
     )
     means = np.divide(weighted, information, out=np.zeros_like(weighted), where=information > 0)
-    middle = residual.t[cut].reshape(-1, rows).mean(axis=1)
+    middle = in_blocks(residual.t, rows).mean(axis=1)
     return replace(residual, t=middle, values=means, weight=np.sqrt(information))
 
 
-def _at_changes(blocks: Residual, state: np.ndarray, fit: RingingFit) -> bool:
+def _at_changes(blocks: Residual, state: np.ndarray, fit: Ringing) -> bool:
     """Whether bursts come where the rate changes: what is left of the motion then is no burst."""
     states = state[np.searchsorted(blocks.t, fit.starts).clip(0, len(state) - 1)]
     even = float((state != RATE_CHANGE).mean())
     return bool((states != RATE_CHANGE).sum() < 0.5 * even * len(states))
 
 
-def _all_alike(blocks: Residual, state: np.ndarray, strongest: Transient) -> RingingFit:
+def _all_alike(blocks: Residual, state: np.ndarray, strongest: Transient) -> Ringing:
     """All bursts with the shape of the strongest transient, then with their common shape."""
     frequencies = strongest.frequency * np.array([0.95, 1.0, 1.05])
     decays = strongest.decay * np.array([0.5, 0.8, 1.2, 1.8])
@@ -92,14 +91,14 @@ def _all_alike(blocks: Residual, state: np.ndarray, strongest: Transient) -> Rin
 
 def _fit(
     blocks: Residual, starts: np.ndarray, frequencies: np.ndarray, decays: np.ndarray
-) -> RingingFit:
+) -> Ringing:
     """Shape and amplitude that bursts with these starts have in common."""
     part = Aligned.after(starts, blocks, LIFETIME * float(decays.max()))
     shape = part.shape(frequencies, decays)
-    return RingingFit(starts, *part.amplitude(*shape), *shape)
+    return Ringing(starts, *part.amplitude(*shape), *shape)
 
 
-def _matched_starts(blocks: Residual, state: np.ndarray, fit: RingingFit) -> np.ndarray:
+def _matched_starts(blocks: Residual, state: np.ndarray, fit: Ringing) -> np.ndarray:
     """Starts (m,) s of all bursts of a shape by its matched filter, to a fraction of a block."""
     step = blocks.interval
     age = np.arange(int(LIFETIME * fit.decay / step)) * step

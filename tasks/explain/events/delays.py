@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tasks.motion.samples import in_blocks
 from tasks.motion.whole import Motion
 
 SLOPE_WINDOW = 1.0  # s, within which the delay is read off the slope
@@ -62,10 +63,9 @@ class GridDelays(WindowDelays):
 def oscillates(motion: Motion) -> bool:
     """Whether the rate changes most of the time, without dwells."""
     count = int(OSCILLATION_WINDOW / max(motion.interval, 1e-9))
-    whole = len(motion.t) // max(count, 1) * count
-    if not whole:
+    if not 0 < count <= len(motion.t):
         return False
-    rate = np.nan_to_num(motion.rate[:whole]).reshape(-1, count, 3)
+    rate = np.nan_to_num(in_blocks(motion.rate, count))
     moving = np.linalg.norm(rate.std(axis=1), axis=1) > MIN_OSCILLATION
     return bool(moving.mean() > MIN_SHARE)
 

@@ -1,5 +1,6 @@
 """An event: an artefact of the readings that is no regressor, and how it changes what is read."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import ClassVar
@@ -57,6 +58,16 @@ class Event:
 
 
 @dataclass(frozen=True)
+class AddedSignal(Event):
+    """An event that adds to the readings: each of its signals is (n, 6) at times (n,) s."""
+
+    signals: tuple[Callable[[np.ndarray], np.ndarray], ...]
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return predicted + sum(signal(t) for signal in self.signals)
+
+
+@dataclass(frozen=True)
 class Events:
     """All events of a recording, in the order in which they act on a reading.
 
@@ -91,9 +102,19 @@ def channel_names(channels: tuple[int, ...]) -> Argument:
     return tuple(message(f"channel-{CHANNELS[channel]}") for channel in channels)
 
 
-def amplitude_parameter(
-    channel: int, amplitude: complex, u: float, suffix: str = ""
-) -> FoundParameter:
-    """The size of an amplitude in one channel, named after it."""
-    name, unit = CHANNELS[channel] + suffix, UNITS[channel // 3]
-    return FoundParameter(name=name, value=float(np.abs(amplitude)), unit=unit, u=u)
+def significant_channels(size: np.ndarray, least: float) -> tuple[int, ...]:
+    """The channels whose size (6,) over its uncertainty is significant; at least the strongest."""
+    return tuple(np.flatnonzero(size > least).tolist()) or (int(size.argmax()),)
+
+
+def amplitude_parameters(
+    channels: tuple[int, ...], amplitudes: np.ndarray, u: np.ndarray, suffix: str = ""
+) -> tuple[FoundParameter, ...]:
+    """The size of complex amplitudes (6,) in some channels, named after them; u: (6,)."""
+    return tuple(
+        FoundParameter(
+            name=CHANNELS[c] + suffix, value=float(np.abs(amplitudes[c])), unit=UNITS[c // 3],
+            u=float(u[c]),
+        )
+        for c in channels
+    )  # fmt: skip

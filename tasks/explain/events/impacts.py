@@ -7,10 +7,10 @@ from scipy.optimize import minimize
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import ACCELS, GYROS
-from tasks.explain.events.event import channel_names
+from tasks.explain.events.event import AddedSignal, channel_names
 from tasks.explain.events.orders import Comb, OrderSpectrum, find_comb, order_spectrum
 from tasks.explain.events.residual import Residual
-from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, RingingFit, log_bounds
+from tasks.explain.events.ringing import LIFETIME, Aligned, Ringing, log_bounds
 from tasks.words import message
 
 FALSE_ALARM = 1e-4
@@ -23,7 +23,7 @@ DECAYS = np.geomspace(0.003, 0.05, 6)  # s
 HALVINGS = 4  # of the steps of per_turn and place
 
 
-def find_impacts(residual: Residual) -> Ringing | None:
+def find_impacts(residual: Residual) -> AddedSignal | None:
     """Impacts in the residual of the accelerometers."""
     axes, t = residual.motion.axes, residual.t
     if axes is None or len(t) < 2:
@@ -87,7 +87,7 @@ def _refined_comb(
 
 def _fit(
     residual: Residual, turns: np.ndarray, middle: float, per_turn: float, place: float
-) -> tuple[float, RingingFit]:
+) -> tuple[float, Ringing]:
     """Impacts a turn, and the oscillations, that together gain most."""
     t, starts = residual.t, crossings(residual.t, turns, per_turn, place)
     part = Aligned.after(starts + EARLY, residual, LONGEST - EARLY)
@@ -114,4 +114,4 @@ def _fit(
     frequency, decay = map(float, np.exp(best[2:]))
     starts = crossings(t, turns, per_turn + more, (place + later + more * middle) % 1.0)
     gained = Aligned.after(starts, residual, LIFETIME * decay).amplitude(frequency, decay)
-    return per_turn + more, RingingFit(starts, *gained, frequency, decay)
+    return per_turn + more, Ringing(starts, *gained, frequency, decay)

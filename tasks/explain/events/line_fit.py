@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import gamma
 
+from tasks.explain.events.event import significant_channels
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.spectrum import Spectrum
 
@@ -34,8 +35,7 @@ class FittedLine:
     @property
     def channels(self) -> tuple[int, ...]:
         """The channels in which the line is significant; at least the strongest."""
-        size = np.abs(self.amplitudes) / self.u
-        return tuple(np.flatnonzero(size > SIGNIFICANT).tolist()) or (int(size.argmax()),)
+        return significant_channels(np.abs(self.amplitudes) / self.u, SIGNIFICANT)
 
     def signal(self, t: np.ndarray) -> np.ndarray:
         """What the line adds to the readings (n, 6), in the channels that have it."""

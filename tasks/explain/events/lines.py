@@ -1,15 +1,13 @@
 """Spectral lines that are there all the time: mains pick-up, aliased or not, and others."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import gamma
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import Event, amplitude_parameter, channel_names
+from tasks.explain.events.event import AddedSignal, amplitude_parameters, channel_names
 from tasks.explain.events.line_fit import FittedLine, fit_line, is_steady
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.spectrum import LEVEL_BINS, Spectrum, spectrum_of
@@ -26,25 +24,15 @@ TOLERANCE = 0.15  # Hz that the mains may be off
 SAME = 2e-3  # Hz by which two lines of one mains may differ on its frequency
 
 
-@dataclass(frozen=True)
-class SpectralLines(Event):
-    """One source: a line, or those of the mains."""
-
-    lines: tuple[FittedLine, ...]
-
-    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        return predicted + sum(line.signal(t) for line in self.lines)
-
-
-class MainsLine(NamedTuple):
-    """A line that may be a harmonic of the mains; frequencies: that the mains then has, Hz."""
+class Harmonic(NamedTuple):
+    """A line as a harmonic of its source; frequencies: that the source may then have, Hz."""
 
     harmonic: int
     frequencies: tuple[float, ...]
     line: FittedLine
 
 
-def find_lines(residual: Residual) -> tuple[SpectralLines, ...]:
+def find_lines(residual: Residual) -> tuple[AddedSignal, ...]:
     """Steady lines in a residual; one that is there only at rest or in rotation is none."""
     if len(residual.t) < 4 * LEVEL_BINS:
         return ()
@@ -91,22 +79,26 @@ def _significant(residual: Residual, spectrum: Spectrum, among: np.ndarray) -> F
     return None
 
 
-def events_of_lines(lines: list[FittedLine], rate: float) -> tuple[SpectralLines, ...]:
+def events_of_lines(lines: list[FittedLine], rate: float) -> tuple[AddedSignal, ...]:
     """Those of the mains together, every other by itself; rate: of the samples, Hz.
 
     A harmonic is one of the mains only beside its fundamental, and at that frequency's multiple:
     by itself, and aliased, any line may lie near one.
     """
     sources = [(line, mains_of(line.frequency, rate)) for line in lines]
-    near = [MainsLine(*source, line) for line, source in sources if source is not None]
+    near = [Harmonic(*source, line) for line, source in sources if source is not None]
     fundamental = next((each for each in near if each.harmonic == 1), None)
     mains = [each for each in near if fundamental and _agree(each, fundamental)]
     frequencies = {each.line.frequency for each in mains}
-    unnamed = tuple(_unnamed(line) for line in lines if line.frequency not in frequencies)
-    return (*unnamed, _mains(mains)) if mains else unnamed
+    unnamed = tuple(
+        _event("unnamed", [Harmonic(1, (line.frequency,), line)])
+        for line in lines if line.frequency not in frequencies
+    )  # fmt: skip
+    mains.sort(key=lambda each: each.harmonic)
+    return (*unnamed, _event("mains_pickup", mains)) if mains else unnamed
 
 
-def _agree(harmonic: MainsLine, fundamental: MainsLine) -> bool:
+def _agree(harmonic: Harmonic, fundamental: Harmonic) -> bool:
     """Whether two lines may come from mains of one frequency."""
     apart = min(abs(a - b) for a in harmonic.frequencies for b in fundamental.frequencies)
     u = float(np.hypot(harmonic.line.u_frequency, fundamental.line.u_frequency))
@@ -138,40 +130,29 @@ def mains_of(frequency: float, rate: float) -> tuple[int, tuple[float, ...]] | N
     return None
 
 
-def _mains(mains: list[MainsLine]) -> SpectralLines:
-    """The event of the lines of one mains."""
-    mains = sorted(mains, key=lambda each: each.harmonic)
-    harmonic, frequencies, first = mains[0]
-    lines = tuple(each.line for each in mains)
+def _event(effect: str, harmonics: list[Harmonic]) -> AddedSignal:
+    """The event of the lines of one source, by rising harmonic."""
+    number, frequencies, first = harmonics[0]
+    lines = [each.line for each in harmonics]
     # Both sides of a fold are equally likely: the interval holds both.
-    u = float(np.hypot(first.u_frequency / harmonic, np.ptp(frequencies) / 2))
+    u = float(np.hypot(first.u_frequency / number, np.ptp(frequencies) / 2))
     frequency = FoundParameter(name="frequency", value=float(np.mean(frequencies)), unit="Hz", u=u)
-    amplitudes = [each for number, _, line in mains for each in _amplitudes(line, number)]
+    amplitudes = [
+        amplitude_parameters(
+            line.channels, line.amplitudes, line.u, f"_{harmonic}" if harmonic > 1 else ""
+        )
+        for harmonic, _, line in harmonics
+    ]
     channels = tuple(sorted({channel for line in lines for channel in line.channels}))
-    description = message(
-        "events-mains", frequency=" / ".join(f"{each:.3f}" for each in frequencies),
-        lines=", ".join(f"{line.frequency:.4f} Hz" for line in lines),
-        channels=channel_names(channels),
+    names = channel_names(channels)
+    if effect == "unnamed":
+        description = message("events-line", frequency=f"{first.frequency:.4f}", channels=names)
+    else:
+        description = message(
+            "events-mains", frequency=" / ".join(f"{each:.3f}" for each in frequencies),
+            lines=", ".join(f"{line.frequency:.4f} Hz" for line in lines), channels=names,
+        )  # fmt: skip
+    return AddedSignal(
+        effect, channels, (frequency, *chain(*amplitudes)), min(line.p_value for line in lines),
+        description, tuple(line.signal for line in lines),
     )  # fmt: skip
-    p_value = min(line.p_value for line in lines)
-    parameters = (frequency, *amplitudes)
-    return SpectralLines("mains_pickup", channels, parameters, p_value, description, lines)
-
-
-def _unnamed(line: FittedLine) -> SpectralLines:
-    channels = line.channels
-    frequency = FoundParameter(
-        name="frequency", value=line.frequency, unit="Hz", u=line.u_frequency
-    )
-    description = message(
-        "events-line", frequency=f"{line.frequency:.4f}", channels=channel_names(channels)
-    )
-    parameters = (frequency, *_amplitudes(line))
-    return SpectralLines("unnamed", channels, parameters, line.p_value, description, (line,))
-
-
-def _amplitudes(line: FittedLine, harmonic: int = 1) -> Iterator[FoundParameter]:
-    """Amplitudes of a line, by channel; a harmonic's carry its number."""
-    suffix = f"_{harmonic}" if harmonic > 1 else ""
-    for channel in line.channels:
-        yield amplitude_parameter(channel, line.amplitudes[channel], float(line.u[channel]), suffix)

@@ -6,7 +6,7 @@ rate changes.
 
 import numpy as np
 
-from tasks.motion.samples import interpolated
+from tasks.motion.samples import in_blocks, interpolated
 from tasks.motion.whole import Motion
 
 BLOCK = 64  # rows, within which the noise is estimated
@@ -29,12 +29,11 @@ def noise_by_rate(residual: np.ndarray, motion: Motion) -> np.ndarray:
     residual: (n, 6), NaN where unknown. The median over the blocks of a class of rates, so that
     a few disturbed blocks do not matter, linear in the rate between the classes.
     """
-    blocks = len(residual) // BLOCK
-    if blocks == 0:
+    if len(residual) < BLOCK:
         return np.full(residual.shape, np.nan)
     scatter = _block_scatter(residual)
     speed = np.linalg.norm(motion.rate, axis=1)
-    speeds = speed[: blocks * BLOCK].reshape(blocks, BLOCK).mean(axis=1)
+    speeds = in_blocks(speed, BLOCK).mean(axis=1)
     return np.column_stack([_interpolated_noise(column, speeds, speed) for column in scatter.T])
 
 
@@ -45,8 +44,7 @@ def without_dead(noise: np.ndarray) -> np.ndarray:
 
 def _block_scatter(residual: np.ndarray) -> np.ndarray:
     """Standard deviation (blocks, 6) about a straight line within each whole block of rows."""
-    blocks = len(residual) // BLOCK
-    cut = residual[: blocks * BLOCK].reshape(blocks, BLOCK, 6)
+    cut = in_blocks(residual, BLOCK)
     line = np.linspace(-1.0, 1.0, BLOCK)
     about = cut - cut.mean(axis=1, keepdims=True)
     slope = np.einsum("bni,n->bi", about, line) / (line @ line)

@@ -18,6 +18,7 @@ from tasks.explain.channels import TRIADS
 from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import BLOCK
 from tasks.explain.events.spectrum import peak_offset
+from tasks.motion.samples import in_blocks
 from tasks.words import Message, message
 
 OFF_CODE = 0.05  # of a step: how far a reading may lie off its code, for the rounding of a file
@@ -193,10 +194,8 @@ def _noise_of(
 
 def _code_counts(quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     """How often each code (blocks, 2·MAX_OFF + 1) about the middle one, in steady blocks."""
-    blocks = len(readings) // BLOCK
-    cut = slice(0, blocks * BLOCK)
-    number = np.round((readings[cut] - quantiser.offset) / quantiser.step).reshape(blocks, BLOCK)
-    wander = np.ptp(predicted[cut].reshape(blocks, BLOCK), axis=1) / quantiser.step
+    number = np.round((in_blocks(readings, BLOCK) - quantiser.offset) / quantiser.step)
+    wander = np.ptp(in_blocks(predicted, BLOCK), axis=1) / quantiser.step
     number = number[np.isfinite(number).all(axis=1) & ~(wander > STEADY)]
     about = number - np.median(number, axis=1).round()[:, None]
     about = about[(np.abs(about) <= MAX_OFF).all(axis=1)].astype(int)

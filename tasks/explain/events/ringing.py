@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import Event, amplitude_parameter
+from tasks.explain.events.event import AddedSignal, amplitude_parameters, significant_channels
 from tasks.explain.events.residual import Residual
 from tasks.words import Message
 
@@ -17,33 +17,12 @@ SIGNIFICANT = 4.0  # standard uncertainties from which a channel has the oscilla
 
 
 @dataclass(frozen=True)
-class Ringing(Event):
-    """starts: (m,) s, rising. amplitude: (6,) complex, of all alike, 0 in channels without.
+class Ringing:
+    """Oscillations of one shape: starts (m,) s, rising, one complex amplitude (6,) of them all,
+    and the chi-squared (6,) that it gains.
 
     Each adds Re(amplitude·exp((2πi·f − 1/decay)·age)). frequency: Hz. decay: s.
     """
-
-    starts: np.ndarray
-    amplitude: np.ndarray
-    frequency: float
-    decay: float
-
-    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        rung = predicted.copy()
-        last = np.searchsorted(self.starts, t, side="right") - 1
-        first = np.searchsorted(self.starts, t - LIFETIME * self.decay, side="right")
-        for back in range(int((last - first).max(initial=-1)) + 1):
-            rows = np.flatnonzero(last - back >= first)
-            age = t[rows] - self.starts[last[rows] - back]
-            wave = damped_wave(age, self.frequency, self.decay)
-            rung[rows] += (self.amplitude * wave[:, None]).real
-        return rung
-
-
-@dataclass(frozen=True)
-class RingingFit:
-    """Oscillations of one shape: starts (m,) s, one complex amplitude (6,) of them all, and the
-    chi-squared (6,) that it gains. frequency: Hz. decay: s."""
 
     starts: np.ndarray
     amplitude: np.ndarray
@@ -54,28 +33,35 @@ class RingingFit:
     @property
     def channels(self) -> tuple[int, ...]:
         """The channels in which it is significant; at least the strongest."""
-        significant = np.flatnonzero(self.gain > SIGNIFICANT**2)
-        return tuple(significant.tolist()) or (int(self.gain.argmax()),)
+        return significant_channels(self.gain, SIGNIFICANT**2)
+
+    def signal(self, t: np.ndarray) -> np.ndarray:
+        """What the oscillations add to the readings (n, 6), in the channels that have them."""
+        rung = np.zeros((len(t), 6))
+        amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
+        last = np.searchsorted(self.starts, t, side="right") - 1
+        first = np.searchsorted(self.starts, t - LIFETIME * self.decay, side="right")
+        for back in range(int((last - first).max(initial=-1)) + 1):
+            rows = np.flatnonzero(last - back >= first)
+            age = t[rows] - self.starts[last[rows] - back]
+            rung[rows] += (amplitude * damped_wave(age, self.frequency, self.decay)[:, None]).real
+        return rung
 
     def event(
         self, number: FoundParameter, relative_u: float, p_value: float, description: Message
-    ) -> Ringing:
+    ) -> AddedSignal:
         """The event; number: of the oscillations. relative_u: of the decay time."""
         u = np.abs(self.amplitude) / np.sqrt(np.maximum(self.gain, 1e-300))
+        u_frequency = relative_u / (2 * np.pi * self.decay)
         parameters = (
             number,
-            FoundParameter(
-                name="frequency", value=self.frequency, unit="Hz",
-                u=relative_u / (2 * np.pi * self.decay),
-            ),
+            FoundParameter(name="frequency", value=self.frequency, unit="Hz", u=u_frequency),
             FoundParameter(name="decay", value=self.decay, unit="s", u=relative_u * self.decay),
-            *(amplitude_parameter(c, self.amplitude[c], float(u[c])) for c in self.channels),
-        )  # fmt: skip
-        amplitude = np.where(np.isin(np.arange(6), self.channels), self.amplitude, 0.0)
-        return Ringing(
-            "unnamed", self.channels, parameters, p_value, description, self.starts, amplitude,
-            self.frequency, self.decay,
-        )  # fmt: skip
+            *amplitude_parameters(self.channels, self.amplitude, u),
+        )
+        return AddedSignal(
+            "unnamed", self.channels, parameters, p_value, description, (self.signal,)
+        )
 
 
 def damped_wave(age: np.ndarray, frequency: float, decay: float) -> np.ndarray:

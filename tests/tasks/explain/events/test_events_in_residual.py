@@ -12,7 +12,7 @@ from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
 from tasks.motion.whole import Motion, TableAxes
-from tasks.words import message, texts
+from tasks.words import texts
 
 
 def _detected(made: Motion, left: np.ndarray) -> Events:
@@ -41,10 +41,8 @@ def _on_table(made: Motion) -> Motion:
 def _rung(
     made: Motion, starts: np.ndarray, wave: np.ndarray, hertz: float, decay: float
 ) -> np.ndarray:
-    rings = Ringing(
-        "unnamed", (), (), 0.0, message("list-separator"), np.sort(starts), wave, hertz, decay
-    )
-    return rings.applied(made.t, np.zeros((len(made.t), 6)))
+    gain = np.where(wave != 0, 100.0, 0.0)
+    return Ringing(np.sort(starts), wave, gain, hertz, decay).signal(made.t)
 
 
 @pytest.mark.parametrize("seed", range(6))
