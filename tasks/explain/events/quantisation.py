@@ -93,11 +93,6 @@ class NoiseEstimate:
     ratio: float
     p_value: float
 
-    @property
-    def coarse(self) -> bool:
-        """Whether the steps show."""
-        return self.ratio < FINE and self.p_value < SIGNIFICANT
-
 
 def quantiser_of(readings: np.ndarray) -> Quantiser | None:
     """The codes of one channel (n,), by the common divisor of the differences of its readings.
@@ -163,7 +158,9 @@ def find_quantisation(
         _noise_of(channel, quantiser, readings[:, channel], predicted[:, channel])
         for channel, quantiser in enumerate(quantisers) if quantiser is not None
     )  # fmt: skip
-    estimates = [each for each in every if each is not None and each.coarse]
+    estimates = [
+        each for each in every if each and each.ratio < FINE and each.p_value < SIGNIFICANT
+    ]
     if not estimates:
         return None
     parameters, texts = zip(*_by_triad(estimates), strict=True)
@@ -184,7 +181,9 @@ def _noise_of(
     counts = _code_counts(quantiser, readings, predicted)
     if not len(counts):
         return None
-    likelihood = np.array([(counts @ _log_odds(ratio)).max(axis=1).sum() for ratio in NOISES])
+    probability = np.diff(ndtr((EDGES - PHASES) / NOISES[:, None, None]), axis=1)
+    log_odds = np.log(np.maximum(probability, 1e-12))  # (noises, codes, phases)
+    likelihood = (counts @ log_odds).max(axis=2).sum(axis=1)
     best = int(likelihood.argmax())
     least = likelihood[NOISES >= FINE].max()
     p_value = float(chi2.sf(2 * (likelihood[best] - least), 1)) if NOISES[best] < FINE else 1.0
@@ -201,11 +200,6 @@ def _code_counts(quantiser: Quantiser, readings: np.ndarray, predicted: np.ndarr
     about = about[(np.abs(about) <= MAX_OFF).all(axis=1)].astype(int)
     about = about[:: len(about) // MAX_BLOCKS + 1]
     return np.asarray((about[:, :, None] == CODES[:, 0]).sum(axis=1))
-
-
-def _log_odds(ratio: float) -> np.ndarray:
-    """Log probability (2·MAX_OFF + 1, phases) of each code, for noise in steps."""
-    return np.log(np.maximum(np.diff(ndtr((EDGES - PHASES) / ratio), axis=0), 1e-12))
 
 
 def _by_triad(estimates: list[NoiseEstimate]) -> Iterator[tuple[FoundParameter, Message]]:

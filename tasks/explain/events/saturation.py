@@ -18,7 +18,7 @@ from tasks.explain.events.noise import noise_by_rate
 from tasks.explain.events.quantisation import Quantiser
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
-from tasks.words import Message, message
+from tasks.words import message
 
 EFFECTS = ("gyro_saturation", "accel_saturation")
 SIDES = ((-1.0, 1.0), (1.0,), (-1.0,))  # a limit is looked for on both sides, then on one
@@ -137,13 +137,15 @@ def _saturation(
     where = tuple(c for c, count in zip(channels, counts, strict=True) if count > 1)
     u = max(code.step / np.sqrt(12), 1e-9 * code.limit)
     limit = FoundParameter(name="limit", value=code.limit, unit=UNITS[triad], u=u)
-    return (
-        Saturation(
-            EFFECTS[triad], where, (limit,), code.p_value, _description(triad, code), triad,
-            code.limit, code.sides, noise,
-        ),
-        masked,
+    sign = "±" if len(code.sides) == 2 else ("+" if code.sides[0] > 0 else "−")
+    description = message(
+        "events-saturation", sensors=TRIAD_NAMES[triad], count=code.count,
+        limit=f"{sign}{code.limit:.6g} {UNITS[triad]}",
     )  # fmt: skip
+    return Saturation(
+        EFFECTS[triad], where, (limit,), code.p_value, description, triad, code.limit, code.sides,
+        noise,
+    ), masked  # fmt: skip
 
 
 def _noise_near_limit(residual: np.ndarray, motion: Motion, masked: np.ndarray) -> np.ndarray:
@@ -162,9 +164,3 @@ def _expected_beyond(predicted: np.ndarray, code: ExtremeCode, noise: np.ndarray
         return 0.0
     edge = code.limit + code.step
     return float(np.nansum([ndtr((side * predicted - edge) / noise) for side in code.sides]))
-
-
-def _description(triad: int, code: ExtremeCode) -> Message:
-    sign = "±" if len(code.sides) == 2 else ("+" if code.sides[0] > 0 else "−")
-    limit = f"{sign}{code.limit:.6g} {UNITS[triad]}"
-    return message("events-saturation", sensors=TRIAD_NAMES[triad], limit=limit, count=code.count)
