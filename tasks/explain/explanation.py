@@ -1,6 +1,7 @@
 """Where model and recording differ, as arrays: the result of `explain`, in words by its report."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -11,6 +12,33 @@ from tasks.words import Sayable, message
 UNNAMED = "unnamed"
 FITTED = message("explain-model-fitted")
 
+Partition = Literal["time", "rate", "up", "triad", "axis"]
+RefusalKind = Literal["implausible", "inhomogeneous", "channel_worse", "undetermined"]
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why a catalogue name was withdrawn from a finding, and the numbers that speak against it.
+
+    kind: implausible: a parameter's `value` lies beyond the plausible `limit`. inhomogeneous: it
+    runs from `smallest` to `largest` in different `parts` of the recording. channel_worse: the
+    `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
+    undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
+    name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
+    parts: what divides the recording: time, rate, upward axis, triad, axis.
+    """
+
+    kind: RefusalKind
+    name: str
+    parameter: str | None = None
+    unit: str = "1"
+    value: float | None = None
+    limit: float | None = None
+    smallest: float | None = None
+    largest: float | None = None
+    channel: int | None = None
+    parts: Partition | None = None
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -18,7 +46,10 @@ class Finding:
 
     effect: its catalogue name, or UNNAMED. channels: indices 0 to 5 of those that show it.
     contribution: (n, 6) rad/s and m/s², what it adds to the readings, at the unit's rows.
-    gain: chi-squared that it explains beyond all the rest.
+    gain: chi-squared that it explains beyond all the rest, counted against what is left.
+    share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
+    same in all parts of the recording; None where no parts determine them. group: catalogue names
+    that make up for each other here, its own included. refusal: why its name was withdrawn.
     """
 
     effect: str
@@ -34,6 +65,10 @@ class Finding:
     held_out_gain: float
     indistinguishable: tuple[str, ...] = ()
     separated_by: Sayable | None = None
+    share: float = 0.0
+    homogeneity_p: float | None = None
+    group: tuple[str, ...] = ()
+    refusal: Refusal | None = None
 
     @property
     def follows(self) -> Sayable | None:
@@ -48,7 +83,10 @@ class Explanation:
     nominal, found: (n, 6) predicted readings at the unit's rows, without and with the findings;
     NaN where the motion is not known. noise: (6,) standard deviation of one sample at rest.
     p_value: of the strongest mismatch, corrected for how many were looked for.
-    findings: ordered by evidence. model: what `nominal` is of.
+    findings: ordered by share. model: what `nominal` is of. left_over: (6,) chi-squared per degree
+    of freedom of what is left after all of them, against the sensor's noise at rest; NaN where a
+    channel was not recorded. explained_share: of the mismatch above noise. small: findings that
+    remove less of it than a stated share.
     """
 
     recording: Recording
@@ -61,3 +99,6 @@ class Explanation:
     findings: tuple[Finding, ...]
     remarks: tuple[Sayable, ...] = ()
     model: Sayable = FITTED
+    left_over: np.ndarray = field(default_factory=lambda: np.full(6, np.nan))
+    explained_share: float = 0.0
+    small: tuple[Finding, ...] = ()
