@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from flows.printing import stdout
-from schemas.discrepancy import Discrepancy, FindingSaid, Verdict
+from schemas.discrepancy import Discrepancy, ReportedFinding, Verdict
 from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report import names
 from tasks.stages.explain import Explained
@@ -56,7 +56,7 @@ def _table(discrepancy: Discrepancy) -> Table:
     return table
 
 
-def _parameters(finding: FindingSaid) -> Sequence[tuple[str, str, str, str]]:
+def _parameters(finding: ReportedFinding) -> Sequence[tuple[str, str, str, str]]:
     """Name, value, U and unit of each parameter, as the report has them."""
     made = [(p.name, quantities([p.value], USUAL_K * p.u, p.unit)) for p in finding.parameters]
     return [
@@ -65,7 +65,7 @@ def _parameters(finding: FindingSaid) -> Sequence[tuple[str, str, str, str]]:
     ]
 
 
-def _print_finding(console: Console, finding: FindingSaid) -> None:
+def _print_finding(console: Console, finding: ReportedFinding) -> None:
     """The sentence of a finding, and the elements of the certificate that it moves most."""
     console.print(f"[bold]{finding.title.en}[/]")
     console.print(finding.statement.en, markup=False)

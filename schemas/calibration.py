@@ -5,6 +5,7 @@ from typing import Any, Literal
 from pydantic import Field, computed_field, model_validator
 
 from schemas.base import Finite, Frozen
+from schemas.discrepancy import FoundParameter
 from schemas.recording import Axis, Kind, Up
 from schemas.text import Remark
 from schemas.uncertainty import Budget
@@ -61,22 +62,13 @@ class Information(Frozen):
     zh: str
 
 
-class AdoptedParameter(Frozen):
-    """A parameter of an adopted term, in the unit named, with its standard uncertainty."""
-
-    name: str
-    value: Finite
-    unit: str
-    u: Finite
-
-
 class AdoptedTerm(Frozen):
     """Physics beside the standard's model that was found, and taken off before the clauses."""
 
     name: str
     title: str
     title_zh: str
-    parameters: tuple[AdoptedParameter, ...] = ()
+    parameters: tuple[FoundParameter, ...] = ()
 
 
 class SegmentUsed(Frozen):

@@ -61,7 +61,7 @@ class VerdictChange(Frozen):
     after: str
 
 
-class FindingSaid(Frozen):
+class ReportedFinding(Frozen):
     """One piece of physics that the model left out."""
 
     effect: str
@@ -109,7 +109,7 @@ class Discrepancy(Frozen):
     model: Statement
     verdict: Verdict
     detection: Detection
-    findings: tuple[FindingSaid, ...] = ()
+    findings: tuple[ReportedFinding, ...] = ()
     held_out: HeldOut
     figures: tuple[str, ...] = ()
     remarks: tuple[Statement, ...] = ()

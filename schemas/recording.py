@@ -1,6 +1,6 @@
 """A recording: its manifest (format `mimu-recording/1`) and its streams as arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Self
 
@@ -140,18 +140,26 @@ class Stream:
                 gathered[channel] = self.columns[name][rows]
         return gathered
 
-    def stack(self, names: tuple[str, ...]) -> np.ndarray:
-        """The named columns side by side over all rows, (n, len(names))."""
-        return self.channels(names, slice(0, len(self.t))).T
+    def stack(self, names: tuple[str, ...], rows: slice | None = None) -> np.ndarray:
+        """The named columns side by side over all or some rows, (n, len(names))."""
+        return self.channels(names, rows or slice(0, len(self.t))).T
 
-    def stack_rows(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
-        """The named columns side by side over some rows, (n, len(names))."""
-        return self.channels(names, rows).T
+    def at(self, rows: slice | np.ndarray) -> "Stream":
+        """The stream at some rows: a slice, or (n,) true where a row is kept."""
+        return Stream(self.t[rows], {name: values[rows] for name, values in self.columns.items()})
 
     def rows(self, t_start: float, t_end: float) -> slice:
         """The rows with t_start ≤ t < t_end."""
         start, stop = np.searchsorted(self.t, (t_start, t_end))
         return slice(int(start), int(stop))
+
+
+def joined(parts: Sequence[Stream]) -> Stream:
+    """Streams of the same columns, one after the other; an empty one need not have them."""
+    parts = [part for part in parts if len(part)] or parts[:1]
+    names = parts[0].columns
+    columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}
+    return Stream(np.concatenate([part.t for part in parts]), columns)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
 Probability = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 Signed = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-
 Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False, strict=True)]
 
 FACTOR = "r in w = r·U; below −1 a value wholly outside its limits would pass"
+MIN_CAPABILITY = "smallest C_m = T/(2·U) at which a two-sided limit is decided on"
 FULL_GUARD_BAND = 1.0  # w = U
 USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 
@@ -46,9 +46,7 @@ class Limit(Frozen):
     applied_to: Quantity = "value"
     rule: Rule | None = None
     guard_band_factor: Factor | None = Field(default=None, description=FACTOR)
-    min_capability: Positive | None = Field(
-        default=None, description="smallest C_m = T/(2·U) at which a two-sided limit is decided on"
-    )
+    min_capability: Positive | None = Field(default=None, description=MIN_CAPABILITY)
     U_max: Positive | None = Field(
         default=None,
         description="largest U, in the unit, at which the limit is decided on; a one-sided "
@@ -88,9 +86,7 @@ class Tolerance(Frozen):
     document: str = Field(description="where the limits come from, for the certificate")
     rule: Rule = "simple_acceptance"
     guard_band_factor: Factor | None = Field(default=None, description=FACTOR)
-    min_capability: Positive | None = Field(
-        default=None, description="smallest C_m = T/(2·U) at which a two-sided limit is decided on"
-    )
+    min_capability: Positive | None = Field(default=None, description=MIN_CAPABILITY)
     limits: tuple[Limit, ...] = Field(min_length=1)
 
     @model_validator(mode="after")

@@ -1,7 +1,7 @@
 """The uncertainty budget of one result: what goes in, how it is weighed, what comes out."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, PlainSerializer
 
@@ -12,19 +12,13 @@ Distribution = Literal["normal", "rectangular", "triangular", "arcsine", "t"]
 Evaluation = Literal["GUM", "as the specification's example", "Monte Carlo"]
 
 
-def _infinite_if_null(value: Any) -> Any:
-    return math.inf if value is None else value
-
-
-def _null_if_infinite(value: float) -> float | None:
-    return None if math.isinf(value) else value
-
-
 Dof = Annotated[
     float,
     Field(ge=1),
-    BeforeValidator(_infinite_if_null),
-    PlainSerializer(_null_if_infinite, return_type=float | None, when_used="json"),
+    BeforeValidator(lambda dof: math.inf if dof is None else dof),
+    PlainSerializer(
+        lambda dof: None if math.isinf(dof) else dof, return_type=float | None, when_used="json"
+    ),
 ]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 

@@ -1,7 +1,7 @@
 """How it was shown that what a method states holds: one record for a version of the code."""
 
 from datetime import date
-from typing import Literal
+from typing import Literal, get_args
 
 from pydantic import Field
 
@@ -9,9 +9,7 @@ from schemas.base import Finite, Frozen
 from schemas.calibration import Method
 
 Evidence = Literal["worked example", "truth recovery", "coverage", "independent program"]
-EVIDENCE: tuple[Evidence, ...] = (
-    "worked example", "truth recovery", "coverage", "independent program",
-)  # fmt: skip
+EVIDENCE: tuple[Evidence, ...] = get_args(Evidence)
 
 
 class Check(Frozen):

@@ -47,9 +47,12 @@ def results(home: Home) -> "pd.DataFrame":
     kept = kept_results.all_results(home)
     superseded = {result.supersedes for result in kept}
     rows = (
-        row | {"newest": result.id not in superseded} | element
+        row
+        | {"newest": result.id not in superseded, "item": name, "element": element, "value": value}
+        | {"u": item.u.get(element), "U": item.U.get(element), "k": item.k, "unit": item.unit}
         for result, row in _of_runs(kept, home)
-        for element in _elements(result.calibration)
+        for name, item in result.calibration.items.items()
+        for element, value in item.value.items()
     )
     return _frame(rows, columns).astype(dict.fromkeys(("value", "u", "U", "k"), float))
 
@@ -91,20 +94,6 @@ def _of_runs(kept: Sequence[Result], home: Home) -> Iterable[tuple[Result, dict[
         row = {"result": result.id, "run": result.run}
         row |= {name: getattr(by_id[result.run], name) for name in OF_RUN}
         yield result, row | {name: getattr(result, name) for name in OF_RESULT}
-
-
-def _elements(calibration: Calibration) -> Iterable[dict[str, Any]]:
-    for name, item in calibration.items.items():
-        for element, value in item.value.items():
-            yield {
-                "item": name,
-                "element": element,
-                "value": value,
-                "u": item.u.get(element),
-                "U": item.U.get(element),
-                "k": item.k,
-                "unit": item.unit,
-            }
 
 
 def _frame(rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> "pd.DataFrame":

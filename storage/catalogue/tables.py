@@ -22,8 +22,11 @@ class Utc(sql.TypeDecorator[datetime]):
 
 
 def _column(name: str, kind: Any, *more: Any, **options: Any) -> sql.Column[Any]:
-    """A column that is not null unless it says so."""
-    return sql.Column(name, kind, *more, **{"nullable": False, **options})
+    return sql.Column(name, kind, *more, nullable=False, **options)
+
+
+def _texts(*names: str) -> list[sql.Column[Any]]:
+    return [_column(name, sql.Text) for name in names]
 
 
 metadata = sql.MetaData(
@@ -39,9 +42,7 @@ units = sql.Table(
     "units",
     metadata,
     _column("id", sql.Integer, primary_key=True),
-    _column("manufacturer", sql.Text),
-    _column("model", sql.Text),
-    _column("serial", sql.Text),
+    *_texts("manufacturer", "model", "serial"),
     sql.UniqueConstraint("manufacturer", "model", "serial"),
 )
 
@@ -71,12 +72,11 @@ results = sql.Table(
     metadata,
     _column("id", sql.Text, primary_key=True),
     _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
-    _column("method", sql.Text),
-    _column("code_version", sql.Text),
+    *_texts("method", "code_version"),
     _column("made_at", Utc),
     _column("document", sql.Text),
-    _column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True, nullable=True),
-    _column("why", sql.Text, nullable=True),
+    sql.Column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True),
+    sql.Column("why", sql.Text),
 )
 
 numbers = sql.Table(
@@ -94,20 +94,14 @@ certificates = sql.Table(
     _column("result", sql.Text, sql.ForeignKey("results.id"), index=True),
     _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
     _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
-    _column("state", sql.Text),
-    _column("verdict", sql.Text),
-    _column("calibrated_on", sql.Date, nullable=True),
+    *_texts("state", "verdict"),
+    sql.Column("calibrated_on", sql.Date),
     _column("issued_on", sql.Date),
     _column("due", sql.Date, index=True),
     _column("kept_at", Utc),
-    _column("pdf", sql.Text),
-    _column("pdf_sha256", sql.Text),
-    _column("record", sql.Text),
-    _column("record_sha256", sql.Text),
-    _column(
-        "supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True, nullable=True
-    ),
-    _column("why", sql.Text, nullable=True),
+    *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
+    sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
+    sql.Column("why", sql.Text),
 )
 
 reminders = sql.Table(

@@ -10,18 +10,12 @@ if TYPE_CHECKING:
 
 def to_numpy(column: "pa.ChunkedArray") -> np.ndarray:
     """(n,) float64, NaN where the column is null; without a copy where it has one chunk."""
-    import pyarrow as pa
     import pyarrow.compute as pc
 
-    parts = [
-        np.frombuffer(chunk.buffers()[1], np.float64)[chunk.offset : chunk.offset + len(chunk)]
-        for chunk in column.chunks
-    ]
-    values = parts[0] if len(parts) == 1 else np.concatenate(parts)
-    if not column.null_count:
-        return values
-    is_null = to_numpy(pc.cast(pc.is_null(column), pa.float64()))
-    return np.where(is_null == 1.0, np.nan, values)
+    if column.null_count:
+        column = pc.fill_null(column, from_numpy(np.array([np.nan]))[0])
+    parts = [np.from_dlpack(chunk) for chunk in column.chunks]
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def from_numpy(values: np.ndarray) -> "pa.Array":

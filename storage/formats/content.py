@@ -31,7 +31,8 @@ def as_raw(recording: Recording) -> Recording:
     for name, stream in recording.streams().items():
         known = known_columns(name, recording.manifest)
         columns = {n: np.asarray(stream.columns[n], float) for n in known if n in stream.columns}
-        columns = _EACH[name](columns, len(stream))
+        if name in _EACH:
+            columns = _EACH[name](columns, len(stream))
         if columns:
             streams[name] = Stream(nanoseconds(stream.t) / 1e9, columns)
     return replace(together(recording.manifest, streams), extra=recording.extra)
@@ -66,11 +67,7 @@ def _environment(columns: dict[str, np.ndarray], rows: int) -> dict[str, np.ndar
     }
 
 
-def _table(columns: dict[str, np.ndarray], rows: int) -> dict[str, np.ndarray]:
-    return columns
-
-
-_EACH = {"imu": _imu, "reference": _reference, "environment": _environment, "table": _table}
+_EACH = {"imu": _imu, "reference": _reference, "environment": _environment}
 
 
 def digest(recording: Recording) -> str:

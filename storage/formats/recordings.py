@@ -6,7 +6,7 @@ from io import BufferedReader
 from pathlib import Path
 
 from schemas.base import Unusable
-from schemas.recording import Recording
+from schemas.recording import Manifest, Recording
 from storage.formats.folder import read_folder
 from storage.formats.manifest import MANIFEST, check_controls, manifest_of
 from storage.formats.mcap.chunk_writer import MAGIC
@@ -22,23 +22,19 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     `manifest` is a manifest.json that goes before the one in an MCAP file; `salvage` takes
     what is whole of an MCAP file that is cut off. Raises Unusable for anything else.
     """
-    recording = _read(path, manifest, salvage)
+    bag = _mcap(path)
+    if bag is not None:
+        recording = read_mcap(bag, manifest=manifest and _manifest(manifest), salvage=salvage)
+    elif manifest is None:
+        recording = read_folder(path)
+    else:
+        raise Unusable(
+            f"{path} is a folder with its own {MANIFEST}; correct it there and leave out "
+            f"{manifest}."
+        )
     fields = recording.manifest.model_dump(mode="json")
     check_controls(fields, f"The manifest of {path}" if manifest is None else str(manifest))
     return recording
-
-
-def _read(path: Path, manifest: Path | None, salvage: bool) -> Recording:
-    bag = _mcap(path)
-    if bag is None:
-        if manifest is not None:
-            raise Unusable(
-                f"{path} is a folder with its own {MANIFEST}; correct it there and leave out "
-                f"{manifest}."
-            )
-        return read_folder(path)
-    given = None if manifest is None else manifest_of(_bytes(manifest), str(manifest))
-    return read_mcap(bag, manifest=given, salvage=salvage)
 
 
 def fingerprint(path: Path) -> str:
@@ -118,6 +114,6 @@ def _open(path: Path) -> BufferedReader:
         ) from error
 
 
-def _bytes(path: Path) -> bytes:
+def _manifest(path: Path) -> Manifest:
     with _open(path) as opened:
-        return opened.read()
+        return manifest_of(opened.read(), str(path))

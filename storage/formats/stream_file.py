@@ -74,11 +74,13 @@ def _is_number(kind: "pa.DataType") -> bool:
 def read_table(path: Path) -> StreamTable:
     """Reads a Parquet or CSV file; raises Unusable for one that is empty or not what it says."""
     import pyarrow as pa
+    import pyarrow.parquet as pq
 
     if not path.stat().st_size:
         raise Unusable(f"{path} is empty; export it again, or take its stream out.")
     try:
-        table = _read_csv(path) if path.suffix.lower() == ".csv" else _read_parquet(path)
+        is_csv = path.suffix.lower() == ".csv"
+        table = _read_csv(path) if is_csv else pq.ParquetFile(path).read()
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0].rstrip(".")
         kind = path.suffix[1:]
@@ -86,12 +88,6 @@ def read_table(path: Path) -> StreamTable:
     if not table.num_rows:
         raise Unusable(f"{path} has no row of data; export it again, or take its stream out.")
     return StreamTable(path, table)
-
-
-def _read_parquet(path: Path) -> "pa.Table":
-    import pyarrow.parquet as pq
-
-    return pq.ParquetFile(path).read()
 
 
 def _read_csv(path: Path) -> "pa.Table":

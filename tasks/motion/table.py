@@ -55,7 +55,7 @@ def table_angles(recording: Recording, segment: Segment) -> np.ndarray:
     if table is None or not axes:
         return np.empty((0, 0))
     rows = table.rows(segment.t_start, segment.t_end)
-    angles = table.stack_rows(tuple(f"{axis.name}_angle" for axis in axes), rows)
+    angles = table.stack(tuple(f"{axis.name}_angle" for axis in axes), rows)
     return np.unwrap(angles, axis=0)  # an encoder that starts anew each turn
 
 

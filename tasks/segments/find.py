@@ -100,10 +100,10 @@ def _classified(
     rate = mean_rate(recording, rest)
     if rate is None or np.linalg.norm(rate) < RESTING_RATE:
         rows = recording.imu.rows(start, stop)
-        gyro = recording.imu.stack_rows(GYRO, rows).mean(axis=0)
+        gyro = recording.imu.stack(GYRO, rows).mean(axis=0)
         if rate is None and np.linalg.norm(gyro - offset) > TURNING_RATE:
             return None  # it turns, and how fast was not recorded
-        accel = recording.imu.stack_rows(ACCEL, rows)
+        accel = recording.imu.stack(ACCEL, rows)
         up = up_of(np.median(accel, axis=0), UPRIGHT) if len(accel) else None
         return rest.model_copy(update={"up": up})
     axis = int(np.abs(rate).argmax())

@@ -9,7 +9,6 @@ import numpy as np
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Mount, Segment, Stream
 from schemas.station import StationFile
-from tasks.station.monitor import since
 
 
 class ManifestBuilder:
@@ -62,7 +61,8 @@ class ManifestBuilder:
 
     def since_start(self, stream: Stream) -> Stream:
         """A stream over station time as the recording has it; rows before the run are dropped."""
-        return since(0.0, Stream(np.round(stream.t - self.origin_s, 9), stream.columns))
+        moved = Stream(np.round(stream.t - self.origin_s, 9), stream.columns)
+        return moved.at(moved.t >= 0.0)
 
     def _since_start(self, segment: Segment) -> Segment:
         moved = {name: round(getattr(segment, name) - self.origin_s, 9)

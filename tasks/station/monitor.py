@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from schemas.recording import ANGLE, Segment, Stream
+from schemas.recording import ANGLE, Segment, Stream, joined
 from schemas.station import AnyLink
 from tasks.station.anomalies import Anomaly
 
@@ -72,34 +72,18 @@ class SegmentMonitor:
 
     def run(self, imu: Stream, table: Stream) -> list[Anomaly]:
         """Take in what came next, and check every segment whose data are there."""
-        self.imu, self.table = joined(self.imu, imu), joined(self.table, table)
+        self.imu, self.table = joined([self.imu, imu]), joined([self.table, table])
         anomalies = []
         while self._waiting and self.has_passed(self._waiting[0][0].t_end):
             segment, spin_axis = self._waiting.pop(0)
             anomalies += check_unit(segment, self.imu, self._link)
             if spin_axis is not None:
                 anomalies += check_rate(segment, spin_axis, self.table)
-            self.imu, self.table = since(segment.t_end, self.imu), since(segment.t_end, self.table)
+            self.imu = self.imu.at(self.imu.t >= segment.t_end)
+            self.table = self.table.at(self.table.t >= segment.t_end)
         return anomalies
 
 
 def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> Anomaly:
     inside = (segment.t_start + segment.t_end) / 2
     return Anomaly(code, inside, inside, amount, subject)
-
-
-def joined(first: Stream, second: Stream) -> Stream:
-    """Two streams of the same columns, one after the other; an empty one need not have them."""
-    if not len(first) or not len(second):
-        return first if len(first) else second
-    columns = {
-        name: np.concatenate([first.columns[name], values])
-        for name, values in second.columns.items()
-    }
-    return Stream(np.concatenate([first.t, second.t]), columns)
-
-
-def since(t: float, stream: Stream) -> Stream:
-    """The rows of a stream from a time (s) on."""
-    kept = stream.t >= t
-    return Stream(stream.t[kept], {name: each[kept] for name, each in stream.columns.items()})

@@ -8,12 +8,11 @@ from dataclasses import astuple, dataclass, field, fields
 import numpy as np
 
 from schemas.procedure import EnvironmentLimits
-from schemas.recording import Stream
+from schemas.recording import Stream, joined
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock
 from tasks.station.drivers.frames import RECORDS, lost_between, to_stream
 from tasks.station.drivers.unit import Unit
-from tasks.station.monitor import joined
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 Note = Callable[[Anomaly], None]
@@ -144,7 +143,7 @@ class UnitReader:
             return stream
         self._begin()
         self.shifts_s.append(0.0)
-        return joined(stream, self._timed(after, final))
+        return joined([stream, self._timed(after, final)])
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
         link = self._unit.link

@@ -1,7 +1,6 @@
 """What comes in goes to the sink at once, and is checked on the way."""
 
 import asyncio
-from collections.abc import Callable
 from typing import Protocol
 
 from schemas.procedure import EnvironmentLimits
@@ -19,11 +18,7 @@ FLUSH_S = 0.2  # wall time: what a kill may lose
 class Sink(Protocol):
     """Where a recording goes as it is made; every call is kept when it returns."""
 
-    def imu(self, stream: Stream, /) -> object: ...
-
-    def table(self, stream: Stream, /) -> object: ...
-
-    def environment(self, stream: Stream, /) -> object: ...
+    def append(self, name: str, stream: Stream, /) -> object: ...
 
     def manifest(self, manifest: Manifest, /) -> object: ...
 
@@ -55,14 +50,14 @@ class Recorder:
 
     def flush(self, final: bool = False) -> None:
         """Write what has come. The unit is last: its silence must not cost the other streams."""
-        table = self._written(self.encoders.take(), self._sink.table)
-        self._written(self.climate.take(), self._sink.environment)
-        imu = self._written(self.unit.take(final), self._sink.imu)
+        table = self._written("table", self.encoders.take())
+        self._written("environment", self.climate.take())
+        imu = self._written("imu", self.unit.take(final))
         self.anomalies += self.monitor.run(imu, table)
 
-    def _written(self, stream: Stream, write: Callable[[Stream], object]) -> Stream:
+    def _written(self, name: str, stream: Stream) -> Stream:
         if len(stream):
-            write(self.manifest.since_start(stream))
+            self._sink.append(name, self.manifest.since_start(stream))
         return stream
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:

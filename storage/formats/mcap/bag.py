@@ -125,7 +125,9 @@ def _decoded(contents: Contents, batch: Batch) -> _Decoded:
 
 def _part(kind: str, log_times: np.ndarray, view: np.ndarray, texts: Texts) -> Topic:
     names = view.dtype.names or ()
-    stamps = _stamps(view) if STAMP[0] in names else log_times
+    stamps = log_times
+    if STAMP[0] in names:
+        stamps = view["sec"][:, 0].astype(np.int64) * NANO + view["nanosec"][:, 0]
     return Topic(kind, stamps, {n: _kept(n, view[n]) for n in names if n not in STAMP}, texts)
 
 
@@ -136,10 +138,6 @@ def _kind(contents: Contents, schema_id: int) -> str:
         return "type unknown"
     package, _, name = schema.name.rpartition("/")
     return f"{package.removesuffix('/msg')}/msg/{name}"
-
-
-def _stamps(view: np.ndarray) -> np.ndarray:
-    return view["sec"][:, 0].astype(np.int64) * NANO + view["nanosec"][:, 0]
 
 
 def _kept(name: str, values: np.ndarray) -> np.ndarray:

@@ -51,16 +51,19 @@ class Contents:
     damage: str = ""
 
     def add(self, opcode: int, body: bytes) -> None:
-        """Takes up a schema, channel or metadata record."""
+        """Takes up a schema, channel or metadata record, or notes that it is damaged."""
         stream = ReadDataStream(BytesIO(body))
-        if opcode == Opcode.SCHEMA:
-            schema = Schema.read(stream)
-            self.schemas[schema.id] = schema
-        elif opcode == Opcode.CHANNEL:
-            channel = Channel.read(stream)
-            self.channels[channel.id] = channel
-        elif opcode == Opcode.METADATA:
-            self.metadata.append(Metadata.read(stream))
+        try:
+            if opcode == Opcode.SCHEMA:
+                schema = Schema.read(stream)
+                self.schemas[schema.id] = schema
+            elif opcode == Opcode.CHANNEL:
+                channel = Channel.read(stream)
+                self.channels[channel.id] = channel
+            elif opcode == Opcode.METADATA:
+                self.metadata.append(Metadata.read(stream))
+        except FAULTS:
+            self.damage = self.damage or "a damaged record"
 
 
 @dataclass(frozen=True)
@@ -96,7 +99,7 @@ def scan(
         def pieces(place: tuple[int, int]) -> tuple[str, list[Piece]]:
             opened = _open(data, *place)
             for opcode, body in opened.introduced:
-                _describe(contents, opcode, body)
+                contents.add(opcode, body)
             return opened.fault, [decode(contents, batch) for batch in opened.batches]
 
         # Without a summary, a channel is known only after the chunk that introduces it.
@@ -116,15 +119,8 @@ def _chunks(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int]]:
         if opcode in (Opcode.CHUNK, Opcode.MESSAGE):
             chunks.append((start, stop))
         elif opcode in DESCRIPTIONS:
-            _describe(contents, opcode, data[start + RECORD.size : stop])
+            contents.add(opcode, data[start + RECORD.size : stop])
     return _merged(data, chunks)
-
-
-def _describe(contents: Contents, opcode: int, body: bytes) -> None:
-    try:
-        contents.add(opcode, body)
-    except FAULTS:
-        contents.damage = contents.damage or "a damaged record"
 
 
 def _records(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int, int]]:
@@ -190,42 +186,37 @@ def _unpacked(data: mmap.mmap, start: int, stop: int) -> bytes:
 
 
 def _split(inside: bytes) -> _Opened:
-    """Introductions and messages of a chunk; at once where all its messages are alike."""
+    """Introductions and messages of a chunk; at once where all its messages are alike.
+
+    The slow way, for chunks of several channels or lengths: find each message, then gather.
+    """
     introduced: list[tuple[int, bytes]] = []
+    starts: dict[bytes, list[int]] = {}
+    flat = np.frombuffer(inside, dtype=np.uint8)
     at = 0
     while at < len(inside):
         opcode, length = RECORD.unpack_from(inside, at)
-        if opcode == Opcode.MESSAGE:
-            break
-        introduced.append((opcode, inside[at + RECORD.size : at + RECORD.size + length]))
-        at += RECORD.size + length
-    if at >= len(inside):
-        return _Opened(introduced, [])
-    alike, odd = divmod(len(inside) - at, RECORD.size + length)
-    flat = np.frombuffer(inside, dtype=np.uint8, offset=at)
-    if not odd:
-        records = flat.reshape(alike, -1)
-        if (records[:, :PREFIX] == records[0, :PREFIX]).all():
+        stop = at + RECORD.size + length
+        if opcode != Opcode.MESSAGE:
+            introduced.append((opcode, inside[at + RECORD.size : stop]))
+        elif not starts and (records := _all_alike(flat[at:], stop - at)) is not None:
             return _Opened(introduced, [_batch(records)])
-    return _one_by_one(inside, at, introduced)
-
-
-def _one_by_one(inside: bytes, at: int, introduced: list[tuple[int, bytes]]) -> _Opened:
-    """The slow way, for chunks of several channels or lengths: find each message, then gather."""
-    starts: dict[bytes, list[int]] = {}
-    while at < len(inside):
-        opcode, length = RECORD.unpack_from(inside, at)
-        if opcode == Opcode.MESSAGE:
-            starts.setdefault(inside[at : at + PREFIX], []).append(at)
         else:
-            introduced.append((opcode, inside[at + RECORD.size : at + RECORD.size + length]))
-        at += RECORD.size + length
-    flat = np.frombuffer(inside, dtype=np.uint8)
+            starts.setdefault(inside[at : at + PREFIX], []).append(at)
+        at = stop
     batches = []
     for prefix, places in starts.items():
         length = RECORD.size + RECORD.unpack_from(prefix)[1]
         batches.append(_batch(flat[np.array(places)[:, None] + np.arange(length)]))
     return _Opened(introduced, batches)
+
+
+def _all_alike(flat: np.ndarray, length: int) -> np.ndarray | None:
+    """The records (n, length), if all from here on have the length and channel of the first."""
+    if len(flat) % length:
+        return None
+    records = flat.reshape(-1, length)
+    return records if (records[:, :PREFIX] == records[0, :PREFIX]).all() else None
 
 
 def _batch(records: np.ndarray) -> Batch:

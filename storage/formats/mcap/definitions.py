@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+_SCALAR = "std_msgs/Header header\nfloat64 {}\nfloat64 variance"
 _COVARIED = "geometry_msgs/{0} {1}\nfloat64[9] {1}_covariance"
 
 DEFINITIONS: dict[str, str] = {
@@ -22,13 +23,9 @@ DEFINITIONS: dict[str, str] = {
             _COVARIED.format("Vector3", "linear_acceleration"),
         )
     ),
-    "sensor_msgs/Temperature": ("std_msgs/Header header\nfloat64 temperature\nfloat64 variance"),
-    "sensor_msgs/RelativeHumidity": (
-        "std_msgs/Header header\nfloat64 relative_humidity\nfloat64 variance"
-    ),
-    "sensor_msgs/FluidPressure": (
-        "std_msgs/Header header\nfloat64 fluid_pressure\nfloat64 variance"
-    ),
+    "sensor_msgs/Temperature": _SCALAR.format("temperature"),
+    "sensor_msgs/RelativeHumidity": _SCALAR.format("relative_humidity"),
+    "sensor_msgs/FluidPressure": _SCALAR.format("fluid_pressure"),
     "sensor_msgs/JointState": (
         "std_msgs/Header header\nstring[] name\n"
         "float64[] position\nfloat64[] velocity\nfloat64[] effort"

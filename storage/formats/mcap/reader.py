@@ -41,24 +41,29 @@ def read_mcap(path: Path, *, manifest: Manifest | None = None, salvage: bool = F
     for a file that is cut off or damaged; with it, what is whole is read.
     """
     file = Bag(path)
-    imu_topic = _imu_topic(file)
-    imu = file.topic(imu_topic)
-    own = _own_metadata(file)
+    imu = file.topic(_imu_topic(file))
+    # what this program wrote beside the messages; nothing in a foreign bag
+    own = [record.metadata for record in file.contents.metadata if record.name == FORMAT]
     if file.damage and not salvage:
-        raise Unusable(_cut_off(file, imu.stamps - _origin(own, [imu.stamps])))
+        since = imu.stamps - _origin(own, [imu.stamps])
+        raise Unusable(
+            f"{path} is cut off or damaged ({file.damage}): {len(since)} samples up to "
+            f"t = {since[-1] / 1e9:.3f} s are whole; import it with --salvage to take them."
+        )
     manifest = manifest or _manifest(file, own, salvage)
+    extra = {}
     if own:
         timed = _our_streams(file, imu, salvage)
-        left_out: tuple[str, ...] = ()
     else:
         timed, left_out = _foreign_streams(file, imu, manifest)
+        extra = {"left_out": left_out} if left_out else {}
     origin = _origin(own, [stamps for stamps, _ in timed.values()])
     streams = {
         name: Stream((stamps - origin) / 1e9, columns) for name, (stamps, columns) in timed.items()
     }
     recording = as_raw(together(manifest, streams))
     _check(recording, path)
-    return replace(recording, digest=fingerprint(recording), extra=_notes(left_out))
+    return replace(recording, digest=fingerprint(recording), extra=extra)
 
 
 def _imu_topic(file: Bag) -> str:
@@ -82,11 +87,6 @@ def _imu_topic(file: Bag) -> str:
     )
 
 
-def _own_metadata(file: Bag) -> list[dict[str, str]]:
-    """What this program wrote into the file beside the messages; nothing in a foreign bag."""
-    return [record.metadata for record in file.contents.metadata if record.name == FORMAT]
-
-
 def _manifest(file: Bag, own: list[dict[str, str]], salvage: bool) -> Manifest:
     """The last manifest in the file; in a damaged file the last that is whole."""
     for metadata in reversed(own):
@@ -107,13 +107,6 @@ def _origin(own: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
         return int(origin) if origin.isdecimal() else 0
     earliest = min(int(times[0]) for times in stamps)
     return earliest if earliest > MAX_TIME_S * NANO else 0
-
-
-def _cut_off(file: Bag, since: np.ndarray) -> str:
-    return (
-        f"{file.path} is cut off or damaged ({file.damage}): {len(since)} samples up to "
-        f"t = {since[-1] / 1e9:.3f} s are whole; import it with --salvage to take them."
-    )
 
 
 def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
@@ -185,10 +178,6 @@ def _foreign_streams(
 
 def _table(topic: Topic) -> Timed:
     return topic.stamps, joint_columns(topic.texts["name"], topic.numbers)
-
-
-def _notes(left_out: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
-    return {"left_out": left_out} if left_out else {}
 
 
 def _check(recording: Recording, path: Path) -> None:

@@ -86,19 +86,18 @@ def imu_messages(stream: Stream) -> Iterator[Messages]:
         absent = np.isnan(values).all(axis=1)
         numbers[field] = np.where(absent[:, None], 0.0, values)
         numbers[f"{field}_covariance"] = _covariance(absent)
-    yield Messages(IMU_TOPIC, IMU, numbers, {"frame_id": ("imu",)})
+    texts = {"frame_id": ("imu",)}
+    yield Messages(IMU_TOPIC, IMU, numbers, texts)
     if "temperature" in stream.columns:
-        values = stream.stack(("temperature",))
-        yield Messages(
-            UNIT_TEMPERATURE_TOPIC, TEMPERATURE, {"temperature": values}, {"frame_id": ("imu",)}
-        )
+        warmth = {"temperature": stream.stack(("temperature",))}
+        yield Messages(UNIT_TEMPERATURE_TOPIC, TEMPERATURE, warmth, texts)
     if ANGLE[0] in stream.columns:
-        yield Messages(ANGLE_TOPIC, VECTOR, {"vector": stream.stack(ANGLE)}, {"frame_id": ("imu",)})
+        yield Messages(ANGLE_TOPIC, VECTOR, {"vector": stream.stack(ANGLE)}, texts)
 
 
 def table_messages(stream: Stream) -> Iterator[Messages]:
     """The table stream: one joint for each axis; an axis without rate has NaN for it."""
-    axes = axes_of(stream)
+    axes = tuple(n.removesuffix("_angle") for n in stream.columns if n.endswith("_angle"))
     numbers = {"position": stream.stack(tuple(f"{axis}_angle" for axis in axes))}
     rates = tuple(f"{axis}_rate" for axis in axes)
     if any(rate in stream.columns for rate in rates):
@@ -127,11 +126,6 @@ MESSAGES: dict[str, Callable[[Stream], Iterator[Messages]]] = {
     "reference": reference_messages,
     "environment": environment_messages,
 }
-
-
-def axes_of(stream: Stream) -> tuple[str, ...]:
-    """The names of the table axes whose angles are in the stream."""
-    return tuple(n.removesuffix("_angle") for n in stream.columns if n.endswith("_angle"))
 
 
 def triad_columns(numbers: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

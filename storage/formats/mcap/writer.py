@@ -4,13 +4,12 @@ import threading
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.recording import FORMAT, Manifest, Recording, Stream
+from schemas.recording import FORMAT, Manifest, Recording, Stream, joined
 from storage.formats.content import NANO, as_raw, nanoseconds
 from storage.formats.mcap.cdr import encode
 from storage.formats.mcap.chunk_writer import ChunkWriter
@@ -55,22 +54,19 @@ class RawWriter:
         self._thread = threading.Thread(target=self._keep_flushing, daemon=True)
         self._thread.start()
 
-    def imu(self, stream: Stream) -> None:
-        """Appends rows of the unit under test."""
-        self.readings += len(stream)
-        self._give("imu", stream)
-
-    def table(self, stream: Stream) -> None:
-        """Appends rows of the turntable's encoders."""
-        self._give("table", stream)
-
-    def reference(self, stream: Stream) -> None:
-        """Appends rows of a tracked pose."""
-        self._give("reference", stream)
-
-    def environment(self, stream: Stream) -> None:
-        """Appends rows of air and supply."""
-        self._give("environment", stream)
+    def append(self, name: str, stream: Stream) -> None:
+        """Appends rows of a stream: imu, table (its encoders), reference or environment."""
+        if self._fault is not None:
+            raise self._fault
+        if len(stream) and stream.t.min() < 0:
+            raise Unusable(
+                f"The {name} stream has a time of {stream.t.min()} s, and a raw recording knows no "
+                "time before zero; count from the start of the recording."
+            )
+        if name == "imu":
+            self.readings += len(stream)
+        with self._giving:
+            self._given.append((name, stream))
 
     def manifest(self, manifest: Manifest) -> None:
         """Writes the manifest as it is known now; the last one counts."""
@@ -94,20 +90,8 @@ class RawWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
-
-    def _give(self, name: str, stream: Stream) -> None:
-        if self._fault is not None:
-            raise self._fault
-        _check_after_zero(name, stream)
-        with self._giving:
-            self._given.append((name, stream))
 
     def _keep_flushing(self) -> None:
         while not self._done.wait(PERIOD):
@@ -131,21 +115,10 @@ class RawWriter:
 
 def _put(chunks: ChunkWriter, name: str, stream: Stream, origin: int) -> None:
     stamps = nanoseconds(stream.t) + origin
-    clock = {
-        "sec": (stamps // NANO)[:, None],
-        "nanosec": (stamps % NANO)[:, None],
-    }
+    clock = {"sec": (stamps // NANO)[:, None], "nanosec": (stamps % NANO)[:, None]}
     for batch in MESSAGES[name](stream):
         numbers = dict(batch.numbers) | (clock if batch.texts else {})
         chunks.messages(batch.topic, batch.kind, stamps, encode(batch.kind, numbers, batch.texts))
-
-
-def _check_after_zero(name: str, stream: Stream) -> None:
-    if len(stream) and stream.t.min() < 0:
-        raise Unusable(
-            f"The {name} stream has a time of {stream.t.min()} s, and a raw recording knows no "
-            "time before zero; count from the start of the recording."
-        )
 
 
 def _put_manifest(chunks: ChunkWriter, manifest: Manifest, origin: int) -> None:
@@ -161,8 +134,7 @@ def _in_blocks(streams: dict[str, Stream]) -> Iterator[tuple[str, Stream]]:
         for name, stream in streams.items():
             rows = stream.rows(start, stop)
             if rows.start < rows.stop:
-                columns = {column: values[rows] for column, values in stream.columns.items()}
-                yield name, Stream(stream.t[rows], columns)
+                yield name, stream.at(rows)
 
 
 def _joined(given: list[tuple[str, Stream]]) -> Iterator[tuple[str, Stream]]:
@@ -170,7 +142,5 @@ def _joined(given: list[tuple[str, Stream]]) -> Iterator[tuple[str, Stream]]:
     groups: dict[tuple[str, tuple[str, ...]], list[Stream]] = {}
     for name, stream in given:
         groups.setdefault((name, tuple(stream.columns)), []).append(stream)
-    for (name, columns), parts in groups.items():
-        t = np.concatenate([part.t for part in parts])
-        joined = {n: np.concatenate([part.columns[n] for part in parts]) for n in columns}
-        yield name, Stream(t, joined)
+    for (name, _), parts in groups.items():
+        yield name, joined(parts)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from schemas.calibration import AdoptedParameter, AdoptedTerm, Calibration, Item
+from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording
 from schemas.text import Remark
 from tasks.explain.correction.budget import CorrectionLine, with_lines
@@ -71,7 +71,7 @@ def _adopted_term(finding: Finding) -> AdoptedTerm:
         name=finding.effect,
         title=say(finding.title, "en"),
         title_zh=say(finding.title, "zh"),
-        parameters=tuple(AdoptedParameter(**p.model_dump()) for p in finding.parameters),
+        parameters=finding.parameters,
     )
 
 

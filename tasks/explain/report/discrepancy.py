@@ -7,7 +7,7 @@ from schemas.discrepancy import (
     Detection,
     Discrepancy,
     EvidenceFor,
-    FindingSaid,
+    ReportedFinding,
     VerdictChange,
     Where,
 )
@@ -58,8 +58,8 @@ def _published(
     wheres: tuple[Where, ...],
     consequences: tuple[Consequence, ...],
     changes: tuple[VerdictChange, ...],
-) -> FindingSaid:
-    draft = FindingSaid(
+) -> ReportedFinding:
+    draft = ReportedFinding(
         effect=finding.effect,
         family=finding.family,
         title=statement(finding.title),

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from math import exp, log
 
-from schemas.discrepancy import Consequence, EvidenceFor, FindingSaid, FoundParameter
+from schemas.discrepancy import Consequence, EvidenceFor, FoundParameter, ReportedFinding
 from schemas.text import Statement
 from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report.names import (
@@ -29,7 +29,7 @@ def sentences(parts: Iterable[Sayable]) -> Sayable:
     return clauses([part for part in parts if part], by="report-sentences")
 
 
-def finding_statement(finding: FindingSaid) -> Statement:
+def finding_statement(finding: ReportedFinding) -> Statement:
     """All that is known about a finding, as one paragraph."""
     parts = (
         what(finding), where(finding), why(finding.evidence), alternatives(finding),
@@ -38,7 +38,7 @@ def finding_statement(finding: FindingSaid) -> Statement:
     return capital(sentences(parts))
 
 
-def what(finding: FindingSaid) -> Sayable:
+def what(finding: ReportedFinding) -> Sayable:
     """What it is and how large, U with k = 2; for what has no name, what it follows."""
     largest = sorted(finding.parameters, key=_significance, reverse=True)[:MAX_PARAMETERS]
     return message(
@@ -47,7 +47,7 @@ def what(finding: FindingSaid) -> Sayable:
     )  # fmt: skip
 
 
-def where(finding: FindingSaid) -> Sayable:
+def where(finding: ReportedFinding) -> Sayable:
     """The channels and circumstances that hold most of it; empty where nothing was located."""
     largest = sorted(finding.where, key=lambda place: place.share, reverse=True)[:MAX_PLACES]
     places = [
@@ -87,19 +87,19 @@ def times_more_probable(nats: float) -> Message:
     return message("report-times", number=number)
 
 
-def alternatives(finding: FindingSaid) -> Sayable:
+def alternatives(finding: ReportedFinding) -> Sayable:
     """What else would fit this recording as well; empty where nothing would."""
     titles = clauses([*map(effect_name, finding.indistinguishable_from)], by="report-or")
     return message("report-alternatives", effects=titles) if titles else ""
 
 
-def to_record(finding: FindingSaid) -> Sayable:
+def to_record(finding: ReportedFinding) -> Sayable:
     """What to record to be sure; empty where nothing is needed."""
     recording = finding.separating_recording
     return message("report-to-record", recording=recording) if recording else ""
 
 
-def on_certificate(finding: FindingSaid) -> Sayable:
+def on_certificate(finding: ReportedFinding) -> Sayable:
     """The largest of its consequences in U, and the verdicts it changes; empty without any."""
     largest = max(finding.consequences, key=moved_by, default=None)
     parts = [_consequence(largest)] if largest and moved_by(largest) > 0.0 else []

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.discrepancy import FindingSaid, HeldOut
+from schemas.discrepancy import HeldOut, ReportedFinding
 from schemas.recording import MEASURED, TRIADS
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
@@ -19,7 +19,7 @@ from tasks.words.quantities import chi2, percent, plain, probability
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
-def verdict_statement(explanation: Explanation, findings: Sequence[FindingSaid]) -> Statement:
+def verdict_statement(explanation: Explanation, findings: Sequence[ReportedFinding]) -> Statement:
     """The answer as one paragraph."""
     left = chi2(explanation.held_out.chi2_per_dof_before)
     if explanation.verdict == "no_mismatch":
@@ -57,7 +57,7 @@ def detected(explanation: Explanation) -> Message:
     )  # fmt: skip
 
 
-def _left_out(findings: Sequence[FindingSaid]) -> Message:
+def _left_out(findings: Sequence[ReportedFinding]) -> Message:
     titles = [
         message("report-left-out-size", title=finding.title,
                 size=parameter_text(finding.parameters[0]))
@@ -67,7 +67,7 @@ def _left_out(findings: Sequence[FindingSaid]) -> Message:
     return message("report-left-out", findings=clauses(titles))
 
 
-def _unnamed(verdict: str, findings: Sequence[FindingSaid]) -> Message:
+def _unnamed(verdict: str, findings: Sequence[ReportedFinding]) -> Message:
     follows = [f.follows for f in findings if f.effect == "unnamed" and f.follows]
     return message(
         "report-unnamed", verdict=verdict, described=len(follows), follows=clauses(follows)
@@ -86,7 +86,7 @@ def _gained(held_out: HeldOut) -> Message:
     )  # fmt: skip
 
 
-def _moved(findings: Sequence[FindingSaid]) -> Sayable:
+def _moved(findings: Sequence[ReportedFinding]) -> Sayable:
     verdicts = len({change.item for finding in findings for change in finding.verdict_changes
                     if change.item != OVERALL})  # fmt: skip
     values = len({(moved.item, moved.element) for finding in findings

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from schemas.discrepancy import Discrepancy, FindingSaid
+from schemas.discrepancy import Discrepancy, ReportedFinding
 from schemas.recording import MEASURED, Segment
 from tasks.explain.channels import CHANNELS
 from tasks.explain.report.cells import ExcessCells
@@ -92,7 +92,7 @@ def _bars(axes: Any, spans: Any, row: float, height: float, colours: Any) -> Non
                      clip_on=False)  # fmt: skip
 
 
-def _findings(axes: Any, findings: Sequence[FindingSaid], cells: ExcessCells) -> None:
+def _findings(axes: Any, findings: Sequence[ReportedFinding], cells: ExcessCells) -> None:
     """Bars below each row where a finding sits, its share at the right end, its title below."""
     start, end = axes.get_xlim()
     spans = {s.name: (s.t_start, s.t_end - s.t_start) for s in cells.segments}

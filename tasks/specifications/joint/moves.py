@@ -54,7 +54,7 @@ def gather_moves(imu: Stream, rests: list[SegmentMean], verticals: np.ndarray) -
         if second.t_start - first.t_end > LONGEST:
             continue
         rows = imu.rows(first.t_end, second.t_start)
-        rate = imu.stack_rows(GYRO, rows)
+        rate = imu.stack(GYRO, rows)
         if len(rate) < 2 or not np.isfinite(rate).all():
             continue
         t = imu.t[rows]

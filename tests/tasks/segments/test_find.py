@@ -27,7 +27,7 @@ def test_hand_held_rests_of_xsens_are_found(real) -> None:
     assert len(found) == 38
     for segment in found:
         rows = recording.imu.rows(segment.t_start, segment.t_end)
-        gyro = recording.imu.stack_rows(GYRO, rows)
+        gyro = recording.imu.stack(GYRO, rows)
         assert gyro.std(axis=0).max() < 0.02
 
 

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
 import pytest
 
 from schemas.procedure import Procedure
-from schemas.recording import Manifest, Stream
+from schemas.recording import Manifest, Stream, joined
 from tasks.station import procedures
 
 
@@ -17,27 +16,14 @@ class Kept:
     pieces: dict[str, list[Stream]] = field(default_factory=dict)
     manifests: list[Manifest] = field(default_factory=list)
 
-    def imu(self, stream: Stream) -> None:
-        self.pieces.setdefault("imu", []).append(stream)
-
-    def table(self, stream: Stream) -> None:
-        self.pieces.setdefault("table", []).append(stream)
-
-    def environment(self, stream: Stream) -> None:
-        self.pieces.setdefault("environment", []).append(stream)
+    def append(self, name: str, stream: Stream) -> None:
+        self.pieces.setdefault(name, []).append(stream)
 
     def manifest(self, manifest: Manifest) -> None:
         self.manifests.append(manifest)
 
     def stream(self, name: str) -> Stream:
-        pieces = self.pieces[name]
-        return Stream(
-            t=np.concatenate([piece.t for piece in pieces]),
-            columns={
-                column: np.concatenate([piece.columns[column] for piece in pieces])
-                for column in pieces[0].columns
-            },
-        )
+        return joined(self.pieces[name])
 
     def measured(self) -> list[str]:
         """Names of the measured segments in the last manifest."""

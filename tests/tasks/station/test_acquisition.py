@@ -346,10 +346,11 @@ def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
 
 
 def test_failing_sink_stops_the_table(short, kept):
-    def full(stream: Any) -> None:
-        raise OSError(28, "No space left on device")
+    def full(name: str, stream: Any) -> None:
+        if name == "imu":
+            raise OSError(28, "No space left on device")
 
-    kept.imu = full
+    kept.append = full
     station = InMemoryStation(VirtualStation())
     with pytest.raises(OSError, match="No space"):
         station.acquire(short, kept)

@@ -27,7 +27,7 @@ def rests(recording: Recording) -> list[Segment]:
 def readings(recording: Recording, segment: Segment) -> tuple[np.ndarray, np.ndarray]:
     """t (n,) and the six channels (n, 6) of a segment."""
     rows = recording.imu.rows(segment.t_start, segment.t_end)
-    return recording.imu.t[rows], recording.imu.stack_rows(CHANNELS, rows)
+    return recording.imu.t[rows], recording.imu.stack(CHANNELS, rows)
 
 
 def up_of(segment: Segment) -> np.ndarray:

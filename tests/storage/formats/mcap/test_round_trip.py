@@ -177,8 +177,7 @@ def test_rows_given_piece_by_piece_are_one_recording(tmp_path: Path) -> None:
         for name, stream in whole.streams().items():
             for start in range(0, len(stream), 90):
                 rows = slice(start, start + 90)
-                part = {column: values[rows] for column, values in stream.columns.items()}
-                getattr(writer, name)(Stream(stream.t[rows], part))
+                writer.append(name, stream.at(rows))
         writer.manifest(manifest())
     assert read_mcap(tmp_path / "raw.mcap").digest == digest(whole)
 
@@ -191,9 +190,9 @@ def test_raw_recording_is_written_only_once(tmp_path: Path) -> None:
 
 def test_time_before_zero_is_refused_when_given_and_the_rest_is_kept(tmp_path: Path) -> None:
     with RawWriter(tmp_path / "raw.mcap") as writer:
-        writer.imu(imu_stream())
+        writer.append("imu", imu_stream())
         with pytest.raises(Unusable, match="time before zero"):
-            writer.imu(imu_stream(start=-5))
+            writer.append("imu", imu_stream(start=-5))
     assert len(read_mcap(tmp_path / "raw.mcap").imu) == 300
 
 
@@ -202,7 +201,7 @@ def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path: Path) -> None:
     writer = RawWriter(tmp_path / "raw.mcap")
     resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
     try:
-        writer.imu(imu_stream(5000))
+        writer.append("imu", imu_stream(5000))
         with pytest.raises(OSError, match="File too large"):
             writer.close()
     finally:
@@ -219,7 +218,7 @@ writer = RawWriter(Path(sys.argv[1]))
 unit = Unit(manufacturer="M", model="U", serial="1")
 writer.manifest(Manifest(format=FORMAT, recording_id="cut", unit=unit, station=Station(id="T1")))
 t = np.arange(500) / 100
-writer.imu(Stream(t, {name: t for name in GYRO + ACCEL}))
+writer.append("imu", Stream(t, {name: t for name in GYRO + ACCEL}))
 time.sleep(1.5)
 print("given", flush=True)
 time.sleep(60)

@@ -95,8 +95,8 @@ def test_ferraris_session_agrees_with_the_package_imucal(real) -> None:
     regions = {}
     for segment in recording.manifest.segments:
         rows = recording.imu.rows(segment.t_start, segment.t_end)
-        regions[f"acc_{segment.name}"] = recording.imu.stack_rows(ACCEL, rows)
-        regions[f"gyr_{segment.name}"] = np.degrees(recording.imu.stack_rows(GYRO, rows))
+        regions[f"acc_{segment.name}"] = recording.imu.stack(ACCEL, rows)
+        regions[f"gyr_{segment.name}"] = np.degrees(recording.imu.stack(GYRO, rows))
     theirs = FerrarisCalibration(expected_angle=-360).compute(
         FerrarisSignalRegions(**regions), 102.4, from_acc_unit="m/s^2", from_gyr_unit="deg/s"
     )

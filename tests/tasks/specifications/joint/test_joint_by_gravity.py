@@ -145,7 +145,7 @@ def test_xsens_session_gives_the_factory_scale_ratios(real) -> None:
     k[np.isnan(k)] = 0.0
     gravity = recording.manifest.station.gravity_m_s2
     means = np.array([
-        recording.imu.stack_rows(ACCEL, recording.imu.rows(s.t_start, s.t_end)).mean(axis=0)
+        recording.imu.stack(ACCEL, recording.imu.rows(s.t_start, s.t_end)).mean(axis=0)
         for s in found.segments
     ])  # fmt: skip
     misses = np.linalg.norm(np.linalg.solve(k, (means - bias).T), axis=0) - gravity

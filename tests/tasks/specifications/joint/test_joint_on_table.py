@@ -265,8 +265,8 @@ def by_imucal(recording: Recording, cut: int) -> tuple[np.ndarray, np.ndarray, n
     for segment in recording.manifest.segments:
         rows = recording.imu.rows(segment.t_start, segment.t_end)
         rows = slice(rows.start, rows.stop - cut)
-        regions[f"acc_{segment.name}"] = recording.imu.stack_rows(ACCEL, rows)
-        regions[f"gyr_{segment.name}"] = np.degrees(recording.imu.stack_rows(GYRO, rows))
+        regions[f"acc_{segment.name}"] = recording.imu.stack(ACCEL, rows)
+        regions[f"gyr_{segment.name}"] = np.degrees(recording.imu.stack(GYRO, rows))
     theirs = FerrarisCalibration(expected_angle=-360).compute(
         FerrarisSignalRegions(**regions), 102.4, from_acc_unit="m/s^2", from_gyr_unit="deg/s"
     )
