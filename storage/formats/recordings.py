@@ -24,7 +24,8 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     """
     bag = _mcap(path)
     if bag is not None:
-        recording = read_mcap(bag, manifest=manifest and _manifest(manifest), salvage=salvage)
+        given = None if manifest is None else _manifest(manifest)
+        recording = read_mcap(bag, manifest=given, salvage=salvage)
     elif manifest is None:
         recording = read_folder(path)
     else:
