@@ -1,15 +1,16 @@
 """Estimates before their budgets: of one element, of an item, and what a clause contributes."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from schemas.recording import AXES
+from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import Evidence
+from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.linear import (
     BLOCKING_EXCESS,
     BirgeRatio,
@@ -20,11 +21,10 @@ from tasks.specifications.linear import (
 from tasks.uncertainty.budget import Contribution, observed
 from tasks.uncertainty.type_a import type_a_dof
 from tasks.uncertainty.type_b import resolution
-from tasks.words import Sayable, message, remark
+from tasks.words import Message, Sayable, clauses, message, remark
 
 DEG = float(np.degrees(1.0))  # degrees in a radian, where something is printed
 MATRIX = tuple((i, j) for i in range(3) for j in range(3))
-OFF_DIAGONAL = tuple((i, j) for i, j in MATRIX if i != j)
 NO_EXCESS = BirgeRatio()
 
 
@@ -174,8 +174,10 @@ def fit_means(
     noise = evidence.covariance(channel)[np.ix_(used, used)]
     covariance = outputs[:, used] @ noise @ outputs[:, used].T + expected
     excess = birge_ratio(solution, design, readings, covariance)
-    operator = np.where(solution.estimable[:, None], solution.operator, np.nan)
-    estimates = (linear_estimate(evidence, channel, row @ outputs, excess) for row in operator)
+    estimates = (
+        linear_estimate(evidence, channel, row @ outputs, excess) if known else UNDETERMINED
+        for row, known in zip(solution.operator, solution.estimable, strict=True)
+    )
     return MeansFit(solution, excess, tuple(estimates))
 
 
@@ -197,17 +199,33 @@ def diagonal(matrix: Mapping[str, Estimate]) -> Estimates:
 
 def off_diagonal(matrix: Mapping[str, Estimate]) -> Estimates:
     """The couplings of a matrix, row by row."""
-    return {AXES[i] + AXES[j]: matrix[AXES[i] + AXES[j]] for i, j in OFF_DIAGONAL}
+    return {element: matrix[element] for element in OFF_DIAGONAL_ELEMENTS}
 
 
-def undetermined_matrix() -> Estimates:
-    """A matrix (3, 3) of which no element is determined."""
-    return {AXES[i] + AXES[j]: UNDETERMINED for i, j in MATRIX}
+def undetermined(elements: Iterable[str]) -> Estimates:
+    """Elements of which none is determined."""
+    return dict.fromkeys(elements, UNDETERMINED)
 
 
-def undetermined_vector() -> Estimates:
-    """A vector (3,) of which no element is determined."""
-    return dict.fromkeys(AXES, UNDETERMINED)
+def item_by_axis(
+    key: str,
+    item: ItemEstimate,
+    of_axis: Callable[[int, Axis], "tuple[Estimates, Iterable[Remark]] | Message"],
+) -> ClauseResult:
+    """An item of which each axis gives some elements and remarks, or the reason why it cannot.
+
+    item: with all its elements undetermined.
+    """
+    elements, missing, remarks = dict(item.elements), list[Sayable](), list[Remark]()
+    for j, axis in enumerate(AXES):
+        result = of_axis(j, axis)
+        if isinstance(result, Message):
+            missing.append(result)
+        else:
+            elements |= result[0]
+            remarks += result[1]
+    reasons = {key: clauses(missing)} if missing else {}
+    return ClauseResult({key: replace(item, elements=elements)}, reasons, tuple(remarks))
 
 
 def excess_remarks(

@@ -1,11 +1,12 @@
 """What a recording offers to the items: its segments as positions, rate points, turns, rests."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from schemas.recording import Axis, Kind, Recording, Up
+from schemas.recording import AXES, Axis, Kind, Recording, Segment, Up
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
 from tasks.specifications.earth_rotation import EarthRotationGain
@@ -17,15 +18,11 @@ NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """The segment means of one recording, sorted by what they serve.
+    """The segment means of one recording, and what each serves, by indices into `segments`.
 
     recording: with the columns that the means were taken of.
-    segments: all of them; every other field holds indices into it.
     up: for each segment, the axis that points up, as gravity shows it where it can.
-    positions: indices by axis up, the rests of 7.2.2.1.
-    points: indices of the rate runs about each axis, with `rate` (segments,) rad/s about it.
-    turns: indices of the turns by a known angle about each axis.
-    rests: indices of the rests beside the rate runs, by axis up.
+    rate: (segments,) rad/s about the axis of a rate run, NaN where it is not known.
     turning_points: what encoders or gyro say of each held rate, by index.
     earth: the gain of Earth's rotation in the rests; None where it was not looked for, or where
     neither latitude nor rests are known.
@@ -38,11 +35,7 @@ class Evidence:
     means: np.ndarray
     noise: ChannelNoise
     up: tuple[Up | None, ...]
-    positions: dict[str, tuple[int, ...]]
-    points: dict[Axis, tuple[int, ...]]
     rate: np.ndarray
-    turns: dict[Axis, tuple[int, ...]]
-    rests: dict[str, tuple[int, ...]]
     turning_points: dict[int, TurningPoint]
     earth: EarthRotationGain | None = None
     channel_names: tuple[str, ...] = CHANNELS
@@ -63,9 +56,45 @@ class Evidence:
         """Whether the table's encoders were recorded."""
         return self.recording.table is not None
 
+    @cached_property
+    def labels(self) -> tuple[Segment, ...]:
+        """What is known of each segment beside its readings."""
+        return tuple(segment.segment for segment in self.segments)
+
     def of_kind(self, kind: Kind) -> list[int]:
         """Indices of the segments of one kind."""
-        return [i for i, s in enumerate(self.segments) if s.segment.kind == kind]
+        return [i for i, label in enumerate(self.labels) if label.kind == kind]
+
+    def by_up(self, indices: Iterable[int]) -> dict[str, tuple[int, ...]]:
+        """Indices by the axis that points up."""
+        every = tuple(indices)
+        return {up: tuple(i for i in every if self.up[i] == up) for up in UPS}
+
+    def by_axis(self, indices: Iterable[int]) -> dict[Axis, tuple[int, ...]]:
+        """Indices by the axis that turns."""
+        every = tuple(indices)
+        return {axis: tuple(i for i in every if self.labels[i].axis == axis) for axis in AXES}
+
+    @cached_property
+    def rests(self) -> dict[str, tuple[int, ...]]:
+        """The rests by axis up."""
+        return self.by_up(self.of_kind("static"))
+
+    @cached_property
+    def positions(self) -> dict[str, tuple[int, ...]]:
+        """The rests of 7.2.2.1 by axis up: all but those beside the rate runs."""
+        rests = self.of_kind("static")
+        return self.by_up(i for i in rests if self.labels[i].item != "rate_sensitivity")
+
+    @cached_property
+    def points(self) -> dict[Axis, tuple[int, ...]]:
+        """The rate runs about each axis whose rate is known."""
+        return self.by_axis(i for i in self.of_kind("rate") if np.isfinite(self.rate[i]))
+
+    @cached_property
+    def turns(self) -> dict[Axis, tuple[int, ...]]:
+        """The turns by a known angle about each axis."""
+        return self.by_axis(self.of_kind("rotation"))
 
     @cached_property
     def coarse_channels(self) -> np.ndarray:
@@ -76,7 +105,7 @@ class Evidence:
     @property
     def mounted_once(self) -> bool:
         """Whether one mounting held all segments: none has a mounting of its own."""
-        return len({repr(segment.segment.mount) for segment in self.segments}) < 2
+        return len({repr(label.mount) for label in self.labels}) < 2
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
@@ -96,8 +125,8 @@ class Evidence:
         if not self.coarse_channels[channel]:
             return shared
         step = max(segment.step[channel] for segment in self.segments)
-        labels = [segment.segment for segment in self.segments]
-        place = [(u, s.kind, s.axis, s.rate_deg_s) for u, s in zip(self.up, labels, strict=True)]
+        known = zip(self.up, self.labels, strict=True)
+        place = [(up, label.kind, label.axis, label.rate_deg_s) for up, label in known]
         for same in set(place):
             held = [i for i, other in enumerate(place) if other == same]
             shared[np.ix_(held, held)] = step**2 / 12.0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.recording import AXES, Recording, Segment, Up
+from schemas.recording import AXES, Recording, Up
 from tasks.segments.find import GRAVITY_LIKE, find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
@@ -14,8 +14,8 @@ from tasks.segments.summarise import (
     rows_of,
     summarise_all,
 )
-from tasks.specifications.earth_gain import earth_rotation_gain
-from tasks.specifications.evidence import UPS, Evidence
+from tasks.specifications.earth_rotation import earth_rotation_gain
+from tasks.specifications.evidence import Evidence
 from tasks.uncertainty.type_a import fit_noise
 
 
@@ -30,31 +30,16 @@ def gather(recording: Recording) -> Evidence:
     points = turning_points(recording, segments)
     rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
     up = tuple(_up(segment) for segment in segments)
-    everything = range(len(segments))
-    rests = [i for i in everything if segments[i].segment.kind == "static"]
     evidence = Evidence(
         recording=recording,
         segments=segments,
         means=np.array([segment.mean for segment in segments]).reshape(-1, 6),
         noise=fit_noise(segments, up, rate),
         up=up,
-        positions={u: tuple(i for i in rests if up[i] == u and _is_position(segments[i].segment))
-                   for u in UPS},
-        points={axis: tuple(i for i in everything if segments[i].segment.kind == "rate"
-                            and segments[i].segment.axis == axis and np.isfinite(rate[i]))
-                for axis in AXES},
         rate=rate,
-        turns={axis: tuple(i for i in everything if segments[i].segment.kind == "rotation"
-                           and segments[i].segment.axis == axis) for axis in AXES},
-        rests={u: tuple(i for i in rests if up[i] == u) for u in UPS},
         turning_points=points,
-    )  # fmt: skip
+    )
     return replace(evidence, earth=earth_rotation_gain(evidence))
-
-
-def _is_position(segment: Segment) -> bool:
-    """Whether a rest belongs to 7.2.2.1: everything but the rests beside the rate runs."""
-    return segment.item != "rate_sensitivity"
 
 
 def _up(segment: SegmentMean) -> Up | None:

@@ -77,8 +77,10 @@ def birge_ratio(
     The residuals' own covariance follows from the readings' covariance. The degrees of freedom
     are n − p.
     """
+    if not len(readings) or not np.isfinite(readings).all():
+        return BirgeRatio()
     degrees = len(readings) - np.linalg.matrix_rank(design)
-    if degrees < 1 or not np.isfinite(readings).all():
+    if degrees < 1:
         return BirgeRatio()
     chi2 = residuals_of(solution, design, readings, covariance).chi2
     if chdtrc(degrees, chi2) < EXCESS_LEVEL:

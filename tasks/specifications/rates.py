@@ -1,14 +1,13 @@
 """The rate points about an axis, as both specifications take them: a line, 7 to 11 points."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from schemas.text import Remark
-from tasks.specifications.estimate import Estimate, fit_means
+from tasks.specifications.estimate import MeansFit, fit_means
 from tasks.specifications.evidence import Evidence
-from tasks.specifications.linear import BirgeRatio
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import turning_rate
 from tasks.words import message, remark
@@ -36,23 +35,14 @@ def rate_remarks(axis: str, rates: np.ndarray, clause: str) -> Iterator[Remark]:
         yield remark("one_direction", text, blocks_pass=True)
 
 
-@dataclass(frozen=True)
-class LineFit:
-    """Slope and offset of a gyro's output over the table's rate, with their budgets' lines."""
-
-    slope: Estimate
-    offset: Estimate
-    excess: BirgeRatio
-
-
 def fit_line(
     evidence: Evidence,
     channel: int,
     points: Sequence[int],
     equipment: Equipment,
     rests: Sequence[int] = (),
-) -> LineFit:
-    """Least squares over the rate points, eq. (5) of JJF 2003 and eq. (14) of JJF 1536.
+) -> MeansFit:
+    """Slope and offset over the rate points, eq. (5) of JJF 2003 and eq. (14) of JJF 1536.
 
     rests: whose mean is subtracted from the output of each point.
     """
@@ -61,8 +51,8 @@ def fit_line(
     outputs = np.eye(len(evidence.segments))[list(points)]
     outputs[:, list(rests)] = -1.0 / max(1, len(rests))
     fit = fit_means(evidence, channel, np.column_stack([rates, np.ones(len(rates))]), outputs)
-    slope, offset = (
+    with_lines = (
         estimate.with_lines(*turning_rate(equipment, fit.estimates[0].value, row, rates, seconds))
         for estimate, row in zip(fit.estimates, fit.solution.operator, strict=True)
     )
-    return LineFit(slope, offset, fit.excess)
+    return replace(fit, estimates=tuple(with_lines))

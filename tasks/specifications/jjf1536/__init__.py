@@ -1,21 +1,23 @@
 """JJF 1536-2015, clause 7: scale factor, zero offset and misalignment of an AHRS."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ANGLE, GYRO, Recording
+from schemas.text import Remark
 from tasks.segments.conditions import Conditions
 from tasks.specifications.estimate import ClauseResult, merged
 from tasks.specifications.items import AHRS_ITEMS
-from tasks.specifications.jjf1536.evidence import AhrsEvidence
-from tasks.specifications.jjf1536.gather import gather_ahrs
+from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.specifications.jjf1536.misalignment import misalignment_items
-from tasks.specifications.jjf1536.sampling import sampling_remarks
 from tasks.specifications.jjf1536.scale import scale_items
-from tasks.specifications.jjf1536.zero import zero_items, zero_offsets
+from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
 from tasks.specifications.specification import Section, Specification
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
 from tasks.uncertainty.equipment import Equipment
+from tasks.words import message, remark
 
 CONDITIONS = Conditions(
     dwell_s=20.0,
@@ -27,6 +29,8 @@ CONDITIONS = Conditions(
     environment_clause="6.2.1",
 )
 FEWEST_WRAPS = 3
+SLOWEST_SAMPLING = 10.0  # Hz
+LOST = 0.5  # Hz: fewer were lost, not sampled more slowly
 
 
 def check(recording: Recording) -> None:
@@ -69,15 +73,31 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
 
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
     """
-    offsets = zero_offsets(evidence, equipment)
+    zero = zero_items(evidence, equipment)
     return merged(
         (
             scale_items(evidence, equipment),
-            zero_items(offsets),
-            misalignment_items(evidence, offsets.elements, equipment),
-            ClauseResult(remarks=tuple(sampling_remarks(evidence))),
+            zero,
+            misalignment_items(evidence, zero.items[ZERO_OFFSET].elements, equipment),
+            ClauseResult(remarks=tuple(_sampling_remarks(evidence))),
         )
     )
+
+
+def _sampling_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
+    """Rests and turns (7.2.1, 7.3.1) that were sampled more slowly."""
+    slow = {
+        segment.segment.name: segment.rows / segment.seconds
+        for i, segment in enumerate(evidence.segments)
+        if (is_zero_position(segment) or any(i in turns for turns in evidence.turns.values()))
+        and segment.rows / segment.seconds < SLOWEST_SAMPLING - LOST
+    }
+    if slow:
+        text = message(
+            "jjf1536-slow-sampling", count=len(slow), rate=f"{min(slow.values()):.3g}",
+            asked=f"{SLOWEST_SAMPLING:.0f}",
+        )  # fmt: skip
+        yield remark("slow_sampling", text, tuple(slow), blocks_pass=True)
 
 
 JJF1536 = Specification(

@@ -143,25 +143,27 @@ def summarise_angles(
 def _with_angles(base: SegmentMean, gain: Increments) -> SegmentMean:
     """The summary with the angle gained over the time as its rates, and their Allan variances."""
     seconds = gain.t_end - gain.t_start
-    mean, step = base.mean.copy(), base.step.copy()
+    mean, step, far = base.mean.copy(), base.step.copy(), base.far_rows.copy()
     mean[GYRO_COLUMNS] = gain.increment.sum(axis=1) / seconds
     step[GYRO_COLUMNS] = 0.0  # the rounding of the angle is counted once, as its noise
     rate = gain.increment * gain.increment.shape[1] / seconds
     variances, tau = allan_variances(rate, seconds)
     allan = np.zeros((len(tau), len(mean)))
     allan[:, GYRO_COLUMNS] = variances
-    far = base.far_rows.copy()
     far[GYRO_COLUMNS] = gain.outlying.sum(axis=1)
     any_outlying = np.asarray(gain.outlying.any(axis=0))
-    base = replace(
+    return replace(
         base,
         t_start=gain.t_start,
         t_end=gain.t_end,
         left_out=int(any_outlying.sum()),
         far_rows=far,
         longest_burst=longest_run(any_outlying),
+        mean=mean,
+        step=step,
+        allan=allan,
+        tau=tau,
     )
-    return replace(base, mean=mean, step=step, allan=allan, tau=tau)
 
 
 def _with_slow_noise(means: tuple[SegmentMean, ...], noise: AngleNoise) -> tuple[SegmentMean, ...]:

@@ -27,16 +27,11 @@ def attitude_vector(recording: Recording, segment: Segment) -> np.ndarray | None
     mount; else by the label: `points`, or `up` with `turn_deg`. An unknown heading of the station
     is taken as zero, which turns every attitude of the run about the vertical alike.
     """
-    known = _attitude(recording, segment)
+    known = _mounted(recording, segment)
+    known = _pointed(segment) if known is None else known
     if known is None:
         return _turned(segment)
     return np.hstack([known.T, np.zeros((3, COMPONENTS - 3))])
-
-
-def _attitude(recording: Recording, segment: Segment) -> np.ndarray | None:
-    """R_n_body (3, 3), or None."""
-    known = _mounted(recording, segment)
-    return _pointed(segment) if known is None else known
 
 
 def _mounted(recording: Recording, segment: Segment) -> np.ndarray | None:

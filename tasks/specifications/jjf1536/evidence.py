@@ -1,13 +1,28 @@
-"""What JJF 1536 needs beside the evidence of every recording: attitudes, turns, angle noise."""
+"""What a recording offers to JJF 1536 beside what it offers to all: attitudes, turns, angles."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from schemas.recording import AXES
-from tasks.segments.summarise import SegmentMean
+from schemas.base import Unusable
+from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
+from tasks.segments.find import find_segments, up_of
+from tasks.segments.rates import turning_points
+from tasks.segments.summarise import (
+    ACCEL_COLUMNS,
+    CHANNELS,
+    MIN_ROWS,
+    Origin,
+    SegmentMean,
+    rows_of,
+    summarise_all,
+)
+from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.evidence import Evidence
-from tasks.uncertainty.type_a import covariance_of_means
+from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
+from tasks.specifications.jjf1536.attitudes import attitude_vector, with_attitude
+from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
 
@@ -19,18 +34,45 @@ class AhrsEvidence(Evidence):
     """Evidence with what JJF 1536 needs beside it.
 
     attitude: (3, 15) of each rest (`attitudes.attitude_vector`), None where it is not known and
-    where it turns. contradicted: rests whose label has another attitude than table and mount.
-    turned: rad, angle of each of the `turns`; turn_rate: deg/s in its middle.
+    where it turns.
     angle_noise: (3,) rad², variance of one reading of the angle; 0 for rates.
     by_angle: whether the rates are increments of accumulated angles.
     """
 
     attitude: tuple[np.ndarray | None, ...]
-    contradicted: frozenset[int]
-    turned: dict[int, float]
-    turn_rate: dict[int, float]
     angle_noise: np.ndarray
     by_angle: bool
+
+    @cached_property
+    def rests(self) -> dict[str, tuple[int, ...]]:
+        """The rests beside the rate runs, by axis up."""
+        rests = self.of_kind("static")
+        return self.by_up(i for i in rests if self.labels[i].item in (None, *SCALE_ITEMS))
+
+    @cached_property
+    def positions(self) -> dict[str, tuple[int, ...]]:
+        """All rests by axis up."""
+        return self.by_up(self.of_kind("static"))
+
+    @cached_property
+    def points(self) -> dict[Axis, tuple[int, ...]]:
+        """The rate runs of 7.1 about each axis: those that read the axis that was turned."""
+        return self.by_axis(
+            i
+            for i in self.of_kind("rate")
+            if self.labels[i].item != "misalignment"
+            and np.isfinite(self.rate[i])
+            and not reads_another_rate(self.segments[i], self.rate[i])
+        )
+
+    @cached_property
+    def turns(self) -> dict[Axis, tuple[int, ...]]:
+        """The turns of 7.3 about each axis, whether labelled by their angle or by their rate."""
+        return self.by_axis(
+            i
+            for i, label in enumerate(self.labels)
+            if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
+        )
 
     def noise_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's mean rates: rate noise, drift, and angle noise.
@@ -67,3 +109,72 @@ def is_zero_position(segment: SegmentMean) -> bool:
     """Whether a rest belongs to 7.2: every rest but those beside the rate runs and the turns."""
     label = segment.segment
     return label.kind == "static" and label.item not in (*SCALE_ITEMS, "misalignment")
+
+
+def gather_ahrs(recording: Recording) -> AhrsEvidence:
+    """Summarise a recording's segments, labelled or found, and sort them.
+
+    Raises Unusable where rates and labels are in different units.
+    """
+    by_angle = has_angles(recording)
+    rates = as_rates(recording) if by_angle else recording
+    labels = recording.manifest.segments
+    origin: Origin = "label" if labels else "found"
+    wanted = labels or find_segments(rates)
+    wanted = tuple(s for s in wanted if rows_of(rates, s) >= MIN_ROWS)
+    measured = tuple(s for s in wanted if s.kind in MEASURED)
+    segments: tuple[SegmentMean, ...] = ()
+    noise, coarse = np.zeros(3), False
+    if by_angle and measured:
+        segments, angles, coarse = summarise_angles(recording, rates, measured, origin)
+        noise = angles.angle
+    elif measured:
+        segments = summarise_all(rates, measured, origin)
+    segments = tuple(s for s in segments if s.has_gyro)
+    wrong = wrong_rate_unit(segments, *(("angle columns", "rad") if by_angle else ()))
+    if wrong is not None:
+        raise Unusable(f"{recording.manifest.recording_id}: {wrong}")
+    points = turning_points(rates, segments)
+    rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
+    attitudes = tuple(
+        attitude_vector(rates, s.segment) if s.segment.kind == "static" else None for s in segments
+    )
+    up = tuple(_up(s, vector) for s, vector in zip(segments, attitudes, strict=True))
+    for_noise = tuple(
+        _for_noise(s, vector, points[i].rate if i in points else None)
+        for i, (s, vector) in enumerate(zip(segments, attitudes, strict=True))
+    )
+    return AhrsEvidence(
+        recording=rates,
+        segments=segments,
+        means=np.array([segment.mean for segment in segments]).reshape(-1, len(CHANNELS)),
+        noise=fit_noise(for_noise),
+        up=up,
+        rate=rate,
+        turning_points=points,
+        attitude=attitudes,
+        angle_noise=noise,
+        by_angle=by_angle,
+        channel_names=(*(ANGLE if by_angle else GYRO), *ACCEL),
+        may_stand_still=coarse,
+    )
+
+
+def _for_noise(segment: SegmentMean, vector: np.ndarray | None, rate: float | None) -> SegmentMean:
+    """A summary with what its place and rate really were, by which drift is recognised.
+
+    A turn whose rate is not known says nothing of drift; nor does a triad that was not recorded.
+    """
+    label = with_attitude(segment.segment, vector)
+    if rate is not None:
+        known = {"rate_deg_s": float(np.degrees(rate))} if np.isfinite(rate) else {"up": None}
+        label = label.model_copy(update=known)
+    return replace(segment, segment=label, allan=np.nan_to_num(segment.allan))
+
+
+def _up(segment: SegmentMean, vector: np.ndarray | None) -> Up | None:
+    """The axis up: what gravity shows in a rest, else the label, else the attitude."""
+    label = segment.segment
+    if label.kind == "static" and segment.has_accel:
+        return up_of(segment.mean[ACCEL_COLUMNS])
+    return label.up or with_attitude(label, vector).up

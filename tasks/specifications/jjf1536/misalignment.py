@@ -1,31 +1,36 @@
-"""7.3: misalignment by whole turns forward and back, eq. (7) to (9) and (17)."""
+"""7.3: misalignment by whole turns forward and back, eq. (7) to (9) and (17).
+
+The angle of a turn and how fast it was: by the table's encoders, else by the label.
+"""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.recording import AXES, Axis
+from schemas.recording import AXES, Axis, Recording, Segment
 from schemas.text import Remark
 from schemas.uncertainty import Distribution
+from tasks.motion.table import mean_rate
 from tasks.specifications.estimate import (
     DEG,
-    OFF_DIAGONAL,
-    UNDETERMINED,
     ClauseResult,
     Estimate,
     Estimates,
     ItemEstimate,
+    item_by_axis,
     linear_estimate,
+    scaled,
     u_of_means,
+    undetermined,
 )
+from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
-from tasks.specifications.jjf1536.turned import label_angle
 from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_misalignment
-from tasks.words import Message, Sayable, clauses, message, remark
+from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.3.2 eq. (17)"
 TURN = 2 * np.pi
@@ -52,32 +57,31 @@ def misalignment_items(
 ) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
-    offset: B of 7.2 by axis, rad/s; it counts only where forward and back took different times.
+    offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
-    elements = {AXES[i] + AXES[j]: UNDETERMINED for i, j in OFF_DIAGONAL}
-    missing: list[Sayable] = []
-    remarks: list[Remark] = []
-    for j, axis in enumerate(AXES):
+    zero = scaled(offset, 1.0 / DEG)
+    zero_known = all(estimate.determined for estimate in zero.values())
+
+    def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         turns = _turns(evidence, axis)
         why = _not_determined(evidence, turns)
         if why is not None:
-            missing.append(why)
-            continue
-        for i in range(3):
-            if i != j:
-                ratio = _ratio(evidence, i, turns, offset[AXES[i]], equipment)
-                elements[AXES[i] + AXES[j]] = ratio.scaled(DEG)
-        remarks += _remarks(evidence, turns, all(zero.determined for zero in offset.values()))
-    key = "ahrs_misalignment"
-    unavailable = {key: clauses(missing)} if missing else {}
-    return ClauseResult(
-        {key: ItemEstimate(elements, CLAUSE, READINGS)}, unavailable, tuple(remarks)
-    )
+            return why
+        elements = {
+            AXES[i] + axis: _ratio(evidence, i, turns, zero[AXES[i]], equipment).scaled(DEG)
+            for i in range(3)
+            if i != j
+        }
+        return elements, _remarks(evidence, turns, zero_known)
+
+    item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
+    return item_by_axis("ahrs_misalignment", item, of_axis)
 
 
 def _turns(evidence: AhrsEvidence, axis: Axis) -> Turns:
     index = evidence.turns[axis]
-    return Turns(axis, index, np.array([evidence.turned[i] for i in index], float))
+    angle = [_turned_angle(evidence.recording, evidence.labels[i]) for i in index]
+    return Turns(axis, index, np.array(angle, float))
 
 
 def _not_determined(evidence: AhrsEvidence, turns: Turns) -> Message | None:
@@ -121,16 +125,8 @@ def _zero_line(zero: Estimate, longer: float) -> Contribution:
     """The zero offset that does not cancel, where one direction took longer by `longer` s/rad."""
     known = combine("zero offset", "rad/s", zero.value, zero.lines_in("rad/s"))
     shape: Distribution = "normal" if math.isinf(known.dof) else "t"
-    quantity = InputQuantity(
-        "B",
-        message("uncertainty-zero-offset"),
-        "rad/s",
-        known.u_c,
-        "A",
-        shape,
-        zero.value,
-        known.dof,
-    )
+    name = message("uncertainty-zero-offset")
+    quantity = InputQuantity("B", name, "rad/s", known.u_c, "A", shape, zero.value, known.dof)
     return Contribution(quantity, -longer)
 
 
@@ -145,7 +141,7 @@ def _remarks(evidence: AhrsEvidence, turns: Turns, zero_known: bool) -> Iterator
         yield from _angle_remarks(evidence, i, float(angle))
     count = (np.abs(turns.angle) / TURN).round().min()
     seconds = np.array([evidence.segments[i].seconds for i in turns.index])
-    rate = max(evidence.turn_rate[i] for i in turns.index)
+    rate = max(_rate_in_the_middle(evidence.recording, evidence.labels[i]) for i in turns.index)
     if count < TURNS_ASKED or rate < 0.8 * RATE_ASKED:
         text = message(
             "jjf1536-turns-as-agreed", axis=turns.axis, count=f"{count:.0f}", rate=f"{rate:.0f}",
@@ -161,7 +157,7 @@ def _remarks(evidence: AhrsEvidence, turns: Turns, zero_known: bool) -> Iterator
 def _angle_remarks(evidence: AhrsEvidence, i: int, angle: float) -> Iterator[Remark]:
     """A turn that the encoders contradict, or that is not a whole number of turns."""
     label = evidence.segments[i].segment
-    labelled, turned = label_angle(label), f"{np.degrees(angle):+.2f}"
+    labelled, turned = _label_angle(label), f"{np.degrees(angle):+.2f}"
     if abs(angle - labelled) > LABELLED:
         text = message(
             "jjf1536-turned-angle-contradicted", segment=label.name, axis=label.axis or "",
@@ -172,3 +168,33 @@ def _angle_remarks(evidence: AhrsEvidence, i: int, angle: float) -> Iterator[Rem
     if abs(over) > WHOLE or abs(angle) < WHOLE:
         text = message("jjf1536-not-whole-turns", segment=label.name, angle=turned)
         yield remark("not_whole_turns", text, (label.name,), blocks_pass=True)
+
+
+def _turned_angle(recording: Recording, segment: Segment) -> float:
+    """Angle (rad) turned about the segment's axis: by the encoders, else by the label."""
+    if recording.table is not None and segment.axis is not None:
+        t = recording.table.t
+        interval = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+        # The reading at the very end is the one that closes the turn.
+        whole = segment.model_copy(update={"t_end": segment.t_end + 0.5 * interval})
+        rate, rows = mean_rate(recording, whole), recording.table.rows(whole.t_start, whole.t_end)
+        if rate is not None:
+            return float(rate[AXES.index(segment.axis)] * (t[rows.stop - 1] - t[rows.start]))
+    return _label_angle(segment)
+
+
+def _label_angle(segment: Segment) -> float:
+    """Angle (rad) that the label says was turned."""
+    if segment.angle_deg is not None:
+        return float(np.radians(segment.angle_deg))
+    return float(np.radians(segment.rate_deg_s or 0.0)) * (segment.t_end - segment.t_start)
+
+
+def _rate_in_the_middle(recording: Recording, turn: Segment) -> float:
+    """Rate (deg/s) in the middle third of a turn by the encoders, else over the whole of it."""
+    third = (turn.t_end - turn.t_start) / 3.0
+    edges = {"t_start": turn.t_start + third, "t_end": turn.t_end - third}
+    by_table = mean_rate(recording, turn.model_copy(update=edges))
+    if by_table is not None:
+        return float(np.degrees(np.linalg.norm(by_table)))
+    return float(np.degrees(abs(_label_angle(turn)))) / (turn.t_end - turn.t_start)

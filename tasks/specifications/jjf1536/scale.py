@@ -1,6 +1,7 @@
 """7.1: scale factor by least squares over the rate points, eq. (10) to (15)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,14 +9,16 @@ from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.specifications.estimate import (
     ClauseResult,
+    Estimates,
     ItemEstimate,
-    undetermined_vector,
+    item_by_axis,
+    undetermined,
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, reads_another_rate
 from tasks.specifications.linear import BLOCKING_EXCESS
 from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
 from tasks.uncertainty.equipment import Equipment
-from tasks.words import Sayable, clauses, message, remark
+from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
 
@@ -24,29 +27,25 @@ Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate poi
 
 def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
     """K (3,) of eq. (14): the output of each point less the mean of the rests, eq. (11) to (13)."""
-    elements = undetermined_vector()
-    missing: list[Sayable] = []
-    remarks: list[Remark] = []
-    for channel, axis in enumerate(AXES):
+    readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
+    readings += ("jjf1536.table_rate",) if evidence.has_table else ()
+
+    def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         points = list(evidence.points[axis])
         count = len(distinct_rates(evidence.rate[points]))
         if count < 2:
-            missing.append(message("specifications-rates-needed", axis=axis, count=count))
-            continue
+            return message("specifications-rates-needed", axis=axis, count=count)
         rests = _rests(evidence, points, axis)
         line = fit_line(evidence, channel, points, equipment, [i for side in rests for i in side])
-        elements[axis] = line.slope
-        remarks += rate_remarks(axis, evidence.rate[points], "7.1.1 c)")
-        remarks += _rest_remarks(axis, rests)
-        remarks += scatter_remark("jjf1536-line-scatter", axis, line.excess.factor)
-    remarks += _other_rate_remarks(evidence)
-    readings: tuple[str, ...] = ("jjf1536.output_rate",) if evidence.by_angle else ()
-    readings += ("jjf1536.table_rate",) if evidence.has_table else ()
-    key = "ahrs_scale_factor"
-    unavailable = {key: clauses(missing)} if missing else {}
-    return ClauseResult(
-        {key: ItemEstimate(elements, CLAUSE, readings)}, unavailable, tuple(remarks)
-    )
+        return {axis: line.estimates[0]}, (
+            *rate_remarks(axis, evidence.rate[points], "7.1.1 c)"),
+            *_rest_remarks(axis, rests),
+            *scatter_remark("jjf1536-line-scatter", axis, line.excess.factor),
+        )
+
+    item = ItemEstimate(undetermined(AXES), CLAUSE, readings)
+    scale = item_by_axis("ahrs_scale_factor", item, of_axis)
+    return replace(scale, remarks=(*scale.remarks, *_other_rate_remarks(evidence)))
 
 
 def _rests(evidence: AhrsEvidence, points: list[int], axis: Axis) -> Rests:
@@ -71,13 +70,12 @@ def _other_rate_remarks(evidence: AhrsEvidence) -> Iterator[Remark]:
     """Rate points about an axis that did not read them: another one was turned."""
     for segment, rate in zip(evidence.segments, evidence.rate, strict=True):
         name, axis = segment.segment.name, segment.segment.axis
-        if axis is None or not np.isfinite(rate) or not reads_another_rate(segment, rate):
-            continue
-        text = message(
-            "jjf1536-rate-not-read", segment=name, axis=axis, rate=f"{np.degrees(rate):+.2f}",
-            reading=f"{np.degrees(segment.mean[AXES.index(axis)]):+.2f}",
-        )  # fmt: skip
-        yield remark("rate_not_read", text, (name,), blocks_pass=True)
+        if axis and np.isfinite(rate) and reads_another_rate(segment, rate):
+            text = message(
+                "jjf1536-rate-not-read", segment=name, axis=axis, rate=f"{np.degrees(rate):+.2f}",
+                reading=f"{np.degrees(segment.mean[AXES.index(axis)]):+.2f}",
+            )  # fmt: skip
+            yield remark("rate_not_read", text, (name,), blocks_pass=True)
 
 
 def _rest_remarks(axis: str, rests: Rests) -> Iterator[Remark]:

@@ -1,6 +1,6 @@
 """7.2: zero offset by four positions or by positions at equal angles, eq. (16)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,20 +13,26 @@ from tasks.specifications.estimate import (
     Estimate,
     Estimates,
     ItemEstimate,
+    item_by_axis,
     linear_estimate,
-    scaled,
     u_of_means,
-    undetermined_vector,
+    undetermined,
 )
-from tasks.specifications.jjf1536.attitudes import COMPONENTS, VERTICAL
+from tasks.specifications.jjf1536.attitudes import (
+    COMPONENTS,
+    VERTICAL,
+    attitude_contradicted,
+)
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark
 from tasks.specifications.linear import BirgeRatio, birge_ratio, solve
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import ahrs_zero_offset
-from tasks.words import Message, Sayable, clauses, message, remark
+from tasks.words import Message, message, remark
 
+ZERO_OFFSET = "ahrs_zero_offset"
 CLAUSE = "JJF 1536-2015, 7.2.3 eq. (16)"
+READINGS = ("jjf1536.zero_time", "jjf1536.earth_cancels")
 CANCELS = 0.005  # of Earth's rotation that positions at equal angles may leave, 0.3° of placing
 SAME_ATTITUDE = 0.02  # rad: attitudes closer than this are one position held twice
 FEWEST = 4  # positions that may be taken by their label alone
@@ -52,38 +58,19 @@ class Positions:
         return [i for group in self.groups for i in group]
 
 
-@dataclass(frozen=True)
-class ZeroOffsets:
-    """B by axis, rad/s, why axes have none, and what was not as 7.2 asks."""
+def zero_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
+    """B (3,) of eq. (16), deg/s: the mean over the positions of the angle gained per second."""
 
-    elements: Estimates
-    missing: tuple[Sayable, ...]
-    remarks: tuple[Remark, ...]
-
-
-def zero_offsets(evidence: AhrsEvidence, equipment: Equipment) -> ZeroOffsets:
-    """B (3,) of eq. (16): the mean over the positions of the angle gained per second."""
-    elements = undetermined_vector()
-    missing: list[Sayable] = []
-    remarks: list[Remark] = []
-    for channel, axis in enumerate(AXES):
+    def of_axis(channel: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
         positions = _positions(evidence, channel)
         why = _not_determined(positions)
         if why is not None:
-            missing.append(message("specifications-of-axis", axis=axis, reason=why))
-            continue
-        elements[axis], factor = _mean(evidence, channel, positions, equipment)
-        remarks += _remarks(evidence, positions)
-        remarks += scatter_remark("jjf1536-positions-scatter", axis, factor)
-    return ZeroOffsets(elements, tuple(missing), tuple(remarks))
+            return message("specifications-of-axis", axis=axis, reason=why)
+        mean, factor = _mean(evidence, channel, positions, equipment)
+        scatter = scatter_remark("jjf1536-positions-scatter", axis, factor)
+        return {axis: mean.scaled(DEG)}, (*_remarks(evidence, positions), *scatter)
 
-
-def zero_items(offsets: ZeroOffsets) -> ClauseResult:
-    """The zero offset as an item, deg/s."""
-    key, readings = "ahrs_zero_offset", ("jjf1536.zero_time", "jjf1536.earth_cancels")
-    item = ItemEstimate(scaled(offsets.elements, DEG), CLAUSE, readings)
-    unavailable = {key: clauses(offsets.missing)} if offsets.missing else {}
-    return ClauseResult({key: item}, unavailable, offsets.remarks)
+    return item_by_axis(ZERO_OFFSET, ItemEstimate(undetermined(AXES), CLAUSE, READINGS), of_axis)
 
 
 def _positions(evidence: AhrsEvidence, channel: int) -> Positions:
@@ -152,7 +139,8 @@ def _remarks(evidence: AhrsEvidence, positions: Positions) -> Iterator[Remark]:
     """Conditions of 7.2.1 and 7.2.2: labels, number of positions, time at each."""
     axis, count = positions.axis, len(positions.groups)
     held = {i: evidence.segments[i] for i in positions.rests}
-    if names := tuple(s.segment.name for i, s in held.items() if i in evidence.contradicted):
+    labels = [segment.segment for segment in held.values()]
+    if names := tuple(s.name for s in labels if attitude_contradicted(evidence.recording, s)):
         text = message("jjf1536-attitude-contradicted", axis=axis, segments=names)
         yield remark("pointing_contradicted", text, names, blocks_pass=True)
     if positions.direction is None:

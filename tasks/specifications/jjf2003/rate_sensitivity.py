@@ -1,6 +1,6 @@
 """7.2.5: what turning adds to the accelerometers, p by eq. (12) and (13)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,18 +9,20 @@ from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import (
-    OFF_DIAGONAL,
-    UNDETERMINED,
     ClauseResult,
     Estimate,
+    Estimates,
     ItemEstimate,
+    item_by_axis,
     linear_estimate,
     u_of_means,
+    undetermined,
 )
 from tasks.specifications.evidence import NOMINAL_GRAVITY, Evidence
+from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
-from tasks.words import Message, Sayable, clauses, message, remark
+from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 2003-2022, 7.2.5.2 eq. (12), (13)"
 READINGS = (
@@ -43,33 +45,27 @@ class RateRun:
 
 def rate_sensitivity_item(evidence: Evidence, equipment: Equipment) -> ClauseResult:
     """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
-    elements = {AXES[i] + AXES[j]: UNDETERMINED for i, j in OFF_DIAGONAL}
-    missing: list[Sayable] = []
-    remarks: list[Remark] = []
-    for j, axis in enumerate(AXES):
-        runs, why = _runs(evidence, axis)
-        if why is not None:
-            missing.append(message("specifications-of-axis", axis=axis, reason=why))
-            continue
-        for i in range(3):
-            if i != j:
-                elements[AXES[i] + AXES[j]] = _difference(evidence, i, runs, equipment)
-        remarks.extend(_one_sided(evidence, axis, runs))
-    key = "accel_rate_sensitivity"
-    unavailable = {key: clauses(missing)} if missing else {}
-    return ClauseResult(
-        {key: ItemEstimate(elements, CLAUSE, READINGS)}, unavailable, tuple(remarks)
-    )
+
+    def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
+        runs = _runs(evidence, axis)
+        if isinstance(runs, Message):
+            return message("specifications-of-axis", axis=axis, reason=runs)
+        across = (i for i in range(3) if i != j)
+        elements = {AXES[i] + axis: _difference(evidence, i, runs, equipment) for i in across}
+        return elements, _one_sided(evidence, axis, runs)
+
+    item = ItemEstimate(undetermined(OFF_DIAGONAL_ELEMENTS), CLAUSE, READINGS)
+    return item_by_axis("accel_rate_sensitivity", item, of_axis)
 
 
-def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[RateRun, ...], Message | None]:
+def _runs(evidence: Evidence, axis: Axis) -> tuple[RateRun, ...] | Message:
     """The runs about each vertical direction of an axis that has rests, or why there are none."""
     points = [i for i in evidence.points[axis] if evidence.segments[i].has_accel]
     if not points:
-        return (), message("jjf2003-no-rate", axis=axis)
+        return message("jjf2003-no-rate", axis=axis)
     vertical = [i for i in points if (evidence.up[i] or "")[1:] == axis]
     if not vertical:
-        return (), message("jjf2003-not-vertical", axis=axis)
+        return message("jjf2003-not-vertical", axis=axis)
     largest = max(abs(evidence.rate[i]) for i in vertical)
     fast = [i for i in vertical if abs(evidence.rate[i]) >= SAME_RATE * largest]
     runs = []
@@ -80,8 +76,8 @@ def _runs(evidence: Evidence, axis: Axis) -> tuple[tuple[RateRun, ...], Message 
         if rests:
             runs.append(RateRun(turning, tuple(beside or rests)))
     if not runs:
-        return (), message("jjf2003-no-rest-beside", axis=axis)
-    return tuple(runs), None
+        return message("jjf2003-no-rest-beside", axis=axis)
+    return tuple(runs)
 
 
 def _difference(

@@ -19,22 +19,26 @@ from tasks.specifications.estimate import (
     merged,
     off_diagonal,
     scaled,
-    undetermined_matrix,
-    undetermined_vector,
+    undetermined,
 )
 from tasks.specifications.evidence import NOMINAL_GRAVITY, UPS, Evidence
+from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.jjf2003.earth import earth_remarks, without_earth
-from tasks.specifications.jjf2003.position_fit import BIAS, PositionFit, fit_positions
-from tasks.specifications.jjf2003.positions import position_remarks, usable_positions
+from tasks.specifications.jjf2003.positions import (
+    BIAS,
+    PositionFit,
+    Positions,
+    fit_positions,
+    position_remarks,
+    usable_positions,
+)  # fmt: skip
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
-from tasks.words import Sayable, clauses, message
+from tasks.words import Message, Sayable, clauses, message
 
 CLAUSE_GYRO = "JJF 2003-2022, 7.2.2.2 eq. (6)-(8)"
 CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
 READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
-
-Positions = dict[str, tuple[int, ...]]
 
 
 def tumble_items(evidence: Evidence, gyro_k: np.ndarray, equipment: Equipment) -> ClauseResult:
@@ -56,26 +60,28 @@ def _gyro_items(
     evidence: Evidence, positions: Positions, gyro_k: np.ndarray, equipment: Equipment
 ) -> ClauseResult:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
-    if not positions:
-        items = _as_gyro_items(undetermined_matrix(), undetermined_vector(), undetermined_matrix())
-        return ClauseResult(items, dict.fromkeys(items, message("jjf2003-no-rest-gyro")))
     fit = fit_positions(evidence, positions, 0)
     k = np.where(np.isfinite(gyro_k), gyro_k, np.eye(3)).diagonal()
     matrix, bias = _gyro_estimates(fit, k, equipment)
     corrected, why_not = without_earth(evidence, positions, matrix, gyro_k, equipment)
-    items = _as_gyro_items(matrix, bias, corrected)
-    unavailable = _missing_positions(items, positions)
-    if why_not:
-        _add_reason(unavailable, "gyro_g_sensitivity", why_not)
+    items = {
+        "gyro_bias": ItemEstimate(scaled(bias, DEG), CLAUSE_GYRO, READINGS),
+        "gyro_g_sensitivity": ItemEstimate(
+            scaled(matrix, DEG), CLAUSE_GYRO, (*READINGS, "jjf2003.g_earth"), scaled(corrected, DEG)
+        ),
+    }
+    if not positions:
+        return ClauseResult(items, dict.fromkeys(items, message("jjf2003-no-rest-gyro")))
+    reasons = _reasons(items, positions, {"gyro_g_sensitivity": why_not} if why_not else {})
     excess = excess_remarks("jjf2003-positions-scatter", fit.factors.tolist())
-    return ClauseResult(items, unavailable, (*earth_remarks(evidence, gyro_k), *excess))
+    return ClauseResult(items, reasons, (*earth_remarks(evidence, gyro_k), *excess))
 
 
 def _gyro_estimates(
     fit: PositionFit, k: np.ndarray, equipment: Equipment
 ) -> tuple[Estimates, Estimates]:
     """g-sensitivity (rad/s per g) and bias (rad/s) with their budgets' lines; k: (3,) K_ii."""
-    matrix, bias = undetermined_matrix(), undetermined_vector()
+    matrix, bias = undetermined(MATRIX_ELEMENTS), undetermined(AXES)
     for i, j in MATRIX:
         per_radian = math.hypot(k[i] * EARTH_RATE, fit.across(i, j))
         lines = type_b.attitude_errors(equipment, per_radian, fit.weights(j))
@@ -86,35 +92,24 @@ def _gyro_estimates(
     return matrix, bias
 
 
-def _as_gyro_items(
-    matrix: Estimates, bias: Estimates, without_earth_rotation: Estimates
-) -> dict[str, ItemEstimate]:
-    return {
-        "gyro_bias": ItemEstimate(scaled(bias, DEG), CLAUSE_GYRO, READINGS),
-        "gyro_g_sensitivity": ItemEstimate(
-            scaled(matrix, DEG),
-            CLAUSE_GYRO,
-            (*READINGS, "jjf2003.g_earth"),
-            scaled(without_earth_rotation, DEG),
-        ),
-    }
-
-
 def _accel_items(evidence: Evidence, positions: Positions, equipment: Equipment) -> ClauseResult:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
     gravity = evidence.gravity
-    if not positions:
-        items = _as_accel_items(undetermined_matrix(), undetermined_vector())
-        return ClauseResult(items, dict.fromkeys(items, message("jjf2003-no-rest-accel")))
     tilt = type_b.tilt_of_a_face(equipment, evidence.mounted_once)
     fit = fit_positions(evidence, positions, 3, (gravity or 0.0) ** 2 * tilt)
-    items = _as_accel_items(*_accel_estimates(fit, gravity, equipment))
-    unavailable = _missing_positions(items, positions)
-    if gravity is None:
-        for key in ("accel_scale_factor", "accel_cross_coupling"):
-            _add_reason(unavailable, key, message("specifications-no-gravity"))
+    matrix, bias = _accel_estimates(fit, gravity, equipment)
+    azx = (*READINGS, "jjf2003.k_azx")
+    items = {
+        "accel_scale_factor": ItemEstimate(diagonal(matrix), CLAUSE_ACCEL, READINGS),
+        "accel_cross_coupling": ItemEstimate(off_diagonal(matrix), CLAUSE_ACCEL, azx),
+        "accel_bias": ItemEstimate(bias, CLAUSE_ACCEL, READINGS),
+    }
+    if not positions:
+        return ClauseResult(items, dict.fromkeys(items, message("jjf2003-no-rest-accel")))
+    ratios = ("accel_scale_factor", "accel_cross_coupling") if gravity is None else ()
+    unknown = dict.fromkeys(ratios, message("specifications-no-gravity"))
     excess = excess_remarks("jjf2003-positions-scatter", fit.factors.tolist(), first_channel=3)
-    return ClauseResult(items, unavailable, excess)
+    return ClauseResult(items, _reasons(items, positions, unknown), excess)
 
 
 def _accel_estimates(
@@ -125,7 +120,7 @@ def _accel_estimates(
     Without a gravity the bias stands, with what the accelerometer reads of it for the
     sensitivity to a tilt.
     """
-    matrix, bias = undetermined_matrix(), undetermined_vector()
+    matrix, bias = undetermined(MATRIX_ELEMENTS), undetermined(AXES)
     reads = [abs(fit.estimates[i][i].value) for i in range(3)]  # K_ii·g, m/s²
     for i, axis in enumerate(AXES):
         level = reads[i] if np.isfinite(reads[i]) else NOMINAL_GRAVITY
@@ -145,26 +140,15 @@ def _accel_estimates(
     return matrix, bias
 
 
-def _as_accel_items(matrix: Estimates, bias: Estimates) -> dict[str, ItemEstimate]:
-    azx = (*READINGS, "jjf2003.k_azx")
-    return {
-        "accel_scale_factor": ItemEstimate(diagonal(matrix), CLAUSE_ACCEL, READINGS),
-        "accel_cross_coupling": ItemEstimate(off_diagonal(matrix), CLAUSE_ACCEL, azx),
-        "accel_bias": ItemEstimate(bias, CLAUSE_ACCEL, READINGS),
-    }
-
-
-def _missing_positions(
-    items: Mapping[str, ItemEstimate], positions: Positions
+def _reasons(
+    items: Mapping[str, ItemEstimate], positions: Positions, further: Mapping[str, Message]
 ) -> dict[str, Sayable]:
-    """Why elements of these items are null: the positions that would determine them."""
+    """Why elements of these items are null: positions that would determine them, and further."""
     absent = ", ".join(up for up in UPS if up not in positions)
-    return {
+    missing = {
         key: message("jjf2003-position-missing", elements=", ".join(item.undetermined), ups=absent)
         for key, item in items.items()
         if item.undetermined
     }
-
-
-def _add_reason(unavailable: dict[str, Sayable], key: str, more: Sayable) -> None:
-    unavailable[key] = clauses([unavailable[key], more]) if key in unavailable else more
+    reasons = {key: [by[key] for by in (missing, further) if key in by] for key in items}
+    return {key: clauses(parts) for key, parts in reasons.items() if parts}

@@ -7,7 +7,7 @@ from sample_certificate import calibration, items, printed, tolerance
 from tasks.certificate.results import Group, sections
 from tasks.certificate.statements import basis
 from tasks.conformity import decide
-from tasks.specifications.joint.on_table import ACCEL_CLAUSE, GYRO_CLAUSE
+from tasks.specifications.joint.items import CLAUSES
 from tasks.specifications.register import SPECIFICATIONS
 
 
@@ -16,7 +16,7 @@ def groups(method: str) -> dict[str, Group]:
         method=method,
         items={
             name: item.model_copy(
-                update={"clause": GYRO_CLAUSE if name.startswith("gyro") else ACCEL_CLAUSE}
+                update={"clause": f"{CLAUSES[name.partition('_')[0]]}, joint method"}
             )
             for name, item in items().items()
         },
