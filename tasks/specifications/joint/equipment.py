@@ -8,7 +8,7 @@ outermost axis leans from the vertical by as much as angles and axes allow: that
 and averages out in turns.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.specifications.evidence import Evidence
 from tasks.uncertainty.budget import Contribution
-from tasks.uncertainty.equipment import Equipment, Limit
+from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import MIN_RIPPLE_ANGLE
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
@@ -27,36 +27,45 @@ LEAST_SHARE = 1e-6  # of the largest line of a budget: rounding, not a line of i
 
 
 @dataclass(frozen=True)
-class EquipmentError:
-    """What one limit does to the mean readings.
+class EquipmentResponse:
+    """How the mean readings follow the equipment's errors, per unit of each.
 
-    readings: (k, n, 6), of k independent errors, per unit of each. followed: whether the
-    parameters follow it, so that nothing of it is left over.
+    tilt: (3, n, 6) per rad about each body axis. lean: (2, n, 6) per rad of the vertical towards
+    two headings. rate, gravity: (n, 6) per relative error.
+    latitude: (n, 6) per rad.
+    settings, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the
+    unit's mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
+    speed: (n,) rad/s.
     """
 
-    limit: Limit
-    readings: np.ndarray
-    followed: bool = False
+    tilt: np.ndarray
+    lean: np.ndarray
+    rate: np.ndarray
+    gravity: np.ndarray
+    latitude: np.ndarray
+    settings: np.ndarray
+    faces: np.ndarray
+    mountings: np.ndarray
+    turned: np.ndarray
+    by_angle: np.ndarray
+    speed: np.ndarray
+    equipment: Equipment
+    local_gravity: float
 
-    def line(self, weights: np.ndarray) -> Contribution:
-        """The line of Σ o·U over the channels; weights: o (6, n).
+    def lines(self, weights: np.ndarray) -> tuple[Contribution, ...]:
+        """The lines of Σ o·U over the channels; weights: o (6, n).
 
         By what is told of rate, gravity and latitude: what they truly are acts the other way.
         """
-        errors = (weights.T * self.readings).sum(axis=(1, 2))
-        sensitivity = -errors.sum() if self.followed else np.linalg.norm(errors)
-        return Contribution(self.limit.quantity(), float(sensitivity))
-
-
-@dataclass(frozen=True)
-class EquipmentResponse:
-    """How the mean readings of n segments follow the equipment's errors."""
-
-    errors: tuple[EquipmentError, ...]
-
-    def lines(self, weights: np.ndarray) -> tuple[Contribution, ...]:
-        """The lines of Σ o·U over the channels; weights: o (6, n)."""
-        every = [error.line(weights) for error in self.errors]
+        gravity = (weights.T * self.gravity).sum() / self.local_gravity
+        latitude = (weights.T * self.latitude).sum()
+        rate = (weights.T * self.rate).sum(axis=1)
+        every = (
+            *self._rates(rate),
+            *self._angles(weights, rate),
+            Contribution(self.equipment.gravity.quantity(), -float(gravity)),
+            Contribution(self.equipment.latitude.quantity(), -float(latitude)),
+        )
         sizes = [abs(line.sensitivity) * line.quantity.u for line in every]
         least = LEAST_SHARE * max(sizes)
         return tuple(line for line, size in zip(every, sizes, strict=True) if size > least)
@@ -66,13 +75,61 @@ class EquipmentResponse:
 
         Rate, gravity and latitude change the parameters, not what is left over.
         """
-        n = self.errors[0].readings.shape[1]
-        total = np.zeros((n, n))
-        for error in self.errors:
-            if not error.followed:
-                of_channel = error.readings[:, :, channel]
-                total += error.limit.u**2 * (of_channel.T @ of_channel)
+        tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
+        leaning, across = lean.T @ lean, tilt.T @ tilt
+        own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
+        setting = across * (self.settings[:, None] == self.settings) + leaning + own
+        total = np.zeros_like(across)
+        for limit in self.equipment.angles:
+            total += limit.u**2 * setting
+        if self.equipment.axes is not None:
+            face = across * (self.faces[:, None] == self.faces)
+            total += self.equipment.axes.u**2 * (face + leaning)
+        if self.equipment.fixture is not None:
+            mounted = across * (self.mountings[:, None] == self.mountings)
+            total += self.equipment.fixture.u**2 * mounted
+        if self.equipment.ripple is not None:
+            ripple = self.rate[:, channel] * self._ripple_share()
+            total += self.equipment.ripple.u**2 * np.diag(ripple**2)
         return total
+
+    def _turned_share(self) -> np.ndarray:
+        """(n,) relative error of a turn's rate per rad of its angle; zero where none is turned."""
+        return np.where(self.by_angle, 1.0 / np.where(self.by_angle, self.turned, 1.0), 0.0)
+
+    def _ripple_share(self) -> np.ndarray:
+        """(n,) rms of what a ripple leaves in the mean rate of a run; zero where none is held."""
+        held = ~self.by_angle & (self.speed > 0)
+        return held * 1.0 / np.maximum(self.turned, MIN_RIPPLE_ANGLE)
+
+    def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
+        held = np.flatnonzero(~self.by_angle & (self.speed > 0))
+        limits = {i: self.equipment.rate_at(self.speed[i]) for i in held}
+        for limit in dict.fromkeys(limit for found in limits.values() for limit in found):
+            common = sum(felt[i] for i in held if limit in limits[i])
+            yield Contribution(limit.quantity(), -float(common))
+        if self.equipment.ripple is not None:
+            left = float(np.linalg.norm(felt * self._ripple_share()))
+            yield Contribution(self.equipment.ripple.quantity(), left)
+
+    def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterable[Contribution]:
+        turns = rate * self._turned_share()
+        felt = (weights.T * self.tilt).sum(axis=2)
+        lean = float(np.linalg.norm((weights.T * self.lean).sum(axis=(1, 2))))
+        setting = float(np.hypot(_summed(felt, self.settings), np.linalg.norm(turns)))
+        for limit in self.equipment.angles:
+            yield Contribution(limit.quantity(), float(np.hypot(setting, lean)))
+        if self.equipment.axes is not None:
+            face = float(np.hypot(_summed(felt, self.faces), lean))
+            yield Contribution(self.equipment.axes.quantity(), face)
+        if self.equipment.fixture is not None:
+            mounting = _summed(felt, self.mountings)
+            yield Contribution(self.equipment.fixture.quantity(), mounting)
+
+
+def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
+    """√Σ over groups and body axes (3, n) of what one error common to a group does."""
+    return float(np.linalg.norm([np.bincount(numbers, row) for row in felt]))
 
 
 def equipment_response(
@@ -93,56 +150,30 @@ def equipment_response(
     def changed(other: Motion, model: tuple[Term, ...] = terms) -> np.ndarray:
         return np.nan_to_num((predict(model, other, values) - reads) / STEP)
 
-    tilt = [changed(_tilted(motion, axis)) for axis in np.eye(3)]
-    lean = [
-        changed(replace(motion, up=motion.up + STEP * direction))
-        for direction in _level_directions(evidence, motion)
-    ]
-    rate = changed(replace(motion, rate=motion.rate * (1.0 + STEP)))
-    gravity = changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))) / motion.gravity
-    latitude = changed(motion, terms_at(STEP))
-
-    def tilts(group: Sequence[str]) -> list[np.ndarray]:
-        """(n, 6) for each group and body axis: one tilt common to the group."""
-        names = np.array(group)
-        return [
-            reading * (names == name)[:, None] for name in dict.fromkeys(group) for reading in tilt
-        ]
-
-    def rates(share: np.ndarray) -> list[np.ndarray]:
-        """(n, 6) for each segment with a share (n,): a relative error of its own rate."""
-        return [rate * (share * own)[:, None] for own in np.eye(len(share))[share != 0.0]]
-
-    setting = [_setting(evidence, i) for i in range(len(evidence.segments))]
-    face = [up or own for up, own in zip(evidence.up, setting, strict=True)]
-    mounting = [""] * len(face) if evidence.mounted_once else face
+    segments = [segment.segment for segment in evidence.segments]
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
-    turned = speed * [segment.seconds for segment in evidence.segments]
-    by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
-    held = ~by_angle & (speed > 0)
-    of_turn = np.where(by_angle, 1.0 / np.where(by_angle, turned, 1.0), 0.0)
-    of_ripple = held / np.maximum(turned, MIN_RIPPLE_ANGLE)
-    limits = [equipment.rate_at(v) if on else () for v, on in zip(speed, held, strict=True)]
-    position = [*tilts(setting), *rates(of_turn), *lean]
-    separate = (
-        (equipment.ripple, rates(of_ripple)),
-        *((limit, position) for limit in equipment.angles),
-        (equipment.axes, [*tilts(face), *lean]),
-        (equipment.fixture, tilts(mounting)),
+    seconds = np.array([segment.seconds for segment in evidence.segments])
+    place = [_setting(evidence, i) for i in range(len(segments))]
+    face = [evidence.up[i] or place[i] for i in range(len(segments))]
+    mount = face if not evidence.mounted_once else [""] * len(face)
+    level = _level_directions(evidence, motion)
+    return EquipmentResponse(
+        tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
+        lean=np.array(
+            [changed(replace(motion, up=motion.up + STEP * direction)) for direction in level]
+        ),
+        rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
+        gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
+        latitude=changed(motion, terms_at(STEP)),
+        settings=_numbered(place),
+        faces=_numbered(face),
+        mountings=_numbered(mount),
+        turned=speed * seconds,
+        by_angle=np.array([s.kind == "rotation" for s in segments], bool),
+        speed=speed,
+        equipment=equipment,
+        local_gravity=motion.gravity,
     )
-    return EquipmentResponse((
-        *(
-            EquipmentError(limit, (rate * [[limit in at] for at in limits])[None], followed=True)
-            for limit in dict.fromkeys(limit for at in limits for limit in at)
-        ),
-        *(
-            EquipmentError(limit, np.array(errors).reshape(-1, *rate.shape))
-            for limit, errors in separate
-            if limit is not None
-        ),
-        EquipmentError(equipment.gravity, gravity[None], followed=True),
-        EquipmentError(equipment.latitude, latitude[None], followed=True),
-    ))  # fmt: skip
 
 
 def _setting(evidence: Evidence, i: int) -> str:
@@ -177,3 +208,7 @@ def _tilted(motion: Motion, axis: np.ndarray) -> Motion:
         for name in ("up", "north", "rate")
     }
     return replace(motion, **turned)
+
+
+def _numbered(names: list[str]) -> np.ndarray:
+    return np.unique(names, return_inverse=True)[1] if names else np.zeros(0, int)
