@@ -1,5 +1,7 @@
 """JJF 2003-2022, clause 7: every item that a recording allows, clause by clause."""
 
+from functools import partial
+
 from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
@@ -37,12 +39,15 @@ LAYOUT = (  # Appendix B
 )
 
 
-def check(recording: Recording) -> None:
-    """Raises Unusable where the recording holds neither gyro nor accelerometer readings."""
+def check_readings(recording: Recording, use: str) -> None:
+    """Raises Unusable where the recording holds neither gyro nor accelerometer readings.
+
+    use: who needs the columns, and the way out.
+    """
     if not any(name in recording.imu.columns for name in GYRO + ACCEL):
         raise Unusable(
-            f"{recording.manifest.recording_id}: there are no gyro_* or accel_* columns, which JJF "
-            "2003 calibrates; a recording of accumulated angles belongs to JJF 1536"
+            f"{recording.manifest.recording_id}: there are no gyro_* or accel_* columns, which "
+            f"{use}"
         )
 
 
@@ -69,7 +74,10 @@ JJF2003 = Specification(
     layout=LAYOUT,
     equipment=EQUIPMENT,
     equipment_source="JJF 2003-2022, Table 1",
-    check=check,
+    check=partial(
+        check_readings,
+        use="JJF 2003 calibrates; a recording of accumulated angles belongs to JJF 1536",
+    ),
     gather=gather,
     estimate=estimate,
 )

@@ -8,7 +8,7 @@ outermost axis leans from the vertical by as much as angles and axes allow: that
 and averages out in turns.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from tasks.model.term import Term
 from tasks.motion.whole import Motion
 from tasks.specifications.evidence import Evidence
 from tasks.uncertainty.budget import Contribution
-from tasks.uncertainty.equipment import Equipment
+from tasks.uncertainty.equipment import Equipment, Limit
 from tasks.uncertainty.type_b import MIN_RIPPLE_ANGLE
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
@@ -34,8 +34,10 @@ class EquipmentResponse:
     two headings. rate, gravity: (n, 6) per relative error.
     latitude: (n, 6) per rad.
     settings, faces, mountings: (n,) numbers of the table's settings, of the axes up, and of the
-    unit's mountings in its fixture. turned: (n,) rad; by_angle: (n,) bool, turns by an angle;
-    speed: (n,) rad/s.
+    unit's mountings in its fixture.
+    turn_share: (n,) relative error of a turn's rate per rad of its angle; zero where none is
+    turned. ripple_share: (n,) rms of what a ripple leaves in the mean rate of a run; zero where
+    none is held. rate_limits: of each held rate.
     """
 
     tilt: np.ndarray
@@ -46,9 +48,9 @@ class EquipmentResponse:
     settings: np.ndarray
     faces: np.ndarray
     mountings: np.ndarray
-    turned: np.ndarray
-    by_angle: np.ndarray
-    speed: np.ndarray
+    turn_share: np.ndarray
+    ripple_share: np.ndarray
+    rate_limits: Mapping[int, tuple[Limit, ...]]
     equipment: Equipment
     local_gravity: float
 
@@ -77,54 +79,40 @@ class EquipmentResponse:
         """
         tilt, lean = self.tilt[:, :, channel], self.lean[:, :, channel]
         leaning, across = lean.T @ lean, tilt.T @ tilt
-        own = np.diag((self.rate[:, channel] * self._turned_share()) ** 2)
-        setting = across * (self.settings[:, None] == self.settings) + leaning + own
         total = np.zeros_like(across)
-        for limit in self.equipment.angles:
-            total += limit.u**2 * setting
-        if self.equipment.axes is not None:
-            face = across * (self.faces[:, None] == self.faces)
-            total += self.equipment.axes.u**2 * (face + leaning)
-        if self.equipment.fixture is not None:
-            mounted = across * (self.mountings[:, None] == self.mountings)
-            total += self.equipment.fixture.u**2 * mounted
+        for limit, groups, leans, share in self._tilts():
+            common = across * (groups[:, None] == groups)
+            own = np.diag((self.rate[:, channel] * share) ** 2)
+            total += limit.u**2 * (common + leans * leaning + own)
         if self.equipment.ripple is not None:
-            ripple = self.rate[:, channel] * self._ripple_share()
+            ripple = self.rate[:, channel] * self.ripple_share
             total += self.equipment.ripple.u**2 * np.diag(ripple**2)
         return total
 
-    def _turned_share(self) -> np.ndarray:
-        """(n,) relative error of a turn's rate per rad of its angle; zero where none is turned."""
-        return np.where(self.by_angle, 1.0 / np.where(self.by_angle, self.turned, 1.0), 0.0)
+    def _tilts(self) -> Iterator[tuple[Limit, np.ndarray, bool, np.ndarray]]:
+        """The limits that tilt: groups (n,) tilted alike, whether the vertical leans, own share."""
+        none = np.zeros_like(self.turn_share)
+        for limit in self.equipment.angles:
+            yield limit, self.settings, True, self.turn_share
+        if self.equipment.axes is not None:
+            yield self.equipment.axes, self.faces, True, none
+        if self.equipment.fixture is not None:
+            yield self.equipment.fixture, self.mountings, False, none
 
-    def _ripple_share(self) -> np.ndarray:
-        """(n,) rms of what a ripple leaves in the mean rate of a run; zero where none is held."""
-        held = ~self.by_angle & (self.speed > 0)
-        return held * 1.0 / np.maximum(self.turned, MIN_RIPPLE_ANGLE)
-
-    def _rates(self, felt: np.ndarray) -> Iterable[Contribution]:
-        held = np.flatnonzero(~self.by_angle & (self.speed > 0))
-        limits = {i: self.equipment.rate_at(self.speed[i]) for i in held}
-        for limit in dict.fromkeys(limit for found in limits.values() for limit in found):
-            common = sum(felt[i] for i in held if limit in limits[i])
+    def _rates(self, felt: np.ndarray) -> Iterator[Contribution]:
+        for limit in dict.fromkeys(limit for at in self.rate_limits.values() for limit in at):
+            common = sum(felt[i] for i, at in self.rate_limits.items() if limit in at)
             yield Contribution(limit.quantity(), -float(common))
         if self.equipment.ripple is not None:
-            left = float(np.linalg.norm(felt * self._ripple_share()))
+            left = float(np.linalg.norm(felt * self.ripple_share))
             yield Contribution(self.equipment.ripple.quantity(), left)
 
-    def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterable[Contribution]:
-        turns = rate * self._turned_share()
+    def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterator[Contribution]:
         felt = (weights.T * self.tilt).sum(axis=2)
         lean = float(np.linalg.norm((weights.T * self.lean).sum(axis=(1, 2))))
-        setting = float(np.hypot(_summed(felt, self.settings), np.linalg.norm(turns)))
-        for limit in self.equipment.angles:
-            yield Contribution(limit.quantity(), float(np.hypot(setting, lean)))
-        if self.equipment.axes is not None:
-            face = float(np.hypot(_summed(felt, self.faces), lean))
-            yield Contribution(self.equipment.axes.quantity(), face)
-        if self.equipment.fixture is not None:
-            mounting = _summed(felt, self.mountings)
-            yield Contribution(self.equipment.fixture.quantity(), mounting)
+        for limit, groups, leans, share in self._tilts():
+            common = np.hypot(_summed(felt, groups), np.linalg.norm(rate * share))
+            yield Contribution(limit.quantity(), float(np.hypot(common, leans * lean)))
 
 
 def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
@@ -150,11 +138,12 @@ def equipment_response(
     def changed(other: Motion, model: tuple[Term, ...] = terms) -> np.ndarray:
         return np.nan_to_num((predict(model, other, values) - reads) / STEP)
 
-    segments = [segment.segment for segment in evidence.segments]
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
-    seconds = np.array([segment.seconds for segment in evidence.segments])
-    place = [_setting(evidence, i) for i in range(len(segments))]
-    face = [evidence.up[i] or place[i] for i in range(len(segments))]
+    turned = speed * np.array([segment.seconds for segment in evidence.segments])
+    by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
+    held = ~by_angle & (speed > 0)
+    place = [_setting(evidence, i) for i in range(len(speed))]
+    face = [up or alone for up, alone in zip(evidence.up, place, strict=True)]
     mount = face if not evidence.mounted_once else [""] * len(face)
     level = _level_directions(evidence, motion)
     return EquipmentResponse(
@@ -168,9 +157,9 @@ def equipment_response(
         settings=_numbered(place),
         faces=_numbered(face),
         mountings=_numbered(mount),
-        turned=speed * seconds,
-        by_angle=np.array([s.kind == "rotation" for s in segments], bool),
-        speed=speed,
+        turn_share=np.where(by_angle, 1.0 / np.where(by_angle, turned, 1.0), 0.0),
+        ripple_share=held * 1.0 / np.maximum(turned, MIN_RIPPLE_ANGLE),
+        rate_limits={i: equipment.rate_at(speed[i]) for i in np.flatnonzero(held).tolist()},
         equipment=equipment,
         local_gravity=motion.gravity,
     )
@@ -178,7 +167,7 @@ def equipment_response(
 
 def _setting(evidence: Evidence, i: int) -> str:
     """What the table's angles were set for: a rest of its own, or a run of rates with its rests."""
-    label, up = evidence.segments[i].segment, evidence.up[i]
+    label, up = evidence.labels[i], evidence.up[i]
     if label.kind != "static":
         return f"run {up or label.axis}"
     return f"run {up}" if label.item == "rate_sensitivity" and up else f"rest {i}"

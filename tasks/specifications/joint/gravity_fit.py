@@ -46,23 +46,23 @@ def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> Gravity
     if len(means) < FEWEST_RESTS:
         return None
     start = np.append([float(i == j) for i, j in UPPER], np.zeros(3))
-    found = least_squares(
+    solved = least_squares(
         lambda values: _equations(values, means, gravity)[1],
         start,
         jac=lambda values: _equations(values, means, gravity)[2],
         method="lm", x_scale="jac", ftol=TIGHT, xtol=TIGHT, gtol=TIGHT,
     )  # fmt: skip
-    felt, misses, slopes = _equations(found.x, means, gravity)
+    felt, misses, slopes = _equations(solved.x, means, gravity)
     scale = np.linalg.norm(slopes, axis=0)
-    if not found.success or not np.linalg.cond(slopes / np.where(scale, scale, 1.0)) < CONDITION:
+    if not solved.success or not np.linalg.cond(slopes / np.where(scale, scale, 1.0)) < CONDITION:
         return None
     follow = np.linalg.pinv(slopes)
     readout = -slopes[:, 6:]  # d miss/d reading: what it does to the bias, the other way
     spread = sum(readout[:, c, None] * noise[c] * readout[None, :, c] for c in range(3))
     solution = Solution(follow, np.ones(9, bool))
     return GravityFit(
-        matrix=_matrix(found.x),
-        bias=found.x[6:],
+        matrix=_matrix(solved.x),
+        bias=solved.x[6:],
         felt=felt,
         misses=misses,
         operator=-follow[:, :, None] * readout[None],

@@ -49,7 +49,7 @@ def operator_of(
     """Both steps over all channels; those that share a parameter are solved together."""
     mean = motion.mean
     own_axis = own(ACCEL_FIRST, mean.rate**2)  # fitted beside the model: see `_roles`
-    every = [_seen(column) for column in (*columns, *own_axis)]
+    every = [_regressor(column) for column in (*columns, *own_axis)]
     roles = _roles(terms) + ["dynamic"] * len(own_axis)
     for p, unturned in enumerate(_about_unturned(terms, motion)):
         every[p] = {} if unturned else every[p]
@@ -77,7 +77,7 @@ def operator_of(
     return Operator(weights, tuple(excess))
 
 
-def _seen(column: Column) -> dict[int, np.ndarray]:
+def _regressor(column: Column) -> dict[int, np.ndarray]:
     """The channels that a column moves at all, zero where its motion is not known."""
     filled = {channel: np.nan_to_num(signal) for channel, signal in column.items()}
     return {channel: signal for channel, signal in filled.items() if signal.any()}

@@ -13,11 +13,10 @@ from scipy.optimize import least_squares
 
 from schemas.recording import GYRO, Stream
 from tasks.segments.summarise import GYRO_COLUMNS, SegmentMean
+from tasks.specifications.joint.gravity_fit import CONDITION, TIGHT
 
 FEWEST_MOVES = 9  # two equations each, nine parameters, and as many to contradict them
 LONGEST = 60.0  # s: a longer way between two rests drifts
-TIGHT = 1e-15  # of cost, step and gradient: to the last digit
-CONDITION = 1e4
 
 
 @dataclass(frozen=True)
@@ -79,13 +78,13 @@ def fit_moves(moves: Moves) -> MovesFit | None:
     count = len(moves.turns)
     if count < FEWEST_MOVES:
         return None
-    found = least_squares(
+    solved = least_squares(
         lambda values: _misses(moves, values.reshape(3, 3)), np.eye(3).ravel(), jac="3-point",
         ftol=TIGHT, xtol=TIGHT, gtol=TIGHT,
     )  # fmt: skip
-    if not found.success or not np.linalg.cond(found.jac) < CONDITION:
+    if not solved.success or not np.linalg.cond(solved.jac) < CONDITION:
         return None
-    inverse, misses, slopes, dof = found.x.reshape(3, 3), found.fun, found.jac, 2.0 * count - 9.0
+    inverse, misses, slopes, dof = solved.x.reshape(3, 3), solved.fun, solved.jac, 2.0 * count - 9.0
     matrix = np.linalg.inv(inverse)
     covariance = np.linalg.inv(slopes.T @ slopes) * (misses @ misses / dof)
     # dK = −K·dK⁻¹·K

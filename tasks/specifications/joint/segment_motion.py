@@ -62,8 +62,9 @@ def segment_motion(evidence: Evidence) -> SegmentMotion:
     """
     segments = evidence.segments
     motion, vertical = _motion(evidence)
-    still = np.array([segment.segment.kind == "static" for segment in segments], bool)
-    turning = np.array([segment.segment.kind == "rate" for segment in segments], bool)
+    kind = np.array([label.kind for label in evidence.labels], str)
+    still, turning = kind == "static", kind == "rate"
+    steps = np.array([segment.step for segment in segments]).reshape(-1, 6)
     moved = np.isfinite(motion.rate).all(axis=1)
     gyro = np.array([segment.has_gyro for segment in segments], bool)
     accel = np.array([segment.has_accel for segment in segments], bool)
@@ -73,16 +74,11 @@ def segment_motion(evidence: Evidence) -> SegmentMotion:
         mean=motion,
         gyro=gyro & moved & (vertical | ~still) & ~alone,
         accel=accel & moved & vertical & (still | turning),
-        alive=_alive(evidence),
+        alive=np.asarray((steps > 0.0).any(axis=0)),
         turned=turned,
         zero=gyro & still & vertical & ~_beside_pairs(evidence, unknown),
         level_unknown=unknown & ~_paired(evidence),
     )
-
-
-def _alive(evidence: Evidence) -> np.ndarray:
-    steps = np.array([segment.step for segment in evidence.segments]).reshape(-1, 6)
-    return np.asarray((steps > 0.0).any(axis=0))
 
 
 def _motion(evidence: Evidence) -> tuple[Motion, np.ndarray]:
@@ -139,24 +135,22 @@ def _rate(recording: Recording, evidence: Evidence, i: int) -> np.ndarray:
     label = evidence.segments[i].segment
     if label.kind == "static":
         return np.zeros(3)
-    seen = mean_rate(recording, label)
+    if label.kind == "rate" and not np.isfinite(evidence.rate[i]):
+        return np.full(3, np.nan)
+    by_table = mean_rate(recording, label)
+    if by_table is not None:
+        return by_table
+    about = np.eye(3)[AXES.index(label.axis or "x")]
     if label.kind == "rate":
-        known = np.isfinite(evidence.rate[i])
-        by_label = evidence.rate[i] * np.eye(3)[AXES.index(label.axis or "x")]
-        return np.full(3, np.nan) if not known else by_label if seen is None else seen
-    if seen is not None:
-        return seen
+        return np.asarray(evidence.rate[i] * about)
     angle = np.radians(np.nan if label.angle_deg is None else label.angle_deg)
-    return np.eye(3)[AXES.index(label.axis or "x")] * angle / evidence.segments[i].seconds
+    return about * angle / evidence.segments[i].seconds
 
 
 def _paired(evidence: Evidence) -> np.ndarray:
     """(n,) bool: rests of a position that was held at two headings 180° apart."""
-    paired = np.zeros(len(evidence.segments), bool)
-    for indices in evidence.positions.values():
-        if is_paired(evidence, indices):
-            paired[list(indices)] = True
-    return paired
+    paired = [indices for indices in evidence.positions.values() if is_paired(evidence, indices)]
+    return np.isin(np.arange(len(evidence.segments)), np.concatenate([np.zeros(0), *paired]))
 
 
 def _beside_pairs(evidence: Evidence, unknown: np.ndarray) -> np.ndarray:
@@ -179,11 +173,10 @@ def level_covariance(evidence: Evidence, motion: SegmentMotion, gyro: int) -> np
     """
     n, latitude = len(evidence.segments), evidence.latitude_deg
     amplitude = EARTH_RATE * (1.0 if latitude is None else np.cos(np.radians(latitude)))
-    still = np.array([segment.segment.kind == "static" for segment in evidence.segments], bool)
+    still = np.array([label.kind == "static" for label in evidence.labels], bool)
     blind = still & motion.gyro & ~np.isfinite(motion.mean.north).all(axis=1)
     level = blind * np.sqrt(np.clip(1.0 - np.nan_to_num(motion.mean.up[:, gyro]) ** 2, 0.0, 1.0))
-    turn = [segment.segment.turn_deg for segment in evidence.segments]
-    heading = np.radians([np.nan if degrees is None else degrees for degrees in turn])
+    heading = np.radians(np.array([label.turn_deg for label in evidence.labels], float))
     same = np.array([[a == b for b in evidence.up] for a in evidence.up]).reshape(n, n)
     shared = np.nan_to_num(np.cos(heading[:, None] - heading)) * same
     np.fill_diagonal(shared, 1.0)
