@@ -120,15 +120,16 @@ def gather_ahrs(recording: Recording) -> AhrsEvidence:
     rates = as_rates(recording) if by_angle else recording
     labels = recording.manifest.segments
     origin: Origin = "label" if labels else "found"
-    wanted = labels or find_segments(rates)
-    wanted = tuple(s for s in wanted if rows_of(rates, s) >= MIN_ROWS)
-    measured = tuple(s for s in wanted if s.kind in MEASURED)
-    segments: tuple[SegmentMean, ...] = ()
+    measured = tuple(
+        segment
+        for segment in labels or find_segments(rates)
+        if segment.kind in MEASURED and rows_of(rates, segment) >= MIN_ROWS
+    )
     noise, coarse = np.zeros(3), False
     if by_angle and measured:
         segments, angles, coarse = summarise_angles(recording, rates, measured, origin)
         noise = angles.angle
-    elif measured:
+    else:
         segments = summarise_all(rates, measured, origin)
     segments = tuple(s for s in segments if s.has_gyro)
     wrong = wrong_rate_unit(segments, *(("angle columns", "rad") if by_angle else ()))

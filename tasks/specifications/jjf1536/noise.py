@@ -41,21 +41,17 @@ def fit_angle_noise(rests: list[np.ndarray], interval: float, step: np.ndarray) 
 
 def pooled_allan(rests: list[np.ndarray], interval: float) -> tuple[np.ndarray, np.ndarray]:
     """Allan variances (levels, 3) of the rate at 1, 2, 4 … intervals, and how many differences."""
-    total: list[np.ndarray] = []
-    count: list[int] = []
+    levels = max((rest.shape[1].bit_length() - 1 for rest in rests), default=0)
+    total, count = np.zeros((levels, 3)), np.zeros(levels, int)
     for rest in rests:
-        gain, level = rest, 0
-        while gain.shape[1] >= 2:
-            if level == len(total):
-                total.append(np.zeros(3))
-                count.append(0)
+        gain = rest
+        for level in range(rest.shape[1].bit_length() - 1):
             square = np.diff(gain, axis=1) ** 2 / (interval * 2.0**level) ** 2
             total[level] += 0.5 * square.sum(axis=1)
             count[level] += square.shape[1]
             even = gain.shape[1] // 2 * 2
-            gain, level = gain[:, 0:even:2] + gain[:, 1:even:2], level + 1
-    pairs = np.array(count)
-    return np.array(total).reshape(-1, 3) / pairs[:, None], pairs
+            gain = gain[:, 0:even:2] + gain[:, 1:even:2]
+    return total / count[:, None], count
 
 
 def _fit(tau: np.ndarray, variance: np.ndarray, count: np.ndarray) -> np.ndarray:

@@ -79,8 +79,8 @@ def operator_of(
 
 def _regressor(column: Column) -> dict[int, np.ndarray]:
     """The channels that a column moves at all, zero where its motion is not known."""
-    filled = {channel: np.nan_to_num(signal) for channel, signal in column.items()}
-    return {channel: signal for channel, signal in filled.items() if signal.any()}
+    filled = ((channel, np.nan_to_num(signal)) for channel, signal in column.items())
+    return {channel: signal for channel, signal in filled if signal.any()}
 
 
 def _roles(terms: tuple[Term, ...]) -> list[Role]:

@@ -83,9 +83,7 @@ def _lacking(text: str, **listed: Sequence[str]) -> Message:
 
 def _not_rested(evidence: Evidence, used: np.ndarray) -> list[str]:
     """The axes up of which no rest may be used; used: (n,) bool."""
-    still = evidence.of_kind("static")
-    rested = {evidence.up[i] for i in still if used[i]}
-    return [up for up in UPS if up not in rested]
+    return [up for up, rests in evidence.rests.items() if not used[list(rests)].any()]
 
 
 def _not_held(evidence: Evidence, used: np.ndarray) -> list[str]:
