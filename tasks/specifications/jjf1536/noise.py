@@ -7,9 +7,9 @@ finds between them.
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
-from scipy.optimize import nnls
 
 FLICKER_ALLAN = 2.0 * np.log(2.0)
 ROUNDS = 5  # of weighting by the model fitted before
@@ -62,11 +62,23 @@ def _fit(tau: np.ndarray, variance: np.ndarray, count: np.ndarray) -> np.ndarray
     expected, terms = variance.clip(min=1e-6 * variance.max() / len(tau)), np.zeros(3)
     for _ in range(ROUNDS):
         weight = np.sqrt(count) / expected
-        weighted = design * weight[:, None]
-        scale = np.linalg.norm(weighted, axis=0)
-        terms = nnls(weighted / scale, variance * weight)[0] / scale
+        terms = _not_negative(design * weight[:, None], variance * weight)
         expected = np.maximum(design @ terms, 1e-12 * variance.max())
     return terms
+
+
+def _not_negative(design: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """The best of the fits (p,) with some parameters zero and none below."""
+    best, least = np.zeros(design.shape[1]), float(target @ target)
+    for size in range(1, min(design.shape) + 1):
+        for chosen in map(list, combinations(range(design.shape[1]), size)):
+            scale = np.linalg.norm(design[:, chosen], axis=0)
+            terms = np.linalg.lstsq(design[:, chosen] / scale, target, rcond=None)[0] / scale
+            rest = target - design[:, chosen] @ terms
+            if (terms >= 0).all() and rest @ rest < least:
+                best, least = np.zeros(design.shape[1]), float(rest @ rest)
+                best[chosen] = terms
+    return best
 
 
 def slow_allan(variances: list[np.ndarray], tau: np.ndarray, noise: AngleNoise) -> np.ndarray:
