@@ -131,11 +131,11 @@ def _estimate(
         return UNDETERMINED
     channels = np.flatnonzero(weights.any(axis=1)).tolist()
     parts = [linear_estimate(evidence, c, weights[c], excess) for c in channels]
-    lines = parts[0].lines if len(parts) == 1 else (_one_line(parts),)
+    lines = parts[0].lines if len(parts) == 1 else (_summed_type_a(parts),)
     return Estimate(sum(part.value for part in parts), (*lines, *response.lines(weights)))
 
 
-def _one_line(parts: Sequence[Estimate]) -> Contribution:
+def _summed_type_a(parts: Sequence[Estimate]) -> Contribution:
     """What the data of several channels say of their sum, independent of one another."""
     lines = [line for part in parts for line in part.lines]
     u = np.array([line.quantity.u * line.sensitivity for line in lines])
