@@ -92,6 +92,7 @@ class Sequencer:
         if refix.power_off:
             self.recorder.unit.switched_on(on_s)
         await self._watch()
+        self._manifest.mount = None  # while it is turned over its attitude is not known
         self._manifest.fill("refix", "transition", self.clock.station_s)
         self._manifest.mount = mount_in(refix.mount, self.mount)
         if refix.power_off:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
-from tests.proof.prove import run_prove
+from tests.proof.prove import run_prove, run_station
 
 UNUSABLE = 2
 
@@ -28,6 +28,15 @@ def main(
             help="Besides: real recordings in DIR, by hand and with known changes hidden in them.",
         ),
     ] = None,
+    station: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            max=160,
+            help="Nothing but N short recordings of the virtual station.",
+        ),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
     ] = False,
@@ -37,7 +46,10 @@ def main(
     Recordings of an independent plant, explained blind, scored against the truth.
     """
     try:
-        run_prove(seed, short, out, as_json, real)
+        if station is not None:
+            run_station(station, out)
+        else:
+            run_prove(seed, short, out, as_json, real)
     except Unusable as refused:
         print(refused, file=sys.stderr)
         raise typer.Exit(UNUSABLE) from None

@@ -15,6 +15,7 @@ from tests.proof.peers.score import PeerScore, score_peers
 from tests.proof.peers.table import duties_of
 from tests.proof.real import page as real_page
 from tests.proof.real.hold import Results, hold
+from tests.proof.station import hold as station
 from tests.proof.trial.draw import draw
 from tests.proof.trial.evidence import (
     SUMMARY,
@@ -74,6 +75,21 @@ def run_prove(
         console.print(f"{what}: {figure}")
     for name in (*contents, "seals.txt"):
         console.print(str(folder / name))
+
+
+def run_station(count: int, out: Path | None) -> None:
+    """Makes, explains and scores recordings of the virtual station.
+
+    Raises Unusable for a folder that is in use or cannot be written.
+    """
+    folder = out or Path(f"{DEFAULT_OUT}-station")
+    _make(folder)
+    with counting("virtual station") as report:
+        scores = station.hold(folder, count, report)
+    console = stdout(markup=False)
+    for line in station.summary(scores):
+        console.print(line)
+    console.print(str(folder / "station.md"))
 
 
 def prove_real(real: Path, folder: Path, seed: int) -> Results:

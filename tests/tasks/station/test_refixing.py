@@ -75,6 +75,14 @@ def test_a_person_is_asked_once_for_each_refixing_and_the_unit_may_restart(new_s
             assert rows.stop - rows.start == pytest.approx(100, abs=1)
 
 
+def test_while_it_is_turned_over_no_attitude_is_claimed(tmp_path):
+    made = run_of(tmp_path, part("fix_x_up", "rest_x", "fix_y_up", "rest_y"))
+    manifest = made.recording.manifest
+    mounts = {segment.name[:5]: segment.mount for segment in manifest.segments}
+    assert mounts["refix"] is None
+    assert mounts["rest_"] is not None
+
+
 @pytest.mark.real_time
 def test_a_fixture_is_turned_and_the_supply_switched_through_its_registers(new_sink):
     sink = new_sink()

@@ -1,0 +1,68 @@
+"""Makes recordings of the virtual station, has them explained blind, and scores the answers."""
+
+import json
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tests.proof.real.hold import write
+from tests.proof.station.case import Case, cases
+from tests.proof.station.record import recording_of
+from tests.proof.station.score import Score, score
+from tests.proof.trial.blind import ANSWER
+from tests.proof.trial.hold import RECORDINGS, explain_blind
+from tests.proof.trial.score import ANSWERS
+
+COLUMNS = ("recording", "low-pass", "delay", "wrong names", "told", "s")
+
+
+def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Score]:
+    """Recordings, answers and station.md in a new folder; the scores of the first `count` cases."""
+    asked = {f"{number:03d}": case for number, case in enumerate(cases(count), start=1)}
+    for label, case in asked.items():
+        write(recording_of(case), folder / RECORDINGS / label)
+    explain_blind(folder, report)
+    scores = [score(case, _answer(folder / ANSWERS / label)) for label, case in asked.items()]
+    (folder / "station.md").write_text(as_markdown(scores), encoding="utf-8")
+    return scores
+
+
+def _answer(folder: Path) -> dict[str, object]:
+    return dict(json.loads((folder / ANSWER).read_text(encoding="utf-8")))
+
+
+def as_markdown(scores: Sequence[Score]) -> str:
+    """What came out in all, then a row for each recording."""
+    rows = [_line(COLUMNS), _line(["---"] * len(COLUMNS)), *(_line(_row(one)) for one in scores)]
+    return "\n".join([*summary(scores), "", *rows, ""])
+
+
+def summary(scores: Sequence[Score]) -> list[str]:
+    """Of all recordings: wrong names, and how low-pass and delay were told."""
+    lines = [
+        f"{len(scores)} recordings of the virtual station: right in all "
+        f"{sum(one.is_right for one in scores)}, a wrong name in "
+        f"{sum(bool(one.wrong) for one in scores)}, failed "
+        f"{sum(one.failed is not None for one in scores)}."
+    ]
+    for what in ("low_pass", "delay"):
+        told = Counter(getattr(one, what) for one in scores)
+        counts = ", ".join(f"{how} {n}" for how, n in told.most_common())
+        lines.append(f"{what.replace('_', '-')}: {counts}.")
+    return lines
+
+
+def _row(one: Score) -> tuple[str, ...]:
+    return (
+        _described(one.case), one.low_pass, one.delay, ", ".join(one.wrong) or "none",
+        one.failed or ", ".join(one.names) or "nothing", f"{one.seconds:.1f}",
+    )  # fmt: skip
+
+
+def _described(case: Case) -> str:
+    corners = " / ".join(f"{hz:.0f}" for hz in case.corners_hz or ())
+    return f"{case.name} ({corners or 'no'} Hz, {1e3 * case.delay_s:.1f} ms)"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
