@@ -3,9 +3,11 @@
 from collections.abc import Callable, Sequence
 
 from schemas.recording import Recording
+from tasks.explain.events.settings import Setting, find_settings
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence, pruned
+from tasks.explain.evidence.settings_findings import put_right, with_settings
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
@@ -38,7 +40,13 @@ def explain(
     Raises Unusable where the recording tells no motion or is too short.
     """
     progress("motion")
-    full = full_rate(recording)
+    as_read = full_rate(recording)
+    tracked = recording.table is None and recording.reference is not None
+    settings: tuple[Setting, ...] = ()
+    if reference is None:
+        settings = find_settings(as_read.readings, as_read.motion, tracked)
+    told, recording = recording, put_right(recording, settings)
+    full = full_rate(recording) if settings else as_read
     progress("events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
     clean = clean.less(reference, full)
@@ -58,7 +66,8 @@ def explain(
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
         evidence = pruned(fit, len(candidates))
     progress("evidence")
-    return explanation_of(recording, full, clean.events, evidence, reference)
+    explanation = explanation_of(recording, full, clean.events, evidence, reference)
+    return with_settings(explanation, told, settings)
 
 
 def _terms(recording: Recording, motion: Motion, only: Sequence[str] | None) -> list[Term]:

@@ -66,6 +66,8 @@ def _spelled(name: str) -> str:
     return name.replace("_", " ")
 
 
+LOGGER = "logger and firmware"
+
 # Effects that are no term of a model: they are found by looking at samples.
 _EVENTS = (
     Effect(
@@ -89,6 +91,37 @@ _EVENTS = (
         "mains_pickup", "electronics", "event",
         "bᵢ(t) = Aᵢ·cos(2πf·t + φᵢ), f = |n·fs − 50 Hz| or |n·fs − 60 Hz|", "IEEE Std 952",
         confused_with=("rate_ripple",),
+    ),
+    Effect(
+        "range_setting", LOGGER, "event", "y′ = c·y on a whole triad: c = 2ⁿ, 180/π, g, 1000 …",
+        "IEEE Std 1431, scale factor; register maps of digital inertial sensors",
+        confused_with=("table_scale", "gyro_saturation"),
+    ),
+    Effect(
+        "axis_mapping", LOGGER, "event", "y′ = P·y, P a signed permutation of the axes",
+        "IEEE Std 1431, input axis; sensor frames of digital inertial sensors",
+        confused_with=("range_setting",),
+    ),
+    Effect(
+        "dead_zone", LOGGER, "event", "y′ = 0 for |y| < d, y or y − d·sign(y) beyond; "
+        "or at rest y′ = y − mean of y",
+        "IEEE Std 1431, dead band; IEEE Std 528", confused_with=("coarse_quantisation",),
+    ),
+    Effect(
+        "code_fault", LOGGER, "event", "y′ = y + n·2ᵇ·q, n a whole number by the code of y",
+        "IEEE Std 1241, missing codes and bit errors", confused_with=("bias_step",),
+    ),
+    Effect(
+        "repeated_samples", LOGGER, "event",
+        "y′ₖ = y′ₖ₋₁, or on the straight line from y′ₖ₋₁ to y′ₖ₊₁",
+        "IEEE Std 1241, sample and hold; R. E. Crochiere, L. R. Rabiner, Multirate Digital Signal "
+        "Processing, 1983",
+        confused_with=("time_offset", "dropped_samples"),
+    ),
+    Effect(
+        "timestamp_jitter", LOGGER, "event", "t′ₖ = tₖ + jₖ, so that y′(t′ₖ) = y(t′ₖ − jₖ)",
+        "IEEE Std 1241, aperture uncertainty; IEEE Std 1139",
+        confused_with=("time_offset", "dropped_samples"),
     ),
 )  # fmt: skip
 

@@ -1,7 +1,7 @@
 """An event: an artefact of the readings that is no regressor, and how it changes what is read."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import ClassVar
 
@@ -23,7 +23,7 @@ class Event:
 
     effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected.
     p_value: corrected for the number of hypotheses tested. linear: a small signal passes
-    unchanged.
+    unchanged. indistinguishable: catalogue names that do the same to these readings.
     """
 
     linear: ClassVar[bool] = True
@@ -33,6 +33,7 @@ class Event:
     parameters: tuple[FoundParameter, ...]
     p_value: float
     description: Message
+    indistinguishable: tuple[str, ...] = field(default=(), kw_only=True)
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """The mean readings (n, 6) with the event, given those predicted (n, 6) without it.

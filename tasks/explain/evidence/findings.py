@@ -168,5 +168,6 @@ def _event_finding(event: Event, contribution: np.ndarray, full: FullRate) -> Fi
         gain=gain,
         delta_bic=gain - count * float(np.log(rows)),
         held_out_gain=0.5 * gain - count,
+        indistinguishable=event.indistinguishable,
         separated_by=effect.separated_by if effect else None,
     )

@@ -15,3 +15,13 @@ events-bursts =
         [one] 1 burst of { $frequency } Hz that fades in { $decay } s, in the { $channels }, at { $times } s
        *[other] { $count } bursts of { $frequency } Hz that fade in { $decay } s, in the { $channels }, at { $times } s
     }
+events-range = the { $sensors } read { $factor } times what they should: { $cause }
+events-range-counts = the counts per unit, or the range, are set wrong
+events-range-power-of-two = a range setting a power of two off
+events-range-degrees = degrees where radians are meant
+events-range-radians = radians converted as if they were degrees
+events-range-gravities = units of g where m/s² are meant
+events-range-metric = m/s² converted as if they were units of g
+events-range-thousand = thousandths of a unit where whole units are meant, or the reverse
+events-axis-mapping = the { $sensors } are exchanged or inverted: { $axes }
+events-axis-reads = { $channel } reads { $sign }{ $axis }
