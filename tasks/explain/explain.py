@@ -45,7 +45,7 @@ def explain(
     settings: tuple[Setting, ...] = ()
     if reference is None:
         settings = find_settings(as_read.readings, as_read.motion, tracked)
-    told, recording = recording, put_right(recording, settings)
+    recorded, recording = recording, put_right(recording, settings)
     full = full_rate(recording) if settings else as_read
     progress("events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
@@ -67,7 +67,7 @@ def explain(
         evidence = pruned(fit, len(candidates))
     progress("evidence")
     explanation = explanation_of(recording, full, clean.events, evidence, reference)
-    return with_settings(explanation, told, settings)
+    return with_settings(explanation, recorded, settings)
 
 
 def _terms(recording: Recording, motion: Motion, only: Sequence[str] | None) -> list[Term]:

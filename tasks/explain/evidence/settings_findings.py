@@ -44,10 +44,10 @@ def with_settings(
     matrix = _matrix(settings, t[:1])
     place = np.abs(matrix).argmax(axis=0)  # the channel in which each one is read
     order = place.argsort()
-    told = []
+    own: list[Finding] = []
     found = explanation.found
     for setting in settings:
-        told.append(_finding(setting, setting.applied(t, found) - found))
+        own.append(_finding(setting, setting.applied(t, found) - found))
         found = setting.applied(t, found)
     names = {CHANNELS[c]: CHANNELS[place[c]] for c in EVERY}
     ratio = {names[name]: value for name, value in explanation.held_out.rms_ratio.items()}
@@ -61,7 +61,7 @@ def with_settings(
         verdict="explained" if not explanation.findings else _also_explained(explanation),
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[order],
-        findings=(*told, *(_moved(one, matrix, place) for one in explanation.findings)),
+        findings=(*own, *(_moved(one, matrix, place) for one in explanation.findings)),
         small=tuple(_moved(one, matrix, place) for one in explanation.small),
     )
 
