@@ -12,15 +12,15 @@ from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report import names
 from tasks.stages.explain import Explained
 from tasks.words import say
-from tasks.words.quantities import quantities
+from tasks.words.quantities import chi2, percent, quantities
 from tasks.words.rounding import USUAL_K
 
 COLOURS: dict[Verdict, str] = {
     "no_mismatch": "green", "explained": "green", "partly_explained": "yellow",
     "unexplained": "red",
 }  # fmt: skip
-COLUMNS = ("missing", "channels", "parameter", "value", "U (k = 2)", "unit", "ΔBIC")
-NUMERIC = ("value", "U (k = 2)", "ΔBIC")
+COLUMNS = ("missing", "share", "channels", "parameter", "value", "U (k = 2)", "unit")
+NUMERIC = ("share", "value", "U (k = 2)")
 MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
@@ -35,6 +35,9 @@ def print_explanation(explained: Explained) -> None:
         console.print(_table(discrepancy))
     for finding in discrepancy.findings:
         _print_finding(console, finding)
+    if discrepancy.left_over:
+        left = (f"{channel} {chi2(value)}" for channel, value in discrepancy.left_over.items())
+        console.print(f"left over, χ² per degree of freedom: {', '.join(left)}", markup=False)
     for remark in discrepancy.remarks:
         console.print("[dim]·[/] ", end="")
         console.print(remark.en, markup=False)
@@ -48,10 +51,9 @@ def _table(discrepancy: Discrepancy) -> Table:
         table.add_column(name, justify="right" if name in NUMERIC else "left")
     for finding in discrepancy.findings:
         *others, last = _parameters(finding) or [("–", "–", "–", "")]
-        first = (finding.effect, ", ".join(finding.channels), f"{finding.evidence.delta_bic:.0f}")
+        first = (finding.effect, percent(finding.share), ", ".join(finding.channels))
         for cells in (*others, last):
-            effect, channels, gain = first
-            table.add_row(*map(Text, (effect, channels, *cells, gain)), end_section=cells is last)
+            table.add_row(*map(Text, (*first, *cells)), end_section=cells is last)
             first = ("", "", "")
     return table
 

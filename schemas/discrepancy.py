@@ -62,7 +62,13 @@ class VerdictChange(Frozen):
 
 
 class ReportedFinding(Frozen):
-    """One piece of physics that the model left out."""
+    """One piece of physics that the model left out.
+
+    share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
+    same in independent parts of the recording; null where no parts determine them. group: names
+    of the catalogue that make up for each other here, this one included. refused: why what an
+    unnamed finding resembles is not its name. next: what to do about it.
+    """
 
     effect: str
     family: str
@@ -71,6 +77,10 @@ class ReportedFinding(Frozen):
     where: tuple[Where, ...]
     parameters: tuple[FoundParameter, ...]
     evidence: EvidenceFor
+    share: Finite
+    homogeneity_p: Finite | None
+    group: tuple[str, ...] | None
+    refused: Statement | None = None
     equation: str
     source: str
     follows: Statement | None = None
@@ -78,6 +88,7 @@ class ReportedFinding(Frozen):
     separating_recording: Statement | None = None
     consequences: tuple[Consequence, ...] = ()
     verdict_changes: tuple[VerdictChange, ...] = ()
+    next: Statement
     statement: Statement
 
 
@@ -100,6 +111,10 @@ class Discrepancy(Frozen):
     """The whole answer.
 
     digest: SHA-256 of the recording's content. model: what the recording is compared with.
+    explained_share: of the mismatch above noise. left_over: χ² per degree of freedom of what is
+    left in each channel, against the noise at rest. small_remainders: findings that remove too
+    little of the mismatch to be told at length. consequences, verdict_changes: of all findings
+    together.
     """
 
     format: Literal["mimu-discrepancy/1"] = "mimu-discrepancy/1"
@@ -109,7 +124,12 @@ class Discrepancy(Frozen):
     model: Statement
     verdict: Verdict
     detection: Detection
+    explained_share: Finite
+    left_over: Mapping[str, Finite]
     findings: tuple[ReportedFinding, ...] = ()
+    small_remainders: tuple[Statement, ...] = ()
+    consequences: tuple[Consequence, ...] = ()
+    verdict_changes: tuple[VerdictChange, ...] = ()
     held_out: HeldOut
     figures: tuple[str, ...] = ()
     remarks: tuple[Statement, ...] = ()

@@ -35,27 +35,38 @@ class Effect:
         """What an engineer calls it, with the order or axis of its variant."""
         if self.own_title is not None:
             return self.own_title
-        return self._message("title") or _spelled(self.name)
+        return _attribute(self.name, "title", **self.word_arguments) or _spelled(self.name)
 
     @property
     def separated_by(self) -> Sayable | None:
         """The recording that would tell it from what it is confused with."""
-        return self._message("separated-by")
+        return separating_recording(self.name)
 
     @property
     def word_arguments(self) -> dict[str, int]:
         """What distinguishes the variants of one name, as arguments of their words."""
         return {}
 
-    def _message(self, attribute: str) -> Sayable | None:
-        id_ = f"{_message_id(self.name)}.{attribute}"
-        return message(id_, **self.word_arguments) if known(id_) else None
-
 
 def effect_name(name: str) -> Sayable:
     """What an effect is called within a sentence; its name spelled out where it has no entry."""
     id_ = _message_id(name)
     return message(id_) if known(id_) else _spelled(name)
+
+
+def separating_recording(name: str) -> Sayable | None:
+    """The recording that would tell an effect from what it is confused with."""
+    return _attribute(name, "separated-by")
+
+
+def next_step(name: str) -> Sayable | None:
+    """What an engineer does about an effect that was found."""
+    return _attribute(name, "next")
+
+
+def _attribute(name: str, attribute: str, **arguments: int) -> Sayable | None:
+    id_ = f"{_message_id(name)}.{attribute}"
+    return message(id_, **arguments) if known(id_) else None
 
 
 def _message_id(name: str) -> str:

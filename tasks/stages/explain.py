@@ -59,7 +59,7 @@ def explain_run(
     effects = consequences(recording, explanation, tolerance)
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
-    discrepancy = discrepancy_of(explanation, wheres, effects.of_findings, effects.changes)
+    discrepancy = discrepancy_of(explanation, wheres, effects)
     progress("report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)

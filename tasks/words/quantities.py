@@ -72,6 +72,13 @@ def multiple(ratio: float) -> str:
     return f"{ratio:+.{1 if abs(ratio) < 99.95 else 0}f}".replace("-", MINUS)
 
 
+def rough_quantity(value: float, unit: str) -> str:
+    """A value that has no U here, to three digits, in a unit of its size: «11.3 ms»."""
+    scale = readable_scale(abs(value), unit)
+    shown = "" if scale.unit == "1" else unit_text(scale.unit)
+    return f"{plain(value * scale.factor)} {shown}".strip()
+
+
 def chi2(value: float) -> str:
     """A χ² per degree of freedom."""
     return f"{value:.2f}" if abs(value) < 100 else plain(value)

@@ -12,11 +12,8 @@ from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.corrected import corrected
 from tasks.explain.explanation import Explanation
-from tasks.specifications.items import ITEMS
 from tasks.specifications.register import specification_for
-from tasks.words import Sayable, clauses, message
-from tasks.words.rounding import column
-from tasks.words.units import unit_text
+from tasks.words import Sayable, message
 
 NOTICEABLE = 0.05  # of U: what moves an element by less is not listed
 SEVERITY = ("pass", "inconclusive", "fail")
@@ -59,13 +56,11 @@ def consequences(
     except Unusable as fault:
         return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
     changes = _verdict_changes(tolerance, before, [*after, whole])
-    together = tuple(moved(before, whole))
     return Consequences(
         of_findings=tuple(tuple(moved(before, each)) for each in after),
         changes=tuple(changes[:-1]),
-        together=together,
+        together=tuple(moved(before, whole)),
         changes_together=changes[-1],
-        remarks=_remark_together(together, changes[-1], count),
     )
 
 
@@ -84,11 +79,16 @@ def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
             )
 
 
-def moved_by(consequence: Consequence) -> float:
-    """By how many U an element moves; 0 where it has no value or no U."""
+def shift(consequence: Consequence) -> float:
+    """By how many U an element moves, with its sign; 0 where it has no value or no U."""
     if consequence.before is None or consequence.after is None or not consequence.U:
         return 0.0
-    return abs(consequence.after - consequence.before) / consequence.U
+    return (consequence.after - consequence.before) / consequence.U
+
+
+def moved_by(consequence: Consequence) -> float:
+    """By how many U an element moves either way."""
+    return abs(shift(consequence))
 
 
 def _calibrated(recording: Recording) -> Calibration:
@@ -125,28 +125,3 @@ def _verdicts(decision: Decision) -> dict[str, str]:
         verdicts = (worst.get(limit.item, "pass"), limit.verdict)
         worst[limit.item] = max(verdicts, key=SEVERITY.index)
     return worst | {OVERALL: decision.verdict}
-
-
-def _remark_together(
-    together: tuple[Consequence, ...], changes: tuple[VerdictChange, ...], findings: int
-) -> tuple[Sayable, ...]:
-    """The sentence about all findings at once, where there are several."""
-    if findings < 2 or not together:
-        return ()
-    moves = message("explain-together-move", findings=findings, elements=len(together))
-    most = max(together, key=moved_by)
-    if most.before is not None and most.after is not None:
-        texts = column([most.before, most.after], [most.U, most.U])
-        power = f"·10^{texts.exponent}" if texts.exponent else ""
-        moves = message(
-            "explain-together-move-most", findings=findings, elements=len(together),
-            item=ITEMS[most.item].title if most.item in ITEMS else most.item,
-            element=most.element, before=texts.values[0] or "",
-            after=f"{texts.values[1]}{power}", unit=unit_text(most.unit),
-            expanded=f"{moved_by(most):.1f}",
-        )  # fmt: skip
-    verdicts = (
-        message("explain-verdict-change", item=c.item, before=c.before, after=c.after)
-        for c in changes
-    )
-    return (message("explain-together", clauses=clauses([moves, *verdicts])),)

@@ -51,11 +51,11 @@ def _finding(evidence: Evidence, number: int, full: FullRate, predicted: np.ndar
 
 
 def _description(group: FindingGroup) -> Sayable:
-    """What an unnamed finding follows; a name that was withdrawn becomes a likeness."""
+    """What an unnamed finding follows; empty where a name was withdrawn."""
     first = group.terms[0]
     if first.name == UNNAMED:
         return first.title
-    return JUMPS if len(group.terms) > 1 else message("explain-other-form", title=first.title)
+    return JUMPS if len(group.terms) > 1 else ""
 
 
 def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:

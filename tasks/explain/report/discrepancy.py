@@ -1,6 +1,8 @@
 """The answer as it is published (`mimu-discrepancy/1`)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from schemas.discrepancy import (
     Consequence,
@@ -13,44 +15,56 @@ from schemas.discrepancy import (
 )
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
-from tasks.explain.explanation import Explanation, Finding
-from tasks.explain.report.statements import finding_statement
+from tasks.explain.correction.consequences import Consequences
+from tasks.explain.explanation import UNNAMED, Explanation, Finding
+from tasks.explain.report.next_step import next_of
+from tasks.explain.report.statements import finding_statement, small_statement
+from tasks.explain.report.unnamed import pattern_of, refused, title_of
 from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.version import code_version
 from tasks.words import statement
 
-FIGURES = ("where.svg", "before_after.svg")
+FIGURES = ("where.svg", "before_after.svg", "shares.svg")
+NOT_WRITTEN = Statement(en="", zh="")
 
 
 def discrepancy_of(
-    explanation: Explanation,
-    wheres: Sequence[tuple[Where, ...]],
-    consequences: Sequence[tuple[Consequence, ...]],
-    changes: Sequence[tuple[VerdictChange, ...]],
+    explanation: Explanation, wheres: Sequence[tuple[Where, ...]], effects: Consequences
 ) -> Discrepancy:
     """The whole answer of an explanation, in every language.
 
-    wheres, consequences, changes: one entry for each finding, in the order of the findings.
+    wheres: one entry for each finding, in the order of the findings, as `effects` has them.
     Raises ValueError where their number differs from that of the findings.
     """
-    findings = tuple(
-        _published(*parts)
-        for parts in zip(explanation.findings, wheres, consequences, changes, strict=True)
-    )
-    return Discrepancy(
+    left_over = {
+        channel: float(value)
+        for channel, value in zip(CHANNELS, explanation.left_over, strict=True)
+        if np.isfinite(value)
+    }
+    parts = zip(explanation.findings, wheres, effects.of_findings, effects.changes, strict=True)
+    draft = Discrepancy(
         recording_id=explanation.recording.manifest.recording_id,
         digest=explanation.recording.digest,
         code_version=code_version(),
         model=statement(explanation.model),
         verdict=explanation.verdict,
         detection=Detection(p_value=explanation.p_value, false_alarm_rate=FALSE_ALARMS),
-        findings=findings,
+        explained_share=explanation.explained_share,
+        left_over=left_over,
+        findings=tuple(_published(*each, left_over, effects.together) for each in parts),
+        small_remainders=tuple(
+            statement(small_statement(title_of(each, ()), each.share)) for each in explanation.small
+        ),
+        consequences=effects.together,
+        verdict_changes=effects.changes_together,
         held_out=explanation.held_out,
         figures=FIGURES,
         remarks=tuple(map(statement, explanation.remarks)),
-        statement=verdict_statement(explanation, findings),
+        statement=NOT_WRITTEN,
     )
+    written = verdict_statement(draft, explanation.recording)
+    return draft.model_copy(update={"statement": written})
 
 
 def _published(
@@ -58,22 +72,30 @@ def _published(
     wheres: tuple[Where, ...],
     consequences: tuple[Consequence, ...],
     changes: tuple[VerdictChange, ...],
+    left_over: Mapping[str, float],
+    together: Sequence[Consequence],
 ) -> ReportedFinding:
     draft = ReportedFinding(
         effect=finding.effect,
         family=finding.family,
-        title=statement(finding.title),
+        title=statement(title_of(finding, wheres)),
         channels=tuple(CHANNELS[i] for i in finding.channels),
         where=wheres,
         parameters=finding.parameters,
         evidence=EvidenceFor(delta_bic=finding.delta_bic, held_out_gain_nats=finding.held_out_gain),
+        share=finding.share,
+        homogeneity_p=finding.homogeneity_p,
+        group=finding.group or None,
+        refused=statement(refused(finding.refusal)) if finding.refusal else None,
         equation=finding.equation,
         source=finding.source,
-        follows=statement(finding.follows) if finding.follows else None,
+        follows=statement(pattern_of(finding, wheres)) if finding.effect == UNNAMED else None,
         indistinguishable_from=finding.indistinguishable,
         separating_recording=statement(finding.separated_by) if finding.separated_by else None,
         consequences=consequences,
         verdict_changes=changes,
-        statement=Statement(en="", zh=""),
+        next=statement(next_of(finding, wheres)),
+        statement=NOT_WRITTEN,
     )
-    return draft.model_copy(update={"statement": finding_statement(draft)})
+    text = finding_statement(draft, left_over, together)
+    return draft.model_copy(update={"statement": text})

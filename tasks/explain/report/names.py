@@ -5,7 +5,7 @@ from collections.abc import Callable
 from schemas.discrepancy import Consequence, FoundParameter, VerdictChange
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
-from tasks.explain.correction.consequences import OVERALL
+from tasks.explain.correction.consequences import OVERALL, shift
 from tasks.specifications.items import ITEMS
 from tasks.words import Message, Sayable, known, message, texts
 from tasks.words.quantities import multiple, quantity
@@ -43,10 +43,8 @@ def change_title(change: VerdictChange) -> Message:
 
 def shift_text(moved: Consequence) -> str:
     """By how many U an element of the certificate moves, with its sign; empty where it does not."""
-    if moved.before is None or moved.after in (None, moved.before) or not moved.U:
-        return ""
-    assert moved.after is not None
-    return multiple((moved.after - moved.before) / moved.U)
+    by = shift(moved)
+    return multiple(by) if by else ""
 
 
 def capital(phrase: Sayable) -> Statement:
@@ -72,7 +70,12 @@ def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
     return Statement(**{language: changed(text) for language, text in texts(phrase).items()})
 
 
+def parameter_name(name: str) -> str:
+    """«vertical rate» of «vertical_rate»."""
+    return name.replace("_", " ")
+
+
 def parameter_text(parameter: FoundParameter) -> str:
     """«vertical rate = (9.66 ± 0.40) °/h»; U = 2 u."""
-    spelled = parameter.name.replace("_", " ")
-    return f"{spelled} = {quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)}"
+    size = quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)
+    return f"{parameter_name(parameter.name)} = {size}"

@@ -1,5 +1,6 @@
 """The report as a folder: a page to read, its pictures, the answer and the prediction as data."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,8 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.report import names, statements
 from tasks.explain.report.before_after import before_after_svg
 from tasks.explain.report.cells import cells_of
-from tasks.explain.report.verdict import detected, tested
+from tasks.explain.report.shares import shares_svg
+from tasks.explain.report.verdict import detected, small_remainders, tested
 from tasks.explain.report.where import where_svg
 from tasks.pages import inline, page
 from tasks.pages.chart import FINDINGS, GREY
@@ -30,34 +32,37 @@ BADGES = {"no_mismatch": "good", "explained": "good", "partly_explained": "part"
 def write_report(
     discrepancy: Discrepancy, explanation: Explanation, folder: Path
 ) -> tuple[Path, ...]:
-    """Writes report.html, report.json, where.svg, before_after.svg and prediction.parquet.
+    """Writes report.html, report.json, its pictures and prediction.parquet.
 
     Each file appears whole or not at all; the page comes last. Returns their paths. Raises
     Unusable where the folder cannot be written.
     """
     cells = cells_of(explanation)
-    where, before_after = where_svg(discrepancy, cells), before_after_svg(explanation, cells)
+    pictures = {
+        "where": where_svg(discrepancy, cells),
+        "before_after": before_after_svg(explanation, cells),
+        "shares": shares_svg(discrepancy),
+    }
     contents = {
         "prediction.parquet": _prediction(explanation),
-        "where.svg": where.encode(),
-        "before_after.svg": before_after.encode(),
+        **{f"{name}.svg": picture.encode() for name, picture in pictures.items()},
         "report.json": (discrepancy.model_dump_json(indent=1) + "\n").encode(),
-        "report.html": report_html(discrepancy, explanation, where, before_after).encode(),
+        "report.html": report_html(discrepancy, explanation, pictures).encode(),
     }
     return tuple(_appear(folder, name, content) for name, content in contents.items())[::-1]
 
 
 def report_html(
-    discrepancy: Discrepancy, explanation: Explanation, where: str, before_after: str
+    discrepancy: Discrepancy, explanation: Explanation, pictures: Mapping[str, str]
 ) -> str:
-    """The HTML of a report: one file, every language, with its pictures in it."""
+    """The HTML of a report: one file, every language, with its pictures in it, SVG by name."""
     return page(
         TEMPLATE,
         title=say(message("report-title", recording=discrepancy.recording_id), LANGUAGES[0]),
         discrepancy=discrepancy,
         badge=BADGES[discrepancy.verdict],
-        where=inline(where),
-        before_after=inline(before_after),
+        **{name: inline(picture) for name, picture in pictures.items()},
+        small=small_remainders(discrepancy),
         colours=dict(enumerate(FINDINGS)),
         other_colour=GREY,
         names=names,
@@ -66,8 +71,8 @@ def report_html(
         quantities=quantities,
         percent=percent,
         chi2=chi2,
-        tested=tested(explanation),
-        detected=detected(explanation),
+        tested=tested(explanation.recording),
+        detected=detected(discrepancy.detection),
         recording=explanation.recording,
         code_version=code_version(),
     )

@@ -1,11 +1,16 @@
-"""What an engineer would write about a finding: what, where, why, what else, what to record."""
+"""What an engineer would write about a finding: what, where, why, what else, what to do next."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from math import exp, log
 
-from schemas.discrepancy import Consequence, EvidenceFor, FoundParameter, ReportedFinding
+from schemas.discrepancy import (
+    Consequence,
+    EvidenceFor,
+    FoundParameter,
+    ReportedFinding,
+)
 from schemas.text import Statement
-from tasks.explain.correction.consequences import moved_by
+from tasks.explain.correction.consequences import moved_by, shift
 from tasks.explain.report.names import (
     capital,
     channel_title,
@@ -17,11 +22,22 @@ from tasks.explain.report.names import (
 )
 from tasks.model.effect import effect_name
 from tasks.words import Message, Sayable, clauses, message
-from tasks.words.quantities import percent, plain, power_of_ten, quantities
+from tasks.words.quantities import (
+    chi2,
+    multiple,
+    percent,
+    plain,
+    power_of_ten,
+    probability,
+    quantities,
+)
 
 MAX_PARAMETERS, MAX_PLACES = 3, 2  # in a sentence; tables hold all of them
 MAX_POWER = 100  # a power of ten beyond which the size of a probability says no more
 EVIDENCE = ((10.0, "very-strong"), (6.0, "strong"), (2.0, "some"))  # Kass and Raftery, JASA 90
+HIGH = 1.5  # χ² per degree of freedom of what is left, from which it is said to stay high
+DIFFERENT = 0.01  # probability below which parameters differ from part to part by more than chance
+TAKEN_BACK = 0.5  # of a shift: what the other findings take back, from which the set is told
 
 
 def sentences(parts: Iterable[Sayable]) -> Sayable:
@@ -29,18 +45,30 @@ def sentences(parts: Iterable[Sayable]) -> Sayable:
     return clauses([part for part in parts if part], by="report-sentences")
 
 
-def finding_statement(finding: ReportedFinding) -> Statement:
-    """All that is known about a finding, as one paragraph."""
+def finding_statement(
+    finding: ReportedFinding,
+    left_over: Mapping[str, float],
+    together: Sequence[Consequence],
+) -> Statement:
+    """All that is known about a finding, as one paragraph that ends in what to do next.
+
+    left_over: χ² per degree of freedom of each channel. together: what all findings move.
+    """
     parts = (
-        what(finding), where(finding), why(finding.evidence), alternatives(finding),
-        to_record(finding), on_certificate(finding),
+        what(finding), finding.refused or "", where(finding), why(finding.share, finding.evidence),
+        other_tests(finding, left_over), alternatives(finding),
+        to_record(finding), on_certificate(finding, together), to_do(finding),
     )  # fmt: skip
     return capital(sentences(parts))
 
 
 def what(finding: ReportedFinding) -> Sayable:
-    """What it is and how large, U with k = 2; for what has no name, what it follows."""
-    largest = sorted(finding.parameters, key=_significance, reverse=True)[:MAX_PARAMETERS]
+    """What it is and how large, U with k = 2; for what has no name, what it follows.
+
+    The sizes of what was refused a name stand in the reason of the refusal.
+    """
+    shown = 0 if finding.refused else MAX_PARAMETERS
+    largest = sorted(finding.parameters, key=_significance, reverse=True)[:shown]
     return message(
         "report-what", title=finding.title, given=len(largest),
         sizes=", ".join(map(parameter_text, largest)), more=len(finding.parameters) - len(largest),
@@ -58,18 +86,46 @@ def where(finding: ReportedFinding) -> Sayable:
     return message("report-places", places=clauses(places)) if places else ""
 
 
-def why(evidence: EvidenceFor) -> Message:
-    """Why it is believed: what it gains on data the fit did not see, and ΔBIC in plain words."""
+def why(share: float, evidence: EvidenceFor) -> Message:
+    """Why it is believed: what it removes and predicts, and ΔBIC in plain words."""
     gain, bic = evidence.held_out_gain_nats, evidence.delta_bic
-    nats = plain(gain)
-    prediction = (
-        message("report-predicted", times=times_more_probable(gain), nats=nats)
-        if gain > 0
-        else message("report-not-predicted", nats=nats)
-    )
+    prediction = message("report-not-predicted", nats=plain(gain))
+    if gain > 0:
+        times = times_more_probable(gain)
+        prediction = message("report-predicted", times=times, nats=plain(gain))
     return message(
-        "report-why", prediction=prediction, bic=plain(bic), evidence=strength_of_evidence(bic)
-    )
+        "report-why", share=percent(share), prediction=prediction, bic=plain(bic),
+        evidence=strength_of_evidence(bic),
+    )  # fmt: skip
+
+
+def other_tests(finding: ReportedFinding, left_over: Mapping[str, float]) -> Sayable:
+    """What the other tests of a finding say; empty where none was possible.
+
+    Whether its channels stay above noise all the same, and whether a named law is the same in all
+    parts of the recording. left_over: χ² per degree of freedom of each channel.
+    """
+    return sentences([_stays_high(finding, left_over), _homogeneity(finding)])
+
+
+def _stays_high(finding: ReportedFinding, left_over: Mapping[str, float]) -> Sayable:
+    high = {channel: left_over.get(channel, 0.0) for channel in finding.channels}
+    channel = max(high, key=lambda each: high[each], default="")
+    if not channel or high[channel] < HIGH:
+        return ""
+    return message("report-stays-high", channel=channel_title(channel), chi2=chi2(high[channel]))
+
+
+def _homogeneity(finding: ReportedFinding) -> Sayable:
+    p = finding.homogeneity_p
+    if p is None or finding.refused:
+        return ""
+    return message("report-homogeneity", p=probability(p), alike=int(p >= DIFFERENT))
+
+
+def small_statement(title: Sayable, share: float) -> Message:
+    """What removes little of the mismatch, in a few words."""
+    return message("report-small-finding", title=title, share=percent(share))
 
 
 def strength_of_evidence(delta_bic: float) -> Message:
@@ -88,9 +144,18 @@ def times_more_probable(nats: float) -> Message:
 
 
 def alternatives(finding: ReportedFinding) -> Sayable:
-    """What else would fit this recording as well; empty where nothing would."""
-    titles = clauses([*map(effect_name, finding.indistinguishable_from)], by="report-or")
-    return message("report-alternatives", effects=titles) if titles else ""
+    """What makes up for it here, or would fit this recording as well; empty without either."""
+    parts: list[Sayable] = []
+    if finding.group:
+        parts.append(message("report-group", effects=_either(finding.group)))
+    others = [name for name in finding.indistinguishable_from if name not in (finding.group or ())]
+    if others:
+        parts.append(message("report-alternatives", effects=_either(others)))
+    return sentences(parts)
+
+
+def _either(names: Sequence[str]) -> Sayable:
+    return clauses([*map(effect_name, names)], by="report-or")
 
 
 def to_record(finding: ReportedFinding) -> Sayable:
@@ -99,10 +164,18 @@ def to_record(finding: ReportedFinding) -> Sayable:
     return message("report-to-record", recording=recording) if recording else ""
 
 
-def on_certificate(finding: ReportedFinding) -> Sayable:
-    """The largest of its consequences in U, and the verdicts it changes; empty without any."""
+def to_do(finding: ReportedFinding) -> Sayable:
+    """What to do next."""
+    return message("report-to-do", next=finding.next)
+
+
+def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) -> Sayable:
+    """The largest of its consequences in U, and the verdicts it changes; empty without any.
+
+    together: what all findings move. What other findings take back again is told of the set.
+    """
     largest = max(finding.consequences, key=moved_by, default=None)
-    parts = [_consequence(largest)] if largest and moved_by(largest) > 0.0 else []
+    parts = [_consequence(largest, together)] if largest and moved_by(largest) > 0.0 else []
     parts += [
         message("report-verdict-changes", item=lower(element_title(change.item, "")),
                 before=verdict_title(change.before), after=verdict_title(change.after))
@@ -111,7 +184,14 @@ def on_certificate(finding: ReportedFinding) -> Sayable:
     return sentences(parts)
 
 
-def _consequence(moved: Consequence) -> Message:
+def _consequence(moved: Consequence, together: Sequence[Consequence]) -> Message:
+    of_set = sum(shift(each) for each in together
+                 if (each.item, each.element) == (moved.item, moved.element))  # fmt: skip
+    if of_set / shift(moved) < TAKEN_BACK:
+        return message(
+            "report-moves-in-set", element=element_title(moved.item, moved.element),
+            times=multiple(shift(moved)), together=multiple(of_set),
+        )  # fmt: skip
     made = quantities([moved.before, moved.after], moved.U, moved.unit)
     return message(
         "report-moves-most", element=element_title(moved.item, moved.element),

@@ -1,41 +1,83 @@
-"""The verdict in a paragraph: what was tested, what was found, what is left unexplained."""
+"""The verdict in a paragraph: how much is explained, what was found, what is left."""
 
 from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.discrepancy import HeldOut, ReportedFinding
-from schemas.recording import MEASURED, TRIADS
+from schemas.discrepancy import Detection, Discrepancy, HeldOut, ReportedFinding
+from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
-from tasks.explain.explanation import Explanation
-from tasks.explain.report.names import channel_title, parameter_text
-from tasks.explain.report.statements import sentences
-from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.explain.explanation import UNNAMED
+from tasks.explain.report.names import channel_title, element_title, parameter_text, shift_text
+from tasks.explain.report.statements import HIGH, sentences
 from tasks.words import Message, Sayable, clauses, message, statement
-from tasks.words.quantities import chi2, percent, plain, probability
+from tasks.words.quantities import chi2, percent, plain, probability, quantities
 
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
-def verdict_statement(explanation: Explanation, findings: Sequence[ReportedFinding]) -> Statement:
-    """The answer as one paragraph."""
-    left = chi2(explanation.held_out.chi2_per_dof_before)
-    if explanation.verdict == "no_mismatch":
+def verdict_statement(answer: Discrepancy, recording: Recording) -> Statement:
+    """The answer as one paragraph; its first sentence says how much of the mismatch is explained.
+
+    answer: all but this statement. recording: what it is of.
+    """
+    if answer.verdict == "no_mismatch":
+        left = chi2(answer.held_out.chi2_per_dof_before)
         nothing = message("report-nothing-found", chi2=left)
-        return statement(sentences([nothing, tested(explanation), detected(explanation)]))
-    named = [finding for finding in findings if finding.effect != "unnamed"]
-    parts: list[Sayable] = [_left_out(named)] if named else []
-    if explanation.verdict != "explained":
-        parts.append(_unnamed(explanation.verdict, findings))
-    parts += [_gained(explanation.held_out), _moved(findings), detected(explanation)]
+        return statement(sentences([nothing, tested(recording), detected(answer.detection)]))
+    named = [finding for finding in answer.findings if finding.effect != UNNAMED]
+    parts = [
+        _summary(answer) if answer.findings or answer.left_over else "",
+        _left_out(named) if named else "",
+        "" if answer.verdict == "explained" else _unnamed(answer),
+        _left_over(answer), small_remainders(answer), _gained(answer.held_out), _moved(answer),
+        detected(answer.detection),
+    ]  # fmt: skip
     return statement(sentences(parts))
 
 
-def tested(explanation: Explanation) -> Message:
+def _summary(answer: Discrepancy) -> Sayable:
+    """How much of the mismatch is explained, how much is not, and what to look at first."""
+    explained = min(max(answer.explained_share, 0.0), 1.0)
+    unnamed = sum(finding.share for finding in answer.findings if finding.effect == UNNAMED)
+    return message(
+        "report-summary", explained=percent(explained), left=percent(1.0 - explained),
+        unnamed=int(unnamed > 0.0), described=percent(min(unnamed, explained)),
+        first=_first(answer, 1.0 - explained),
+    )  # fmt: skip
+
+
+def _first(answer: Discrepancy, left: float) -> Sayable:
+    """What to look at first: the largest finding, or what is left where that is more of it."""
+    largest = max(answer.findings, key=lambda finding: finding.share, default=None)
+    channels = answer.left_over
+    if largest is not None and (largest.share >= left or not channels):
+        return largest.title
+    channel = max(channels, key=lambda each: channels[each])
+    left_in = channel_title(channel)
+    return message("report-first-left", channel=left_in, chi2=chi2(channels[channel]))
+
+
+def _left_over(answer: Discrepancy) -> Sayable:
+    """The channels that stay above noise, with what is left in each; empty where none does."""
+    high = tuple(
+        message("report-left-in", channel=channel_title(channel), chi2=chi2(value))
+        for channel, value in sorted(answer.left_over.items(), key=lambda item: -item[1])
+        if value >= HIGH
+    )
+    return message("report-left", channels=high) if high else ""
+
+
+def small_remainders(answer: Discrepancy) -> Sayable:
+    """What removes little of the mismatch, in one line; empty where nothing does."""
+    small = answer.small_remainders
+    return message("report-small", remainders=clauses(small)) if small else ""
+
+
+def tested(recording: Recording) -> Message:
     """What the recording offered to the test: its length, channels and segments."""
-    recording = explanation.recording
     t = recording.imu.t
     minutes = plain((t[-1] - t[0]) / 60.0) if len(t) > 1 else "0"
     rate = plain(1.0 / float(np.median(np.diff(t)))) if len(t) > 1 else "0"
@@ -49,11 +91,12 @@ def tested(explanation: Explanation) -> Message:
     )  # fmt: skip
 
 
-def detected(explanation: Explanation) -> Message:
+def detected(detection: Detection) -> Message:
     """The p-value of the strongest mismatch against the rate of false alarms."""
+    rate = detection.false_alarm_rate
     return message(
-        "report-detected", p=probability(explanation.p_value), limit=f"{FALSE_ALARMS:g}",
-        odds=round(1.0 / FALSE_ALARMS),
+        "report-detected", p=probability(detection.p_value), limit=f"{rate:g}",
+        odds=round(1.0 / rate),
     )  # fmt: skip
 
 
@@ -67,10 +110,10 @@ def _left_out(findings: Sequence[ReportedFinding]) -> Message:
     return message("report-left-out", findings=clauses(titles))
 
 
-def _unnamed(verdict: str, findings: Sequence[ReportedFinding]) -> Message:
-    follows = [f.follows for f in findings if f.effect == "unnamed" and f.follows]
+def _unnamed(answer: Discrepancy) -> Message:
+    follows = [finding.follows for finding in answer.findings if finding.follows]
     return message(
-        "report-unnamed", verdict=verdict, described=len(follows), follows=clauses(follows)
+        "report-unnamed", verdict=answer.verdict, described=len(follows), follows=clauses(follows)
     )
 
 
@@ -86,11 +129,16 @@ def _gained(held_out: HeldOut) -> Message:
     )  # fmt: skip
 
 
-def _moved(findings: Sequence[ReportedFinding]) -> Sayable:
-    verdicts = len({change.item for finding in findings for change in finding.verdict_changes
-                    if change.item != OVERALL})  # fmt: skip
-    values = len({(moved.item, moved.element) for finding in findings
-                  for moved in finding.consequences if moved_by(moved) > 1.0})  # fmt: skip
-    if verdicts:
-        return message("report-values-and-verdicts-moved", values=values, verdicts=verdicts)
-    return message("report-values-moved", values=values) if values else ""
+def _moved(answer: Discrepancy) -> Sayable:
+    """What all findings together do to the certificate, for some take back what others move."""
+    verdicts = sum(change.item != OVERALL for change in answer.verdict_changes)
+    values = sum(moved_by(moved) > 1.0 for moved in answer.consequences)
+    most = max(answer.consequences, key=moved_by, default=None)
+    if most is None or not values + verdicts:
+        return ""
+    made = quantities([most.before, most.after], most.U, most.unit)
+    return message(
+        "report-moved", findings=len(answer.findings), values=values, verdicts=verdicts,
+        element=element_title(most.item, most.element), before=made.text(0), after=made.text(1),
+        times=shift_text(most),
+    )  # fmt: skip

@@ -8,7 +8,6 @@ explain-model-simulation = the simulation that was given
 # What an effect outside the catalogue follows.
 explain-other-parameters = other values of the standard's own parameters
 explain-jumps = jumps between levels at several times
-explain-other-form = something like «{ $title }» of another form
 explain-slow-drift = a slow drift that nothing recorded follows
 explain-wave = a wave with a period of about { $period } s
 explain-relaxation = a relaxation after { $event }, e-folding in about { $tau } s
@@ -43,10 +42,6 @@ explain-lean = a lean of the unit near { $angle }° of table axis { $axis }
 # What the findings do to the calibration items.
 explain-items-by-angles = The items of JJF 1536 come from the accumulated angles, not from the rates that were explained: no consequence was estimated.
 explain-items-not-estimated = What the findings do to the items was not estimated: { $reason }
-explain-together = { $clauses }.
-explain-together-move = All { $findings } findings together move { $elements } elements by more than 0.05 U
-explain-together-move-most = All { $findings } findings together move { $elements } elements by more than 0.05 U, most of all { $item } { $element }: { $before } → { $after } { $unit } ({ $expanded } U)
-explain-verdict-change = { $item }: { $before } → { $after }
 
 # A calibration of readings that were corrected for findings.
 explain-adopted = Before the clauses were followed, the readings had taken off what the specification's models leave out: { $terms }. The specification does not provide for it.

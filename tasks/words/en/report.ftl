@@ -22,18 +22,94 @@ report-predicted = Stretches that the fit did not see become { $times } as proba
 report-not-predicted = Stretches that the fit did not see are not predicted better ({ $nats } nats)
 report-times = { $number } times
 report-more-than-times = more than { $number } times
-report-why = { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
+report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
 report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence by this measure
+report-stays-high = With it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise alone: 1): something else is missing there, and its evidence and U are counted against what is left.
+report-homogeneity = Its parameters { $alike ->
+        [0] differ between independent parts of the recording by more than chance ({ $p }), but by so little that the name stands; U covers the scatter
+       *[1] agree between independent parts of the recording ({ $p })
+    }.
+report-group = These make up for each other in this recording, and any of them fits within what is left: { $effects }.
 report-alternatives = This recording cannot tell it from { $effects }.
-report-no-alternatives = No other effect of the catalogue fits this recording as well.
+report-no-alternatives = No other effect of the catalogue that was tried fits this recording as well.
 report-to-record = To be sure, record: { $recording }.
 report-moves-most = Of the certificate it moves most: { $element }, from { $before } with it left out to { $after } with it taken into account (k = 2), { $times } U.
+report-moves-in-set = Alone it would move { $element } of the certificate by { $times } U, but other findings take that back: all together they move it by { $together } U, and only that counts.
+report-to-do = Next: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.
 
+# What has no name.
+report-without-name = without a name: { $pattern }
+report-pattern = mismatch of the { $channels }{ $dimension ->
+        [rate] {" "}that depends on the rate
+        [attitude] {" "}that depends on the attitude
+        [rotation_phase] {" "}that comes again with each turn
+        [frequency] {" "}about one frequency
+        [temperature] {" "}that depends on the temperature
+        [time] {" "}that changes in the course of the run
+        [after_moves] {" "}that follows each move
+        [ramps] {" "}while the rate changes
+        [recorded] {" "}that follows a recorded quantity
+        [level] , everywhere alike
+       *[unknown] {""}
+    }
+report-refused-implausible = As «{ $effect }» its { $parameter } would be { $value }, { $larger ->
+        [0] beyond { $limit }, the limit of what a working unit or station has
+       *[1] { $times } times larger than in any working unit or station (at most { $limit })
+    }, so it is not called that; such a size usually means { $usual }.
+report-usual = { $kind ->
+        [time] a time stamp in another unit (ms for s), or two streams that were not recorded together
+        [length] a length in another unit (mm for m), or axes exchanged or inverted
+        [angle] an attitude that is stated wrongly, deg for rad, or axes exchanged or inverted
+       *[scale] a range or unit set wrong (deg for rad, g for m/s², counts per unit), or axes exchanged or inverted
+    }
+report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is not the same throughout: { $parameter } changes from { $smallest } to { $largest } { $parts ->
+        [rate] between small and large rates
+        [up] with the axis that is up
+        [triad] between gyros and accelerometers
+        [axis] from axis to axis
+       *[time] in the course of the run
+    }, which one law would not do; so it is not called that.
+report-refused-channel = It behaves like «{ $effect }», but the { $channel }, which that would change as well, is predicted worse with it; so it is not called that.
+report-refused-undetermined = It behaves like «{ $effect }», but no parameter of that would be larger than its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
+
+# What to do about it.
+report-next-implausible = check whether there is { $usual }; correct that, and explain again
+report-next-inhomogeneous = { $parts ->
+        [rate] record the same motion at three or more speeds: how the size follows the rate tells which physics it is
+        [up] repeat the motion with each axis up, and look at the mounting and the cables as the attitude changes
+        [triad] compare how gyros and accelerometers are filtered and stamped: their output rates, low-passes and time stamps
+        [axis] compare the settings of the axes: range, filter, order of sampling, and how each is mounted
+       *[time] look in the log for what changed during the run (settings, temperature, mounting), and repeat its first part at the end
+    }
+report-next-channel = check sign, scale and filter of the { $channel }, and record the same motion about another axis
+report-next-undetermined = record what would determine it: { $recording }
+report-next = { $dimension ->
+        [rate] record steady rates of both signs in at least five steps, and see whether what is left grows with the rate, its size or its square
+        [attitude] record rests with each axis up, down and at 45 deg at two headings, and look at what changes with attitude: cables, clamping, magnets nearby
+        [rotation_phase] turn slowly through whole turns both ways, with the unit at two places on the payload: what keeps its place on the shaft is the table's
+        [frequency] record a rest with the drive on and off, and one at another sample rate: what stops with the drive is vibration, what moves is an alias
+        [temperature] record rests at three steady temperatures, each reached warming and cooling
+        [time] look in the log for what happened then, and run again: what does not come again at the same time is no matter of the motion
+        [after_moves] let each rest last five times as long, reached from both sides, and watch the fixture settle
+        [ramps] record ramps of three accelerations with one trigger seen by both clocks, and look up how the unit filters and stamps its output
+        [recorded] vary that quantity alone while the unit rests
+       *[level] record a rest of an hour and a few plain rates: what is there at rest is noise or drift, the rest is a response to motion
+    }
+
 # The verdict.
+report-summary = { $explained } of the mismatch above noise is explained{ $unnamed ->
+        [0] {""}
+       *[1] {" "}({ $described } of it by a pattern without a name)
+    }, { $left } is not; look first at { $first }.
+report-first-left = what is left in the { $channel } (χ² = { $chi2 } per degree of freedom)
+report-left = What is left stands above noise, in χ² per degree of freedom: { $channels }.
+report-left-in = { $channel } { $chi2 }
+report-small = Small remainders: { $remainders }.
+report-small-finding = { $title } ({ $share })
 report-no_mismatch = no mismatch
     .headline = No mismatch: the standard's model accounts for this recording
 report-explained = explained
@@ -74,22 +150,23 @@ report-unnamed = { $verdict ->
     }.
 report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1).
 report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1), and the rms residual of the { $channel } falls to { $share }.
-report-values-moved = Taking it into account moves { $values ->
+report-moved = { $findings ->
+        [one] Taking it into account
+       *[other] Taking all findings into account together
+    } moves { $values ->
         [0] no values
         [one] { $values } value
        *[other] { $values } values
-    } of the certificate by more than U.
-report-values-and-verdicts-moved = Taking it into account moves { $values ->
-        [0] no values
-        [one] { $values } value
-       *[other] { $values } values
-    } of the certificate by more than U and changes { $verdicts ->
-        [one] { $verdicts } verdict
-       *[other] { $verdicts } verdicts
-    }.
+    } of the certificate by more than U{ $verdicts ->
+        [0] {""}
+        [one] {" "}and changes { $verdicts } verdict
+       *[other] {" "}and changes { $verdicts } verdicts
+    }; most of all { $element }: { $before } → { $after } ({ $times } U).
 
 # The page.
 report-title = Model and recording: { $recording }
+report-shares =
+    .caption = Left: share of the mismatch above noise that each finding removes, and what none of them explains. Right: χ² per degree of freedom of what is left in each channel, against the unit's noise at rest (noise alone: 1).
 report-where = Where
     .caption = Colour: by how many standard deviations the misfit of the standard's model stands above noise, at the averaging time at which it shows most. The strip above tells rests, rates and turns; bars below a channel tell in which segments a finding sits, the numbers at the right its share.
     .caption-noise = Colour: by how many standard deviations the misfit of the standard's model stands above white noise, at the averaging time at which it shows most. Single pale cells are the unit's own slow noise: all in all there is no more than chance allows.
@@ -116,12 +193,15 @@ report-origin = Origin
 
 # Heads of the cards and tables.
 report-card-size = How large
-report-card-follows = What it follows
+report-card-refused = Why it has no name
 report-card-equation = Equation
 report-card-why = Why we believe it
+report-card-tests = What else was tested
 report-card-alternatives = Could also be
 report-card-record = To be sure, record
 report-card-certificate = On the certificate
+report-card-next = What to do next
+report-together = all
 report-column-number = no.
 report-column-parameter = parameter
 report-column-value = value

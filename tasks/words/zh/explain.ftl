@@ -8,7 +8,6 @@ explain-model-simulation = 给定的仿真信号
 # 目录之外效应的变化规律。
 explain-other-parameters = 标准模型自身参数与给定值不同
 explain-jumps = 在多个时刻的电平跳变
-explain-other-form = 类似“{ $title }”但形式不同
 explain-slow-drift = 与任何记录量均无关的缓慢漂移
 explain-wave = 周期约 { $period } s 的波动
 explain-relaxation = { $event }后的弛豫，时间常数约 { $tau } s
@@ -43,10 +42,6 @@ explain-lean = 转台第 { $axis } 轴转角 { $angle }° 附近的倾斜
 # 所发现因素对各校准项目的影响。
 explain-items-by-angles = JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。
 explain-items-not-estimated = 未能估计所发现因素对各校准项目的影响：{ $reason }
-explain-together = { $clauses }。
-explain-together-move = 全部 { $findings } 项因素合计使 { $elements } 个元素的变化超过 0.05 U
-explain-together-move-most = 全部 { $findings } 项因素合计使 { $elements } 个元素的变化超过 0.05 U，最大为{ $item } { $element }：{ $before } → { $after } { $unit }（{ $expanded } U）
-explain-verdict-change = { $item }：{ $before } → { $after }
 
 # 扣除所发现因素后的校准。
 explain-adopted = 按规范计算之前，已从读数中扣除规范模型未包含的因素：{ $terms }。规范未规定此项处理。

@@ -22,18 +22,94 @@ report-predicted = 未参与拟合的区段，其数据概率提高到 { $times 
 report-not-predicted = 未参与拟合的区段预测未见改善（{ $nats } nat）
 report-times = { $number } 倍
 report-more-than-times = { $number } 倍以上
-report-why = { $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
+report-why = 其消除了高出噪声的失配的 { $share }。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
+report-stays-high = 计入后，{ $channel }的每自由度 χ² 仍为 { $chi2 }（仅有噪声时为 1）：该处尚有其他遗漏，其证据与 U 均相对于剩余残差计算。
+report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
+        [0] 的差异虽超出偶然（{ $p }），但很小，名称仍成立；U 已包含该分散性
+       *[1] 一致（{ $p }）
+    }。
+report-group = 在本次记录中以下效应可相互替代，其中任何一个都能在剩余残差范围内拟合：{ $effects }。
 report-alternatives = 仅凭本次记录无法与以下效应区分：{ $effects }。
-report-no-alternatives = 目录中没有其他效应能同样好地解释本次记录。
+report-no-alternatives = 目录中已试验的其他效应均不能同样好地解释本次记录。
 report-to-record = 如需确认，应补充记录：{ $recording }。
 report-moves-most = 对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（k = 2），变化 { $times } U。
+report-moves-in-set = 单独计入时，证书中的{ $element }变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
+report-to-do = 下一步：{ $next }。
 report-verdict-changes = { $item }的结论由“{ $before }”变为“{ $after }”。
 
+# 不予命名的发现。
+report-without-name = 未命名：{ $pattern }
+report-pattern = { $channels }的失配{ $dimension ->
+        [rate] ，随角速率而变
+        [attitude] ，随姿态而变
+        [rotation_phase] ，每转重复出现
+        [frequency] ，集中在一个频率附近
+        [temperature] ，随温度而变
+        [time] ，在试验过程中变化
+        [after_moves] ，出现在每次运动之后
+        [ramps] ，出现在角速率变化时
+        [recorded] ，随某一已记录的环境量而变
+        [level] ，各处相同
+       *[unknown] {""}
+    }
+report-refused-implausible = 若视为“{ $effect }”，其 { $parameter } 将为 { $value }，{ $larger ->
+        [0] 超出正常产品或转台的限值 { $limit }
+       *[1] 是任何正常产品或转台的 { $times } 倍（限值 { $limit }）
+    }，故不予此名；这样的量值通常意味着{ $usual }。
+report-usual = { $kind ->
+        [time] 时间戳单位有误（ms 误作 s），或两路数据并非同时记录
+        [length] 长度单位有误（mm 误作 m），或坐标轴互换、反向
+        [angle] 给定姿态有误、度与弧度混淆，或坐标轴互换、反向
+       *[scale] 量程或单位设置有误（度与弧度、g 与 m/s²、每单位计数），或坐标轴互换、反向
+    }
+report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并非处处相同：{ $parameter } { $parts ->
+        [rate] 在小角速率与大角速率之间
+        [up] 随朝上的轴不同
+        [triad] 在陀螺与加速度计之间
+        [axis] 在各轴之间
+       *[time] 在试验过程中
+    }由 { $smallest } 变到 { $largest }，不符合同一规律，故不予此名。
+report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的{ $channel }计入后预测反而变差，故不予此名。
+report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
+
+# 下一步。
+report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释
+report-next-inhomogeneous = { $parts ->
+        [rate] 以三个以上的速率记录同样的运动：其大小随角速率的变化可说明是哪种物理因素
+        [up] 在各轴朝上时重复该运动，并检查姿态改变时的安装与电缆
+        [triad] 比较陀螺与加速度计的滤波与时间戳：输出率、低通与时标
+        [axis] 比较各轴的设置：量程、滤波、采样次序及安装
+       *[time] 查看试验日志中的变化（设置、温度、安装），并在试验末尾重复其开始部分
+    }
+report-next-channel = 检查{ $channel }的符号、标度与滤波，并绕另一轴记录同样的运动
+report-next-undetermined = 补充能确定它的记录：{ $recording }
+report-next = { $dimension ->
+        [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长
+        [attitude] 在两个航向上记录各轴朝上、朝下及45°的静止位置，并检查随姿态变化的因素：电缆、夹紧、附近的磁体
+        [rotation_phase] 产品在台面两个位置上，正反向慢速转整周：在轴上位置不变的属于转台
+        [frequency] 分别在驱动开启与关闭时记录静止数据，并改变采样率再记录一次：随驱动停止的为振动，频率移动的为混叠
+        [temperature] 在三个稳定温度下记录静止数据，升温、降温各一次
+        [time] 查看日志中该时刻发生了什么，并重复试验：不在同一时刻再现的与运动无关
+        [after_moves] 将每次静止时间延长至五倍，从两个方向到达，并观察工装的稳定过程
+        [ramps] 以三种角加速度记录加减速段，两套时钟共用触发信号，并查明产品输出的滤波与时间戳方式
+        [recorded] 产品静止时单独改变该环境量
+       *[level] 记录 1 h 静止数据与若干恒定角速率：静止时存在的为噪声或漂移，其余为对运动的响应
+    }
+
 # 结论。
+report-summary = 高出噪声的失配中，{ $explained } 已得到解释{ $unnamed ->
+        [0] {""}
+       *[1] （其中 { $described } 为未命名的规律）
+    }，{ $left } 未得到解释；首先应检查：{ $first }。
+report-first-left = { $channel }的剩余残差（每自由度 χ² = { $chi2 }）
+report-left = 剩余残差仍高出噪声的通道及其每自由度 χ²：{ $channels }。
+report-left-in = { $channel } { $chi2 }
+report-small = 微小的剩余因素：{ $remainders }。
+report-small-finding = { $title }（{ $share }）
 report-no_mismatch = 未见失配
     .headline = 未见失配：规范模型足以说明本次记录
 report-explained = 已查明
@@ -62,11 +138,18 @@ report-unnamed = { $verdict ->
     }。
 report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1）。
 report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1），{ $channel } 残差均方根降至 { $share }。
-report-values-moved = 计入后，证书中有 { $values } 个值的变化超过 U。
-report-values-and-verdicts-moved = 计入后，证书中有 { $values } 个值的变化超过 U，{ $verdicts } 项结论改变。
+report-moved = { $findings ->
+        [one] 计入后
+       *[other] 全部发现一并计入后
+    }，证书中有 { $values } 个值的变化超过 U{ $verdicts ->
+        [0] {""}
+       *[other] ，{ $verdicts } 项结论改变
+    }；变化最大的是{ $element }：{ $before } → { $after }（{ $times } U）。
 
 # 页面。
 report-title = 模型与记录：{ $recording }
+report-shares =
+    .caption = 左：各项发现所消除的、高出噪声的失配的份额，以及未得到解释的部分。右：各通道剩余残差的每自由度 χ²，以静止时的噪声为准（仅有噪声时为 1）。
 report-where = 所在位置
     .caption = 颜色表示规范模型的失配高出噪声多少倍标准差（取最显著的平均时间）。上方色带为静止、恒速与转动区段；各通道下方的短条为各项发现所在的区段，右侧数字为其占比。
     .caption-noise = 颜色表示规范模型的失配高出白噪声多少倍标准差（取最显著的平均时间）。个别浅色格为被校单元自身的慢变噪声，总体未超出偶然范围。
@@ -93,12 +176,15 @@ report-origin = 来源
 
 # 卡片与表格的标题。
 report-card-size = 参数
-report-card-follows = 变化规律
+report-card-refused = 不予命名的原因
 report-card-equation = 公式
 report-card-why = 依据
+report-card-tests = 其他检验
 report-card-alternatives = 其他可能
 report-card-record = 如需确认，补充记录
 report-card-certificate = 对证书的影响
+report-card-next = 下一步
+report-together = 合计
 report-column-number = 序号
 report-column-parameter = 参数
 report-column-value = 值

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, AXES, GYRO, Manifest, Recording, Stream
+from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explain import explain
 from tasks.explain.locate.where import locate
 from tasks.explain.report.discrepancy import discrepancy_of
@@ -58,7 +59,7 @@ def test_a_toy_effect_of_one_file_is_found_named_and_reported(
     for parameter, true in zip(finding.parameters, TRUE, strict=True):
         assert abs(parameter.value - true) < 4.0 * parameter.u
     assert say(finding.title, "en") == say(finding.title, "zh") == "toy effect"
-    reported = discrepancy_of(found, locate(found), [()], [()])
+    reported = discrepancy_of(found, locate(found), Consequences(((),), ((),)))
     assert reported.findings[0].statement.en.startswith("Toy effect: ")
     assert "toy effect" in reported.statement.en
     assert "toy effect" in reported.statement.zh

@@ -11,7 +11,7 @@ from table_run import T, motion, recording
 
 from tasks.model import terms
 from tasks.model.catalogue import catalogue
-from tasks.model.effect import EVENTS, Effect, effect_name
+from tasks.model.effect import EVENTS, Effect, effect_name, next_step
 from tasks.model.simulate import predict
 from tasks.model.term import Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS
@@ -58,8 +58,10 @@ def test_no_event_is_a_term() -> None:
 
 @pytest.mark.parametrize("effect", [*of_each_name(), *EVENTS.values()], ids=lambda e: e.name)
 def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
+    todo = next_step(effect.name)
     assert effect.separated_by is not None
-    for said in (effect.title, effect.separated_by, effect_name(effect.name)):
+    assert todo is not None
+    for said in (effect.title, effect.separated_by, todo, effect_name(effect.name)):
         assert say(said, "en").replace("²", "").isascii()
         assert re.search("[\u4e00-\u9fff]", say(said, "zh"))
     assert effect.equation

@@ -16,6 +16,7 @@ from schemas.discrepancy import (
 from schemas.recording import Manifest, Recording, Stream
 from schemas.text import Statement
 from tasks.explain.channels import CHANNELS
+from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.report import discrepancy_of
 
@@ -69,7 +70,7 @@ def finding(contribution: np.ndarray | None = None, **more: Any) -> Finding:
         "title": Statement(en="Table not level", zh="转台不水平"),
         "equation": "u = R(φ)·up, a < b", "source": "rigid-body kinematics", "channels": (3, 4),
         "parameters": (TILT,), "contribution": tilt() if contribution is None else contribution,
-        "gain": 900.0, "delta_bic": 512.3, "held_out_gain": 240.1,
+        "gain": 900.0, "delta_bic": 512.3, "held_out_gain": 240.1, "share": 0.62,
     }  # fmt: skip
     return Finding(**(told | more))
 
@@ -93,6 +94,8 @@ def explanation(*findings: Finding, verdict: str = "", **more: Any) -> Explanati
         "held_out": HeldOut(rms_ratio={"accel_x": 0.31} if findings else {},
                             chi2_per_dof_before=2.914 if findings else 1.004,
                             chi2_per_dof_after=1.021 if findings else 1.004),
+        "explained_share": sum(each.share for each in findings),
+        "left_over": np.array([1.02, 1.0, 1.0, 1.31, 1.0, 1.0]),
     }  # fmt: skip
     return Explanation(**(told | more))
 
@@ -118,8 +121,15 @@ def answer(
     changes: tuple[VerdictChange, ...] = (),
 ) -> Discrepancy:
     """What is said when every finding sits in accelerometer x and has the same consequences."""
-    each = range(len(explained.findings))
-    return discrepancy_of(
-        explained, [(where(),) for _ in each], [consequences for _ in each],
-        [changes for _ in each],
+    count = len(explained.findings)
+    effects = Consequences(
+        (consequences,) * count, (changes,) * count, consequences if count else (),
+        changes if count else (),
     )  # fmt: skip
+    return discrepancy_of(explained, [(where(),)] * count, effects)
+
+
+def located(explained: Explanation, *places: tuple[Where, ...]) -> Discrepancy:
+    """The answer with the places of each finding, and without consequences."""
+    count = len(explained.findings)
+    return discrepancy_of(explained, places, Consequences(((),) * count, ((),) * count))

@@ -7,16 +7,27 @@ from xml.etree import ElementTree
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from made_report import BIAS, CHANGE, answer, explanation, finding, recording, unnamed, where
+from made_report import (
+    BIAS,
+    CHANGE,
+    answer,
+    explanation,
+    finding,
+    located,
+    recording,
+    unnamed,
+    where,
+)
 
 from schemas.base import Unusable
 from schemas.discrepancy import Consequence, Discrepancy
 from schemas.recording import Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
-from tasks.explain.report import discrepancy_of, write_report
+from tasks.explain.report import write_report
 
-NAMES = {"report.html", "report.json", "where.svg", "before_after.svg", "prediction.parquet"}
+PICTURES = ("where.svg", "before_after.svg", "shares.svg")
+NAMES = {"report.html", "report.json", "prediction.parquet", *PICTURES}
 CASES = {
     "no_mismatch": explanation(),
     "explained": explanation(finding(indistinguishable=("axis_wobble",))),
@@ -36,7 +47,7 @@ def test_every_verdict_has_a_page_pictures_and_data(verdict, tmp_path) -> None:
     page = written(CASES[verdict], tmp_path / "out")
     assert {path.name for path in (tmp_path / "out").iterdir()} == NAMES
     assert 'class="badge' in page
-    for name in ("where.svg", "before_after.svg"):
+    for name in PICTURES:
         root = ElementTree.fromstring((tmp_path / "out" / name).read_bytes())
         assert root.tag.endswith("svg")
     told = Discrepancy.model_validate_json((tmp_path / "out" / "report.json").read_bytes())
@@ -50,10 +61,10 @@ def test_the_page_needs_nothing_from_elsewhere(verdict, tmp_path) -> None:
     assert not re.search(r"https?:|//\w|@import|url\(|<link|<script|src=|href=", page)
 
 
-def test_the_page_holds_both_languages_and_both_pictures(tmp_path) -> None:
+def test_the_page_holds_both_languages_and_every_picture(tmp_path) -> None:
     page = written(CASES["explained"], tmp_path)
     assert page.count('lang="en"') - 1 == page.count('lang="zh"')  # one more on the page itself
-    assert page.count("<svg") == 2
+    assert page.count("<svg") == 3
     for words in ("Table not level", "转台不水平", "axis_wobble", "<b>", "不合格 → 合格",
                   "1.234", "mrad", "0.022", "−40.0"):  # fmt: skip
         assert words in page
@@ -136,7 +147,7 @@ def test_residuals_of_every_size_fit_into_the_pictures(size, tmp_path) -> None:
 def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside(tmp_path) -> None:
     run = CASES["explained"]
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
-    write_report(discrepancy_of(run, [places], [()], [()]), run, tmp_path)
+    write_report(located(run, places), run, tmp_path)
     svg = (tmp_path / "where.svg").read_text()
     assert "38 %" in svg
     assert "62 %" in svg
@@ -146,7 +157,7 @@ def test_a_finding_is_marked_in_its_segments_and_its_share_stands_beside(tmp_pat
 def test_what_is_spread_over_channels_still_makes_a_picture(tmp_path) -> None:
     run = CASES["explained"]
     spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
-    write_report(discrepancy_of(run, [(where(share=0.98), spread)], [()], [()]), run, tmp_path)
+    write_report(located(run, (where(share=0.98), spread)), run, tmp_path)
     assert "98 %" in (tmp_path / "where.svg").read_text()
     assert "gyro x, gyro z" in (tmp_path / "report.html").read_text()
 

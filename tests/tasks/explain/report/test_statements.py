@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, unnamed, where
+from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL
-from tasks.explain.report import discrepancy_of
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
 from tasks.model.effect import effect_name
 from tasks.words import say
@@ -28,7 +27,7 @@ def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages() 
 def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
     explained = explanation(finding())
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
-    en, zh = texts(discrepancy_of(explained, [places], [()], [()]))
+    en, zh = texts(located(explained, places))
     assert en.index("accelerometer y (62 %): while +x is up") < en.index("accelerometer x")
     assert "加速度计 y（62 %）：+x 朝上时" in zh
 
@@ -36,7 +35,7 @@ def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
 def test_what_is_spread_over_channels_names_each_of_them() -> None:
     explained = explanation(finding())
     spread = where("gyro_x, gyro_z", 0.02, dimension="level", segments=())
-    en, zh = texts(discrepancy_of(explained, [(where(share=0.98), spread)], [()], [()]))
+    en, zh = texts(located(explained, (where(share=0.98), spread)))
     assert "gyro x, gyro z (2 %)" in en
     assert "陀螺 x、陀螺 z（2 %）" in zh
 
@@ -71,8 +70,8 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
 def test_what_has_no_name_is_described_by_what_it_follows() -> None:
     discrepancy = answer(explanation(unnamed(), verdict="unexplained"))
     en, zh = texts(discrepancy)
-    assert "A relaxation of 12 s after each move." in en
-    assert "每次运动后 12 s 的松弛。" in zh
+    assert "Without a name: a relaxation of 12 s after each move." in en
+    assert "未命名：每次运动后 12 s 的松弛。" in zh
     assert "given no name" in discrepancy.statement.en
     assert "不予命名" in discrepancy.statement.zh
 
@@ -96,7 +95,7 @@ def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
 def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> None:
     overall = VerdictChange(item=OVERALL, before="fail", after="pass")
     discrepancy = answer(explanation(finding()), (BIAS,), (CHANGE, overall))
-    assert "changes 1 verdict." in discrepancy.statement.en
+    assert "changes 1 verdict;" in discrepancy.statement.en
     assert "the certificate as a whole changes from fail to pass" in texts(discrepancy)[0]
 
 
@@ -132,12 +131,12 @@ def test_the_answer_is_the_contracts_json() -> None:
     assert Discrepancy.model_validate_json(discrepancy.model_dump_json()) == discrepancy
     assert discrepancy.findings[0].channels == ("accel_x", "accel_y")
     assert discrepancy.findings[0].parameters == (TILT,)
-    assert discrepancy.figures == ("where.svg", "before_after.svg")
+    assert discrepancy.figures == ("where.svg", "before_after.svg", "shares.svg")
 
 
 def test_findings_without_their_places_are_refused() -> None:
     with pytest.raises(ValueError, match="shorter"):
-        discrepancy_of(explanation(finding()), [], [()], [()])
+        located(explanation(finding()))
 
 
 def test_many_parameters_are_told_by_the_three_most_significant() -> None:

@@ -1,0 +1,34 @@
+"""What to do about a finding: every one of them ends in it, also those without a name."""
+
+from schemas.discrepancy import Where
+from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import UNNAMED, Finding, Refusal
+from tasks.explain.report.names import channel_title
+from tasks.explain.report.unnamed import usual_cause
+from tasks.model.effect import next_step, separating_recording
+from tasks.words import Sayable, message
+
+
+def next_of(finding: Finding, places: tuple[Where, ...]) -> Sayable:
+    """What an engineer does next: checks a setting, the fixture, the logger, or records something.
+
+    places: by falling share.
+    """
+    if finding.effect != UNNAMED:
+        return next_step(finding.effect) or finding.separated_by or _by_place(places)
+    return (finding.refusal and _after_refusal(finding.refusal)) or _by_place(places)
+
+
+def _after_refusal(refusal: Refusal) -> Sayable | None:
+    if refusal.kind == "implausible":
+        return message("report-next-implausible", usual=usual_cause(refusal.unit))
+    if refusal.kind == "inhomogeneous":
+        return message("report-next-inhomogeneous", parts=refusal.parts or "time")
+    if refusal.kind == "channel_worse" and refusal.channel is not None:
+        return message("report-next-channel", channel=channel_title(CHANNELS[refusal.channel]))
+    recording = separating_recording(refusal.name)
+    return message("report-next-undetermined", recording=recording) if recording else None
+
+
+def _by_place(places: tuple[Where, ...]) -> Sayable:
+    return message("report-next", dimension=places[0].dimension if places else "level")

@@ -1,0 +1,82 @@
+"""shares.svg: how much of the mismatch each finding removes, and what is left in each channel."""
+
+from typing import TYPE_CHECKING, Any
+
+from schemas.discrepancy import Discrepancy
+from tasks.explain.channels import CHANNELS
+from tasks.explain.report.names import capital, channel_title
+from tasks.explain.report.statements import HIGH
+from tasks.pages.chart import AFTER, BEFORE, FINDINGS, GREY, PALE, draw
+from tasks.words import say
+from tasks.words.quantities import chi2, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WIDTH, HEAD, FOOT, ROW = 1040, 48, 48, 30  # px
+MIDDLE, LEFT, BARS = 640, 30, 250  # px: where the right half begins; bars of the left half
+CHANNEL_BARS = (770, 980)  # px
+MAX_TITLE = 44  # letters beside a bar of full length
+BAR = 0.62  # of a row
+
+
+def shares_svg(answer: Discrepancy) -> str:
+    """The picture; its words are English with the field's symbols."""
+    bars = share_bars(answer)
+    rows = max(len(bars), len(CHANNELS))
+    height = HEAD + ROW * rows + FOOT
+
+    def content(figure: "Figure") -> None:
+        figure.set_layout_engine("none")
+        bottom, top = FOOT / height, ROW * rows / height
+        left = figure.add_axes((LEFT / WIDTH, bottom, BARS / WIDTH, top))
+        _draw_shares(left, bars, rows)
+        start, end = CHANNEL_BARS
+        right = figure.add_axes((start / WIDTH, bottom, (end - start) / WIDTH, top))
+        _draw_left_over(right, answer, rows)
+
+    return draw("Share of each finding and what is left", WIDTH, height, content)
+
+
+def share_bars(answer: Discrepancy) -> list[tuple[str, float, str]]:
+    """(title, share of the mismatch, colour) of each finding, and of what none explains."""
+    bars = [
+        (
+            say(capital(finding.title), "en"),
+            finding.share,
+            FINDINGS[k] if k < len(FINDINGS) else GREY,
+        )
+        for k, finding in enumerate(answer.findings)
+    ]
+    return [*bars, ("Not explained", 1.0 - answer.explained_share, PALE)]
+
+
+def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> None:
+    axes.set(xlim=(0.0, 1.0), ylim=(rows, 0))
+    for row, (title, share, colour) in enumerate(bars):
+        axes.barh(row + 0.5, 1.0, BAR, color="#f5f5f5")
+        axes.barh(row + 0.5, min(max(share, 0.0), 1.0), BAR, color=colour)
+        words = title if len(title) <= MAX_TITLE else title[: MAX_TITLE - 1] + "…"
+        axes.annotate(f"{percent(share)}  {words}", (1, row + 0.5), xytext=(8, 0), va="center",
+                      textcoords="offset points", fontsize=12)  # fmt: skip
+    axes.set_title("Share of the mismatch above noise", fontsize=15, pad=10)
+    axes.set_axis_off()
+
+
+def _draw_left_over(axes: Any, answer: Discrepancy, rows: int) -> None:
+    values = [answer.left_over.get(channel) for channel in CHANNELS]
+    largest = max([2.0, *(value for value in values if value is not None)])
+    smallest = min([0.5, *(value for value in values if value)])
+    axes.set(xlim=(smallest, 1.3 * largest), ylim=(rows, 0), xscale="log")
+    axes.axvline(1.0, color=GREY, linewidth=1)
+    for row, (channel, value) in enumerate(zip(CHANNELS, values, strict=True)):
+        title = say(channel_title(channel), "en").replace("accelerometer", "accel.")
+        axes.annotate(title, (0, row + 0.5), xycoords=("axes fraction", "data"), xytext=(-8, 0),
+                      textcoords="offset points", ha="right", va="center")  # fmt: skip
+        if value is None:
+            continue
+        axes.barh(row + 0.5, value - 1.0, BAR, left=1.0, color=BEFORE if value >= HIGH else AFTER)
+        axes.annotate(chi2(value), (max(value, 1.0), row + 0.5), xytext=(6, 0), va="center",
+                      textcoords="offset points")  # fmt: skip
+    axes.set_title("Left over: χ² per degree of freedom", fontsize=15, pad=10, x=-0.6)
+    axes.set_axis_off()

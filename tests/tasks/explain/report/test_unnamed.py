@@ -1,0 +1,118 @@
+"""What has no name carries none: its title says where it sits, its statement why no name stands."""
+
+import json
+from typing import Any, get_args
+
+import pytest
+from made_report import explanation, located, unnamed, where
+
+from schemas.discrepancy import Dimension, ReportedFinding
+from tasks.explain.explanation import Finding, Partition, Refusal
+from tasks.explain.report.next_step import next_of
+from tasks.explain.report.unnamed import pattern_of
+from tasks.model.effect import effect_name
+from tasks.words import texts
+
+REFUSALS: dict[str, Refusal] = {
+    "implausible": Refusal(
+        "implausible", "gyro_scale_nonlinearity", "c_3", "1", value=-0.97, limit=-0.027
+    ),
+    "inhomogeneous": Refusal(
+        "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
+    ),
+    "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
+    "undetermined": Refusal(
+        "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
+    ),
+}
+
+
+def refused(kind: str, **more: Any) -> ReportedFinding:
+    found = unnamed(title="", refusal=REFUSALS[kind], channels=(0, 1, 2), **more)
+    return located(explanation(found, verdict="unexplained"), (where("gyro_x", 1.0),)).findings[0]
+
+
+@pytest.mark.parametrize("kind", REFUSALS)
+def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the_title(
+    kind,
+) -> None:
+    found = refused(kind)
+    assert found.effect == "unnamed"
+    assert found.refused is not None
+    for language, name in texts(effect_name(REFUSALS[kind].name)).items():
+        title, statement, why = (
+            getattr(each, language) for each in (found.title, found.statement, found.refused)
+        )
+        assert name not in title
+        assert REFUSALS[kind].name not in json.dumps(found.title.model_dump())
+        assert name in why
+        assert why in statement
+
+
+def test_an_implausible_size_is_given_as_a_multiple_with_what_it_usually_means() -> None:
+    said = refused("implausible").statement.en
+    assert "its c 3 would be −0.97, 36 times larger than in any working unit" in said
+    assert "a range or unit set wrong (deg for rad, g for m/s²" in said
+    assert "Next: check whether there is a range or unit set wrong" in said
+
+
+def test_a_size_just_beyond_the_limit_is_no_multiple() -> None:
+    near = Refusal("implausible", "gravity_value", "g", "m/s2", value=9.95, limit=9.9)
+    found = unnamed(title="", refusal=near)
+    said = located(explanation(found, verdict="unexplained"), ()).findings[0].statement.en
+    assert "9.95 m/s², beyond 9.9 m/s²" in said
+    assert "times larger" not in said
+
+
+def test_what_changes_from_part_to_part_is_told_with_its_sizes() -> None:
+    found = refused("inhomogeneous")
+    assert "changes from 8 ms to 9.4 ms between small and large rates" in found.statement.en
+    assert "由 8 ms 变到 9.4 ms" in found.statement.zh
+    assert "three or more speeds" in found.next.en
+
+
+def test_a_channel_that_gets_worse_is_named() -> None:
+    found = refused("channel_worse")
+    assert "the accelerometer y, which that would change as well, is predicted worse" in (
+        found.statement.en
+    )
+    assert "accelerometer y" in found.next.en
+
+
+def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> None:
+    found = refused("undetermined")
+    assert "gyro x = 2.06 °/h, U = 4.13 °/h" in found.statement.en
+    assert "magnetic shield" in found.next.en
+
+
+def test_a_title_says_which_channels_and_which_circumstance() -> None:
+    title = refused("implausible").title
+    assert title.en == "without a name: mismatch of the gyros that depends on the attitude"
+    assert title.zh == "未命名：陀螺的失配，随姿态而变"
+
+
+def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
+    found = located(explanation(unnamed(), verdict="unexplained"), (where(),)).findings[0]
+    assert found.refused is None
+    assert found.follows is not None
+    assert found.title.en == f"without a name: {found.follows.en}"
+
+
+@pytest.mark.parametrize("dimension", get_args(Dimension))
+def test_every_circumstance_has_its_pattern_and_its_next_step(dimension) -> None:
+    found: Finding = unnamed(title="")
+    places = (where(dimension=dimension),)
+    elsewhere = (where(dimension="level" if dimension != "level" else "rate"),)
+    for made in (pattern_of, next_of):
+        assert texts(made(found, places)) != texts(made(found, elsewhere))
+
+
+@pytest.mark.parametrize("parts", get_args(Partition))
+def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts) -> None:
+    refusal = Refusal("inhomogeneous", "time_offset", "delay", "s", smallest=1.0, largest=2.0,
+                      parts=parts)  # fmt: skip
+    made = located(explanation(unnamed(title="", refusal=refusal), verdict="unexplained"), ())
+    (found,) = made.findings
+    other = refused("inhomogeneous") if parts != "rate" else refused("implausible")
+    assert found.refused != other.refused
+    assert found.next != other.next

@@ -1,0 +1,129 @@
+"""The first sentence says how much is explained, how much is not, and what to look at first."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_report import BIAS, answer, explanation, finding, located, unnamed, where
+
+from schemas.discrepancy import Discrepancy
+from tasks.explain.correction.consequences import Consequences
+from tasks.explain.report import discrepancy_of
+
+
+def first_sentence(discrepancy: Discrepancy) -> str:
+    return discrepancy.statement.en.partition(". ")[0]
+
+
+def test_the_largest_finding_is_what_to_look_at_first() -> None:
+    said = first_sentence(answer(explanation(finding())))
+    assert said == (
+        "62 % of the mismatch above noise is explained, 38 % is not; look first at Table not level"
+    )
+    assert "首先应检查：转台不水平" in answer(explanation(finding())).statement.zh
+
+
+def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first() -> None:
+    left = np.array([1.0, 31.4, 2.0, 1.0, 1.0, 1.0])
+    said = answer(explanation(finding(share=0.2), left_over=left)).statement.en
+    assert "look first at what is left in the gyro y (χ² = 31.40 per degree of freedom)" in said
+    assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in said
+
+
+def test_what_is_described_without_a_name_is_told_apart_from_what_is_explained() -> None:
+    both = explanation(finding(), unnamed(share=0.3), verdict="partly_explained")
+    said = first_sentence(answer(both))
+    assert "92 % of the mismatch above noise is explained (30 % of it by a pattern" in said
+
+
+def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
+    nothing = replace(explanation(), verdict="unexplained", left_over=np.full(6, 9.0))
+    said = answer(nothing).statement.en
+    assert said.startswith("0 % of the mismatch above noise is explained, 100 % is not; look first")
+
+
+def test_small_remainders_are_one_line() -> None:
+    small = (finding(share=0.004), unnamed(share=0.002, title=""))
+    discrepancy = answer(explanation(finding(), small=small))
+    assert [each.en for each in discrepancy.small_remainders] == [
+        "Table not level (< 1 %)",
+        "without a name: mismatch of the accelerometer x, accelerometer y (< 1 %)",
+    ]
+    assert "Small remainders: Table not level (< 1 %); without a name:" in discrepancy.statement.en
+    assert len(discrepancy.findings) == 1
+
+
+def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
+    left = np.array([1.0, 1.0, 1.0, np.nan, np.nan, np.nan])
+    assert set(answer(explanation(finding(), left_over=left)).left_over) == {
+        "gyro_x", "gyro_y", "gyro_z",
+    }  # fmt: skip
+
+
+def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
+    left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
+    said = answer(explanation(finding(), left_over=left)).findings[0].statement
+    assert "of the accelerometer x stays at 30.00 (noise alone: 1)" in said.en
+    assert "相对于剩余残差" in said.zh
+    assert "stays at" not in answer(explanation(finding())).findings[0].statement.en
+
+
+@pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "U covers the scatter")])
+def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
+    told = answer(explanation(finding(homogeneity_p=p))).findings[0]
+    assert words in told.statement.en
+    assert told.homogeneity_p == p
+
+
+def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
+    group = ("time_offset", "bandwidth")
+    made = finding(effect="time_offset", group=group, indistinguishable=("bandwidth",),
+                   separated_by="oscillation at several frequencies")  # fmt: skip
+    told = answer(explanation(made)).findings[0]
+    assert told.group == group
+    assert "an offset between the clocks or the unit's low-pass" in told.statement.en
+    assert "cannot tell it from" not in told.statement.en  # once is enough
+    assert "To be sure, record: oscillation at several frequencies." in told.statement.en
+
+
+def test_every_finding_ends_in_what_to_do_next() -> None:
+    made = explanation(finding(), unnamed(), verdict="partly_explained")
+    for told in answer(made, (BIAS,)).findings:
+        for language, word in (("en", "Next: "), ("zh", "下一步：")):
+            end = getattr(told.statement, language).rpartition(word)[2]
+            assert end.rstrip(".。") == getattr(told.next, language)
+
+
+def test_what_others_take_back_is_told_of_the_set() -> None:
+    alone = BIAS.model_copy(update={"after": BIAS.before - 10.9 * BIAS.U})
+    of_set = BIAS.model_copy(update={"after": BIAS.before - 1.0 * BIAS.U})
+    both = explanation(finding(share=0.4), finding(share=0.2))
+    effects = Consequences(((alone,), ()), ((), ()), (of_set,))
+    told = discrepancy_of(both, [(where(),), (where(),)], effects)
+    assert "by −10.9 U, but other findings take that back: all together they move it by −1.0 U" in (
+        told.findings[0].statement.en
+    )
+    assert told.consequences == (of_set,)
+
+
+def test_what_all_findings_move_is_told_together() -> None:
+    both = explanation(finding(share=0.4), finding(share=0.2))
+    told = answer(both, (BIAS,)).statement.en
+    assert "Taking all findings into account together moves 1 value" in told
+    assert "most of all Bias of the X accelerometer" in told
+
+
+def test_the_json_has_the_fields_of_the_contract() -> None:
+    discrepancy = located(explanation(finding(), homogeneous()), (where(),), (where(),))
+    document = discrepancy.model_dump(mode="json")
+    assert document["explained_share"] == pytest.approx(1.0)
+    assert document["left_over"]["accel_x"] == pytest.approx(1.31)
+    assert document["small_remainders"] == []
+    plain, tested = document["findings"]
+    assert (plain["share"], plain["homogeneity_p"], plain["group"]) == (0.62, None, None)
+    assert (tested["homogeneity_p"], tested["group"]) == (0.3, ["axis_tilt", "axis_wobble"])
+    assert set(plain["next"]) == {"en", "zh"}
+
+
+def homogeneous():
+    return finding(share=0.38, homogeneity_p=0.3, group=("axis_tilt", "axis_wobble"))
