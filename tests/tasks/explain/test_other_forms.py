@@ -1,0 +1,24 @@
+"""Physics of the catalogue, written with other equations than its terms, still gets its name."""
+
+import numpy as np
+import pytest
+from other_forms import FORMS
+from short_run import short_run
+
+from tasks.explain.explain import explain
+
+
+@pytest.mark.parametrize(
+    ("effect", "form", "z"),
+    [
+        ("hysteresis", "preisach_of_rate", 30.0),
+        ("hysteresis", "plays_of_rate", 30.0),
+        ("hysteresis", "fading", 10.0),
+        ("hysteresis", "play_of_force", 30.0),
+    ],
+)
+def test_a_name_is_a_kind_of_physics_and_not_one_equation(effect: str, form: str, z: float) -> None:
+    run = short_run(3)
+    signal = FORMS[effect][form](run, np.random.default_rng(3))
+    answer = explain(run.with_signal(signal, z))
+    assert answer.findings[0].effect == effect
