@@ -66,8 +66,8 @@ class ReportedFinding(Frozen):
 
     share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
     same in independent parts of the recording; null where no parts determine them. group: names
-    of the catalogue that make up for each other here, this one included. refused: why what an
-    unnamed finding resembles is not its name. next: what to do about it.
+    of the catalogue that make up for each other here, this one included; common: what they have
+    in common. refused: why what an unnamed finding resembles is not its name. next: what to do.
     """
 
     effect: str
@@ -80,6 +80,7 @@ class ReportedFinding(Frozen):
     share: Finite
     homogeneity_p: Finite | None
     group: tuple[str, ...] | None
+    common: tuple[FoundParameter, ...] = ()
     refused: Statement | None = None
     equation: str
     source: str

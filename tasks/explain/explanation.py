@@ -49,7 +49,8 @@ class Finding:
     gain: chi-squared that it explains beyond all the rest, counted against what is left.
     share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
     same in all parts of the recording; None where no parts determine them. group: catalogue names
-    that make up for each other here, its own included. refusal: why its name was withdrawn.
+    that make up for each other here, its own included; common: what their combinations have in
+    common. refusal: why its name was withdrawn.
     """
 
     effect: str
@@ -68,6 +69,7 @@ class Finding:
     share: float = 0.0
     homogeneity_p: float | None = None
     group: tuple[str, ...] = ()
+    common: tuple[FoundParameter, ...] = ()
     refusal: Refusal | None = None
 
     @property

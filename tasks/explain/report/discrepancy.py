@@ -86,6 +86,7 @@ def _published(
         share=finding.share,
         homogeneity_p=finding.homogeneity_p,
         group=finding.group or None,
+        common=finding.common,
         refused=statement(refused(finding.refusal)) if finding.refusal else None,
         equation=finding.equation,
         source=finding.source,

@@ -147,7 +147,10 @@ def alternatives(finding: ReportedFinding) -> Sayable:
     """What makes up for it here, or would fit this recording as well; empty without either."""
     parts: list[Sayable] = []
     if finding.group:
-        parts.append(message("report-group", effects=_either(finding.group)))
+        common = ", ".join(map(parameter_text, finding.common))
+        effects = _either(finding.group)
+        parts.append(message("report-group", effects=effects, shared=len(finding.common),
+                             common=common))  # fmt: skip
     others = [name for name in finding.indistinguishable_from if name not in (finding.group or ())]
     if others:
         parts.append(message("report-alternatives", effects=_either(others)))

@@ -32,7 +32,10 @@ report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }), but by so little that the name stands; U covers the scatter
        *[1] agree between independent parts of the recording ({ $p })
     }.
-report-group = These make up for each other in this recording, and any of them fits within what is left: { $effects }.
+report-group = These make up for each other in this recording, and any of them fits within what is left: { $effects }{ $shared ->
+        [0] {""}
+       *[other] {""}. What they have in common is { $common } (k = 2)
+    }.
 report-alternatives = This recording cannot tell it from { $effects }.
 report-no-alternatives = No other effect of the catalogue that was tried fits this recording as well.
 report-to-record = To be sure, record: { $recording }.

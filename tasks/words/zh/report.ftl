@@ -32,7 +32,10 @@ report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异虽超出偶然（{ $p }），但很小，名称仍成立；U 已包含该分散性
        *[1] 一致（{ $p }）
     }。
-report-group = 在本次记录中以下效应可相互替代，其中任何一个都能在剩余残差范围内拟合：{ $effects }。
+report-group = 在本次记录中以下效应可相互替代，其中任何一个都能在剩余残差范围内拟合：{ $effects }{ $shared ->
+        [0] {""}
+       *[other] 。它们的共同部分为 { $common }（k = 2）
+    }。
 report-alternatives = 仅凭本次记录无法与以下效应区分：{ $effects }。
 report-no-alternatives = 目录中已试验的其他效应均不能同样好地解释本次记录。
 report-to-record = 如需确认，应补充记录：{ $recording }。

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from made_report import BIAS, answer, explanation, finding, located, unnamed, where
 
-from schemas.discrepancy import Discrepancy
+from schemas.discrepancy import Discrepancy, FoundParameter
 from tasks.explain.correction.consequences import Consequences
 from tasks.explain.report import discrepancy_of
 
@@ -78,10 +78,15 @@ def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
 def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
     group = ("time_offset", "bandwidth")
     made = finding(effect="time_offset", group=group, indistinguishable=("bandwidth",),
-                   separated_by="oscillation at several frequencies")  # fmt: skip
+                   separated_by="oscillation at several frequencies",
+                   common=(FoundParameter(name="group_delay", value=4.5e-3, unit="s", u=5e-5),),
+                   )  # fmt: skip
     told = answer(explanation(made)).findings[0]
     assert told.group == group
     assert "an offset between the clocks or the unit's low-pass" in told.statement.en
+    assert "What they have in common is group delay = (4.50 ± 0.10) ms (k = 2)." in (
+        told.statement.en
+    )
     assert "cannot tell it from" not in told.statement.en  # once is enough
     assert "To be sure, record: oscillation at several frequencies." in told.statement.en
 
