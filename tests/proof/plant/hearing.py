@@ -58,16 +58,16 @@ def hear(case: Case) -> Heard:
     plan = plan_of(case)
     setting = Setting(case, plan)
     effects = effects_of(case, setting)
-    t, motor = _drive(case, plan)
-    motion, reported = _motions(setting, effects, t, motor)
+    t, motor = drive(case, plan)
+    motion, reported = motions_of(setting, effects, t, motor)
     world = World(setting, motion)
-    device, true_time = _clock(case, plan, effects)
+    device, true_time = clock(case, plan, effects)
     gaps = np.searchsorted(device, motion.seams)
-    analog = _analog(world, effects, true_time, gaps)
-    truth, steps = _converted(case, effects, analog)
+    analog = read_analog(world, effects, true_time, gaps)
+    truth, steps = converted(case, effects, analog)
     stamp = np.arange(len(device)) / case.rate_hz
     felt = np.concatenate([reported.rates, reported.force])
-    felt = _sampled(felt, reported, (), stamp, np.searchsorted(stamp, reported.seams))
+    felt = sampled(felt, reported, (), stamp, np.searchsorted(stamp, reported.seams))
     table_t = np.arange(round(plan.duration * case.rate_hz)) / case.rate_hz
     speeds = slope(reported.shaft, reported.step)
     return Heard(
@@ -80,7 +80,7 @@ def hear(case: Case) -> Heard:
         truth=truth,
         nominal=world.unit.reads(felt[:3], felt[3:]),
         reported=felt,
-        shaken=_shaken(world, effects, true_time, gaps),
+        shaken=read_shaken(world, effects, true_time, gaps),
         steps=steps,
         table_t=table_t,
         table_angles=at_times(reported.shaft, float(reported.t[0]), reported.step, table_t),
@@ -88,7 +88,7 @@ def hear(case: Case) -> Heard:
     )
 
 
-def _analog(
+def read_analog(
     world: World, effects: Sequence[Effect], times: np.ndarray, gaps: np.ndarray
 ) -> np.ndarray:
     """What reaches the converter, (6, n), without noise."""
@@ -96,34 +96,39 @@ def _analog(
     for effect in effects:
         if (part := effect.sense(world)) is not None:
             signal = signal + part
-    analog = _sampled(signal, world.motion, effects, times, gaps)
+    analog = sampled(signal, world.motion, effects, times, gaps)
     for effect in effects:
         if (picked := effect.pick_up(times)) is not None:
             analog = analog + picked
     return analog
 
 
-def _shaken(
+def read_shaken(
     world: World, effects: Sequence[Effect], times: np.ndarray, gaps: np.ndarray
 ) -> np.ndarray:
     """The random motion of the samples, (6, n)."""
     shaken = np.zeros((6, len(times)))
     for effect in effects:
         if (rough := effect.shake(world)) is not None:
-            shaken += _sampled(rough, world.motion, effects, times, gaps)
+            shaken += sampled(rough, world.motion, effects, times, gaps)
     return shaken
 
 
-def _drive(case: Case, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
+def fine_rate(case: Case) -> int:
+    """Points a second of the fine grid: a multiple of the unit's rate."""
+    return case.rate_hz * -(-FINEST // case.rate_hz)
+
+
+def drive(case: Case, plan: Plan) -> tuple[np.ndarray, np.ndarray]:
     """The fine grid (n,) s and where the drive holds the motors (axes, n) rad."""
-    fine = case.rate_hz * -(-FINEST // case.rate_hz)
+    fine = fine_rate(case)
     pad = int(PAD * fine) + MARGIN
     t = np.arange(-pad, int(np.ceil(plan.duration * fine)) + pad) / fine
     motor = plan.angles(t)
     return t, motor + SERVO * np.sin(POLES * motor)
 
 
-def _motions(
+def motions_of(
     setting: Setting, effects: Sequence[Effect], t: np.ndarray, motor: np.ndarray
 ) -> tuple[Motion, Motion]:
     """The true motion, and the one that the table reports to somebody who trusts it."""
@@ -146,7 +151,7 @@ def overrides(effect: Effect, place: str) -> bool:
     return getattr(type(effect), place) is not getattr(Effect, place)
 
 
-def _clock(case: Case, plan: Plan, effects: Sequence[Effect]) -> tuple[np.ndarray, np.ndarray]:
+def clock(case: Case, plan: Plan, effects: Sequence[Effect]) -> tuple[np.ndarray, np.ndarray]:
     """The unit's own time and the true time (n,) s of the samples that arrive."""
     count = round(plan.duration * case.rate_hz)
     kept = np.ones(count, dtype=bool)
@@ -160,7 +165,7 @@ def _clock(case: Case, plan: Plan, effects: Sequence[Effect]) -> tuple[np.ndarra
     return device, true
 
 
-def _sampled(
+def sampled(
     signal: np.ndarray,
     motion: Motion,
     effects: Sequence[Effect],
@@ -186,7 +191,7 @@ def _sampled(
     return result
 
 
-def _converted(
+def converted(
     case: Case, effects: Sequence[Effect], truth: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The truth behind limits and coarse steps, and the steps."""

@@ -25,7 +25,7 @@ def recording_of(case: Case, heard: Heard, readings: np.ndarray) -> Recording:
         manifest=manifest_of(case, heard.plan),
         imu=Stream(heard.stamp, channels),
         table=_table(case, heard),
-        environment=_room(case, heard.plan),
+        environment=room_stream(case, heard.plan),
     )
 
 
@@ -71,7 +71,8 @@ def _table(case: Case, heard: Heard) -> Stream:
     return Stream(heard.table_t, columns)
 
 
-def _room(case: Case, plan: Plan) -> Stream:
+def room_stream(case: Case, plan: Plan) -> Stream:
+    """Air temperature, humidity, supply and pressure, once a second."""
     t = np.arange(0.0, np.floor(plan.duration))
     room = weather(case, t)
     return Stream(t, {

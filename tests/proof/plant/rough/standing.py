@@ -1,0 +1,93 @@
+"""How far an effect stands above everything else in a rough recording.
+
+z² = Σ |S(f)|² / L(f): S, what the effect changes in the misfit, L, the spectrum of the misfit
+without it: noise, the reference's errors and whatever else is hidden. From both the standard's
+columns took their part. With nothing but noise left, z is the visibility of the plain plant.
+"""
+
+import numpy as np
+
+from schemas.recording import ACCEL, GYRO
+from tests.proof.plant.rough.case import RoughCase
+from tests.proof.plant.rough.effects import KNOWN
+from tests.proof.plant.rough.play import Played, play
+from tests.proof.plant.unit import draw_unit
+
+BY_SIZE = ("range_setting", "axis_mapping")  # the standard's columns take them: their size tells
+FEWEST = 6  # frequencies in a band whose power is averaged
+BANDS = 60
+CLOSE = 0.15  # relative, of z asked for
+TRIES = 8
+SMALLEST, LARGEST = 1e-3, 1e3  # strengths that still make sense
+
+
+def standing(played: Played, rest: Played, by_size: bool = False) -> float:
+    """z of what `played` has beyond `rest`, the same recording without it."""
+    count = min(len(played.reported), len(rest.reported))
+    signal = (_misfit(played)[:count] - _misfit(rest)[:count]).T
+    left = (_misfit(rest, with_reference=True)[:count]).T
+    total = 0.0
+    for channel in range(6):
+        columns = _columns(rest.reported[:count], channel)
+        course = signal[channel] if by_size else _without(columns, signal[channel])
+        total += _above(course, _without(columns, left[channel]))
+    return float(np.sqrt(total))
+
+
+def at_standing(rough: RoughCase, called: str, z: float) -> tuple[RoughCase, float]:
+    """The case with one effect's strength set so that it stands z above the rest, and z reached.
+
+    What has no size, starts at a threshold or cannot grow so far gets as near as it can.
+    """
+    effect, rest = KNOWN[called], play(rough.without(called))
+    if not effect.sized and vars(effect).get("at") is None:
+        return rough, standing(play(rough), rest, called in BY_SIZE)
+    strength, tried = 1.0, list[tuple[float, float]]()
+    for _ in range(TRIES):
+        reached = standing(play(rough.with_strength(called, strength)), rest)
+        tried.append((strength, reached))
+        if abs(reached / z - 1.0) < CLOSE:
+            break
+        below = max((s for s, r in tried if r < z), default=0.0)
+        above = min((s for s, r in tried if r >= z), default=np.inf)
+        wanted = strength * float(np.clip(z / max(reached, 1e-9), 0.05, 20.0))
+        if not below < wanted < above:
+            wanted = float(np.sqrt(max(below, SMALLEST) * min(above, LARGEST)))
+        strength = float(np.clip(wanted, SMALLEST, LARGEST))
+    best = min(tried, key=lambda pair: abs(np.log(max(pair[1], 1e-9) / z)))
+    return rough.with_strength(called, best[0]), best[1]
+
+
+def _misfit(played: Played, with_reference: bool = False) -> np.ndarray:
+    """Readings less the true standard's model on the reported motion, (n, 6)."""
+    unit = draw_unit(played.rough.case.seed)
+    reported = played.reported
+    if with_reference:
+        reported = reported + played.misread[: len(reported)]
+    readings = played.recording.imu.stack(GYRO + ACCEL)
+    return np.asarray(readings - unit.reads(reported[:, :3].T, reported[:, 3:].T).T)
+
+
+def _columns(reported: np.ndarray, channel: int) -> np.ndarray:
+    """The standard's columns of a channel, those that vary, at one size; and the constant."""
+    rates, force = reported[:, :3], reported[:, 3:]
+    more = rates if channel < 3 else np.delete(rates, channel - 3, axis=1) ** 2
+    columns = np.hstack([force, more])
+    columns = columns - columns.mean(axis=0)
+    size = np.sqrt((columns**2).mean(axis=0))
+    kept = columns[:, size > 1e-6] / size[size > 1e-6]
+    return np.column_stack([np.ones(len(reported)), kept])
+
+
+def _without(columns: np.ndarray, course: np.ndarray) -> np.ndarray:
+    found, *_ = np.linalg.lstsq(columns, course, rcond=1e-10)
+    return np.asarray(course - columns @ found)
+
+
+def _above(signal: np.ndarray, left: np.ndarray) -> float:
+    """Σ over frequencies of signal power over the power of what is left, band by band."""
+    seen, rest = (np.abs(np.fft.rfft(course)[1:]) ** 2 for course in (signal, left))
+    edges = np.unique(np.geomspace(FEWEST, len(rest), BANDS).astype(int))
+    edges = np.concatenate([[0], edges])
+    power = np.add.reduceat(rest, edges[:-1]) / np.diff(edges)
+    return float((2.0 * np.add.reduceat(seen, edges[:-1]) / power).sum())
