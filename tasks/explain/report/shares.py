@@ -6,17 +6,17 @@ from schemas.discrepancy import Discrepancy
 from tasks.explain.channels import CHANNELS
 from tasks.explain.report.names import capital, channel_title
 from tasks.explain.report.statements import HIGH
-from tasks.pages.chart import AFTER, BEFORE, FINDINGS, GREY, PALE, draw
+from tasks.pages.chart import AFTER, BEFORE, FINDINGS, GREY, draw
 from tasks.words import say
 from tasks.words.quantities import chi2, percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-WIDTH, HEAD, FOOT, ROW = 1040, 48, 48, 30  # px
-MIDDLE, LEFT, BARS = 640, 30, 250  # px: where the right half begins; bars of the left half
-CHANNEL_BARS = (770, 980)  # px
-MAX_TITLE = 44  # letters beside a bar of full length
+WIDTH, HEAD, FOOT, ROW = 1040, 48, 22, 30  # px
+SHARE_BARS, CHANNEL_BARS = (30, 230), (790, 980)  # px
+MAX_TITLE = 54  # letters beside a bar
+REST = "#b8b8b8"
 BAR = 0.62  # of a row
 
 
@@ -29,10 +29,11 @@ def shares_svg(answer: Discrepancy) -> str:
     def content(figure: "Figure") -> None:
         figure.set_layout_engine("none")
         bottom, top = FOOT / height, ROW * rows / height
-        left = figure.add_axes((LEFT / WIDTH, bottom, BARS / WIDTH, top))
+        left, right = (
+            figure.add_axes((start / WIDTH, bottom, (end - start) / WIDTH, top))
+            for start, end in (SHARE_BARS, CHANNEL_BARS)
+        )
         _draw_shares(left, bars, rows)
-        start, end = CHANNEL_BARS
-        right = figure.add_axes((start / WIDTH, bottom, (end - start) / WIDTH, top))
         _draw_left_over(right, answer, rows)
 
     return draw("Share of each finding and what is left", WIDTH, height, content)
@@ -48,7 +49,7 @@ def share_bars(answer: Discrepancy) -> list[tuple[str, float, str]]:
         )
         for k, finding in enumerate(answer.findings)
     ]
-    return [*bars, ("Not explained", 1.0 - answer.explained_share, PALE)]
+    return [*bars, ("Not explained", 1.0 - answer.explained_share, REST)]
 
 
 def _draw_shares(axes: Any, bars: list[tuple[str, float, str]], rows: int) -> None:
@@ -69,14 +70,18 @@ def _draw_left_over(axes: Any, answer: Discrepancy, rows: int) -> None:
     smallest = min([0.5, *(value for value in values if value)])
     axes.set(xlim=(smallest, 1.3 * largest), ylim=(rows, 0), xscale="log")
     axes.axvline(1.0, color=GREY, linewidth=1)
+    axes.annotate("noise alone: 1", (1.0, rows), xytext=(0, -12), color=GREY, fontsize=11,
+                  textcoords="offset points", ha="center", va="center")  # fmt: skip
     for row, (channel, value) in enumerate(zip(CHANNELS, values, strict=True)):
         title = say(channel_title(channel), "en").replace("accelerometer", "accel.")
         axes.annotate(title, (0, row + 0.5), xycoords=("axes fraction", "data"), xytext=(-8, 0),
                       textcoords="offset points", ha="right", va="center")  # fmt: skip
         if value is None:
+            axes.annotate("not known", (1.0, row + 0.5), xytext=(6, 0), color=GREY, va="center",
+                          textcoords="offset points")  # fmt: skip
             continue
         axes.barh(row + 0.5, value - 1.0, BAR, left=1.0, color=BEFORE if value >= HIGH else AFTER)
         axes.annotate(chi2(value), (max(value, 1.0), row + 0.5), xytext=(6, 0), va="center",
                       textcoords="offset points")  # fmt: skip
-    axes.set_title("Left over: χ² per degree of freedom", fontsize=15, pad=10, x=-0.6)
+    axes.set_title("Left over: χ² per degree of freedom", fontsize=15, pad=10, x=-0.65)
     axes.set_axis_off()

@@ -9,6 +9,7 @@ import numpy as np
 from schemas.discrepancy import Discrepancy, ReportedFinding
 from schemas.recording import MEASURED, Segment
 from tasks.explain.channels import CHANNELS
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import capital, channel_title
 from tasks.pages.chart import FINDINGS, GREY, PALE, draw, time_axis
@@ -113,7 +114,8 @@ def _findings(axes: Any, findings: Sequence[ReportedFinding], cells: ExcessCells
                   ROW * (len(CHANNELS) - row - 0.28 - 0.36 * (before // 2)), 11)  # fmt: skip
             marked[channel] += 1
         title = say(capital(finding.title), "en")
-        _disc(axes, number, f"{title} ({finding.effect})", LEFT + 8, -88 - 24 * number, 13)
+        words = title if finding.effect == UNNAMED else f"{title} ({finding.effect})"
+        _disc(axes, number, words, LEFT + 8, -88 - 24 * number, 13)
 
 
 def _disc(axes: Any, number: int, words: str, x: float, y: float, size: float) -> None:
