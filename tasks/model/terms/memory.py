@@ -9,13 +9,13 @@ WANDER = 12.0  # chi-squared that a wander, whose strength few slow waves tell, 
 TIME = Parameter("time", "t₀", "s", 1.0, (0.0, 1e5))
 
 
-def bias_step(first: int, time: float) -> SensorTerm:
-    """The biases of the triad that starts at channel `first` jump once, at a time in s."""
-    channels = tuple(range(first, first + 3))
+def bias_step(first: int, time: float, count: int = 3) -> SensorTerm:
+    """The biases of some channels from `first` on, of a triad or all, jump once, at a time in s."""
+    channels = tuple(range(first, first + count))
     both = each_channel("Δb", ("deg/s", DEG, 0.05), ("m/s2", 1.0, 0.5))
     return SensorTerm(
         "bias_step", "memory", "sensor", "bᵢ(t) = Δbᵢ for t ≥ t₀", "IEEE Std 528",
-        both[first : first + 3], (TIME,), (time,),
+        both[first : first + count], (TIME,), (time,),
         reads=lambda motion, inputs, at: same((motion.t >= at[0]).astype(float), channels),
         rarity=WANDER, time_course="jump",
         confused_with=("bias_random_walk", "thermal_transient", "remount_misalignment"),
@@ -30,7 +30,9 @@ BIAS_RANDOM_WALK = Term(
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """One jump of each triad, and of all channels, half-way: when is searched elsewhere."""
+    """A jump of each triad and one of all channels, half-way: when is searched elsewhere."""
     half = 0.5 * float(motion.t[0] + motion.t[-1])
-    steps = (bias_step(GYRO_FIRST, half), bias_step(ACCEL_FIRST, half))
+    steps = (
+        bias_step(GYRO_FIRST, half), bias_step(ACCEL_FIRST, half), bias_step(GYRO_FIRST, half, 6)
+    )  # fmt: skip
     return (*steps, BIAS_RANDOM_WALK)
