@@ -55,7 +55,8 @@ def _description(group: FindingGroup) -> Sayable:
     first = group.terms[0]
     if first.name == UNNAMED:
         return first.title
-    return JUMPS if len(group.terms) > 1 else ""
+    several = first.time_course == "jump" and len(group.terms) > 1
+    return JUMPS if several else ""
 
 
 def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:

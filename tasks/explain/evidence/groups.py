@@ -8,7 +8,7 @@ from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import COUNTS, Term
 
 LEAKAGE = 0.15  # of the chi-squared that something without a name gains
-MAX_NAMED_STEPS = 1  # more are jumps, and no single step
+SAME_STEP = 5.0  # s within which jumps are one step, found anew in each triad or gradual
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ class FindingGroup:
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     """Findings of one name are one, those without a name of one term; several steps are jumps.
 
+    A form of a name that was driven to its limit takes the name away where it is the strongest.
+
     What is far weaker than something that has no name is likely to be leakage of it, and has
     none either; but known physics, which has nothing to fit to leakage. A random drift is so
     likely beside anything stronger without a name, a drift beside a stronger bias that steps or
@@ -82,11 +84,10 @@ def _is_leakage(group: FindingGroup, unnamed: Sequence[FindingGroup]) -> bool:
 
 
 def _name_of(some: Sequence[Selected]) -> str:
-    first = some[0].candidate
-    times = {one.candidate.term.at for one in some}
-    if first.term.time_course == "jump" and len(times) > MAX_NAMED_STEPS:
-        return UNNAMED
-    return UNNAMED if any(_at_bound(one.candidate.term) for one in some) else first.name
+    first = some[0].candidate.term
+    times = [one.candidate.term.at[0] for one in some if first.time_course == "jump"]
+    several = max(times, default=0.0) - min(times, default=0.0) > SAME_STEP
+    return UNNAMED if several or _at_bound(first) else first.name
 
 
 def _at_bound(term: Term) -> bool:

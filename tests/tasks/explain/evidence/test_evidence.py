@@ -101,6 +101,8 @@ def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
     assert once.name == "bias_step"
     (both,) = finding_groups(found(picked(first), picked(bias_step(3, 100.0))))
     assert both.name == "bias_step"  # gyros and accelerometers at the same moment
+    soon = picked(bias_step(3, 102.0))
+    assert finding_groups(found(picked(first), soon))[0].name == "bias_step"
 
 
 def test_the_gain_is_the_chi_squared_of_what_was_found(
