@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.model.simulate import Design, linearise, predict
-from tasks.model.term import Column, Term, TermKey, nominal_values, parameters_of, places
+from tasks.model.simulate import Design, linearise, predict, shape_column
+from tasks.model.term import Term, TermKey, nominal_values, parameters_of, places
 from tasks.motion.whole import Motion
 
 SHAPE_STEP = 0.02  # of a shape's value, to differentiate by it
@@ -89,9 +89,9 @@ class Model:
         """Readings (n, 6) in rad/s and m/s² of a unit with these values."""
         return predict(self.terms, motion, self.values)
 
-    def linearised(self, motion: Motion) -> Design:
-        """Prediction and columns of all parameters."""
-        return linearise(self.terms, motion, self.values)
+    def linearised(self, motion: Motion, wanted: np.ndarray | None = None) -> Design:
+        """Prediction and columns of all parameters, or of those (p,) bool that are wanted."""
+        return linearise(self.terms, motion, self.values, wanted)
 
     def effect_of(
         self, some: Collection[TermKey], motion: Motion, prediction: np.ndarray
@@ -101,9 +101,11 @@ class Model:
 
     def design(self, motion: Motion) -> Design:
         """Prediction and columns of the free parameters, then of the continuous shapes."""
-        whole = self.linearised(motion)
+        whole = self.linearised(motion, self.free)
         columns = [whole.columns[p] for p in np.flatnonzero(self.free)]
-        columns += [self._shape_column(motion, k) for k in self.fitted_shapes]
+        for k in self.fitted_shapes:
+            step = SHAPE_STEP * max(abs(self.terms[k].at[0]), 0.1)
+            columns.append(shape_column(self.terms, motion, self.values, k, step))
         return Design(whole.prediction, tuple(columns))
 
     @property
@@ -116,17 +118,6 @@ class Model:
             for k, (term, place) in pairs
             if term.has_continuous_shape and self.values[place].any()
         ]
-
-    def _shape_column(self, motion: Motion, k: int) -> Column:
-        term = self.terms[k]
-        step = SHAPE_STEP * max(abs(term.at[0]), 0.1)
-        reads = []
-        for sign in (1.0, -1.0):
-            moved = list(self.terms)
-            moved[k] = term.shaped((term.at[0] + sign * step,))
-            reads.append(predict(tuple(moved), motion, self.values))
-        slope = (reads[0] - reads[1]) / (2.0 * step)
-        return {c: slope[:, c] for c in range(6) if np.nan_to_num(slope[:, c]).any()}
 
     def stepped(self, change: np.ndarray, covariance: np.ndarray) -> "Model":
         """After a step (q,) of the free parameters and shapes, known by its covariance (q, q)."""

@@ -49,6 +49,9 @@ def of_channel(
 Whiten = Callable[[Sequence[Column], np.ndarray], WhitenedEquations]
 """Columns and misfit (n, 6) of a model -> its normal equations, by what is known of the noise."""
 
+Scores = Callable[[Sequence[Column], np.ndarray], tuple[np.ndarray, float]]
+"""The same -> their right side (q,) and chi-squared alone, without products of columns."""
+
 
 def inverse(normal: np.ndarray) -> np.ndarray:
     """Generalised inverse of a symmetric matrix (p, p), scaled to a unit diagonal first."""

@@ -17,12 +17,21 @@ def predict(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> np.n
     moved, inputs = _felt(terms, motion, values)
     readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
     for term, place in zip(terms, places(terms), strict=True):
-        if term.stage != "sensor":
-            continue
-        for value, column in zip(values[place], term.columns(moved, inputs), strict=True):
-            for channel, readout in column.items():
-                readings[channel] += value * readout
+        if term.stage == "sensor" and _has_size(term, values[place]):
+            _add(readings, values[place], term.columns(moved, inputs))
     return _passed(terms, motion, readings.T, values)
+
+
+def _has_size(term: Term, values: np.ndarray) -> bool:
+    """Whether it adds anything; the standard's terms always say where the motion is not known."""
+    return term.family == STANDARD or bool(values.any())
+
+
+def _add(readings: np.ndarray, values: np.ndarray, columns: tuple[Column, ...]) -> None:
+    """Adds columns times their values to readings (6, n)."""
+    for value, column in zip(values, columns, strict=True):
+        for channel, readout in column.items():
+            readings[channel] += value * readout
 
 
 @dataclass(frozen=True)
@@ -36,22 +45,57 @@ class Design:
     columns: tuple[Column, ...]
 
 
-def linearise(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> Design:
+def linearise(
+    terms: tuple[Term, ...],
+    motion: Motion,
+    values: np.ndarray,
+    wanted: np.ndarray | None = None,
+) -> Design:
     """Prediction and columns at the values (p,).
 
     What a sensor makes of its input is linear in its parameters; parameters of motion, input and
     signal are differentiated by central differences, exact for what is quadratic.
+    wanted: (p,) bool, parameters whose columns are asked for; those of the others are empty.
     """
     moved, inputs = _felt(terms, motion, values)
+    wanted = np.ones(len(values), bool) if wanted is None else wanted
     columns: list[Column] = []
+    readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
     for term, place in zip(terms, places(terms), strict=True):
-        if term.stage == "sensor":
-            columns.extend(_passed_columns(terms, motion, term.columns(moved, inputs), values))
+        asked = wanted[place]
+        if term.stage != "sensor":
+            rows = range(place.start, place.stop)
+            columns.extend(_difference(terms, motion, values, p) if wanted[p] else {} for p in rows)
+        elif asked.any() or _has_size(term, values[place]):
+            own = term.columns(moved, inputs)
+            _add(readings, values[place], own)
+            kept = tuple(one if ask else {} for one, ask in zip(own, asked, strict=True))
+            columns.extend(_passed_columns(terms, motion, kept, values))
         else:
-            columns.extend(
-                _difference(terms, motion, values, p) for p in range(place.start, place.stop)
-            )
-    return Design(predict(terms, motion, values), tuple(columns))
+            columns.extend({} for _ in asked)
+    return Design(_passed(terms, motion, readings.T, values), tuple(columns))
+
+
+def shape_column(
+    terms: tuple[Term, ...], motion: Motion, values: np.ndarray, k: int, step: float
+) -> Column:
+    """Readings per unit of a term's one shape, by central differences of a step.
+
+    A sensor's readings differ by its own columns alone.
+    """
+    shaped = [terms[k].shaped((terms[k].at[0] + sign * step,)) for sign in (1.0, -1.0)]
+    reads = []
+    if terms[k].stage == "sensor":
+        moved, inputs = _felt(terms, motion, values)
+        for term in shaped:
+            readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
+            _add(readings, values[places(terms)[k]], term.columns(moved, inputs))
+            reads.append(readings.T)
+        slope = _passed(terms, motion, (reads[0] - reads[1]) / (2.0 * step), values)
+    else:
+        reads = [predict((*terms[:k], term, *terms[k + 1 :]), motion, values) for term in shaped]
+        slope = (reads[0] - reads[1]) / (2.0 * step)
+    return {c: slope[:, c] for c in range(CHANNEL_COUNT) if np.nan_to_num(slope[:, c]).any()}
 
 
 def _felt(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> tuple[Motion, Inputs]:

@@ -141,7 +141,9 @@ def delays_by_grid(t: np.ndarray, gyros: np.ndarray, predicted: np.ndarray) -> G
 
 def _line_misfit(y: np.ndarray, x: np.ndarray, number: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Sum of squares (windows,) that a straight line in x leaves of y in each window."""
-    sums = [np.bincount(number, values, len(rows)) for values in (x, y, x * x, x * y, y * y)]
+    starts = np.searchsorted(number, np.arange(len(rows)))
+    sums = np.zeros((5, len(rows)))
+    sums[:, rows > 0] = np.add.reduceat([x, y, x * x, x * y, y * y], starts[rows > 0], axis=1)
     sx, sy, sxx, sxy, syy = sums
     held = np.maximum(rows, 1)
     sxx, sxy, syy = sxx - sx * sx / held, sxy - sx * sy / held, syy - sy * sy / held

@@ -40,7 +40,7 @@ class Evidence:
     def of(cls, fit: FittedSelection) -> "Evidence":
         model, blocks = fit.model, fit.blocks
         groups = finding_groups(fit.selection)
-        design = model.linearised(blocks.motion)
+        design = model.linearised(blocks.motion, model.free)
         free = np.flatnonzero(model.free).tolist()
         columns: list[Column] = [design.columns[p] for p in free]
         position, own_places = {p: q for q, p in enumerate(free)}, model.places

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import dct, next_fast_len
+from scipy.fft import dct, idct, next_fast_len
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.model.regression import WhitenedEquations, of_channel
@@ -181,9 +181,36 @@ def equations_of(
     return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
 
+def scores_of(
+    columns: Sequence[Column],
+    misfit: np.ndarray,
+    observed: Blocks,
+    noises: Sequence[Noise],
+) -> tuple[np.ndarray, float]:
+    """Right side (q,) and chi-squared of `equations_of`, by transforming the misfit (n, 6) alone.
+
+    Its product with a column is that of its whitened self, transformed back: Σ⁻¹ is symmetric.
+    """
+    right, chi2 = np.zeros(len(columns)), 0.0
+    for channel, noise in enumerate(noises):
+        weight = observed.weight[:, channel]
+        rows = np.flatnonzero(weight)
+        own, signals = of_channel(columns, misfit, channel)
+        left = transformed(weighted(signals[-1:], weight))[0]
+        whitened = left / noise.variance(_frequencies(len(left), observed.rate))
+        chi2 += float(left @ whitened)
+        score = (idct(whitened, type=2, norm="ortho")[: len(weight)] * weight)[rows]
+        for q, signal in zip(own.tolist(), signals[:-1], strict=True):
+            right[q] += float(np.nan_to_num(signal[rows]) @ score)
+    return right, chi2
+
+
+def _frequencies(count: int, rate: float) -> np.ndarray:
+    """(count,) Hz of each coefficient; of the mean half that of the second."""
+    return np.maximum(np.arange(count), 0.5) * rate / (2 * count)
+
+
 def whitened_gram(stack: np.ndarray, rate: float, noise: Noise) -> np.ndarray:
     """Products (k, k) of transformed rows (k, n) of signals at a rate, Hz, divided by the noise."""
-    count = stack.shape[1]
-    frequency = np.maximum(np.arange(count), 0.5) * rate / (2 * count)
-    stack = stack / np.sqrt(noise.variance(frequency))
+    stack = stack / np.sqrt(noise.variance(_frequencies(stack.shape[1], rate)))
     return np.asarray(stack @ stack.T)

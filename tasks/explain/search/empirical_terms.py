@@ -47,11 +47,15 @@ def regression_term(
     """
 
     def columns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
-        first = regressors(motion, inputs, channels[0])
-        return tuple(
-            {channel: np.nan_to_num(regressor)}
+        first = [np.nan_to_num(each) for each in regressors(motion, inputs, channels[0])]
+        own = [
+            first
+            if shared or channel == channels[0]
+            else [np.nan_to_num(each) for each in regressors(motion, inputs, channel)]
             for channel in channels
-            for regressor in (first if shared else regressors(motion, inputs, channel))
+        ]
+        return tuple(
+            {channel: each} for channel, some in zip(channels, own, strict=True) for each in some
         )
 
     return SensorTerm(
@@ -102,7 +106,11 @@ def slow_drift(walk: Term | None, waves: int) -> SensorTerm:
 
     def cosines(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
         share = (motion.t - motion.t[0]) / (motion.t[-1] - motion.t[0])
-        return [np.cos(np.pi * k * share) for k in range(1, waves + 1)]
+        first = np.cos(np.pi * share)
+        found = [np.ones_like(first), first]
+        while len(found) <= waves:  # Chebyshev's recurrence: a cosine costs twenty products
+            found.append(2.0 * first * found[-1] - found[-2])
+        return found[1 : waves + 1]
 
     title = message("explain-slow-drift")
     drift = regression_term("slow waves", title, EVERY, waves, cosines, True)

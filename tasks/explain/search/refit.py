@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise, equations_of
+from tasks.explain.regression.spectrum import Noise, equations_of, scores_of
 from tasks.explain.search.candidates import Candidate
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model
@@ -73,12 +73,18 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
     def whiten(columns: Sequence[Column], misfit: np.ndarray) -> WhitenedEquations:
         return equations_of(columns, misfit, blocks, noises)
 
-    return gauss_newton(model, blocks.motion, blocks.readings, whiten, _settled, MAX_STEPS)[0]
+    def scores(columns: Sequence[Column], misfit: np.ndarray) -> tuple[np.ndarray, float]:
+        return scores_of(columns, misfit, blocks, noises)
 
+    used = max(1, int(np.count_nonzero(blocks.weight)))
 
-def _settled(model: Model, step: Step) -> bool:
-    moves = np.abs(step.change) > SETTLED * step.u + 1e-300
-    return not moves.any() or step.gain < NO_GAIN
+    def settled(model: Model, step: Step) -> bool:
+        dispersion = max(1.0, step.misfit / used)  # u is as much larger as the model is wrong
+        moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
+        return not moves.any() or step.gain < NO_GAIN * dispersion
+
+    motion, readings = blocks.motion, blocks.readings
+    return gauss_newton(model, motion, readings, whiten, settled, MAX_STEPS, scores)[0]
 
 
 def linearised(
@@ -87,9 +93,12 @@ def linearised(
     """Columns of the selected candidates' parameters (by their number in the design) where the fit
     put them, and the readings (n, 6) that a linear model of these columns would have had.
     """
-    design = model.linearised(blocks.motion)
-    readings = blocks.readings - design.prediction
     own, columns = model.places, dict[int, Column]()
+    wanted = np.zeros(len(model.values), bool)
+    for candidate in (one for one in selected if not one.known):
+        wanted[[own[candidate.term.key].start + q for q in candidate.own]] = True
+    design = model.linearised(blocks.motion, wanted)
+    readings = blocks.readings - design.prediction
     for candidate in selected:
         if candidate.known:
             effect = model.effect_of({candidate.term.key}, blocks.motion, design.prediction)
