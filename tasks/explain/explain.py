@@ -22,6 +22,7 @@ from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.whole import Motion
 
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
+LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 
 Progress = Callable[[str], None]
 
@@ -50,7 +51,8 @@ def explain(
     progress("events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
     clean = clean.less(reference, full)
-    coarse, fine = clean.blocks(SEARCH_RATE), clean.blocks(REFIT_RATE)
+    share = min(1.0, LONG / float(full.motion.t[-1]))
+    coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
     progress("candidates")
     candidates, columns = candidates_of(_terms(recording, coarse.motion, only), coarse.motion)
     half = plausible_half_ranges(candidates, len(columns))
@@ -62,7 +64,7 @@ def explain(
     else:
         evidence = Evidence.of(all_fitted(design, candidates, fine))
     if clean.delay:
-        as_recorded = clean.with_stamps_of(full).blocks(REFIT_RATE)
+        as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
         evidence = pruned(fit, len(candidates))
     progress("evidence")

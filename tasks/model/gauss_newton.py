@@ -5,11 +5,11 @@ matters beside the standard uncertainty, which a library that knows no covarianc
 `scipy.optimize.least_squares` goes on to the last digit, at four to six linearisations of a whole
 recording more; and between two linearisations steps go on with the same columns, each at the cost
 of one prediction, as long as chi-squared falls (chord method; Kelley, Iterative Methods for Linear
-and Nonlinear Equations, SIAM 1995, 5.4.1). A continuous shape (a time constant) is differentiated by the model only where its
-term has a size at all, so that the number of columns changes on the way. And a parameter that
-would become negative where no unit has it so (a time constant, a filter's corner) is held at zero,
-where the others' step is solved again. Fits without terms (`gravity_fit`, `moves` of the joint
-method) use scipy's.
+and Nonlinear Equations, SIAM 1995, 5.4.1). A continuous shape (a time constant) is differentiated
+by the model only where its term has a size at all, so that the number of columns changes on the
+way. And a parameter that would become negative where no unit has it so (a time constant, a filter's
+corner) is held at zero, where the others' step is solved again. Fits without terms (`gravity_fit`,
+`moves` of the joint method) use scipy's.
 """
 
 from collections.abc import Callable, Sequence

@@ -12,6 +12,7 @@ determine: covariance h·E₁(|τ|/L), Allan variance 2·ln 2·h below L (S(f) =
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import exp1
@@ -73,8 +74,14 @@ def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
     Flicker h (S(f) = h/f down to its level) is counted about its mean over all time; a random
     walk q (variance per second) and a trend (slope squared) about the mean of this run.
     """
-    start = np.array([segment.t_start for segment in segments])
-    stop = np.array([max(s.t_end, s.t_start + INSTANT) for s in segments])
+    stops = (max(s.t_end, s.t_start + INSTANT) for s in segments)
+    return _drift_shapes(tuple(s.t_start for s in segments), tuple(stops))
+
+
+@lru_cache(maxsize=8)  # the same segments come for every channel, and for every correction
+def _drift_shapes(starts: tuple[float, ...], stops: tuple[float, ...]) -> np.ndarray:
+    """(DRIFTS, n, n), not to be written to, of the intervals between starts and stops (n,) s."""
+    start, stop = np.array(starts), np.array(stops)
     first, last = start.min(), stop.max()
     flickers = [_mean_flicker(start, stop, level) for level in LEVELS]
     # The mean distance between two intervals, the whole run the last of them.
@@ -82,7 +89,9 @@ def drift_shapes(segments: tuple[SegmentMean, ...]) -> np.ndarray:
     to_run = apart[:-1, -1]
     walk = 0.5 * (to_run[:, None] + to_run[None, :] - apart[:-1, :-1] - apart[-1, -1])
     middle = 0.5 * (start + stop - first - last)
-    return np.array([*flickers, walk, np.outer(middle, middle)])
+    shapes = np.array([*flickers, walk, np.outer(middle, middle)])
+    shapes.flags.writeable = False
+    return shapes
 
 
 def drift_allan(tau: np.ndarray) -> np.ndarray:

@@ -113,6 +113,14 @@ def _column(change: np.ndarray) -> Column:
     return {c: change[:, c] for c in EVERY if size[c] > NUMERICAL_ZERO * triads[c] > 0.0}
 
 
+def _single(columns: Sequence[Column]) -> Iterator[Column]:
+    """Columns in single precision, which hundreds of a long recording need; shared ones once."""
+    signals = {id(signal): signal for column in columns for signal in column.values()}
+    single = {key: signal.astype(np.float32) for key, signal in signals.items()}
+    for column in columns:
+        yield {channel: single[id(signal)] for channel, signal in column.items()}
+
+
 def candidates_of(
     terms: Sequence[Term], motion: Motion
 ) -> tuple[tuple[Candidate, ...], tuple[Column, ...]]:
@@ -129,9 +137,10 @@ def candidates_of(
         for part in _parts(own):
             members = tuple(len(columns) + p for p in part)
             candidates.append(Candidate(replace(variant, variant=number), members, part, 1))
-        columns.extend(own)
+        columns.extend(_single(own))
     candidates.extend(_random_drifts(terms, len(columns), len(variants)))
-    columns.extend(candidates[-1].term.columns(motion, Inputs(motion.rate, motion.force)))
+    drift = candidates[-1].term.columns(motion, Inputs(motion.rate, motion.force))
+    columns.extend(_single(drift))
     names = [candidate.name for candidate in candidates]
     counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)
     return tuple(counted), tuple(columns)

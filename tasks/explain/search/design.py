@@ -29,6 +29,7 @@ from tasks.model.terms.standard import regressors
 
 ROUNDING = 1e-13  # of a column's power
 UNIT_NOISE = Noise(1.0, 0.0)  # by which every coefficient counts the same
+TOGETHER = 64  # columns that are projected and transformed at once
 ABSORBED = 1e-6  # of a column's power: less than this is left of it by the standard's model
 
 
@@ -107,8 +108,11 @@ def _channel_design(
     weight = blocks.weight[:, channel]
     stack = weighted(regressors(blocks.motion, channel).T, weight)
     basis = np.linalg.qr(stack.T)[0].T
-    rest = _projected(weighted(signals, weight), basis)
-    rows, size = _at_unit_size(np.vstack([stack, rest]))
+    parts = [_at_unit_size(stack)]
+    for first in range(0, len(signals), TOGETHER):
+        rest = _projected(weighted(signals[first : first + TOGETHER], weight), basis)
+        parts.append(_at_unit_size(rest))
+    rows, size = (np.concatenate(each) for each in zip(*parts, strict=True))
     grams = _products(rows, rows, bands) * size[:, None] * size
     return ChannelDesign(which, transformed(stack), transformed(rest[-1]), grams, rows, size, basis)
 
