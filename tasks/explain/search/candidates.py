@@ -114,11 +114,9 @@ def _column(change: np.ndarray) -> Column:
 
 
 def _single(columns: Sequence[Column]) -> Iterator[Column]:
-    """Columns in single precision, which hundreds of a long recording need; shared ones once."""
-    signals = {id(signal): signal for column in columns for signal in column.values()}
-    single = {key: signal.astype(np.float32) for key, signal in signals.items()}
+    """Columns in single precision, of which a long recording has hundreds."""
     for column in columns:
-        yield {channel: single[id(signal)] for channel, signal in column.items()}
+        yield {channel: signal.astype(np.float32) for channel, signal in column.items()}
 
 
 def candidates_of(
