@@ -32,7 +32,7 @@ def plain_prediction(
     predicted = np.full(readings.shape, np.nan)
     rows = slice(None, None, len(readings) // MAX_FIT_ROWS + 1)
     for channel in range(CHANNEL_COUNT):
-        used = motion.known[rows] & np.isfinite(readings[rows, channel])
+        used = motion.felt[rows, channel] & np.isfinite(readings[rows, channel])
         if masked is not None:
             used &= ~masked[rows, channel]
         if not used.any():
@@ -42,5 +42,6 @@ def plain_prediction(
             columns = np.column_stack([columns, motion.rate[:, channel - ACCEL_FIRST] ** 2])
         design = columns[rows][used]
         right = design.T @ readings[rows, channel][used]
-        predicted[:, channel] = columns @ (inverse(design.T @ design) @ right)
+        fitted = columns @ (inverse(design.T @ design) @ right)
+        predicted[:, channel] = np.where(motion.felt[:, channel], fitted, np.nan)
     return predicted

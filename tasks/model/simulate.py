@@ -19,7 +19,8 @@ def predict(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> np.n
     for term, place in zip(terms, places(terms), strict=True):
         if term.stage == "sensor" and _has_size(term, values[place]):
             _add(readings, values[place], term.columns(moved, inputs))
-    return _passed(terms, motion, readings.T, values)
+    known = np.where(motion.felt, readings.T, np.nan)
+    return _passed(terms, motion, known, values)
 
 
 def _has_size(term: Term, values: np.ndarray) -> bool:
@@ -103,7 +104,7 @@ def _felt(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> tuple[
     placed = tuple(zip(terms, places(terms), strict=True))
     for term, place in placed:
         motion = term.moved(motion, values[place])
-    inputs = Inputs(motion.rate, motion.force)
+    inputs = Inputs.of(motion)
     for term, place in placed:
         inputs = term.felt(motion, inputs, values[place])
     return motion, inputs

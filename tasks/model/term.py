@@ -45,6 +45,15 @@ class Inputs:
     rate: np.ndarray
     force: np.ndarray
 
+    @classmethod
+    def of(cls, motion: Motion) -> "Inputs":
+        """What a motion makes them feel. A gyro follows the specific force so little that, where
+        it is not known, gravity alone stands for it, or none.
+        """
+        force = motion.force
+        filled = np.where(np.isfinite(force), force, np.nan_to_num(motion.gravity * motion.up))
+        return cls(motion.rate, filled)
+
 
 @dataclass(frozen=True)
 class Term(Effect):

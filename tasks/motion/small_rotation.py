@@ -27,8 +27,10 @@ def with_small_rotation(
     axes = motion.axes
     if axes is not None:
         axes = replace(axes, base=axes.base - crossed(turn, axes.base))
+    moved = motion.translation
     return replace(
         motion,
+        translation=moved if moved is None else moved - crossed(turn, moved),
         up=motion.up - crossed(turn, motion.up),
         north=motion.north - crossed(turn, motion.north),
         rate=motion.rate + change[:, None] * direction - crossed(turn, outside),

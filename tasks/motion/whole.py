@@ -13,12 +13,12 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
+from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import is_rate_of
 from tasks.motion.smooth import smooth_derivatives
 from tasks.motion.table import axis_directions, mount_of
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
-POSE = ("qw", "qx", "qy", "qz")
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
 
 
@@ -53,6 +53,8 @@ class Motion:
     acceleration: (n, 3) rad/s², the derivative of the rate. gravity: m/s².
     axes: those of the table, where encoders were recorded; each mount sees them its own way.
     recorded: what else was recorded or is known at each time, (n,) each, by name.
+    translation: (n, 3) m/s², kinematic acceleration; None: it keeps its place, as on a table.
+    tracking: of poses, up to which frequency they tell what.
     """
 
     t: np.ndarray
@@ -63,11 +65,26 @@ class Motion:
     gravity: float
     axes: TableAxes | None = None
     recorded: Mapping[str, np.ndarray] = field(default_factory=dict)
+    translation: np.ndarray | None = None
+    tracking: Tracking | None = None
 
     @cached_property
     def known(self) -> np.ndarray:
         """(n,) bool: the vertical and the rate are known."""
         return np.isfinite(self.up).all(axis=1) & np.isfinite(self.rate).all(axis=1)
+
+    @cached_property
+    def felt(self) -> np.ndarray:
+        """(n, 6) bool: what a gyro, or an accelerometer, of each axis feels is known.
+
+        A turn by an angle is known in the mean only: its rate has no known derivative. Gyros follow
+        gravity, too: where it is known at all they need it.
+        """
+        turning = np.isfinite(self.rate).all(axis=1) & np.isfinite(self.acceleration).all(axis=1)
+        upright = np.isfinite(self.up).all(axis=1)
+        turning &= upright | ~upright.any()
+        pushed = turning & np.isfinite(self.force).all(axis=1)
+        return np.column_stack([turning, pushed]).repeat(3, axis=1)
 
     @cached_property
     def interval(self) -> float:
@@ -86,16 +103,21 @@ class Motion:
 
     @property
     def force(self) -> np.ndarray:
-        """Specific force (n, 3) m/s² of a body at rest: gravity's reaction, upwards."""
-        return self.gravity * self.up
+        """Specific force (n, 3) m/s²: gravity's reaction, upwards, and what moves the body."""
+        held = self.gravity * self.up
+        return held if self.translation is None else held + self.translation
 
     def mapped(self, function: Callable[[np.ndarray], np.ndarray]) -> "Motion":
         """The motion with a function applied to each array (n, …), such as a choice of rows."""
         arrays = (self.t, self.up, self.north, self.rate, self.acceleration)
         t, up, north, rate, acceleration = map(function, arrays)
-        recorded = {name: function(signal) for name, signal in self.recorded.items()}
-        axes = self.axes and self.axes.mapped(function)
-        return Motion(t, up, north, rate, acceleration, self.gravity, axes, recorded)
+        return Motion(
+            t, up, north, rate, acceleration, self.gravity,
+            axes=self.axes and self.axes.mapped(function),
+            recorded={name: function(signal) for name, signal in self.recorded.items()},
+            translation=None if self.translation is None else function(self.translation),
+            tracking=self.tracking,
+        )  # fmt: skip
 
     def taken(self, rows: np.ndarray) -> "Motion":
         """The motion at some of the times, by index or mask."""
@@ -210,21 +232,12 @@ def _in_frame(motion: Motion, mount: np.ndarray) -> Motion:
 
 
 def _by_pose(recording: Recording, pose: Stream, at: np.ndarray) -> Motion:
-    """The attitude of a tracked body; its rate from the small turns between its samples.
-
-    The turns, added up, are an angle vector whose derivative is the body rate.
-    """
-    from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
-
-    attitude = Rotation.from_quat(pose.stack(POSE), scalar_first=True)
-    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
-    summed = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
-    _, rate, acceleration = smooth_derivatives(pose.t, summed, at)
-    inside = (at >= pose.t[0]) & (at <= pose.t[-1])
-    matrix = np.full((len(at), 3, 3), np.nan)
-    matrix[inside] = Slerp(pose.t, attitude)(at[inside]).as_matrix()
-    rate[~inside], acceleration[~inside] = np.nan, np.nan
-    return Motion(at, matrix[:, 2], matrix[:, 1], rate, acceleration, gravity_of(recording))
+    """The motion of a tracked body."""
+    body = tracked_motion(recording, pose, at)
+    return Motion(
+        at, body.up, body.north, body.rate, body.acceleration, gravity_of(recording),
+        translation=body.translation, tracking=body.tracking,
+    )  # fmt: skip
 
 
 def _by_labels(recording: Recording, at: np.ndarray) -> Motion:

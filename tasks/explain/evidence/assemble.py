@@ -49,7 +49,7 @@ def explanation_of(
         verdict=_verdict(findings),
         held_out=evidence.held_out(),
         findings=tuple(findings),
-        remarks=events.remarks,
+        remarks=(*full.remarks, *events.remarks),
         model=FITTED if reference is None else reference.model,
     )
 

@@ -57,7 +57,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
         raise Unusable(
             f"the recording lasts {t[-1]:.1f} s; explain needs {MIN_BLOCKS / rate:.0f} s or more"
         )
-    usable = np.isfinite(full.readings) & full.motion.known[:, None]
+    usable = np.isfinite(full.readings) & full.motion.felt
     if masked is not None:
         usable &= ~masked
     counts = _sums(usable.astype(float), block, count)
@@ -68,7 +68,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     segment = full.segment[first]
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
     weight /= np.sqrt(1.0 + _corners(motion) / (full.rest_variance / step))
-    weight[~motion.known] = 0.0
+    weight[~motion.felt] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
 

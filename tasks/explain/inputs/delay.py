@@ -32,7 +32,7 @@ def coarse_delay(full: FullRate, until: float = np.inf) -> float:
     until: s, what is later is not used, such as stamps after samples were lost.
     """
     t = full.motion.t
-    known = full.motion.known & np.isfinite(full.readings[:, :3]).all(axis=1) & (t < until)
+    known = full.motion.felt[:, 0] & np.isfinite(full.readings[:, :3]).all(axis=1) & (t < until)
     if known.sum() < 2:
         return 0.0
     turned, read = (

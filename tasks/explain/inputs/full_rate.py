@@ -8,10 +8,12 @@ from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.recorded_signals import recorded_signals
+from tasks.explain.inputs.reference_remarks import reference_remarks
 from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps
 from tasks.explain.inputs.vibration import vibration
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
+from tasks.words import Sayable
 
 NEAR_LEAST = 1.3  # times the least variance of a segment: still at rest
 
@@ -22,7 +24,8 @@ class FullRate:
 
     segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) of a
     sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
-    read; dithered: (6,) bool, noise is larger, so that means are finer than steps.
+    read; dithered: (6,) bool, noise is larger, so that means are finer than steps. remarks: on
+    what the reference tells.
     """
 
     readings: np.ndarray
@@ -32,6 +35,7 @@ class FullRate:
     segment_variance: np.ndarray
     steps: np.ndarray
     dithered: np.ndarray
+    remarks: tuple[Sayable, ...] = ()
 
     @property
     def rest_variance(self) -> np.ndarray:
@@ -56,7 +60,7 @@ def full_rate(recording: Recording) -> FullRate:
         )
     readings = recording.imu.stack(CHANNELS)
     motion = whole_motion(recording)
-    if not motion.known.any():
+    if not motion.felt.any():
         raise Unusable(
             f"recording {name} tells no motion: no table stream with "
             "table_axes, no reference pose and no labelled segments; give one of them"
@@ -70,8 +74,11 @@ def full_rate(recording: Recording) -> FullRate:
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
+    remarks = reference_remarks(recording, motion)
     motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
-    return FullRate(readings, motion, segment, segments, variance, *output_steps(readings))
+    return FullRate(
+        readings, motion, segment, segments, variance, *output_steps(readings), remarks=remarks
+    )
 
 
 def _median(values: np.ndarray) -> float:

@@ -26,7 +26,7 @@ def noise_by_segment(
     neither motion nor single bad samples count.
     """
     # Readings keep their noise where the motion is not known: there it is taken to be none.
-    unknown = np.broadcast_to(~motion.known[:, None], readings.shape)
+    unknown = ~motion.felt
     still = replace(motion, up=np.nan_to_num(motion.up), rate=np.nan_to_num(motion.rate))
     left = readings - plain_prediction(readings, still, unknown, own_squared_rate=True)
     rough = np.full_like(left, np.nan)

@@ -87,7 +87,7 @@ def members_of(candidates: Sequence[Candidate]) -> list[int]:
 
 def columns_of(term: Term, motion: Motion) -> tuple[Column, ...]:
     """Readings of an ideal unit per unit of each parameter; the whole effect if it has none."""
-    inputs = Inputs(motion.rate, motion.force)
+    inputs = Inputs.of(motion)
     if term.stage == "sensor":
         return term.columns(motion, inputs)
     ideal = np.hstack([inputs.rate, inputs.force])
@@ -102,7 +102,7 @@ def columns_of(term: Term, motion: Motion) -> tuple[Column, ...]:
 def _readings(term: Term, motion: Motion, values: np.ndarray) -> np.ndarray:
     """(n, 6) readings of an ideal unit with one term."""
     moved = term.moved(motion, values)
-    inputs = term.felt(moved, Inputs(moved.rate, moved.force), values)
+    inputs = term.felt(moved, Inputs.of(moved), values)
     return term.passed(moved, np.hstack([inputs.rate, inputs.force]), values)
 
 
@@ -137,7 +137,7 @@ def candidates_of(
             candidates.append(Candidate(replace(variant, variant=number), members, part, 1))
         columns.extend(_single(own))
     candidates.extend(_random_drifts(terms, len(columns), len(variants)))
-    drift = candidates[-1].term.columns(motion, Inputs(motion.rate, motion.force))
+    drift = candidates[-1].term.columns(motion, Inputs.of(motion))
     columns.extend(_single(drift))
     names = [candidate.name for candidate in candidates]
     counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)

@@ -86,8 +86,10 @@ def regressors(
     and the ω² of the two other axes. ω is in rad/s and f in units of local gravity, so that the
     columns are of order one. NaN where the motion is not known.
     """
-    motion = replace(motion, gravity=1.0)
-    inputs = Inputs(motion.rate, motion.force)
+    moved = motion.translation
+    in_g = None if moved is None else moved / motion.gravity
+    motion = replace(motion, gravity=1.0, translation=in_g)
+    inputs = Inputs.of(motion)
     return np.column_stack([
         column[channel]
         for term in terms

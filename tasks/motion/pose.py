@@ -1,0 +1,175 @@
+"""The motion of a tracked body, from its poses: attitude and, where they were recorded, positions.
+
+Frames that are missing are bridged where they are few; across a longer gap nothing is known, nor
+near the ends of what was seen without one. The specific force of a body that moves needs its
+positions. Without them it is known where the body rests, and nowhere else.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from schemas.recording import ACCEL, Recording, Stream
+from tasks.motion.band import band_edge, derivatives
+from tasks.motion.samples import interpolated
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+POSE = ("qw", "qx", "qy", "qz")
+PLACE = ("px", "py", "pz")
+BRIDGED = 3.5  # intervals between two frames that a straight line may join
+FEWEST = 16  # frames without a gap whose motion is known
+MARGIN = 0.5  # periods of the band's edge at either end that are not
+RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
+RESTING_TIME = 1.0  # s
+QUIET, QUIETEST = 3.0, 0.1  # times the accelerometers' scatter in the quietest tenth: still at rest
+SHAKEN = 0.2  # m/s²: scatter that no rest has
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """Up to which frequency, Hz, poses tell the attitude and the place of a body.
+
+    place: None where positions were not recorded.
+    """
+
+    attitude: float
+    place: float | None
+
+    @property
+    def edge(self) -> float:
+        """Hz: up to there they tell whatever they tell."""
+        return min(self.attitude, self.attitude if self.place is None else self.place)
+
+
+@dataclass(frozen=True)
+class TrackedMotion:
+    """What poses tell at n times, NaN where nothing; vectors (n, 3) in the body's frame.
+
+    up, north: unit vectors. rate: rad/s. acceleration: rad/s². translation: m/s², kinematic.
+    """
+
+    up: np.ndarray
+    north: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+    translation: np.ndarray
+    tracking: Tracking
+
+
+def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
+    """The motion at the times `at` (n,) s; all of it unknown where hardly a frame was seen."""
+    frames = _frames(pose)
+    if not frames.stretches:
+        nothing = np.full((len(at), 3), np.nan)
+        return TrackedMotion(*(nothing,) * 5, tracking=Tracking(np.inf, None))
+    tracking = Tracking(
+        band_edge([each.turned for each in frames.stretches], frames.interval),
+        band_edge([each.place for each in frames.stretches], frames.interval)
+        if frames.placed
+        else None,
+    )
+    courses = np.full((5, len(at), 3), np.nan)
+    for stretch in frames.stretches:
+        margin = MARGIN / tracking.edge
+        rows = (at >= stretch.t[0] + margin) & (at <= stretch.t[-1] - margin)
+        if rows.any():
+            courses[:, rows] = _within(stretch, frames.interval, tracking, at[rows])
+    up, north, rate, acceleration, translation = courses
+    if tracking.place is None:
+        if recording.manifest.station.table_axes:  # what stands on a table stays in its place
+            translation = np.where(np.isfinite(rate), 0.0, np.nan)
+        else:
+            rests = _rests(recording, frames)
+            translation = np.where(_at(rests, recording.imu.t, at)[:, None], 0.0, np.nan)
+    return TrackedMotion(up, north, rate, acceleration, translation, tracking)
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Frames without a gap, at even times t (n,) s.
+
+    attitude: of the frames as they are. turned: (n, 3) rad, its small turns added up. place: m.
+    """
+
+    t: np.ndarray
+    attitude: "Rotation"
+    turned: np.ndarray
+    place: np.ndarray
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Stretches of frames, the time between two of them, s, and whether they have positions."""
+
+    stretches: tuple[Stretch, ...]
+    interval: float
+    placed: bool
+
+
+def _frames(pose: Stream) -> Frames:
+    interval = float(np.median(np.diff(pose.t))) if len(pose.t) > 1 else 1.0
+    placed = set(PLACE) <= set(pose.columns)
+    return Frames(tuple(_stretches(pose, interval)), interval, placed)
+
+
+def _stretches(pose: Stream, interval: float) -> Iterator[Stretch]:
+    from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
+
+    gaps = np.flatnonzero(np.diff(pose.t) > BRIDGED * interval) + 1
+    for first, end in pairwise([0, *gaps.tolist(), len(pose.t)]):
+        if end - first < FEWEST:
+            continue
+        part = pose.at(slice(first, end))
+        t = np.arange(part.t[0], part.t[-1], interval)
+        measured = Rotation.from_quat(part.stack(POSE), scalar_first=True)
+        attitude = Slerp(part.t, measured)(t)
+        turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
+        turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
+        yield Stretch(t, attitude, turned, interpolated(t, part.t, part.stack(PLACE)))
+
+
+def _within(
+    stretch: Stretch, interval: float, tracking: Tracking, at: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Vertical, north, rate, its change and translation (n, 3) each, within one stretch."""
+    from scipy.spatial.transform import Rotation, Slerp
+
+    smooth, rate, change = derivatives(stretch.turned, interval, tracking.attitude)
+    attitude = stretch.attitude * Rotation.from_rotvec(smooth - stretch.turned)
+    inwards = Slerp(stretch.t, attitude)(at).inv()
+    moved = np.full((len(at), 3), np.nan)
+    if tracking.place is not None:
+        *_, bend = derivatives(stretch.place, interval, tracking.place)
+        moved = inwards.apply(interpolated(at, stretch.t, bend))
+    columns = inwards.as_matrix()
+    rate, change = (interpolated(at, stretch.t, each) for each in (rate, change))
+    return columns[:, :, 2], columns[:, :, 1], rate, change, moved
+
+
+def _rests(recording: Recording, frames: Frames) -> np.ndarray:
+    """(n,) bool at the unit's rows: neither the poses turn nor the accelerometers shake."""
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+
+    t = recording.imu.t
+    rests, width = np.zeros(len(t), bool), max(3, round(RESTING_TIME / frames.interval))
+    for stretch in frames.stretches:
+        reach = maximum_filter1d(stretch.turned, width, axis=0)
+        reach -= minimum_filter1d(stretch.turned, width, axis=0)
+        still = reach.max(axis=1) < RESTING
+        rests |= _at(still, stretch.t, t) & (t >= stretch.t[0]) & (t <= stretch.t[-1])
+    accel = np.nan_to_num(recording.imu.stack(ACCEL))
+    rows = max(3, round(RESTING_TIME / float(np.median(np.diff(t)))))
+    accel = accel - accel.mean(axis=0)
+    variance = uniform_filter1d(accel**2, rows, axis=0) - uniform_filter1d(accel, rows, axis=0) ** 2
+    shake = np.sqrt(np.maximum(variance, 0.0).sum(axis=1))
+    return np.asarray(rests & (shake <= min(SHAKEN, QUIET * float(np.quantile(shake, QUIETEST)))))
+
+
+def _at(flags: np.ndarray, t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Flags (n,) at times t, as they are at the nearest of them: (m,) bool."""
+    return np.asarray(np.interp(at, t, flags.astype(float)) > 0.5)

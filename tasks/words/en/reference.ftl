@@ -1,0 +1,6 @@
+## What the reference of a recording tells, and what was not taken from it.
+
+reference-smoothed = The poses were smoothed by their own noise: rates are the derivative of the attitude up to { $attitude } Hz, the specific force has the second derivative of the positions up to { $place } Hz. Above, the poses' noise is larger than the motion, and nothing was compared.
+reference-smoothed-attitude = The poses were smoothed by their own noise: rates are the derivative of the attitude up to { $attitude } Hz. Above, the poses' noise is larger than the motion, and nothing was compared.
+reference-without-positions = The poses have no positions (px, py, pz): the specific force of a body that moves is not known. The accelerometers were compared where it rests, { $percent } % of the time; record positions, too.
+reference-lost = The poses say nothing during { $percent } % of the recording: across more than { $frames } missing frames nothing was interpolated, nor was anything compared.

@@ -1,0 +1,100 @@
+"""The motion of a tracked body, against the formulas that it was moved by."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from schemas.recording import Stream
+from tasks.motion.whole import whole_motion
+from tests.moved_by_hand import GRAVITY, RATE, SECONDS, by_hand, poses, readings, recording
+
+T = np.arange(0.0, SECONDS, 1.0 / RATE)
+INNER = (T > 1.0) & (T < SECONDS - 1.0)
+
+
+def rms(values: np.ndarray) -> float:
+    return float(np.sqrt((values**2).mean()))
+
+
+def test_positions_give_the_specific_force_of_a_body_that_moves() -> None:
+    motion, true = whole_motion(recording()), by_hand(T)
+    force = GRAVITY * true.up + true.translation
+    assert rms(true.translation) > 1.5
+    assert rms((motion.force - force)[INNER]) < 0.1
+    assert rms((motion.rate - true.rate)[INNER]) < 0.01
+    assert motion.up[INNER] == pytest.approx(true.up[INNER], abs=1e-3)
+
+
+def test_exact_poses_give_an_exact_motion() -> None:
+    motion, true = whole_motion(recording(reference=poses(1, 0.0, 0.0))), by_hand(T)
+    assert rms((motion.translation - true.translation)[INNER]) < 5e-3
+    assert rms((motion.acceleration - true.acceleration)[INNER]) < 0.05
+
+
+def test_noisier_positions_are_smoothed_more() -> None:
+    quiet, noisy = (
+        whole_motion(recording(reference=poses(1, 2e-4, noise))).tracking for noise in (1e-5, 1e-3)
+    )
+    assert noisy.place < 0.85 * quiet.place
+    assert noisy.attitude == pytest.approx(quiet.attitude)
+
+
+def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet_ones() -> None:
+    frames = poses()
+    rows = T[: np.searchsorted(T, frames.t[-1])]
+    between = {name: np.interp(rows, frames.t, course) for name, course in frames.columns.items()}
+    motion, true = whole_motion(recording(reference=Stream(rows, between))), by_hand(T)
+    inner = (T > 1.0) & (T < SECONDS - 1.0)
+    assert rms((motion.translation - true.translation)[inner]) < 0.15
+
+
+def test_a_few_lost_frames_are_bridged_and_more_are_not() -> None:
+    frames = poses()
+    kept = np.ones(len(frames.t), bool)
+    kept[2400:2402] = False  # at 20 s
+    kept[4800:4836] = False  # 0.3 s at 40 s
+    motion = whole_motion(recording(reference=frames.at(kept)))
+    known = motion.felt[:, 3]
+    assert known[(T > 19.8) & (T < 20.2)].all()
+    assert not known[(T > 40.0) & (T < 40.3)].any()
+    assert known[(T > 41.0) & (T < 42.0)].all()
+    assert np.isnan(motion.up[np.searchsorted(T, 40.15)]).all()
+
+
+def test_without_positions_the_force_of_a_body_that_moves_is_not_known() -> None:
+    motion = whole_motion(recording(reference=poses(places=False)))
+    assert motion.felt[INNER, 0].all()
+    assert not motion.felt[:, 3].any()
+
+
+def test_without_positions_the_force_is_known_where_the_body_rests() -> None:
+    held = poses(places=False)
+    still = held.t > 30.0
+    columns = {
+        name: np.where(still, course[still][0], course) for name, course in held.columns.items()
+    }
+    rng = np.random.default_rng(3)
+    columns["qx"] = columns["qx"] + 1e-4 * rng.standard_normal(len(held.t))
+    imu = readings()
+    resting = {
+        name: np.where(imu.t > 30.0, course[imu.t > 30.0][0], course)
+        + 0.02 * rng.standard_normal(len(imu.t))
+        for name, course in imu.columns.items()
+    }
+    motion = whole_motion(recording(replace(imu, columns=resting), Stream(held.t, columns)))
+    assert motion.felt[(T > 32.0) & (T < 58.0), 3].mean() > 0.95
+    assert not motion.felt[T < 29.0, 3].any()
+
+
+def test_a_body_on_a_table_keeps_its_place() -> None:
+    station = {"id": "s", "table_axes": [{"name": "a", "direction": [0, 0, 1]}]}
+    motion = whole_motion(recording(reference=poses(places=False), station=station))
+    assert motion.felt[INNER].all()
+    assert motion.translation is not None
+    assert not motion.translation[INNER].any()
+
+
+def test_a_tracker_that_hardly_saw_anything_tells_nothing() -> None:
+    few = poses().at(slice(0, 5))
+    assert not whole_motion(recording(reference=few)).felt.any()
