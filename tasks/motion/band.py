@@ -20,7 +20,7 @@ ROUNDING = 1e-9  # rad or m: second differences of less are arithmetic
 FALL = 8  # power of the frequency with which the filter falls off
 
 
-def band_edge(stretches: Sequence[np.ndarray], interval: float) -> float:
+def band_edge(spans: Sequence[np.ndarray], interval: float) -> float:
     """Where the band ends, Hz, of courses (n, k) sampled evenly, each stretch without a gap.
 
     The lowest frequency, from that of the strongest motion up, whose power in the second
@@ -29,7 +29,7 @@ def band_edge(stretches: Sequence[np.ndarray], interval: float) -> float:
     """
     from scipy.signal import welch  # late: few recordings have a pose
 
-    bends = np.concatenate([np.diff(stretch, 2, axis=0) for stretch in stretches])
+    bends = np.concatenate([np.diff(stretch, 2, axis=0) for stretch in spans])
     top = min(HIGHEST, 0.45 / interval)
     if np.sqrt((bends**2).mean()) < ROUNDING:
         return top

@@ -64,17 +64,17 @@ class TrackedMotion:
 def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
     """The motion at the times `at` (n,) s; all of it unknown where hardly a frame was seen."""
     frames = _frames(pose)
-    if not frames.stretches:
+    if not frames.spans:
         nothing = np.full((len(at), 3), np.nan)
         return TrackedMotion(*(nothing,) * 5, tracking=Tracking(np.inf, None))
     tracking = Tracking(
-        band_edge([each.turned for each in frames.stretches], frames.interval),
-        band_edge([each.place for each in frames.stretches], frames.interval)
+        band_edge([each.turned for each in frames.spans], frames.interval),
+        band_edge([each.place for each in frames.spans], frames.interval)
         if frames.placed
         else None,
     )
     courses = np.full((5, len(at), 3), np.nan)
-    for stretch in frames.stretches:
+    for stretch in frames.spans:
         margin = MARGIN / tracking.edge
         rows = (at >= stretch.t[0] + margin) & (at <= stretch.t[-1] - margin)
         if rows.any():
@@ -106,7 +106,7 @@ class Stretch:
 class Frames:
     """Stretches of frames, the time between two of them, s, and whether they have positions."""
 
-    stretches: tuple[Stretch, ...]
+    spans: tuple[Stretch, ...]
     interval: float
     placed: bool
 
@@ -114,10 +114,10 @@ class Frames:
 def _frames(pose: Stream) -> Frames:
     interval = float(np.median(np.diff(pose.t))) if len(pose.t) > 1 else 1.0
     placed = set(PLACE) <= set(pose.columns)
-    return Frames(tuple(_stretches(pose, interval)), interval, placed)
+    return Frames(tuple(_spans(pose, interval)), interval, placed)
 
 
-def _stretches(pose: Stream, interval: float) -> Iterator[Stretch]:
+def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
     from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
 
     gaps = np.flatnonzero(np.diff(pose.t) > BRIDGED * interval) + 1
@@ -157,7 +157,7 @@ def _rests(recording: Recording, frames: Frames) -> np.ndarray:
 
     t = recording.imu.t
     rests, width = np.zeros(len(t), bool), max(3, round(RESTING_TIME / frames.interval))
-    for stretch in frames.stretches:
+    for stretch in frames.spans:
         reach = maximum_filter1d(stretch.turned, width, axis=0)
         reach -= minimum_filter1d(stretch.turned, width, axis=0)
         still = reach.max(axis=1) < RESTING
