@@ -8,6 +8,7 @@ import typer
 
 from schemas.base import Unusable
 from tests.proof.prove import run_prove, run_station
+from tests.proof.trial.rough.hold import run_rough
 
 UNUSABLE = 2
 
@@ -37,6 +38,21 @@ def main(
             help="Nothing but N short recordings of the virtual station.",
         ),
     ] = None,
+    rough: Annotated[
+        bool, typer.Option("--rough", help="Rough recordings in place of the catalogue's.")
+    ] = False,
+    engine: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="With --rough: the mimucal command of another checkout; again with the same "
+            "--out, its answers stand beside the others.",
+        ),
+    ] = None,
+    minutes: Annotated[
+        float | None,
+        typer.Option(min=0, help="With --rough: begin no explanation after so many minutes."),
+    ] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
     ] = False,
@@ -48,6 +64,8 @@ def main(
     try:
         if station is not None:
             run_station(station, out)
+        elif rough:
+            run_rough(seed, short, out, engine, minutes)
         else:
             run_prove(seed, short, out, as_json, real)
     except Unusable as refused:

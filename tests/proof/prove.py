@@ -30,7 +30,7 @@ from tests.proof.trial.hold import explain_blind, prepare
 from tests.proof.trial.page import evidence_html
 from tests.proof.trial.pictures.headline import headline_svg
 from tests.proof.trial.score import ANSWERS, score_all
-from tests.proof.trial.seal import SEALED
+from tests.proof.trial.seal import SEALED, record_and_seal
 
 DEFAULT_OUT = "proof"
 MISSING_HTML = f'<p><span lang="en">{MISSING.en}</span><span lang="zh">{MISSING.zh}</span></p>'
@@ -52,7 +52,7 @@ def run_prove(
     started = time.perf_counter()
     cases = draw(seed, short)
     with counting("record and seal") as report:
-        seals = prepare(cases, folder, report)
+        seals = prepare(cases, folder, report, record_and_seal)
     with counting("explain blind") as report:
         explain_blind(folder, report, peers)
     scores = score_all(folder)

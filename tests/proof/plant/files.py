@@ -2,31 +2,34 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from schemas.recording import ACCEL, GYRO
-from tests.proof.plant.simulate import Simulated
+from schemas.recording import ACCEL, GYRO, Recording
 
 
-def write(simulated: Simulated, folder: Path) -> None:
+def write(recording: Recording, folder: Path) -> None:
     """Writes manifest.json and the streams; nothing of the truth."""
     folder.mkdir(parents=True, exist_ok=True)
-    manifest = simulated.recording.manifest.model_dump(mode="json", exclude_none=True)
+    manifest = recording.manifest.model_dump(mode="json", exclude_none=True)
     _write_json(manifest, folder / "manifest.json")
-    for name, stream in simulated.recording.streams().items():
+    for name, stream in recording.streams().items():
         pd.DataFrame({"t": stream.t, **stream.columns}).to_parquet(
             folder / f"{name}.parquet", index=False
         )
 
 
-def seal(simulated: Simulated, folder: Path) -> None:
-    """Writes truth.json and truth.parquet (t and the six noise-free channels) to another place."""
+def seal(recording: Recording, told: dict[str, Any], truth: np.ndarray, folder: Path) -> None:
+    """Writes truth.json and truth.parquet to another place.
+
+    told: what truth.json says. truth: (n, 6), the noise-free channels at the recording's rows.
+    """
     folder.mkdir(parents=True, exist_ok=True)
-    _write_json(simulated.sealed, folder / "truth.json")
-    columns = {"t": simulated.recording.imu.t}
-    columns |= dict(zip(GYRO + ACCEL, np.asarray(simulated.truth).T, strict=True))
+    _write_json(told, folder / "truth.json")
+    columns = {"t": recording.imu.t}
+    columns |= dict(zip(GYRO + ACCEL, truth.T, strict=True))
     pd.DataFrame(columns).to_parquet(folder / "truth.parquet", index=False)
 
 

@@ -1,28 +1,32 @@
 """Holding a trial: every case is recorded and sealed, then every recording is explained blind."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TypeVar
 
 from storage.formats.folder import read_folder
 from tests.proof.trial.blind import answer
-from tests.proof.trial.draw import Drawn
 from tests.proof.trial.score import ANSWERS
-from tests.proof.trial.seal import RECORDINGS, record_and_seal, set_seals
+from tests.proof.trial.seal import RECORDINGS, set_seals
 
 Report = Callable[[int, int], None]
+Case = TypeVar("Case")
 
 
-def prepare(cases: list[Drawn], folder: Path, report: Report) -> str:
+def prepare(
+    cases: Sequence[Case], folder: Path, report: Report, record: Callable[[Case, Path], None]
+) -> str:
     """Records and seals every case; returns the SHA-256 of seals.txt.
 
-    Raises what a case raises that cannot be played.
+    record: plays one case, its recording and its truth to the folder. Raises what a case raises
+    that cannot be played.
     """
     with _fresh_processes() as pool:
-        made = [pool.submit(record_and_seal, drawn, folder) for drawn in cases]
+        made = [pool.submit(record, drawn, folder) for drawn in cases]
         for done, each in enumerate(as_completed(made), start=1):
             each.result()
             report(done, len(cases))

@@ -28,9 +28,9 @@ def record_and_seal(drawn: Drawn, folder: Path) -> None:
     case = sized(drawn)
     simulated = simulate(case)
     seen = {call.name: visibility(simulated, call.name) for call in case.effects}
-    write(simulated, folder / RECORDINGS / drawn.label)
+    write(simulated.recording, folder / RECORDINGS / drawn.label)
     sealed = folder / SEALED / drawn.label
-    seal(simulated, sealed)
+    seal(simulated.recording, simulated.sealed, simulated.truth, sealed)
     clean = simulate(case.only())
     told = {
         "kind": drawn.kind,

@@ -13,7 +13,8 @@ Vector = tuple[float, float, float]
 class Encoder(Data):
     """How the table is read. step, noise: rad. jitter: s, of its stamps about the true instants.
 
-    speeds: whether it reports rates, too, each over the last interval between its readings.
+    speeds: whether it reports rates, too, each over the interval
+    around its reading.
     """
 
     rate_hz: float = Field(gt=0)

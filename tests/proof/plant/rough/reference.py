@@ -37,7 +37,7 @@ def read_encoder(rough: RoughCase, encoder: Encoder, plan: Plan, reported: Motio
         read = np.round(noisy / encoder.step) * encoder.step
         columns[f"{name}_angle"] = read
         if encoder.speeds:
-            columns[f"{name}_rate"] = np.diff(read, prepend=read[0]) * encoder.rate_hz
+            columns[f"{name}_rate"] = np.gradient(read) * encoder.rate_hz
     return Stream(stamps, columns)
 
 

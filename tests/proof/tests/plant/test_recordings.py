@@ -81,8 +81,8 @@ def test_storage_takes_the_recording_and_the_truth_stays_apart(
     case_of: Cases, tmp_path: Path, procedure: str, rate: int
 ) -> None:
     made = simulate(case_of("lever_arm", fields={"procedure": procedure, "rate_hz": rate}))
-    write(made, tmp_path / "given")
-    seal(made, tmp_path / "sealed")
+    write(made.recording, tmp_path / "given")
+    seal(made.recording, made.sealed, made.truth, tmp_path / "sealed")
     read = read_folder(tmp_path / "given")
     assert np.allclose(read.imu.stack(RATES + FORCES), made.recording.imu.stack(RATES + FORCES))
     assert read.manifest.segments == made.recording.manifest.segments
@@ -94,7 +94,7 @@ def test_storage_takes_the_recording_and_the_truth_stays_apart(
 
 def test_an_untold_site_is_not_in_the_manifest(case_of: Cases, tmp_path: Path) -> None:
     made = simulate(case_of("earth_rotation", fields={"site_told": False}))
-    write(made, tmp_path)
+    write(made.recording, tmp_path)
     station = read_folder(tmp_path).manifest.station
     assert station.latitude_deg is None
     assert station.heading_deg is None

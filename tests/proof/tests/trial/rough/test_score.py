@@ -1,0 +1,118 @@
+"""Answers against the truth: wrong names, names in groups, intervals."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from tests.proof.plant.case import Case
+from tests.proof.trial.rough.page import rough_markdown
+from tests.proof.trial.rough.score import RoughScore, scored_rough
+from tests.proof.trial.rough.table import agreement, cases, rows_rough
+
+Finds = Callable[..., dict[str, Any]]
+Scores = Callable[..., RoughScore]
+
+
+@pytest.fixture
+def scores() -> Scores:
+    """Scores findings for hidden effects, each (called, name, z), and nuisances."""
+
+    def build(findings: list[dict[str, Any]], *hidden: tuple[str, str, float],
+              left: float = 1.5, parameters: dict[str, Any] | None = None,
+              **nuisances: dict[str, Any]) -> RoughScore:  # fmt: skip
+        told = {
+            "case": {"run": "hand", "case": Case(seed=1).model_dump(mode="json")},
+            "effects": [
+                {"called": called, "name": name, "parameters": parameters or {}}
+                for called, name, _ in hidden
+            ],
+            "nuisances": nuisances,
+            "parameters": {"Kg": [[1.0, 0, 0]] * 3, "Ka": [[1.0, 0, 0]] * 3},
+        }
+        trial = {"kind": "mixed", "z": {called: z for called, _, z in hidden}}
+        answer = {"verdict": "explained", "findings": findings, "left_over": {"gyro_x": left}}
+        return scored_rough("0001", told, trial, answer, 3.0)
+
+    return build
+
+
+STEP = ("bias_step_moving", "bias_step", 45.0)
+
+
+def test_a_form_of_an_effect_is_right_by_the_catalogue_s_name(
+    scores: Scores, finding: Finds
+) -> None:
+    score = scores([finding("bias_step")], STEP)
+    assert score.wrong == score.in_group == ()
+    assert score.listed[0].named
+
+
+def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
+    scores: Scores, finding: Finds
+) -> None:
+    told = [finding("hysteresis"), finding("unnamed"), finding("time_offset")]
+    score = scores(told, STEP, time_offset={"seconds": -4e-3})
+    assert score.wrong == ("hysteresis",)
+    assert not score.listed[0].named
+    assert scores(told, STEP).wrong == ("hysteresis", "time_offset")
+
+
+def test_what_is_outside_the_catalogue_has_no_right_name(scores: Scores, finding: Finds) -> None:
+    score = scores([finding("bandwidth")], ("x_rig_mode", "x_rig_mode", 400.0))
+    assert score.wrong == ("bandwidth",)
+    assert score.listed == ()
+
+
+def test_a_group_that_holds_a_true_name_is_counted_apart(scores: Scores, finding: Finds) -> None:
+    grouped = scores([finding("bandwidth", "time_offset")], ("time_offset", "time_offset", 50.0))
+    assert grouped.wrong == ()
+    assert grouped.in_group == ("bandwidth",)
+    assert (grouped.listed[0].named, grouped.listed[0].in_group) == (False, True)
+    older = finding("bandwidth") | {"indistinguishable_from": ["time_offset"]}
+    del older["group"]
+    assert scores([older], ("time_offset", "time_offset", 50.0)).in_group == ("bandwidth",)
+
+
+def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, finding: Finds) -> None:
+    said = finding("time_offset", seconds=(-4.1e-3, 1e-4, "s"))
+    inside = scores([said], time_offset={"seconds": -4e-3})
+    assert [pair.inside for pair in inside.parameters] == [True]
+    outside = scores([said], time_offset={"seconds": -3e-3})
+    assert [pair.inside for pair in outside.parameters] == [False]
+    stepped = finding("bias_step", time=(30.0, 0.1, "s"))
+    known = {"gyro": [0, 0, 0], "accel": [0, 0, 0], "time": 30.1}
+    assert (
+        len(scores([stepped], ("bias_step", "bias_step", 40.0), parameters=known).parameters) == 1
+    )
+    assert scores([stepped], STEP, parameters=known).parameters == ()
+
+
+def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty(
+    scores: Scores, finding: Finds
+) -> None:
+    listed = [
+        scores([finding("bias_step")], STEP),
+        scores([finding("hysteresis"), finding("bandwidth")], STEP),
+        scores([finding("unnamed")], ("bias_step", "bias_step", 29.0)),
+    ]
+    row = rows_rough(listed)[0]
+    assert (row.wrong.count, row.wrong.of) == (1, 3)
+    assert (row.named.count, row.named.of) == (1, 2)
+    assert (row.any_named.count, row.any_named.of) == (2, 3)
+    assert [each.name for each in rows_rough(listed)] == ["all", "hand", "mixed"]
+    assert cases(listed)[0][6] == "hysteresis, bandwidth"
+    assert "| all | 3 |" in rough_markdown(4, "f00d", {"own": listed})
+
+
+def test_what_is_left_stands_beside_the_errors_over_u(scores: Scores, finding: Finds) -> None:
+    said = finding("time_offset", seconds=(-4.3e-3, 1e-4, "s"))
+    rows = agreement([scores([said], left=30.0, time_offset={"seconds": -4e-3})])
+    assert [row[1] for row in rows] == ["0", "0", "1"]
+    assert rows[2][3] == "3"
+
+
+def test_no_answer_is_counted_as_that(scores: Scores) -> None:
+    failed = scores([]).__class__(**(vars(scores([])) | {"failed": "it cannot"}))
+    row = rows_rough([failed, scores([])])[0]
+    assert (row.failed, row.wrong.of) == (1, 1)

@@ -1,0 +1,23 @@
+"""Parameters that an engine states of a rough recording, beside the true ones."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from tests.proof.trial.compare import Compared, compared
+from tests.proof.trial.parameters import Truth
+
+
+def compared_rough(told: dict[str, Any], named: Sequence[dict[str, Any]]) -> Iterator[Compared]:
+    """Those that mean the same in both: of effects in the plain plant's form, and of what the
+    reference brings along. Other forms have parameters of their own."""
+    plain = {
+        each["name"]: each["parameters"]
+        for each in told["effects"]
+        if each["called"] == each["name"]
+    }
+    true = {name: values for name, values in told["nuisances"].items() if name not in plain}
+    truth = Truth(true | plain, told["parameters"], told["case"]["case"])
+    for finding in named:
+        if finding["effect"] in truth.effects:
+            pairs, _ = compared(truth, finding["effect"], finding["parameters"])
+            yield from pairs
