@@ -1,5 +1,6 @@
 """Progress of long work on standard error: what happens now, and how long it will take."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
 
 CONSOLE = Console(stderr=True)
-_spinners: list[Callable[[str], None]] = []  # of each `working` that is open
+_spinners: list[Callable[[str, float], None]] = []  # of each `working` that is open
+SOON = 0.05  # of the work: before so much is done the rest is not foretold
 
 
 def _bar(*columns: ProgressColumn, stays: bool = False) -> Progress:
@@ -55,18 +57,31 @@ def working(description: str) -> Iterator[None]:
     """A spinner with the time elapsed, for work whose end is not known beforehand."""
     text = TextColumn("{task.description}", markup=False)
     with _bar(SpinnerColumn(), text, TimeElapsedColumn()) as bar:
-        shown = bar.add_task(description, total=None)
-        _spinners.append(lambda now: bar.update(shown, description=f"{description}: {now}"))
+        shown, began = bar.add_task(description, total=None), time.monotonic()
+
+        def show(now: str, behind: float) -> None:
+            left = remaining(time.monotonic() - began, behind)
+            bar.update(shown, description=f"{description}: {now}{left}")
+
+        _spinners.append(show)
         try:
             yield
         finally:
             _spinners.pop()
 
 
-def describe(now: str) -> None:
-    """Shows beside the spinner, where one turns, what is being done now."""
+def remaining(elapsed: float, behind: float) -> str:
+    """How long work will take that has a share behind it after so many seconds; early: nothing."""
+    return "" if behind < SOON else f", about {elapsed * (1.0 / behind - 1.0):.0f} s left"
+
+
+def describe(now: str, behind: float) -> None:
+    """Shows beside the spinner, where one turns, what is being done now, and what is left.
+
+    behind: the share (0 to 1) of the work that is done.
+    """
     for show in _spinners[-1:]:
-        show(now)
+        show(now, behind)
 
 
 @contextmanager

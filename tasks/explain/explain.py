@@ -1,6 +1,8 @@
 """The whole of `explain`: from a recording to the physics that the model left out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 from schemas.recording import Recording
 from tasks.explain.events.settings import Setting, find_settings
@@ -12,6 +14,8 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
+from tasks.explain.progress import Progress, silent, tell
+from tasks.explain.search.budget import SEARCH_BUDGET, Budget
 from tasks.explain.search.candidates import candidates_of, plausible_half_ranges
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import empirical
@@ -20,11 +24,10 @@ from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.whole import Motion
+from tasks.words import message
 
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
-
-Progress = Callable[[str], None]
 
 
 def explain(
@@ -32,15 +35,17 @@ def explain(
     *,
     reference: ReferencePrediction | None = None,
     only: Sequence[str] | None = None,
-    progress: Progress = lambda step: None,
+    progress: Progress = silent,
+    budget: float = SEARCH_BUDGET,
 ) -> Explanation:
     """Where the standard's model and a recording differ, and which physics is missing.
 
     reference: what a calibration or another simulator predicts, in place of the fitted model.
     only: names of the catalogue that are fitted, and nothing else; without them a search.
+    progress: is told each step. budget: s of processor time that the search may take.
     Raises Unusable where the recording tells no motion or is too short.
     """
-    progress("motion")
+    tell(progress, "motion")
     as_read = full_rate(recording)
     tracked = recording.table is None and recording.reference is not None
     settings: tuple[Setting, ...] = ()
@@ -48,18 +53,19 @@ def explain(
         settings = find_settings(as_read.readings, as_read.motion, tracked)
     recorded, recording = recording, put_right(recording, settings)
     full = full_rate(recording) if settings else as_read
-    progress("events")
+    tell(progress, "events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
     clean = clean.less(reference, full)
     share = min(1.0, LONG / float(full.motion.t[-1]))
     coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
-    progress("candidates")
+    tell(progress, "candidates")
     candidates, columns = candidates_of(_terms(recording, coarse.motion, only), coarse.motion)
     half = plausible_half_ranges(candidates, len(columns))
     design = banded_design(coarse, coarse.readings, columns, half)
-    progress("search")
+    tell(progress, "search")
     if only is None:
-        fit = searched(design, candidates, fine)
+        done = partial(tell, progress, "search")
+        fit = searched(design, candidates, fine, Budget.of(budget), done)
         evidence = with_absorbed(pruned(fit, len(candidates)), candidates, design)
     else:
         evidence = Evidence.of(all_fitted(design, candidates, fine))
@@ -67,8 +73,11 @@ def explain(
         as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
         evidence = pruned(fit, len(candidates))
-    progress("evidence")
+    tell(progress, "evidence")
     explanation = explanation_of(recording, full, clean.events, evidence, reference)
+    if evidence.fit.selection.stopped:
+        stopped = message("explain-search-stopped", seconds=f"{budget:g}")
+        explanation = replace(explanation, remarks=(*explanation.remarks, stopped))
     return with_settings(explanation, recorded, settings)
 
 

@@ -1,6 +1,5 @@
 """Stage: where model and recording differ, which physics was left out, and what it matters."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +14,7 @@ from storage import settings
 from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.home import Home
+from tasks.explain.progress import Progress, silent, tell
 from tasks.stages import import_checks
 from tasks.stages.stage import stage
 from tasks.words import message
@@ -36,11 +36,11 @@ class Explained:
 
 @stage("explain")
 def explain_run(
-    run: Run, home: Home, order: ExplainOrder, progress: Callable[[str], None] = lambda now: None
+    run: Run, home: Home, order: ExplainOrder, progress: Progress = silent
 ) -> Explained:
     """Find where the standard's model and a run differ, and say which physics is missing.
 
-    progress: is called with what is being done.
+    progress: is told what is being done, and how much of the whole is behind it.
     Raises Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
@@ -53,14 +53,14 @@ def explain_run(
     recording = runs.load(run, home)
     reference = _reference(recording, home, order)
     explanation = explain(recording, reference=reference, progress=progress)
-    progress("consequences")
+    tell(progress, "consequences")
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
     effects = consequences(recording, explanation, tolerance)
     explanation = replace(explanation, remarks=(*explanation.remarks, *effects.remarks))
     wheres = locate(explanation) if explanation.findings else ()
     discrepancy = discrepancy_of(explanation, wheres, effects)
-    progress("report")
+    tell(progress, "report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
     return Explained(discrepancy, files)
 

@@ -1,12 +1,13 @@
 """What was selected, fitted in its real form; and searching and fitting in turn."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.budget import UNLIMITED, Budget
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, with_columns
 from tasks.explain.search.proposals import with_proposed_shapes
@@ -72,14 +73,24 @@ class FittedSelection:
 
 
 def searched(
-    design: BandedDesign, candidates: Sequence[Candidate], blocks: Blocks
+    design: BandedDesign,
+    candidates: Sequence[Candidate],
+    blocks: Blocks,
+    budget: Budget = UNLIMITED,
+    done: Callable[[float], None] = lambda share: None,
 ) -> FittedSelection:
-    """Search and fit in turn: after a fit, what is left is searched again about its values."""
+    """Search and fit in turn: after a fit, what is left is searched again about its values.
+
+    budget: after which neither goes on. done: is told the share of the searches that are done.
+    """
     noises = initial_noises(design)
     design, candidates = with_proposed_shapes(design, candidates, noises)
-    selection = search(design, candidates, (), noises)
+    selection = search(design, candidates, (), noises, budget)
     fit = FittedSelection.of(selection, blocks, design.blocks.rate)
-    for _ in range(MAX_SEARCHES - 1 if selection.selected else 0):
+    for number in range(1, MAX_SEARCHES if selection.selected else 1):
+        done(number / MAX_SEARCHES)
+        if budget.spent:
+            return replace(fit, selection=replace(fit.selection, stopped=True))
         before = fit.selection.candidates
         candidates = _updated(candidates, before)
         design = with_columns(design, *linearised(fit.model, design.blocks, before))
@@ -87,7 +98,7 @@ def searched(
         firm = [one for one in before if one.prior is None]
         noises = noises_beside(design, firm, fit.selection.noises)
         design, candidates = with_proposed_shapes(design, candidates, noises, firm)
-        again = search(design, candidates, firm, noises)
+        again = search(design, candidates, firm, noises, budget)
         fit = fit.reselected(replace(again, p_value=selection.p_value))
         if {one.key for one in again.candidates} == {one.key for one in before}:
             break

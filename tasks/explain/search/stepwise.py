@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.regression.spectrum import Noise
+from tasks.explain.search.budget import UNLIMITED, Budget
 from tasks.explain.search.candidates import Candidate, members_of
 from tasks.explain.search.design import (
     UNIT_NOISE,
@@ -40,13 +41,15 @@ class Selected:
 class Selection:
     """What a search selected, and the noise beside it.
 
-    p_value: of the strongest candidate at first, Bonferroni-corrected.
+    p_value: of the strongest candidate at first, Bonferroni-corrected. stopped: by its budget,
+    while there was more to try.
     """
 
     selected: tuple[Selected, ...]
     noises: tuple[Noise, ...]
     p_value: float
     equations: NormalEquations
+    stopped: bool = False
 
     @property
     def candidates(self) -> list[Candidate]:
@@ -71,12 +74,13 @@ def search(
     candidates: Sequence[Candidate],
     start: Sequence[Candidate] = (),
     noises: tuple[Noise, ...] | None = None,
+    budget: Budget = UNLIMITED,
 ) -> Selection:
     """The candidates that explain the design's readings.
 
-    start, noises: what an earlier search selected.
+    start, noises: what an earlier search selected. budget: after which no more are added.
     """
-    selected = list(start)
+    selected, stopped = list(start), False
     if noises is None:
         noises = initial_noises(design)
     p_value = 1.0
@@ -90,6 +94,9 @@ def search(
             p_value = corrected
         if corrected > FALSE_ALARMS:
             break
+        stopped = budget.spent
+        if stopped:
+            break
         selected.append(ranked[0].candidate)
         noises = noises_beside(design, selected, noises)
         selected = _revised(normal_equations(design, noises), candidates, selected)
@@ -98,9 +105,8 @@ def search(
             break
         visited.add(_keys(selected))
     equations = normal_equations(design, noises)
-    return Selection(
-        _with_alternatives(equations, candidates, selected), noises, p_value, equations
-    )
+    found = _with_alternatives(equations, candidates, selected)
+    return Selection(found, noises, p_value, equations, stopped)
 
 
 def initial_noises(design: BandedDesign) -> tuple[Noise, ...]:

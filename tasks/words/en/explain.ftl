@@ -39,6 +39,9 @@ explain-recorded-times-input = { $signal } times the input
 explain-harmonic = the angle of table axis { $axis }, { $order } times a turn
 explain-lean = a lean of the unit near { $angle }° of table axis { $axis }
 
+# Where the search ends early.
+explain-search-stopped = The search stopped at its budget of { $seconds } s of processor time: what is left was not searched again about the values that were fitted, and effects beside those found were not tried.
+
 # What the findings do to the calibration items.
 explain-items-by-angles = The items of JJF 1536 come from the accumulated angles, not from the rates that were explained: no consequence was estimated.
 explain-items-not-estimated = What the findings do to the items was not estimated: { $reason }

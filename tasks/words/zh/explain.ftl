@@ -39,6 +39,9 @@ explain-recorded-times-input = { $signal }与输入之积
 explain-harmonic = 转台第 { $axis } 轴转角，每转 { $order } 次
 explain-lean = 转台第 { $axis } 轴转角 { $angle }° 附近的倾斜
 
+# 搜索提前结束。
+explain-search-stopped = 搜索在{ $seconds } s处理器时间预算处停止：未在已拟合的数值附近对剩余部分再次搜索，也未尝试已发现因素以外的其他因素。
+
 # 所发现因素对各校准项目的影响。
 explain-items-by-angles = JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。
 explain-items-not-estimated = 未能估计所发现因素对各校准项目的影响：{ $reason }

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.search.budget import Budget
 from tasks.explain.search.candidates import (
     COSINES,
     STRENGTHS,
@@ -221,3 +222,16 @@ def test_a_time_constant_that_would_be_negative_finds_nothing() -> None:
         *(r.candidate.name for r in found.selected[0].alternatives),
     }
     assert {"bandwidth", "time_offset"} <= names
+
+
+def test_a_search_stops_at_its_budget_and_says_so_only_where_there_was_more(
+    both: Asked, nothing: Asked
+) -> None:
+    ticks = iter(range(100))
+    once = Budget(until=2.0, clock=lambda: float(next(ticks)) + 1.0)  # spent when asked again
+    stopped = search(both.pool, both.candidates, budget=once)
+    assert [one.name for one in stopped.candidates] == [LEVER_ARM.name]
+    assert stopped.stopped
+    assert not search(both.pool, both.candidates).stopped
+    spent = Budget(until=0.0, clock=lambda: 1.0)
+    assert not search(nothing.pool, nothing.candidates, budget=spent).stopped

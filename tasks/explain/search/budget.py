@@ -1,0 +1,29 @@
+"""What a search may cost: processor time, after which it stays with what it has."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+# s: ten minutes at 200 Hz may take 30 s in all; motion, events, evidence and consequences need ten.
+SEARCH_BUDGET = 20.0
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Processor time until which a search goes on. clock: s of processor time."""
+
+    until: float
+    clock: Callable[[], float] = time.process_time
+
+    @classmethod
+    def of(cls, seconds: float, clock: Callable[[], float] = time.process_time) -> "Budget":
+        """So many seconds from now on."""
+        return cls(clock() + seconds, clock)
+
+    @property
+    def spent(self) -> bool:
+        return self.clock() >= self.until
+
+
+UNLIMITED = Budget(math.inf)

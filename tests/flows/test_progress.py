@@ -1,0 +1,33 @@
+"""What is foretold of long work."""
+
+import pytest
+
+from flows.progress import describe, remaining, working
+from tasks.explain.progress import BEHIND, tell
+
+
+def test_the_time_left_follows_from_what_is_behind() -> None:
+    assert remaining(10.0, 0.25) == ", about 30 s left"
+    assert remaining(10.0, 0.01) == ""
+
+
+def test_describing_without_anything_under_way_does_nothing() -> None:
+    describe("search", 0.5)
+    with working("explain"):
+        describe("search", 0.5)
+
+
+def test_each_step_of_explain_is_further_than_the_one_before() -> None:
+    told: list[float] = []
+    for step in BEHIND:
+        for share in (0.0, 0.5):
+            tell(lambda now, behind: told.append(behind), step, share)
+    assert told == sorted(set(told))
+    assert told[0] >= 0.0
+    assert told[-1] < 1.0
+
+
+def test_a_share_of_a_step_lies_within_it() -> None:
+    told: list[float] = []
+    tell(lambda now, behind: told.append(behind), "search", 1.0)
+    assert told == [pytest.approx(BEHIND["evidence"])]
