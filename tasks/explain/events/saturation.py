@@ -1,10 +1,12 @@
 """Saturation: an output stops at a limit, noise included; rounding to steps may follow.
 
+A limit is a code of the output, alike for a triad, or a plateau of one axis and side.
+
 What lies beyond the limit L piles up at it. With Gaussian noise σ about m the mean reading is
 m − σ·h((L − m)/σ), with h(z) = φ(z) − z·(1 − Φ(z)) the mean of what is clipped.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +15,9 @@ from scipy.stats import binom
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import TRIADS
-from tasks.explain.events.event import TRIAD_NAMES, UNITS, Event
+from tasks.explain.events.event import CHANNELS, TRIAD_NAMES, UNITS, Event
 from tasks.explain.events.noise import noise_by_rate
+from tasks.explain.events.plateau import Plateau, find_plateaus
 from tasks.explain.events.quantisation import Quantiser
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
@@ -25,26 +28,24 @@ SIDES = ((-1.0, 1.0), (1.0,), (-1.0,))  # a limit is looked for on both sides, t
 SIGNIFICANT = 1e-6  # p-value below which readings pile up
 MIN_BEYOND = 8.0  # readings that must be missing beyond a limit
 NEGLIGIBLE = 3e-3  # of the noise: a mean that is shifted less is not disturbed
+PLATEAU_P = 1e-9  # of readings that stay where they are while the prediction goes on, at most
 MAX_CODES = 20  # below the limit, that the pile is compared with
 
 
 @dataclass(frozen=True)
 class Saturation(Event):
-    """triad: 0 gyros, 1 accelerometers. sides: of the limit. noise: (3,) near the limit."""
+    """limits: size of each, by channel and side (1.0 above, −1.0 below). noise: (6,) near them."""
 
     linear = False
 
-    triad: int
-    limit: float
-    sides: tuple[float, ...]
+    limits: Mapping[tuple[int, float], float]
     noise: np.ndarray
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         clipped = predicted.copy()
-        for axis, channel in enumerate(TRIADS[self.triad]):
-            for side in self.sides:
-                loss = clipping_loss(side * predicted[:, channel], self.limit, self.noise[axis])
-                clipped[:, channel] -= side * loss
+        for (channel, side), limit in self.limits.items():
+            loss = clipping_loss(side * predicted[:, channel], limit, self.noise[channel])
+            clipped[:, channel] -= side * loss
         return clipped
 
 
@@ -89,7 +90,49 @@ def find_saturation(
                 events.append(event)
                 masked |= disturbed
                 break
+    known = {place for event in events for place in event.limits}
+    for event, disturbed in _at_plateaus(readings, motion, masked, known):
+        events.append(event)
+        masked |= disturbed
     return tuple(events), masked
+
+
+def _at_plateaus(
+    readings: np.ndarray, motion: Motion, masked: np.ndarray, known: Collection[tuple[int, float]]
+) -> Iterator[tuple[Saturation, np.ndarray]]:
+    """The event of each triad with plateaus at limits that are not known, and what it disturbs."""
+    plateaus, disturbed, predicted = find_plateaus(readings, motion, masked)
+    noise = _noise_near_limit(readings - predicted, motion, disturbed)
+    new = [one for one in plateaus if (one.channel, one.side) not in known]
+    for triad, channels in enumerate(TRIADS):
+        own = [one for one in new if one.channel in channels]
+        if own:
+            yield _plateau_event(own, triad, noise), disturbed
+
+
+def _plateau_event(plateaus: Sequence[Plateau], triad: int, noise: np.ndarray) -> Saturation:
+    texts, parameters = [], []
+    for one in plateaus:
+        name = CHANNELS[one.channel]
+        side, sign = ("upper", "+") if one.side > 0 else ("lower", "−")
+        parameters.append(
+            FoundParameter(
+                name=f"{side}_limit_{name[-1]}", value=one.side * one.limit, unit=UNITS[triad],
+                u=max(one.scatter, 1e-9 * one.limit),
+            )
+        )  # fmt: skip
+        texts.append(
+            message(
+                "events-plateau-at", channel=message(f"channel-{name}"),
+                limit=f"{sign}{one.limit:.5g} {UNITS[triad]}", count=one.count,
+            )
+        )  # fmt: skip
+    channels = tuple(sorted({one.channel for one in plateaus}))
+    return Saturation(
+        EFFECTS[triad], channels, tuple(parameters), PLATEAU_P,
+        message("events-plateau", sensors=TRIAD_NAMES[triad], limits=tuple(texts)),
+        {(one.channel, one.side): one.limit for one in plateaus}, noise,
+    )  # fmt: skip
 
 
 def _extreme_code(
@@ -125,26 +168,29 @@ def _saturation(
             masked[:, channel] |= side * readings[:, channel] > code.limit - scatter[channel]
     for _ in range(2):
         predicted = plain_prediction(readings, motion, masked)
-        noise = _noise_near_limit(readings - predicted, motion, masked)[list(channels)]
+        noise = _noise_near_limit(readings - predicted, motion, masked)
         masked[:] = False
-        for axis, channel in enumerate(channels):
+        for channel in channels:
             for side in code.sides:
-                loss = clipping_loss(side * predicted[:, channel], code.limit, noise[axis])
-                masked[:, channel] |= loss > NEGLIGIBLE * noise[axis]
-    if _expected_beyond(predicted[:, channels], code, noise) < max(MIN_BEYOND, 0.1 * code.count):
+                loss = clipping_loss(side * predicted[:, channel], code.limit, noise[channel])
+                masked[:, channel] |= loss > NEGLIGIBLE * noise[channel]
+    own = list(channels)
+    if _expected_beyond(predicted[:, own], code, noise[own]) < max(MIN_BEYOND, 0.1 * code.count):
         return None, masked
-    counts = (np.abs(readings[:, channels]) > code.limit - code.step / 2 - 1e-12).sum(axis=0)
-    where = tuple(c for c, count in zip(channels, counts, strict=True) if count > 1)
+    edge = code.limit - code.step / 2 - 1e-12
+    counts = {side: (side * readings[:, channels] > edge).sum(axis=0) for side in code.sides}
+    sides = tuple(side for side in code.sides if counts[side].sum() > 1)
+    where = tuple(c for k, c in enumerate(channels) if any(counts[side][k] > 1 for side in sides))
     u = max(code.step / np.sqrt(12), 1e-9 * code.limit)
     limit = FoundParameter(name="limit", value=code.limit, unit=UNITS[triad], u=u)
-    sign = "±" if len(code.sides) == 2 else ("+" if code.sides[0] > 0 else "−")
+    sign = "±" if len(sides) == 2 else ("+" if sides[0] > 0 else "−")
     description = message(
         "events-saturation", sensors=TRIAD_NAMES[triad], count=code.count,
         limit=f"{sign}{code.limit:.6g} {UNITS[triad]}",
     )  # fmt: skip
     return Saturation(
-        EFFECTS[triad], where, (limit,), code.p_value, description, triad, code.limit, code.sides,
-        noise,
+        EFFECTS[triad], where, (limit,), code.p_value, description,
+        {(c, side): code.limit for c in channels for side in sides}, noise,
     ), masked  # fmt: skip
 
 

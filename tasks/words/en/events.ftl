@@ -1,6 +1,8 @@
 ## Events: artefacts of the readings, as findings and remarks describe them.
 
 events-saturation = the { $sensors } stop at { $limit }: { $count } readings lie there and none beyond
+events-plateau = the { $sensors } stay where they are while what is predicted goes on: { $limits }
+events-plateau-at = { $channel } at { $limit } ({ $count } readings beyond)
 events-quantisation = the { $sensors } step by { $step }, { $ratio } times the noise
 events-lost-samples = samples are lost and later time stamps slip: { $losses }
 events-lost-samples-at = { $lost } at { $time } s

@@ -1,6 +1,8 @@
 ## 事件：读数中的异常，用于结论与附注。
 
 events-saturation = { $sensors }输出止于 { $limit }：有 { $count } 个读数停在该处，无一超出
+events-plateau = { $sensors }的读数停留不动，而预测值继续增大：{ $limits }
+events-plateau-at = { $channel }停在 { $limit }（{ $count } 个读数应超出）
 events-quantisation = { $sensors }的步距为 { $step }，是噪声的 { $ratio } 倍
 events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
 events-lost-samples-at = { $time } s 处 { $lost } 个

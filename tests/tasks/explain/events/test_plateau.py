@@ -1,0 +1,87 @@
+"""Limits of a calibrated output: spread over many values, of one axis and side, and none else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import GRAVITY, counted, mean_readings, motion, noisy
+
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
+from tasks.words import texts
+
+
+def found(readings: np.ndarray) -> Events:
+    made = motion()
+    events = events_in_readings(made.t, readings, made)
+    assert all(all(texts(event.description).values()) for event in events.events)
+    return events
+
+
+def calibrated(clipped: np.ndarray, seed: int) -> np.ndarray:
+    """What a calibration that follows the temperature makes of clipped codes: no two are alike."""
+    t = motion().t
+    drift = 1.0 + 1e-3 * np.sin(t / 60.0) + 2e-4 * np.random.default_rng(seed).normal(size=len(t))
+    return np.asarray(clipped * drift + 0.002)
+
+
+def limits(events: Events) -> dict[str, float]:
+    return {each.name: each.value for event in events.events for each in event.parameters}
+
+
+def test_a_calibrated_limit_is_a_plateau_of_its_axis_and_side() -> None:
+    readings = noisy(mean_readings(motion()), 1)
+    readings[:, 2] = calibrated(np.clip(readings[:, 2], -4.4, 4.7), 2)
+    events = found(readings)
+    assert [event.effect for event in events.events] == ["gyro_saturation"]
+    assert events.events[0].channels == (2,)
+    assert limits(events) == pytest.approx({"upper_limit_z": 4.7, "lower_limit_z": -4.4}, abs=0.02)
+
+
+def test_a_plateau_is_masked_and_its_mean_predicted() -> None:
+    made = motion()
+    mean = mean_readings(made)
+    readings = noisy(mean, 3)
+    readings[:, 2] = calibrated(np.minimum(readings[:, 2], 4.5), 4)
+    events = found(readings)
+    beyond = mean[:, 2] > 4.6
+    assert events.masked[beyond, 2].all()
+    assert not events.masked[:, [0, 1, 3, 4, 5]].any()
+    assert not events.masked[np.abs(mean[:, 2]) < 4.0].any()
+    applied = events.applied(made.t, mean)
+    assert (readings - applied)[beyond, 2] == pytest.approx(0.0, abs=0.02)
+    assert np.array_equal(applied[mean[:, 2] < -4.0], mean[mean[:, 2] < -4.0])
+
+
+def test_accelerometers_that_end_before_gravity_does_have_a_plateau() -> None:
+    readings = noisy(mean_readings(motion()), 5)
+    readings[:, 3] = calibrated(np.clip(readings[:, 3], -20.0, 6.5), 6)
+    events = found(readings)
+    assert [event.effect for event in events.events] == ["accel_saturation"]
+    assert limits(events) == pytest.approx({"upper_limit_x": 6.5}, abs=0.02)
+
+
+def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
+    made = motion()
+    readings = noisy(mean_readings(made), 7)
+    readings[:, :3] = np.minimum(readings[:, :3], 4.5)
+    readings[np.abs(readings[:, 1] + 3.0) < 0.05, 1] = -4.5
+    (event,) = found(counted(readings)).events
+    assert event.channels == (2,)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("bend", [0.0, -0.03, 0.03])
+def test_a_scale_factor_that_bends_is_no_plateau(seed: int, bend: float) -> None:
+    mean = mean_readings(motion())
+    mean[:, :3] *= 1.0 + bend * (mean[:, :3] / 5.0) ** 2
+    assert found(counted(noisy(mean, seed))).events == ()
+
+
+def test_rests_in_gravity_are_no_plateau() -> None:
+    made = motion()
+    up = np.zeros_like(made.up)
+    up[np.arange(len(up)), (np.arange(len(up)) // 2000) % 3] = 1.0
+    still = replace(made, up=up, rate=np.zeros_like(made.rate))
+    mean = np.hstack([still.rate, GRAVITY * still.up * 0.99 + 0.05])
+    assert events_in_readings(still.t, noisy(mean, 8), still).events == ()
