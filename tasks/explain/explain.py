@@ -5,11 +5,11 @@ from dataclasses import replace
 from functools import partial
 
 from schemas.recording import Recording
-from tasks.explain.events.settings import Setting, find_settings
+from tasks.explain.events.faults import find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence, pruned
-from tasks.explain.evidence.settings_findings import put_right, with_settings
+from tasks.explain.evidence.fault_findings import put_right, with_faults
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
@@ -48,11 +48,9 @@ def explain(
     tell(progress, "motion")
     as_read = full_rate(recording)
     tracked = recording.table is None and recording.reference is not None
-    settings: tuple[Setting, ...] = ()
-    if reference is None:
-        settings = find_settings(as_read.readings, as_read.motion, tracked)
-    recorded, recording = recording, put_right(recording, settings)
-    full = full_rate(recording) if settings else as_read
+    faults = find_faults(as_read.readings, as_read.motion, None if reference else tracked)
+    recorded, recording = recording, put_right(recording, faults)
+    full = full_rate(recording) if faults else as_read
     tell(progress, "events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
     clean = clean.less(reference, full)
@@ -78,7 +76,7 @@ def explain(
     if evidence.fit.selection.stopped:
         stopped = message("explain-search-stopped", seconds=f"{budget:g}")
         explanation = replace(explanation, remarks=(*explanation.remarks, stopped))
-    return with_settings(explanation, recorded, settings)
+    return with_faults(explanation, recorded, faults)
 
 
 def _terms(recording: Recording, motion: Motion, only: Sequence[str] | None) -> list[Term]:

@@ -1,14 +1,31 @@
-"""Settings of logger and firmware that are wrong from the first row to the last."""
+"""Faults of logger and firmware that are there from the first row to the last.
+
+Wrong settings and wrong codes: both are undone before anything else is looked for.
+"""
 
 import numpy as np
 
 from tasks.explain.channels import TRIADS
 from tasks.explain.events.axis_mapping import AxisMapping, axis_mapping, fitting
+from tasks.explain.events.code_fault import CodeFault, find_code_fault
 from tasks.explain.events.range_setting import RangeSetting, find_range_setting
 from tasks.explain.events.triad_matrix import TriadMatrix, triad_matrix
 from tasks.motion.whole import Motion
 
 Setting = RangeSetting | AxisMapping
+Fault = Setting | CodeFault
+
+
+def find_faults(readings: np.ndarray, motion: Motion, tracked: bool | None) -> tuple[Fault, ...]:
+    """Wrong settings and codes of readings (n, 6) rad/s, m/s², in the order in which they act.
+
+    tracked: whether the motion is that of a tracked body; None: settings are not looked for.
+    """
+    codes = find_code_fault(readings, motion)
+    if codes is not None:
+        readings = codes.undone(readings)
+    settings = () if tracked is None else find_settings(readings, motion, tracked)
+    return settings if codes is None else (*settings, codes)
 
 
 def find_settings(readings: np.ndarray, motion: Motion, tracked: bool) -> tuple[Setting, ...]:

@@ -1,0 +1,97 @@
+"""Codes that were joined wrongly are put right; noise, steps and jumps of a bias are no fault."""
+
+import numpy as np
+import pytest
+from made_up import SIGMA, mean_readings, motion, noisy
+
+from tasks.explain.events.code_fault import CodeFault, find_code_fault
+from tasks.words import texts
+
+STEP = np.repeat([1.0 / 131.0 * np.pi / 180.0, 9.8 / 16384.0], 3)
+
+
+MADE = motion(top=4.0)  # 30,000 codes
+
+
+def codes(seed: int) -> np.ndarray:
+    """Whole codes of a run with noise of some codes."""
+    return np.round(noisy(mean_readings(MADE), seed) / STEP).astype(int)
+
+
+def signed_low_byte(code: np.ndarray) -> np.ndarray:
+    low = code & 0xFF
+    return np.asarray((code - low) + np.where(low >= 128, low - 256, low))
+
+
+def stuck(code: np.ndarray, bit: int) -> np.ndarray:
+    return np.asarray(code & ~(1 << bit))
+
+
+def sign_lost(code: np.ndarray) -> np.ndarray:
+    return np.asarray(code & 0x7FFF)
+
+
+def fault(faulty: np.ndarray) -> CodeFault | None:
+    return find_code_fault(faulty * STEP, MADE)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_right_codes_have_no_fault(seed: int) -> None:
+    assert fault(codes(seed)) is None
+
+
+@pytest.mark.parametrize("channel", [0, 2, 4])
+def test_a_low_byte_taken_as_signed_is_put_right(channel: int) -> None:
+    right = codes(1)
+    faulty = right.copy()
+    faulty[:, channel] = signed_low_byte(right[:, channel])
+    found = fault(faulty)
+    assert found is not None
+    assert found.channels == (channel,)
+    assert all(texts(found.description).values())
+    (jump,) = found.parameters
+    assert jump.value == pytest.approx(256 * STEP[channel], rel=1e-3)
+    wrong = (found.undone(faulty * STEP) - right * STEP)[:, channel] / STEP[channel]
+    assert np.mean(np.abs(wrong - np.median(wrong)) > 0.5) < 1e-3
+
+
+def test_a_bit_that_sticks_is_told_with_the_codes_that_it_hits() -> None:
+    right = codes(2)
+    faulty = right.copy()
+    faulty[:, 1] = stuck(right[:, 1], 9)
+    found = fault(faulty)
+    assert found is not None
+    (jump,) = found.parameters
+    assert jump.value == pytest.approx(512 * STEP[1], rel=1e-3)
+
+
+def test_a_sign_that_was_not_extended_is_a_fault_of_the_whole_word() -> None:
+    right = codes(3)
+    right[:, 0] -= np.round(np.mean(right[:, 0])).astype(int)  # rests near zero, of either sign
+    faulty = right.copy()
+    faulty[:, 0] = sign_lost(right[:, 0])
+    found = fault(faulty)
+    assert found is not None
+    wrong = (found.undone(faulty * STEP) - right * STEP)[:, 0] / STEP[0]
+    assert np.mean(np.abs(wrong - np.median(wrong)) > 0.5) < 1e-3
+
+
+def test_a_bias_that_jumps_to_and_fro_by_a_byte_is_no_fault_of_the_codes() -> None:
+    right = codes(4)
+    flips = np.cumsum(np.random.default_rng(5).random(len(right)) < 0.1) % 2
+    right[:, 2] += 256 * flips
+    assert fault(right) is None
+
+
+def test_a_single_step_and_spikes_of_a_byte_are_no_fault_of_the_codes() -> None:
+    right = codes(6)
+    right[10_000:, 0] += 256
+    right[np.random.default_rng(7).integers(0, len(right), 40), 1] += 256
+    assert fault(right) is None
+
+
+def test_coarse_codes_have_no_fault() -> None:
+    coarse = np.repeat([3e-3, 0.1], 3)
+    assert find_code_fault(np.round(noisy(mean_readings(MADE), 8) / coarse) * coarse,
+                           MADE) is None  # fmt: skip
+    assert SIGMA[0] < coarse[0]
