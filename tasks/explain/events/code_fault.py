@@ -109,10 +109,10 @@ def _jump_bits(reading: np.ndarray, predicted: np.ndarray, step: float) -> int |
             continue
         between = ((size > BETWEEN[0] * codes) & (size < BETWEEN[1] * codes)).sum()
         scatter = float(np.sqrt(np.mean(slow[size < BETWEEN[0] * codes] ** 2)))
-        # A code that has just passed the edge of a byte jumps by a little less than the byte.
-        off = codes - float(np.mean(size[jumps]))
-        clear = codes > CLEAR * scatter and between <= MAX_BETWEEN * (up + down)
-        if clear and -0.5 * scatter - 1.0 < off < 2.0 * scatter + 1.0:
+        # A code that has just passed the edge of a byte jumps by what it moved more, or less.
+        off = abs(float(np.mean(size[jumps])) - codes)
+        few = between <= MAX_BETWEEN * (up + down)
+        if few and codes > CLEAR * scatter and off < 2.0 * scatter + 1.0:
             return bits
     return None
 

@@ -9,6 +9,7 @@ from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
 from tasks.explain.events.quantisation import find_quantisation, quantiser_of
+from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
 from tasks.explain.events.spikes import find_spikes
@@ -17,19 +18,22 @@ from tasks.motion.whole import Motion
 
 
 def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
-    """Events that disturb a regression: limits, lost samples, coarse steps, spikes.
+    """Events that disturb a regression: rows repeated or lost, limits, coarse steps, spikes.
 
     t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
     triad was not recorded. motion: at the same rows, NaN where it is not known.
     """
     quantisers = [quantiser_of(column) for column in readings.T]
+    repeats, repeated = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
+    masked |= repeated
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
     lost = find_lost_samples(t, readings, motion, predicted, masked)
-    events: tuple[Event, ...] = (*limits,) if lost is None else (lost, *limits)
+    times = (event for event in (repeats, lost) if event is not None)
+    events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted
     if events:
         corrected = Events(events, masked).corrected(t, readings, predicted)
