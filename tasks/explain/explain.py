@@ -70,9 +70,11 @@ def explain(
     if clean.delay:
         as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
-        evidence = pruned(fit, len(candidates))
+        evidence = pruned(fit, len(candidates)) if only is None else Evidence.of(fit)
     tell(progress, "evidence")
-    explanation = explanation_of(recording, full, clean.events, evidence, reference)
+    explanation = explanation_of(
+        recording, full, clean.events, evidence, reference, ordered=only is not None
+    )
     if evidence.fit.selection.stopped:
         stopped = message("explain-search-stopped", seconds=f"{budget:g}")
         explanation = replace(explanation, remarks=(*explanation.remarks, stopped))

@@ -38,6 +38,13 @@ class Effect:
         return _attribute(self.name, "title", **self.word_arguments) or _spelled(self.name)
 
     @property
+    def behaviour(self) -> Sayable:
+        """What readings that show it follow, without its name; what has none is called by that."""
+        if self.own_title is not None:
+            return self.own_title
+        return self._message("behaviour") or message(f"behaviour-{self.stage}")
+
+    @property
     def separated_by(self) -> Sayable | None:
         """The recording that would tell it from what it is confused with."""
         return separating_recording(self.name)

@@ -8,13 +8,19 @@ from schemas.discrepancy import Verdict
 from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Events
+from tasks.explain.evidence.event_findings import event_findings, removed_by
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.findings import event_findings, findings_of
+from tasks.explain.evidence.findings import findings_of
+from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
+from tasks.explain.evidence.shares import MOSTLY_NOISE, small_remainder, with_shares
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.search.refit import fitted, model_of
+from tasks.explain.search.stepwise import FALSE_ALARMS
+
+COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
 
 
 def explanation_of(
@@ -23,41 +29,61 @@ def explanation_of(
     events: Events,
     evidence: Evidence,
     reference: ReferencePrediction | None = None,
+    ordered: bool = False,
 ) -> Explanation:
     """The explanation that a fitted selection is, with the events.
 
     reference: the prediction by which the readings were reduced to those of an ideal unit.
+    ordered: just these terms were asked for, and each is told, whatever speaks against it.
     """
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
-    findings = findings_of(evidence, full, predicted)
+    terms = findings_of(evidence, full, predicted, ordered)
+    gains = [evidence.gain(number) for number in range(len(terms))]
     if reference is not None:
-        findings += reference_deviation(standard, nominal, full, fit)
+        deviations = reference_deviation(standard, nominal, full, fit)
+        terms, gains = terms + deviations, gains + [one.gain for one in deviations]
         nominal = reference.readings
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
     events = events_in_residual(events, t, residual, noise, full.motion)
-    findings = [*event_findings(events, full, predicted), *findings]
-    findings.sort(key=lambda finding: -finding.gain)
+    every = LeftOver.of(full, nominal, events.applied(t, predicted), events.masked)
+    artefacts, events = event_findings(events, full, predicted, every)
+    found = events.applied(t, predicted)
+    left = LeftOver.of(full, nominal, found, events.masked)
+    removed = removed_by(events, full, predicted, left)
+    by_terms = max(left.removed - sum(removed), 0.0)
+    together = max(evidence.gain(*range(len(evidence.groups))), *gains, 1e-300)
+    removed += [by_terms * max(gain, 0.0) / together for gain in gains]
+    findings = with_shares([*artefacts, *terms], removed, left)
+    small = [one for one in findings if not ordered and small_remainder(one, left)]
+    told = [one for one in findings if one not in small]
+    p_value = min([fit.selection.p_value, *(event.p_value for event in events.events)])
     return Explanation(
         recording=recording,
         nominal=nominal,
-        found=events.applied(t, predicted),
+        found=found,
         noise=noise,
-        p_value=min([fit.selection.p_value, *(event.p_value for event in events.events)]),
-        verdict=_verdict(findings),
+        p_value=p_value,
+        verdict=_verdict(told, p_value, left),
         held_out=evidence.held_out(),
-        findings=tuple(findings),
+        findings=tuple(told),
         remarks=(*full.remarks, *events.remarks),
         model=FITTED if reference is None else reference.model,
+        left_over=left.chi2_per_degree,
+        explained_share=left.explained_share,
+        small=tuple(small),
     )
 
 
-def _verdict(findings: Sequence[Finding]) -> Verdict:
+def _verdict(findings: Sequence[Finding], p_value: float, left: LeftOver) -> Verdict:
+    """Explained is what has names, and leaves noise or next to nothing of the mismatch."""
+    quiet = bool((np.nan_to_num(left.chi2_per_degree) < MOSTLY_NOISE).all())
+    named = [finding for finding in findings if finding.effect != UNNAMED]
     if not findings:
-        return "no_mismatch"
-    unnamed = [finding.effect == UNNAMED for finding in findings]
-    if all(unnamed):
+        return "no_mismatch" if quiet and p_value > FALSE_ALARMS else "unexplained"
+    if not named:
         return "unexplained"
-    return "partly_explained" if any(unnamed) else "explained"
+    complete = quiet or left.explained_share > COMPLETE
+    return "explained" if len(named) == len(findings) and complete else "partly_explained"

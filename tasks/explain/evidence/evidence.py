@@ -1,23 +1,24 @@
 """What each finding earns: chi-squared lost without it, and on segments that a fit did not use."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.stats import chi2
+from scipy.stats import f as fisher
 
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
-from tasks.explain.evidence.groups import FindingGroup, finding_groups
+from tasks.explain.evidence.cells import cell_equations, fold_cells, scatter_cells
+from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
+from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.regression import WhitenedEquations, inverse
-from tasks.model.term import Column
-
-CLEAR = 1e-6  # p value, corrected: evident even if its form is not quite right
+from tasks.model.term import Column, Parameter, parameters_of
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,15 @@ class Evidence:
     """A fitted selection as findings, and its model's columns, whitened, on all rows and by fold.
 
     own: for each group the columns that are its own and what they are multiplied by now.
-    prior: (q,) precision beforehand. known: columns of physics whose factor is one.
+    prior: (q,) precision beforehand. known: columns of physics whose factor is one. scatter:
+    between the cells of the recording, against which the evidence is counted.
     """
 
     fit: FittedSelection
     groups: tuple[FindingGroup, ...]
     whole: WhitenedEquations
     folds: CrossValidation
+    scatter: Scatter
     own: tuple[tuple[list[int], np.ndarray], ...]
     known: tuple[int, ...]
     prior: np.ndarray
@@ -60,13 +63,22 @@ class Evidence:
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()
             own.append((mine, np.array(values)))
-        misfit = blocks.readings - design.prediction
+        misfit, fold = blocks.readings - design.prediction, fold_cells(blocks)
         prior = np.concatenate([model.prior[free], np.zeros(len(known))])
+        scatter = Scatter(
+            cell_equations(columns, misfit, blocks, fit.noises, scatter_cells(blocks)),
+            tuple(np.array(mine, int) for mine, _ in own),
+            tuple(group.random for group in groups),
+            prior,
+            np.concatenate([model.values[free], np.ones(len(known))]),
+        )
+        left = [scatter.dispersion(number) for number in range(len(groups))]
         return cls(
             fit,
-            groups,
+            without_leakage(groups, left),
             equations_of(columns, misfit, blocks, fit.noises),
-            cross_validation(columns, misfit, blocks, fit.noises),
+            cross_validation(cell_equations(columns, misfit, blocks, fit.noises, fold)),
+            scatter,
             tuple(own),
             tuple(known),
             prior,
@@ -77,13 +89,69 @@ class Evidence:
         """Readings that the fit used."""
         return int((self.fit.blocks.weight > 0).sum())
 
-    def gain(self, number: int) -> float:
-        """Chi-squared lost when one finding is left out and all else is fitted again."""
-        return self._chi2([number]) - self._chi2([])
+    def gain(self, *numbers: int) -> float:
+        """Chi-squared lost when some findings are left out and all else is fitted again."""
+        return self._chi2(numbers) - self._chi2([])
+
+    def evidence(self, number: int) -> float:
+        """The gain counted against what is left: that of n/φ readings whose noise is not known
+        beforehand (quasi-likelihood), 2·ln of the likelihood ratio.
+        """
+        independent = self.used / self.scatter.dispersion(number)
+        return float(independent * np.log1p(max(self.gain(number), 0.0) / self.used))
+
+    def chance(self, number: int) -> float:
+        """p value of the evidence for a finding."""
+        count = self._parameter_count(number)
+        degrees, evidence = self.scatter.degrees(number), self.evidence(number)
+        if np.isinf(degrees):
+            return float(chi2.sf(evidence, count))
+        return float(fisher.sf(evidence / count, count, degrees))
 
     def held_out_gain(self, number: int) -> float:
-        """Log-likelihood (nats) that one finding adds on segments that a fit did not use."""
-        return 0.5 * float((self._deviance([number]) - self._deviance_after).sum())
+        """Log-likelihood (nats) that one finding adds on segments that a fit did not use, counted
+        against what is left.
+        """
+        gains = self._deviance([number]) - self._deviance_after
+        return float(0.5 * gains.sum() / self.scatter.dispersion(number))
+
+    def channel_gains(self, number: int) -> np.ndarray:
+        """(6,) the same in each channel, counted against what is left there."""
+        gains = 0.5 * (self._deviance([number]) - self._deviance_after)
+        left = [self.scatter.channel_dispersion(number, c) for c in range(len(gains))]
+        return np.asarray(gains / np.array(left))
+
+    def added_power(self, number: int) -> np.ndarray:
+        """(6,) chi-squared of what a finding adds to each channel beside all other columns."""
+        mine, values = self.own[number]
+        size = dict(zip(mine, values.tolist(), strict=True))
+        power = np.zeros(len(self.whole.grams))
+        for channel, (gram, which) in enumerate(
+            zip(self.whole.grams, self.whole.which, strict=True)
+        ):
+            is_own = np.isin(which, mine)
+            own, others = np.flatnonzero(is_own), np.flatnonzero(~is_own)
+            shared = gram[np.ix_(others, own)]
+            left = gram[np.ix_(own, own)]
+            left = left - shared.T @ inverse(gram[np.ix_(others, others)]) @ shared
+            x = np.array([size[q] for q in which[own].tolist()])
+            power[channel] = x @ left @ x / self.scatter.channel_dispersion(number, channel)
+        return power
+
+    def parameters(self, number: int) -> list[Parameter | None]:
+        """Of each of a finding's own columns; none: known physics, whose factor is one."""
+        model = self.fit.model
+        free = [
+            p for p, is_free in zip(parameters_of(model.terms), model.free, strict=True) if is_free
+        ]
+        return [free[q] if q < len(free) else None for q in self.own[number][0]]
+
+    def u(self, number: int) -> np.ndarray:
+        """(k,) standard uncertainties of its own columns, counted against what is left."""
+        model, mine = self.fit.model, self.own[number][0]
+        u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))
+        by_cells = self.scatter.u(number)
+        return np.array([u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)])
 
     def held_out(self) -> HeldOut:
         """How segments that a fit did not use are predicted, before and after."""
@@ -101,18 +169,21 @@ class Evidence:
 
     def unsupported(self, number: int, trials: int) -> bool:
         """Whether a finding gains no more than chance would, with so many candidates tried, or
-        segments that a fit did not use contradict it: at all where it is weak, altogether where it
-        is clear.
+        segments that a fit did not use are not predicted better with it.
         """
-        held_out_gain = self.held_out_gain(number)
-        selected = self.groups[number].selected
-        if any(one.candidate.prior is not None or one.absorbed_by for one in selected):
-            return held_out_gain <= 0.0 and not self.groups[number].absorbed_by
-        count = max(1, len(self.own[number][0]))
-        gain = self.gain(number)
-        chance = float(chi2.sf(max(gain, 0.0), count)) * trials
-        contradicted = held_out_gain <= 0.0 and (chance > CLEAR or held_out_gain < -gain)
-        return chance > FALSE_ALARMS or contradicted
+        group, held_out_gain = self.groups[number], self.held_out_gain(number)
+        if group.absorbed_by:
+            return False
+        return held_out_gain <= 0.0 or self.chance(number) * trials > FALSE_ALARMS
+
+    def _parameter_count(self, number: int) -> float:
+        """Of a random drift as many as the data determine of it."""
+        if not self.groups[number].random:
+            return max(1, len(self.own[number][0]))
+        mine = np.array(self.own[number][0], int)
+        normal = self.whole.normal()[0][np.ix_(mine, mine)]
+        known = inverse(normal + np.diag(self.prior[mine]))
+        return max(1.0, float(np.trace(known @ normal)))
 
     @cached_property
     def _deviance_after(self) -> np.ndarray:
@@ -146,13 +217,22 @@ class Evidence:
 
 
 def pruned(fit: FittedSelection, trials: int) -> Evidence:
-    """The fitted selection without the findings that the others have made needless.
+    """The fitted selection without the findings that the others have made needless, or that do
+    not stand out of what is left.
 
     The weakest is taken out and the rest is fitted again, until all earn their place. trials:
-    candidates that were tried.
+    candidates that were tried. The p value of the strongest mismatch is counted against what is
+    left, as its evidence is.
     """
     evidence = Evidence.of(fit)
-    while weak := [n for n in range(len(evidence.groups)) if evidence.unsupported(n, trials)]:
-        weakest = min(weak, key=evidence.gain)
+    chance = [1.0] if evidence.groups else [fit.selection.p_value]
+    while True:
+        numbers = range(len(evidence.groups))
+        chance += [trials * evidence.chance(n) for n in numbers]
+        weak = [n for n in numbers if evidence.unsupported(n, trials)]
+        if not weak:
+            break
+        weakest = min(weak, key=evidence.evidence)
         evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
-    return evidence
+    selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
+    return replace(evidence, fit=replace(evidence.fit, selection=selection))

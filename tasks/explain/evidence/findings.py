@@ -1,17 +1,18 @@
-"""From evidence and events to findings: what each is, what it adds and its parameters."""
+"""From evidence to findings: what each is, what it adds and its parameters."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.events.event import Event, Events
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup
+from tasks.explain.evidence.groups import FindingGroup, without_leakage
+from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 from tasks.explain.search.scores import INDISTINGUISHABLE
-from tasks.model.effect import EVENTS
 from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
@@ -22,41 +23,63 @@ MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 SI_UNITS = (("arcsec", "rad"), ("deg", "rad"), ("mT", "T"), ("/g", "/(m/s2)"))
 
 
-def findings_of(evidence: Evidence, full: FullRate, predicted: np.ndarray) -> list[Finding]:
-    """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate."""
-    return [_finding(evidence, number, full, predicted) for number in range(len(evidence.groups))]
+def findings_of(
+    evidence: Evidence, full: FullRate, predicted: np.ndarray, ordered: bool = False
+) -> list[Finding]:
+    """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate.
+
+    ordered: somebody asked for just these terms: they keep the names that they were asked for by,
+    with what speaks against them.
+    """
+    every = range(len(evidence.groups))
+    scrutinies = [Scrutiny.of(evidence, number) for number in every]
+    groups = evidence.groups
+    if not ordered:
+        refused = [replace(group, name=UNNAMED) if one.refusal else group
+                   for group, one in zip(groups, scrutinies, strict=True)]  # fmt: skip
+        left = [evidence.scatter.dispersion(number) for number in every]
+        groups = without_leakage(refused, left)
+    return [
+        _finding(evidence, number, groups[number], scrutinies[number], full, predicted)
+        for number in every
+    ]
 
 
-def _finding(evidence: Evidence, number: int, full: FullRate, predicted: np.ndarray) -> Finding:
-    group = evidence.groups[number]
+def _finding(
+    evidence: Evidence,
+    number: int,
+    group: FindingGroup,
+    scrutiny: Scrutiny,
+    full: FullRate,
+    predicted: np.ndarray,
+) -> Finding:
     keys = {term.key for term in group.terms}
     contribution = evidence.fit.model.effect_of(keys, full.motion, predicted)
-    gain = evidence.gain(number) if group.absorbed_by is None else group.selected[0].gain
+    gain = evidence.evidence(number) if group.absorbed_by is None else group.selected[0].gain
     named, first = group.name != UNNAMED, group.terms[0]
+    independent = evidence.used / evidence.scatter.dispersion(number)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
-        title=first.title if named else _description(group),
+        title=first.title if named else _behaviour(group),
         equation=first.equation,
         source=first.source,
         channels=_channels(contribution, full.rest_variance),
-        parameters=_parameters(group, evidence.fit),
+        parameters=_parameters(evidence, number, scrutiny),
         contribution=contribution,
         gain=gain,
-        delta_bic=gain - group.parameter_count * float(np.log(evidence.used)),
+        delta_bic=gain - group.parameter_count * float(np.log(independent)),
         held_out_gain=evidence.held_out_gain(number),
         indistinguishable=_indistinguishable(group) if named else (),
         separated_by=first.separated_by if named else None,
+        homogeneity_p=scrutiny.homogeneity_p,
+        refusal=scrutiny.refusal,
     )
 
 
-def _description(group: FindingGroup) -> Sayable:
-    """What an unnamed finding follows; empty where a name was withdrawn."""
-    first = group.terms[0]
-    if first.name == UNNAMED:
-        return first.title
-    several = first.time_course == "jump" and len(group.terms) > 1
-    return JUMPS if several else ""
+def _behaviour(group: FindingGroup) -> Sayable:
+    """What an unnamed finding follows: never a name of the catalogue."""
+    return group.terms[0].behaviour if len(group.terms) == 1 else JUMPS
 
 
 def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:
@@ -80,30 +103,39 @@ def _channels(contribution: np.ndarray, variance: np.ndarray) -> tuple[int, ...]
     return tuple(np.flatnonzero((power > MIN_SHARE * power.sum()) | (moving > MOVING)).tolist())
 
 
-def _parameters(group: FindingGroup, fit: FittedSelection) -> tuple[FoundParameter, ...]:
+def _parameters(
+    evidence: Evidence, number: int, scrutiny: Scrutiny
+) -> tuple[FoundParameter, ...]:
+    """With U that covers what is left and what the parts of the recording differ by."""
+    group, model = evidence.groups[number], evidence.fit.model
     if group.random:
         return ()
     found: list[FoundParameter] = []
-    model, keys = fit.model, {term.key for term in group.terms}
+    keys = {term.key for term in group.terms}
+    widened = dict(zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True))
+    column = np.cumsum(model.free) - 1
+    spread = np.sqrt(evidence.scatter.dispersion(number))
     for k, (term, place) in enumerate(zip(model.terms, places(model.terms), strict=True)):
         if term.key not in keys:
             continue
-        found += _checked_parameters(fit, term, group.absorbed_by)
+        found += _checked_parameters(evidence.fit, term, group.absorbed_by, spread)
         for p, parameter in enumerate(term.parameters, place.start):
             largest = MAX_U * (parameter.plausible[1] - parameter.nominal)
-            if model.free[p] and 0.0 < model.u[p] < largest:
-                found.append(_in_si(parameter, float(model.values[p]), float(model.u[p])))
+            u = widened.get(int(column[p]), 0.0) if model.free[p] else 0.0
+            if 0.0 < u < largest:
+                found.append(_in_si(parameter, float(model.values[p]), u))
         for shape, value in zip(term.shapes, term.at, strict=True):
-            found.append(_in_si(shape, value, model.shape_u[k] or 0.0))
+            found.append(_in_si(shape, value, float(spread * (model.shape_u[k] or 0.0))))
     return tuple(found)
 
 
 def _checked_parameters(
-    fit: FittedSelection, term: Term, absorbed_by: str | None
+    fit: FittedSelection, term: Term, absorbed_by: str | None, spread: float
 ) -> list[FoundParameter]:
     """Parameters of known physics as the data alone have them, all else fitted beside them.
 
     absorbed_by: a term of the standard that cannot be told from it, which is taken to be nothing.
+    spread: by which what is left makes their uncertainties larger.
     """
     free = term.with_free_size()
     if free is None:
@@ -117,7 +149,7 @@ def _checked_parameters(
             name=parameter.name,
             value=float(value * parameter.factor),
             unit=parameter.unit,
-            u=float(u * parameter.factor),
+            u=float(spread * u * parameter.factor),
         )
         for parameter, value, u in zip(
             free.parameters, alone.values[-count:], alone.u[-count:], strict=True
@@ -137,38 +169,3 @@ def si_unit(printed: str) -> str:
     for shown, si in SI_UNITS:
         printed = printed.replace(shown, si)
     return printed
-
-
-def event_findings(events: Events, full: FullRate, predicted: np.ndarray) -> list[Finding]:
-    """Findings of the events, each with what it changes after those before it.
-
-    predicted: (n, 6) readings without events.
-    """
-    found = []
-    for event in events.events:
-        after = event.applied(full.motion.t, predicted)
-        found.append(_event_finding(event, after - predicted, full))
-        predicted = after
-    return found
-
-
-def _event_finding(event: Event, contribution: np.ndarray, full: FullRate) -> Finding:
-    effect = EVENTS.get(event.effect)
-    gain = float((np.nansum(contribution**2, axis=0) / full.rest_variance).sum())
-    count = len(event.parameters)
-    rows = max(1, int(np.isfinite(full.readings[:, list(event.channels)]).sum()))
-    return Finding(
-        effect=event.effect,
-        family=effect.family if effect else UNNAMED,
-        title=effect.title if effect else event.description,
-        equation=effect.equation if effect else "",
-        source=effect.source if effect else "",
-        channels=event.channels,
-        parameters=event.parameters,
-        contribution=contribution,
-        gain=gain,
-        delta_bic=gain - count * float(np.log(rows)),
-        held_out_gain=0.5 * gain - count,
-        indistinguishable=event.indistinguishable,
-        separated_by=effect.separated_by if effect else None,
-    )

@@ -1,7 +1,7 @@
 """Which selected candidates are one finding, and which findings can be given a name."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.stepwise import Selected, Selection
@@ -49,21 +49,28 @@ def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     """Findings of one name are one, those without a name of one term; several steps are jumps.
 
     A form of a name that was driven to its limit takes the name away where it is the strongest.
-
-    What is far weaker than something that has no name is likely to be leakage of it, and has
-    none either; but known physics, which has nothing to fit to leakage. A random drift is so
-    likely beside anything stronger without a name, a drift beside a stronger bias that steps or
-    wanders.
     """
     named: dict[object, list[Selected]] = {}
     for one in selection.selected:
         name = one.candidate.name
         named.setdefault(one.candidate.term.key if name == UNNAMED else name, []).append(one)
-    groups = [_group(_name_of(some), some) for some in named.values()]
-    unnamed = [group for group in groups if group.name == UNNAMED]
+    return tuple(_group(_name_of(some), some) for some in named.values())
+
+
+def without_leakage(
+    groups: Sequence[FindingGroup], dispersions: Sequence[float]
+) -> tuple[FindingGroup, ...]:
+    """The findings without the names of what is likely to be leakage of others.
+
+    So is what is far weaker than something that has no name; but known physics, which has nothing
+    to fit to leakage. A random drift is so likely beside anything stronger without a name, a drift
+    beside a stronger bias that steps or wanders. dispersions: by which each gain is divided.
+    """
+    gains = [group.gain / each for group, each in zip(groups, dispersions, strict=True)]
+    unnamed = [each for each in zip(groups, gains, strict=True) if each[0].name == UNNAMED]
     return tuple(
-        _group(UNNAMED, group.selected) if _is_leakage(group, unnamed) else group
-        for group in groups
+        replace(group, name=UNNAMED) if _is_leakage(group, gain, unnamed) else group
+        for group, gain in zip(groups, gains, strict=True)
     )
 
 
@@ -72,15 +79,17 @@ def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
     return FindingGroup(name, tuple(terms.values()), tuple(some))
 
 
-def _is_leakage(group: FindingGroup, unnamed: Sequence[FindingGroup]) -> bool:
+def _is_leakage(
+    group: FindingGroup, gain: float, unnamed: Sequence[tuple[FindingGroup, float]]
+) -> bool:
     if any(one.candidate.known or one.absorbed_by is not None for one in group.selected):
         return False
-    strongest = max((other.gain for other in unnamed), default=0.0)
+    strongest = max((other for _, other in unnamed), default=0.0)
     if group.random:  # as leakage of anything slow wanders
-        return group.gain < strongest
-    wandering = max((other.gain for other in unnamed if other.wandering_bias), default=0.0)
+        return gain < strongest
+    wandering = max((other for each, other in unnamed if each.wandering_bias), default=0.0)
     slow = group.terms[0].time_course in ("drift", "jump")
-    return group.gain < max(LEAKAGE * strongest, wandering if slow else 0.0)
+    return gain < max(LEAKAGE * strongest, wandering if slow else 0.0)
 
 
 def _name_of(some: Sequence[Selected]) -> str:

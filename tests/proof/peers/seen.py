@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording
-from tasks.explain.evidence.held_out import FOLDS, fold_cells
+from tasks.explain.evidence.cells import fold_cells
+from tasks.explain.evidence.held_out import FOLDS
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.model.term import Inputs

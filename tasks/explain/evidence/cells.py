@@ -1,0 +1,109 @@
+"""A model's equations cell by cell: what is left in one cell says nothing of the next.
+
+Models that lack something leave residuals that hang together over seconds to minutes. Whoever
+counts every block as new evidence counts the same error many times; cells are counted instead.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.regression.spectrum import Noise
+from tasks.model.regression import of_channel
+from tasks.model.term import Column
+
+CELL_LENGTH = 30.0  # s of what has no segments
+MIN_CELLS, MAX_CELLS = 24, 240  # by which the scatter of residuals is judged
+
+
+@dataclass(frozen=True)
+class CellEquations:
+    """Whitened products of a linearised model's columns and misfit, by channel and cell.
+
+    grams: for each of six channels (cells, k + 1, k + 1), the misfit last. which: (k,) for each
+    channel, which of the `count` columns it has.
+    """
+
+    grams: tuple[np.ndarray, ...]
+    which: tuple[np.ndarray, ...]
+    count: int
+
+    @property
+    def cells(self) -> int:
+        return len(self.grams[0])
+
+    def normal(self, used: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Normal matrices (cells, q, q) and right sides (cells, q); used: (cells, 6) bool."""
+        normal = np.zeros((self.cells, self.count, self.count))
+        right = np.zeros((self.cells, self.count))
+        every = np.arange(self.cells)
+        for channel, (grams, which) in enumerate(zip(self.grams, self.which, strict=True)):
+            part = grams if used is None else grams * used[:, channel, None, None]
+            normal[np.ix_(every, which, which)] += part[:, :-1, :-1]
+            right[np.ix_(every, which)] += part[:, :-1, -1]
+        return normal, right
+
+
+def cell_equations(
+    columns: Sequence[Column],
+    misfit: np.ndarray,
+    observed: Blocks,
+    noises: Sequence[Noise],
+    cells: np.ndarray,
+) -> CellEquations:
+    """The equations of columns and misfit (n, 6) by cells, (n,) the number of each row's.
+
+    Drift joins neighbours that stand in different cells; so here it is an offset of each cell, as
+    large as flicker makes it between the length of a cell and that of the run.
+    """
+    edges = np.searchsorted(cells, np.arange(cells[-1] + 2))
+    span = len(cells) / observed.rate
+    grams, every = [], []
+    for channel, noise in enumerate(noises):
+        which, signals = of_channel(columns, misfit, channel)
+        level = observed.weight[:, channel] / np.sqrt(noise.white)
+        stack = np.nan_to_num(np.column_stack(signals)) * level[:, None]
+        own = np.zeros((len(edges) - 1, len(which) + 1, len(which) + 1))
+        for n, (start, stop) in enumerate(pairwise(edges)):
+            part, one = stack[start:stop], level[start:stop]
+            lasts = max(stop - start, 1) / observed.rate
+            offset = 2.0 * noise.flicker / observed.rate * np.log(1.0 + span / lasts)
+            shared = one @ part
+            share = offset / (1.0 + offset * float(one @ one))
+            own[n] = part.T @ part - share * np.outer(shared, shared)
+        grams.append(own)
+        every.append(which)
+    return CellEquations(tuple(grams), tuple(every), len(columns))
+
+
+def fold_cells(observed: Blocks) -> np.ndarray:
+    """(n,) number of the segment of each row; a move belongs to the segment after it."""
+    number = observed.segment
+    if (number < 0).all():
+        return np.asarray((observed.t / CELL_LENGTH).astype(int))
+    rows = np.flatnonzero(number >= 0)
+    following = rows[np.minimum(np.searchsorted(rows, np.arange(len(number))), len(rows) - 1)]
+    changes = np.diff(number[following], prepend=number[following[0]]) != 0
+    return np.asarray(np.cumsum(changes))
+
+
+def scatter_cells(observed: Blocks) -> np.ndarray:
+    """(n,) number of each row's cell: those of the folds, the long ones cut in even parts where
+    they are too few, neighbours put together where they are too many.
+    """
+    cells = fold_cells(observed)
+    count = int(cells[-1]) + 1
+    if count > MAX_CELLS:
+        return cells * MAX_CELLS // count
+    if count >= MIN_CELLS:
+        return cells
+    longest = len(cells) / MIN_CELLS
+    numbers, first = np.zeros(len(cells), int), 0
+    for start, stop in pairwise(np.searchsorted(cells, np.arange(count + 1))):
+        parts = max(1, int(np.ceil((stop - start) / longest)))
+        numbers[start:stop] = first + np.arange(stop - start) * parts // max(stop - start, 1)
+        first += parts
+    return numbers

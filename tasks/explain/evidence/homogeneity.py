@@ -1,0 +1,119 @@
+"""Whether a finding's parameters are the same in every part of a recording, as a law has them.
+
+The parameters are estimated apart in each part, all else in common, and compared (Wald's test)
+by a covariance that holds in a wrong model: the model's correlations, and the variance that the
+cells of each part show by their scatter where that is larger.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import f as fisher
+
+from tasks.explain.evidence.cells import CellEquations
+from tasks.explain.evidence.dispersion import cell_influence
+from tasks.explain.explanation import Partition
+from tasks.model.regression import inverse
+
+DETERMINED = 0.05  # of the whole recording's information on a parameter: less determines nothing
+MIN_DEGREES = 2.0  # of the scatter of the cells
+
+
+@dataclass(frozen=True)
+class PartwiseEstimate:
+    """Parameters estimated apart in the parts of one partition.
+
+    values: (parts, k), NaN where a part does not determine them. p: that they are the same.
+    spread: (k,) standard deviation between the parts beyond what noise makes. differing: the share
+    of the finding's amplitude in the recording by which the parts differ beyond noise.
+    """
+
+    partition: Partition
+    values: np.ndarray
+    p: float
+    spread: np.ndarray
+    differing: float
+
+    def among(self, places: np.ndarray, count: int) -> "PartwiseEstimate":
+        """The same where the parameters stand at some places (k,) among `count`."""
+        values, spread = np.full((len(self.values), count), np.nan), np.zeros(count)
+        values[:, places], spread[places] = self.values, self.spread
+        return replace(self, values=values, spread=spread)
+
+
+def partwise(
+    equations: CellEquations,
+    own: np.ndarray,
+    prior: np.ndarray,
+    values: np.ndarray,
+    partition: Partition,
+    parts: np.ndarray,
+) -> PartwiseEstimate | None:
+    """The estimate of the columns `own` (k,) in each part; None where fewer than two have any.
+
+    prior, values: (q,) of all columns. parts: (parts, cells, 6) bool.
+    """
+    count, k = len(prior), len(own)
+    others = np.setdiff1d(np.arange(count), own)
+    rest, size = len(others), len(others) + k * len(parts)
+    normal, right = np.zeros((equations.cells, size, size)), np.zeros((equations.cells, size))
+    for number, part in enumerate(parts):
+        place = np.empty(count, int)
+        place[others] = np.arange(rest)
+        place[own] = rest + k * number + np.arange(k)
+        of_part, of_right = equations.normal(part)
+        normal[:, place[:, None], place] += of_part
+        right[:, place] += of_right
+    apart = np.arange(rest, size)
+    everywhere = np.concatenate([others, *[own] * len(parts)])
+    influence, change = cell_influence(normal, right, apart, prior[everywhere], values[everywhere])
+    model = np.diag(influence.covariance)
+    information = np.divide(1.0, model, out=np.zeros(len(model)), where=model > 0)
+    information = information.reshape(len(parts), k)
+    known = information > DETERMINED * information.sum(axis=0)
+    known &= known.sum(axis=0) > 1
+    if not known.any():
+        return None
+    variance = np.maximum(model, np.diag(influence.robust_covariance))
+    estimates = values[own] + change.reshape(len(parts), k)
+    root = np.sqrt(np.divide(variance, model, out=np.ones(len(model)), where=model > 0))
+    covariance = influence.covariance * root[:, None] * root
+    contrasts = _contrasts(known)
+    differences = contrasts @ estimates.ravel()
+    distance = differences @ inverse(contrasts @ covariance @ contrasts.T) @ differences
+    degrees = max(MIN_DEGREES, float(influence.effective_cells[known.ravel()].mean()) - 1.0)
+    return PartwiseEstimate(
+        partition,
+        np.where(known, estimates, np.nan),
+        float(fisher.sf(distance / len(differences), len(differences), degrees)),
+        *_beyond_noise(estimates, known, variance.reshape(known.shape), information),
+    )
+
+
+def _contrasts(known: np.ndarray) -> np.ndarray:
+    """(m, parts·k) differences of each parameter between parts that determine it."""
+    rows = []
+    for q in range(known.shape[1]):
+        first, *more = np.flatnonzero(known[:, q]).tolist() or [0]
+        for part in more:
+            row = np.zeros(known.shape)
+            row[first, q], row[part, q] = 1.0, -1.0
+            rows.append(row.ravel())
+    return np.array(rows)
+
+
+def _beyond_noise(
+    estimates: np.ndarray, known: np.ndarray, variance: np.ndarray, information: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Standard deviation (k,) between the parts beyond noise, and the share of the amplitude."""
+    weight = np.where(known, information, 0.0)
+    total = np.maximum(weight.sum(axis=0), 1e-300)
+    mean = (weight * estimates).sum(axis=0) / total
+    off = np.where(known, (estimates - mean) ** 2, 0.0)
+    noise = np.where(known, variance, 0.0)
+    parts = np.maximum(known.sum(axis=0), 2)
+    expected = noise.sum(axis=0) * (parts - 1) / parts
+    spread = np.sqrt(np.maximum(off.sum(axis=0) - expected, 0.0) / (parts - 1))
+    left = float((weight * (off - noise)).sum())
+    amplitude = float((total * mean**2)[known.any(axis=0)].sum())
+    return spread, float(np.sqrt(max(left, 0.0) / max(amplitude, 1e-300)))

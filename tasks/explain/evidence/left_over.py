@@ -1,0 +1,105 @@
+"""What is left after everything that was found, beside the sensor's own noise at rest.
+
+The noise is read off short stretches at rest, where no model is needed, and not off what a model
+leaves: a model that lacks something would call noise what it lacks.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tasks.explain.inputs.full_rate import FullRate
+from tasks.motion.samples import in_blocks, noise_by_differences
+
+WINDOW = 2.0  # s: noise is what scatters within, slower changes are counted as mismatch
+STILL = 0.02  # rad/s
+MIN_WINDOWS = 5  # at rest; with fewer the noise is that of neighbouring samples
+MIN_ROWS = 8  # of a window
+ORDER = 4  # of the differences in which motion leaves next to nothing
+KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
+
+
+@dataclass(frozen=True)
+class LeftOver:
+    """Readings held against the standard's model and against all that was found.
+
+    before, after: (n, 6) squares of the residuals over the noise at rest, NaN where not known.
+    masked: (n, 6) bool, readings that say nothing of a model. noise: (6,) variance at rest.
+    """
+
+    before: np.ndarray
+    after: np.ndarray
+    masked: np.ndarray
+    noise: np.ndarray
+
+    @classmethod
+    def of(
+        cls, full: FullRate, nominal: np.ndarray, found: np.ndarray, masked: np.ndarray
+    ) -> "LeftOver":
+        """nominal, found: (n, 6) predicted readings without and with all findings."""
+        noise = rest_noise(full, np.where(masked, np.nan, full.readings - found))
+        before, after = ((full.readings - model) ** 2 / noise for model in (nominal, found))
+        return cls(before, after, masked, noise)
+
+    @property
+    def chi2_per_degree(self) -> np.ndarray:
+        """(6,) after all findings; NaN where a channel was not recorded."""
+        used = np.isfinite(self.after) & ~self.masked
+        total = np.where(used, self.after, 0.0).sum(axis=0)
+        rows = used.sum(axis=0)
+        return np.divide(total, rows, out=np.full(len(rows), np.nan), where=rows > 0)
+
+    @property
+    def removed(self) -> float:
+        """Chi-squared that all findings remove."""
+        return max(0.0, float(np.nansum(self.before - self.after)))
+
+    @property
+    def remaining(self) -> float:
+        """Chi-squared that is left above the noise, as far as that is known."""
+        rows = (np.isfinite(self.after) & ~self.masked).sum(axis=0)
+        above = np.nan_to_num(self.chi2_per_degree) - 1.0 - KNOWN_WITHIN
+        return float((rows * np.maximum(above, 0.0)).sum())
+
+    @property
+    def explained_share(self) -> float:
+        """Of the mismatch above noise; one where there is none."""
+        mismatch = self.removed + self.remaining
+        return self.removed / mismatch if mismatch > 0.0 else 1.0
+
+
+def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:
+    """(6,) variance of a sample about its mean over a short while at rest.
+
+    Of the readings or of what a model leaves (n, 6), whichever is less: the one has lines and
+    steps that were found, the other the noise of the reference. Of a unit that never rests, the
+    white noise of its readings.
+    """
+    t, rate = full.motion.t, np.linalg.norm(full.motion.rate, axis=1)
+    rows = max(MIN_ROWS, round(WINDOW / max(full.motion.interval, 1e-9)))
+    still = in_blocks(rate, rows).max(axis=1, initial=0.0) < STILL
+    variance = np.ones(len(full.rest_variance))
+    for channel in range(len(variance)):
+        readings = full.readings[:, channel]
+        usual = [
+            _usual_variance(in_blocks(values, rows)[still])
+            for values in (readings, residual[:, channel])
+        ]
+        if not np.isfinite(usual).any():
+            usual = [_white(readings), full.rest_variance[channel]]
+        variance[channel] = max(float(np.nanmin(usual)), full.steps[channel] ** 2 / 12.0)
+    return variance
+
+
+def _usual_variance(windows: np.ndarray) -> float:
+    """The median over windows (w, rows); NaN where there are too few."""
+    known = windows[np.isfinite(windows).all(axis=1)]
+    if len(known) < MIN_WINDOWS:
+        return np.nan
+    variance = float(np.median(known.var(axis=1, ddof=1)))
+    return variance if variance > 0.0 else np.nan
+
+
+def _white(readings: np.ndarray) -> float:
+    variance = noise_by_differences(readings[np.isfinite(readings)], ORDER, 0.5) ** 2
+    return variance if variance > 0.0 else np.nan

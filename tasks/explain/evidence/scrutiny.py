@@ -1,0 +1,147 @@
+"""Whether a finding may bear the name of a law: plausible, the same everywhere, in every channel.
+
+A name stands where each parameter lies in its plausible range and one of them at least is larger
+than its U; where they are the same in all parts of the recording; and where every channel that
+its equation touches is predicted better on cells that the fit did not use, and none worse.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tasks.explain.evidence.cells import scatter_cells
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
+from tasks.explain.evidence.partitions import partitions
+from tasks.explain.explanation import UNNAMED, Refusal
+from tasks.model.term import Parameter
+
+COVERAGE = 2.0  # standard uncertainties in U
+UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are not alike
+MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one law, and u covers it
+TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
+MIN_TOUCHED = 0.02  # of what it adds to all channels
+TOLERATED = 3.0  # nats that a channel may lose by chance
+KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
+SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
+
+
+@dataclass(frozen=True)
+class Scrutiny:
+    """A finding held against the recording's parts, channels and what is plausible.
+
+    homogeneity_p: corrected for the number of partitions; None where none determines it.
+    u: (k,) standard uncertainties of its own columns, with what is left and what the parts differ.
+    """
+
+    homogeneity_p: float | None
+    u: np.ndarray
+    refusal: Refusal | None
+
+    @classmethod
+    def of(cls, evidence: Evidence, number: int) -> "Scrutiny":
+        group = evidence.groups[number]
+        own, values = evidence.own[number]
+        u = evidence.u(number)
+        if group.random or group.absorbed_by or not own:
+            return cls(None, u, None)
+        apart = list(_estimated_apart(evidence, number))
+        p = min((1.0, *(len(apart) * one.p for one in apart))) if apart else None
+        unlike = [one for one in apart if len(apart) * one.p < UNLIKE]
+        spread = np.max([np.zeros(len(own)), *(one.spread for one in unlike)], axis=0)
+        u = np.hypot(u, spread)
+        if group.name == UNNAMED:
+            return cls(p, u, None)
+        refusal = (
+            _implausible(evidence, number, values, u)
+            or _inhomogeneous(evidence, number, unlike)
+            or _channel_worse(evidence, number)
+            or _undetermined(evidence, number, values, u)
+        )
+        return cls(p, u, refusal)
+
+
+def _estimated_apart(evidence: Evidence, number: int) -> Iterator[PartwiseEstimate]:
+    """The finding's parameters in the parts of every partition that determines them."""
+    scatter, blocks = evidence.scatter, evidence.fit.blocks
+    places, own = scatter.determined(number), scatter.own[number]
+    if not len(places):
+        return
+    information = scatter.information_by_cell(number)
+    for partition, parts in partitions(blocks, scatter_cells(blocks), information):
+        one = partwise(scatter.cells, own[places], scatter.prior, scatter.values, partition, parts)
+        if one is not None:
+            yield one.among(places, len(own))
+
+
+def _implausible(
+    evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
+) -> Refusal | None:
+    """Where a parameter lies beyond its plausible range, the furthest."""
+    furthest: tuple[float, Refusal] | None = None
+    for parameter, value, own_u in zip(_parameters(evidence, number), values, u, strict=True):
+        value = float(value)
+        if parameter is SIZE:
+            value += float(evidence.scatter.change(number)[0])
+        low, high = parameter.plausible
+        limit = high if value > high else low
+        if low <= value <= high or (parameter is SIZE and abs(value - 1.0) < COVERAGE * own_u):
+            continue
+        off = abs(value - limit) / (high - low)
+        if furthest is None or off > furthest[0]:
+            said = Refusal("implausible", evidence.groups[number].name, parameter.name,
+                           parameter.unit, value, limit)  # fmt: skip
+            furthest = off, said
+    return furthest and furthest[1]
+
+
+def _inhomogeneous(
+    evidence: Evidence, number: int, unlike: list[PartwiseEstimate]
+) -> Refusal | None:
+    """Where parts of the recording differ materially, those that differ the most."""
+    material = [one for one in unlike if one.differing > MATERIAL]
+    if not material:
+        return None
+    worst = max(material, key=lambda one: one.differing)
+    k = int(np.argmax(worst.spread / np.maximum(evidence.u(number), 1e-300)))
+    parameter, sizes = _parameters(evidence, number)[k], worst.values[:, k]
+    return Refusal(
+        "inhomogeneous", evidence.groups[number].name, parameter.name, parameter.unit,
+        smallest=float(np.nanmin(sizes)), largest=float(np.nanmax(sizes)), parts=worst.partition,
+    )  # fmt: skip
+
+
+def _channel_worse(evidence: Evidence, number: int) -> Refusal | None:
+    """Where a channel that it touches does not gain, or any channel loses."""
+    gains, added = evidence.channel_gains(number), evidence.added_power(number)
+    tolerated = max(TOLERATED, MIN_TOUCHED * float(gains.max()))
+    touched = (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
+    worse = np.flatnonzero((touched & (gains <= 0.0)) | (gains < -tolerated))
+    if not len(worse):
+        return None
+    channel = int(worse[gains[worse].argmin()])
+    name = evidence.groups[number].name
+    return Refusal("channel_worse", name, value=float(gains[channel]), unit="nat", channel=channel)
+
+
+def _undetermined(
+    evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
+) -> Refusal | None:
+    """Where no parameter is larger than its U, the clearest."""
+    parameters = _parameters(evidence, number)
+    nominal = np.array([0.0 if one is SIZE else one.nominal for one in parameters])
+    clear = np.abs(values - nominal) / np.maximum(COVERAGE * u, 1e-300)
+    k = int(clear.argmax())
+    if clear[k] > 1.0:
+        return None
+    parameter = parameters[k]
+    return Refusal(
+        "undetermined", evidence.groups[number].name, parameter.name, parameter.unit,
+        float(values[k]), COVERAGE * float(u[k]),
+    )  # fmt: skip
+
+
+def _parameters(evidence: Evidence, number: int) -> list[Parameter]:
+    """Of each own column; known physics has a size, which is one."""
+    return [parameter or SIZE for parameter in evidence.parameters(number)]

@@ -1,0 +1,34 @@
+"""Which share of the mismatch each finding removes, and which are worth more than a line."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from tasks.explain.evidence.left_over import LeftOver
+from tasks.explain.explanation import UNNAMED, Finding
+
+SMALL = 0.02  # of the mismatch above noise: an engineer looks elsewhere first
+MOSTLY_NOISE = 1.5  # chi-squared per degree of freedom up to which an account is complete
+
+
+def with_shares(
+    findings: Sequence[Finding], removed: Sequence[float], left: LeftOver
+) -> list[Finding]:
+    """The findings with the share of the mismatch above noise that each removes, largest first.
+
+    removed: by each, chi-squared at the unit's rows.
+    """
+    mismatch = max(left.removed + left.remaining, 1e-300)
+    shares = np.clip(np.array(removed) / mismatch, 0.0, left.explained_share)
+    told = [replace(one, share=float(each)) for one, each in zip(findings, shares, strict=True)]
+    return sorted(told, key=lambda one: (-one.share, -one.gain))
+
+
+def small_remainder(finding: Finding, left: LeftOver) -> bool:
+    """Whether a finding is not worth more than a line: it removes little, and has no name or
+    stands beside more in its channels that nothing explains.
+    """
+    after = left.chi2_per_degree[list(finding.channels)]
+    complete = bool((np.nan_to_num(after) < MOSTLY_NOISE).all())
+    return finding.share < SMALL and (finding.effect == UNNAMED or not complete)
