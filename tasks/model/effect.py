@@ -42,7 +42,8 @@ class Effect:
         """What readings that show it follow, without its name; what has none is called by that."""
         if self.own_title is not None:
             return self.own_title
-        return self._message("behaviour") or message(f"behaviour-{self.stage}")
+        said = _attribute(self.name, "behaviour", **self.word_arguments)
+        return said or message(f"behaviour-{self.stage}")
 
     @property
     def separated_by(self) -> Sayable | None:

@@ -174,6 +174,8 @@ class Evidence:
         group, held_out_gain = self.groups[number], self.held_out_gain(number)
         if group.absorbed_by:
             return False
+        if group.random and np.isinf(self.scatter.degrees(number)):
+            return held_out_gain <= 0.0  # the search has charged it for its course
         return held_out_gain <= 0.0 or self.chance(number) * trials > FALSE_ALARMS
 
     def _parameter_count(self, number: int) -> float:

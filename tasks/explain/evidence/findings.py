@@ -103,9 +103,7 @@ def _channels(contribution: np.ndarray, variance: np.ndarray) -> tuple[int, ...]
     return tuple(np.flatnonzero((power > MIN_SHARE * power.sum()) | (moving > MOVING)).tolist())
 
 
-def _parameters(
-    evidence: Evidence, number: int, scrutiny: Scrutiny
-) -> tuple[FoundParameter, ...]:
+def _parameters(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
     """With U that covers what is left and what the parts of the recording differ by."""
     group, model = evidence.groups[number], evidence.fit.model
     if group.random:

@@ -75,7 +75,7 @@ def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:
     steps that were found, the other the noise of the reference. Of a unit that never rests, the
     white noise of its readings.
     """
-    t, rate = full.motion.t, np.linalg.norm(full.motion.rate, axis=1)
+    rate = np.linalg.norm(full.motion.rate, axis=1)
     rows = max(MIN_ROWS, round(WINDOW / max(full.motion.interval, 1e-9)))
     still = in_blocks(rate, rows).max(axis=1, initial=0.0) < STILL
     variance = np.ones(len(full.rest_variance))

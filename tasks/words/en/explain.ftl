@@ -8,6 +8,11 @@ explain-model-simulation = the simulation that was given
 # What an effect outside the catalogue follows.
 explain-other-parameters = other values of the standard's own parameters
 explain-jumps = jumps between levels at several times
+behaviour-motion = a motion that differs from the reported one
+behaviour-input = an input that differs from the reported one
+behaviour-sensor = a change that follows the input
+behaviour-signal = a change that follows the course of the signal
+behaviour-event = samples that differ from their neighbours
 explain-slow-drift = a slow drift that nothing recorded follows
 explain-wave = a wave with a period of about { $period } s
 explain-relaxation = a relaxation after { $event }, e-folding in about { $tau } s

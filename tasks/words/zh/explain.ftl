@@ -8,6 +8,11 @@ explain-model-simulation = 给定的仿真信号
 # 目录之外效应的变化规律。
 explain-other-parameters = 标准模型自身参数与给定值不同
 explain-jumps = 在多个时刻的电平跳变
+behaviour-motion = 与给定运动不同的运动
+behaviour-input = 与给定输入不同的输入
+behaviour-sensor = 随输入变化的偏差
+behaviour-signal = 随信号过程变化的偏差
+behaviour-event = 与相邻样本不同的样本
 explain-slow-drift = 与任何记录量均无关的缓慢漂移
 explain-wave = 周期约 { $period } s 的波动
 explain-relaxation = { $event }后的弛豫，时间常数约 { $tau } s

@@ -10,7 +10,7 @@ from engine_run import NOISY, RATE, motion, noise, observed, read
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS, GYROS
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.groups import FindingGroup, finding_groups
+from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.candidates import Candidate, Prior
 from tasks.explain.search.design import NormalEquations
@@ -51,6 +51,12 @@ def weighed(made: np.ndarray, chosen: Sequence[Selected]) -> tuple[Evidence, lis
     return evidence, list(evidence.groups)
 
 
+def names(*chosen: Selected) -> list[str]:
+    """Of the findings where nothing but noise is left."""
+    groups = finding_groups(found(*chosen))
+    return [group.name for group in without_leakage(groups, [1.0] * len(groups))]
+
+
 @pytest.fixture(scope="module")
 def three() -> tuple[Evidence, list[FindingGroup]]:
     """An arm that is there, Earth that is there, a gradient that is not."""
@@ -75,22 +81,25 @@ def test_what_has_no_name_stays_apart() -> None:
 def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_physics() -> None:
     strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
     some = [strong, picked(TEMPERATURE_BIAS), replace(picked(LEVER_ARM), gain=900.0), picked(EARTH)]
-    names = [group.name for group in finding_groups(found(*some))]
-    assert names == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
+    assert names(*some) == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
 
 
 def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_else_is() -> None:
     later = replace(bias_step(0, 250.0), variant=1)
     jumps = [replace(picked(step), gain=100.0) for step in (bias_step(0, 100.0), later)]
     drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
-    assert [one.name for one in finding_groups(found(*jumps, drift, arm))][1:] == [
-        UNNAMED,
-        "lever_arm",
-    ]
+    assert names(*jumps, drift, arm)[1:] == [UNNAMED, "lever_arm"]
     stronger = replace(drift, gain=220.0)
-    assert finding_groups(found(*jumps, stronger))[1].name == "temperature_bias"
+    assert names(*jumps, stronger)[1] == "temperature_bias"
     follows = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=200.0)
-    assert finding_groups(found(follows, drift))[1].name == "temperature_bias"
+    assert names(follows, drift)[1] == "temperature_bias"
+
+
+def test_what_has_no_name_leaks_no_more_than_stands_out_of_what_is_left() -> None:
+    strong = replace(picked(sinusoid(GYROS).shaped((20.0,))), gain=2000.0)
+    groups = finding_groups(found(strong, picked(TEMPERATURE_BIAS)))
+    assert without_leakage(groups, [1.0, 1.0])[1].name == UNNAMED
+    assert without_leakage(groups, [100.0, 1.0])[1].name == "temperature_bias"
 
 
 def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:

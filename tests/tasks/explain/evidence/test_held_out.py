@@ -7,13 +7,8 @@ import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, read
 
-from tasks.explain.evidence.held_out import (
-    CELL_LENGTH,
-    FOLDS,
-    CrossValidation,
-    cross_validation,
-    fold_cells,
-)
+from tasks.explain.evidence.cells import CELL_LENGTH, cell_equations, fold_cells
+from tasks.explain.evidence.held_out import FOLDS, CrossValidation, cross_validation
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
@@ -34,7 +29,7 @@ def columns(run: Motion = RUN) -> list[Column]:
 
 def seen(made: np.ndarray, every: Sequence[Column], noises: Sequence[Noise]) -> CrossValidation:
     blocks, misfit = observed(made, RUN), made - read(RUN)
-    return cross_validation(every, misfit, blocks, noises)
+    return cross_validation(cell_equations(every, misfit, blocks, noises, fold_cells(blocks)))
 
 
 def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> float:
@@ -75,7 +70,8 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     run = RUN.taken(np.arange(0, len(RUN.t), 5))
     made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
     every, blocks, misfit = columns(run), observed(made, run, RATE / 5), made - read(run)
-    parts, zero = cross_validation(every, misfit, blocks, QUIET), np.zeros(len(every))
+    parts = cross_validation(cell_equations(every, misfit, blocks, QUIET, fold_cells(blocks)))
+    zero = np.zeros(len(every))
     sigma = np.sqrt([one.white for one in QUIET])
     design = np.zeros((6, len(run.t), len(every)))
     for q, column in enumerate(every):
