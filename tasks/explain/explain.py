@@ -8,8 +8,9 @@ from schemas.recording import Recording
 from tasks.explain.events.faults import find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
-from tasks.explain.evidence.evidence import Evidence, pruned
+from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.fault_findings import put_right, with_faults
+from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate

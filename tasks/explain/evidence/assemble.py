@@ -40,7 +40,7 @@ def explanation_of(
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
     terms = findings_of(evidence, full, predicted, ordered)
-    gains = [evidence.gain(number) for number in range(len(terms))]
+    gains = [max(evidence.together(number), 0.0) for number in range(len(terms))]
     if reference is not None:
         deviations = reference_deviation(standard, nominal, full, fit)
         terms, gains = terms + deviations, gains + [one.gain for one in deviations]
@@ -54,8 +54,7 @@ def explanation_of(
     left = LeftOver.of(full, nominal, found, events.masked)
     removed = removed_by(events, full, predicted, left)
     by_terms = max(left.removed - sum(removed), 0.0)
-    together = max(evidence.gain(*range(len(evidence.groups))), *gains, 1e-300)
-    removed += [by_terms * max(gain, 0.0) / together for gain in gains]
+    removed += [by_terms * gain / max(sum(gains), 1e-300) for gain in gains]
     findings = with_shares([*artefacts, *terms], removed, left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     told = [one for one in findings if one not in small]

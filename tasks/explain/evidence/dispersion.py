@@ -16,6 +16,7 @@ from scipy.stats import chi2
 from tasks.model.regression import inverse
 
 CHANCE = 1e-3  # that cells scatter so far by noise alone: from there on they are believed
+WITHIN = 1.3  # of the variance of noise: nearer to it a model of the noise is right
 MOST_LEVERAGE = 0.98  # of one cell: what it alone determines cannot be held against others
 
 
@@ -84,7 +85,7 @@ class CellInfluence:
             return 1.0, np.inf
         ratio = float(np.trace(self.scatter)) / count
         degrees = max(float(self.effective_cells.sum()), 1.0)
-        believed = ratio > 1.0 and chi2.sf(ratio * degrees, degrees) < CHANCE
+        believed = ratio > WITHIN and chi2.sf(ratio * degrees, degrees) < CHANCE
         return (ratio, degrees) if believed else (1.0, np.inf)
 
 

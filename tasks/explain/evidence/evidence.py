@@ -1,7 +1,7 @@
 """What each finding earns: chi-squared lost without it, and on segments that a fit did not use."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,8 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.regression import WhitenedEquations, inverse
 from tasks.model.term import Column, Parameter, parameters_of
+
+WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 
 
 @dataclass(frozen=True)
@@ -94,19 +96,43 @@ class Evidence:
         return self._chi2(numbers) - self._chi2([])
 
     def evidence(self, number: int) -> float:
-        """The gain counted against what is left: that of n/φ readings whose noise is not known
-        beforehand (quasi-likelihood), 2·ln of the likelihood ratio.
+        """The gain counted against what is left, gain/φ, as 2·ln of the likelihood ratio of so many
+        readings whose noise is not known beforehand (quasi-likelihood).
         """
-        independent = self.used / self.scatter.dispersion(number)
-        return float(independent * np.log1p(max(self.gain(number), 0.0) / self.used))
+        gain = max(self.gain(number), 0.0) / self.scatter.dispersion(number)
+        readings = self._independent(number)
+        return float(readings * np.log1p(gain / readings))
+
+    def delta_bic(self, number: int) -> float:
+        """The evidence less what the parameters cost that the data determine (Schwarz); of a
+        random drift the search has charged all but its strength.
+        """
+        group = self.groups[number]
+        count = group.parameter_count if group.random else len(self.scatter.determined(number))
+        count -= len(set(self.own[number][0]) & set(self.known))
+        return self.evidence(number) - count * float(np.log(self._independent(number)))
+
+    def together(self, number: int) -> float:
+        """Chi-squared that a finding removes in the company of all others: the mean of what it
+        removes as the first and as the last of them (Shapley's value of two).
+        """
+        every = range(len(self.groups))
+        others = [n for n in every if n != number]
+        return 0.5 * (self.gain(*every) - self.gain(*others) + self.gain(number))
+
+    def _independent(self, number: int) -> float:
+        """Number of readings that count: n/φ, but not fewer than the cells that tell φ."""
+        left, degrees = self.scatter.dispersion(number), self.scatter.degrees(number)
+        return max(self.used / left, degrees) if np.isfinite(degrees) else float(self.used)
 
     def chance(self, number: int) -> float:
         """p value of the evidence for a finding."""
         count = self._parameter_count(number)
-        degrees, evidence = self.scatter.degrees(number), self.evidence(number)
+        gain = max(self.gain(number), 0.0) / self.scatter.dispersion(number)
+        degrees = self.scatter.degrees(number)
         if np.isinf(degrees):
-            return float(chi2.sf(evidence, count))
-        return float(fisher.sf(evidence / count, count, degrees))
+            return float(chi2.sf(gain, count))
+        return float(fisher.sf(gain / count, count, degrees))
 
     def held_out_gain(self, number: int) -> float:
         """Log-likelihood (nats) that one finding adds on segments that a fit did not use, counted
@@ -174,9 +200,10 @@ class Evidence:
         group, held_out_gain = self.groups[number], self.held_out_gain(number)
         if group.absorbed_by:
             return False
-        if group.random and np.isinf(self.scatter.degrees(number)):
+        if group.random and self.scatter.dispersion(number) < WRONG_MODEL:
             return held_out_gain <= 0.0  # the search has charged it for its course
-        return held_out_gain <= 0.0 or self.chance(number) * trials > FALSE_ALARMS
+        chance = self.chance(number) * trials
+        return held_out_gain <= 0.0 or chance > FALSE_ALARMS or self.delta_bic(number) <= 0.0
 
     def _parameter_count(self, number: int) -> float:
         """Of a random drift as many as the data determine of it."""
@@ -216,25 +243,3 @@ class Evidence:
             mine, values = self.own[number]
             added[mine] = values
         return added
-
-
-def pruned(fit: FittedSelection, trials: int) -> Evidence:
-    """The fitted selection without the findings that the others have made needless, or that do
-    not stand out of what is left.
-
-    The weakest is taken out and the rest is fitted again, until all earn their place. trials:
-    candidates that were tried. The p value of the strongest mismatch is counted against what is
-    left, as its evidence is.
-    """
-    evidence = Evidence.of(fit)
-    chance = [1.0] if evidence.groups else [fit.selection.p_value]
-    while True:
-        numbers = range(len(evidence.groups))
-        chance += [trials * evidence.chance(n) for n in numbers]
-        weak = [n for n in numbers if evidence.unsupported(n, trials)]
-        if not weak:
-            break
-        weakest = min(weak, key=evidence.evidence)
-        evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
-    selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
-    return replace(evidence, fit=replace(evidence.fit, selection=selection))

@@ -55,9 +55,9 @@ def _finding(
 ) -> Finding:
     keys = {term.key for term in group.terms}
     contribution = evidence.fit.model.effect_of(keys, full.motion, predicted)
-    gain = evidence.evidence(number) if group.absorbed_by is None else group.selected[0].gain
+    soaked_up = group.absorbed_by is not None
+    gain = group.selected[0].gain if soaked_up else evidence.evidence(number)
     named, first = group.name != UNNAMED, group.terms[0]
-    independent = evidence.used / evidence.scatter.dispersion(number)
     return Finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
@@ -68,7 +68,7 @@ def _finding(
         parameters=_parameters(evidence, number, scrutiny),
         contribution=contribution,
         gain=gain,
-        delta_bic=gain - group.parameter_count * float(np.log(independent)),
+        delta_bic=gain if soaked_up else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
         indistinguishable=_indistinguishable(group) if named else (),
         separated_by=first.separated_by if named else None,
@@ -79,7 +79,9 @@ def _finding(
 
 def _behaviour(group: FindingGroup) -> Sayable:
     """What an unnamed finding follows: never a name of the catalogue."""
-    return group.terms[0].behaviour if len(group.terms) == 1 else JUMPS
+    first = group.terms[0]
+    several = len(group.terms) > 1 and first.time_course == "jump"
+    return JUMPS if several else first.behaviour
 
 
 def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:

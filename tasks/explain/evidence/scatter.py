@@ -55,10 +55,12 @@ class Scatter:
         return cell_influence(normal, right, self.own[number], self.prior, self.values)[1]
 
     def channel_dispersion(self, number: int, channel: int) -> float:
-        """φ of a finding in one channel alone."""
+        """φ of a finding in one channel alone; where it does not touch it, of all its columns."""
         used = np.zeros((self.cells.cells, len(self.cells.grams)), bool)
         used[:, channel] = True
-        own = np.intersect1d(self.own[number], self.cells.which[channel])
+        read = self.cells.which[channel]
+        own = np.intersect1d(self.own[number], read)
+        own = own if len(own) else read
         return self._among(own, *self.cells.normal(used))[1].dispersion
 
     @cached_property

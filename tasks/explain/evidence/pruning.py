@@ -1,0 +1,28 @@
+"""What of a selection stands beside all the rest, and out of what is left."""
+
+from dataclasses import replace
+
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.search.fitted import FittedSelection
+
+
+def pruned(fit: FittedSelection, trials: int) -> Evidence:
+    """The fitted selection without the findings that the others have made needless, or that do
+    not stand out of what is left.
+
+    The weakest is taken out and the rest is fitted again, until all earn their place. trials:
+    candidates that were tried. The p value of the strongest mismatch is counted against what is
+    left, as its evidence is.
+    """
+    evidence = Evidence.of(fit)
+    chance = [1.0] if evidence.groups else [fit.selection.p_value]
+    while True:
+        numbers = range(len(evidence.groups))
+        chance += [trials * evidence.chance(n) for n in numbers]
+        weak = [n for n in numbers if evidence.unsupported(n, trials)]
+        if not weak:
+            break
+        weakest = min(weak, key=evidence.evidence)
+        evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
+    selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
+    return replace(evidence, fit=replace(evidence.fit, selection=selection))

@@ -1,0 +1,64 @@
+"""What is left is held against noise read off rests, and not off what a model leaves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import motion, read, segments
+
+from tasks.explain.evidence.left_over import LeftOver, rest_noise
+from tasks.explain.inputs.full_rate import FullRate
+
+RUN = motion()
+SIGMA = np.repeat([2e-5, 5e-4], 3)
+NOTHING = np.zeros((len(RUN.t), 6), bool)
+
+
+def run(seed: int = 3) -> FullRate:
+    readings = read(RUN) + SIGMA * np.random.default_rng(seed).standard_normal((len(RUN.t), 6))
+    variance = np.tile([SIGMA[0] ** 2, SIGMA[3] ** 2], (len(segments()) + 1, 1))
+    return FullRate(
+        readings, RUN, np.full(len(RUN.t), -1), segments(), variance, np.zeros(6),
+        np.ones(6, bool),
+    )  # fmt: skip
+
+
+def test_noise_alone_leaves_one_and_nothing_to_explain() -> None:
+    left = LeftOver.of(run(), read(RUN), read(RUN), NOTHING)
+    assert left.chi2_per_degree == pytest.approx(np.ones(6), abs=0.05)
+    assert left.remaining == 0.0
+    assert left.explained_share == 1.0
+
+
+def test_a_mismatch_shows_in_its_channel_though_a_fit_would_call_it_noise() -> None:
+    full, wrong = run(), read(RUN)
+    wrong[:, 4] += 3.0 * SIGMA[4] * np.sin(40.0 * RUN.t)
+    left = LeftOver.of(full, wrong, wrong, NOTHING)
+    assert left.chi2_per_degree[4] == pytest.approx(1.0 + 4.5, rel=0.1)
+    assert np.delete(left.chi2_per_degree, 4) == pytest.approx(np.ones(5), abs=0.05)
+    assert left.explained_share == 0.0
+
+
+def test_the_share_is_of_the_mismatch_above_noise() -> None:
+    full, nominal, found = run(), read(RUN), read(RUN)
+    wave = SIGMA[1] * np.sin(40.0 * RUN.t)
+    nominal[:, 1] += 10.0 * wave
+    found[:, 1] += 5.0 * wave
+    assert LeftOver.of(full, nominal, found, NOTHING).explained_share == pytest.approx(
+        0.75, abs=0.02
+    )
+
+
+def test_noise_of_the_reference_is_none_of_the_sensor() -> None:
+    full = run()
+    rough = (
+        full.readings - read(RUN) + 1e-3 * np.random.default_rng(4).standard_normal((len(RUN.t), 6))
+    )
+    assert np.sqrt(rest_noise(full, rough))[:3] == pytest.approx(SIGMA[:3], rel=0.1)
+
+
+def test_a_unit_that_never_rests_has_the_noise_of_its_neighbouring_samples() -> None:
+    full = run()
+    moving = replace(RUN, rate=RUN.rate + 0.5)
+    noise = rest_noise(replace(full, motion=moving), full.readings - read(RUN))
+    assert np.sqrt(noise) == pytest.approx(SIGMA, rel=0.3)

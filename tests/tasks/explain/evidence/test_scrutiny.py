@@ -1,0 +1,129 @@
+"""A name stands where its parameters are the same everywhere, and every channel is the better."""
+
+import numpy as np
+import pytest
+from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
+
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.pruning import pruned
+from tasks.explain.evidence.scrutiny import Scrutiny
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.design import NormalEquations
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import Selected, Selection
+from tasks.model.term import Term
+from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
+from tasks.model.terms.timing import TIME_OFFSET
+
+RUN = motion()
+ARM = np.array([0.04, -0.06, 0.03])
+FIRST_HALF = (RUN.t < 0.5 * RUN.t[-1])[:, None]
+TRIED = 300
+
+
+def fitted(made: np.ndarray, *terms: Term) -> FittedSelection:
+    chosen = tuple(
+        Selected(
+            Candidate(term, (*range(len(term.parameters)),), (*range(len(term.parameters)),), 1),
+            100.0, 90.0, (),
+        )
+        for term in terms
+    )  # fmt: skip
+    nothing = NormalEquations(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 0.0)
+    selection = Selection(chosen, NOISY, 0.0, nothing)
+    return FittedSelection.of(selection, observed(made, RUN), RATE)
+
+
+def scrutinised(made: np.ndarray, *terms: Term) -> list[Scrutiny]:
+    evidence = Evidence.of(fitted(made, *terms))
+    return [Scrutiny.of(evidence, number) for number in range(len(terms))]
+
+
+def arms(first: np.ndarray, second: np.ndarray, seed: int = 51) -> np.ndarray:
+    """Readings of a lever arm that is another in the second half."""
+    made = np.where(FIRST_HALF, read(RUN, (LEVER_ARM, first)), read(RUN, (LEVER_ARM, second)))
+    return made + noise(len(RUN.t), seed, NOISY)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_law_that_is_there_keeps_its_name_and_its_u(seed: int) -> None:
+    made = arms(ARM, ARM, seed)
+    (one,) = scrutinised(made, LEVER_ARM)
+    assert one.refusal is None
+    assert one.homogeneity_p is not None
+    assert one.homogeneity_p > 1e-3
+    model = fitted(made, LEVER_ARM).model
+    assert one.u == pytest.approx(model.u[model.places[LEVER_ARM.key]], rel=0.1)
+
+
+def test_what_is_another_in_each_half_is_not_one_law() -> None:
+    (one,) = scrutinised(arms(ARM, -ARM), LEVER_ARM)
+    assert one.homogeneity_p is not None
+    assert one.homogeneity_p < 1e-6
+    assert one.refusal is not None
+    assert (one.refusal.kind, one.refusal.name) == ("inhomogeneous", "lever_arm")
+    k = ["r_x", "r_y", "r_z"].index(one.refusal.parameter or "")
+    assert one.refusal.smallest == pytest.approx(-abs(ARM[k]), rel=0.2)
+    assert one.refusal.largest == pytest.approx(abs(ARM[k]), rel=0.2)
+
+
+def test_parts_that_differ_by_little_are_one_law_whose_u_covers_them() -> None:
+    """Two per cent, at so high a signal that the parts are told apart without any doubt."""
+    long = 4.0 * ARM
+    (one,) = scrutinised(arms(1.02 * long, 0.98 * long), LEVER_ARM)
+    assert one.homogeneity_p is not None
+    assert one.homogeneity_p < 1e-6
+    assert one.refusal is None
+    assert (2.0 * one.u > 0.02 * np.abs(long)).all()
+
+
+def test_a_channel_that_gets_worse_takes_the_name_away() -> None:
+    """A delay of the gyros alone: no delay of the unit, whose accelerometers would share it."""
+    late = read(RUN, (TIME_OFFSET, [0.02]))
+    made = read(RUN)
+    made[:, :3] = late[:, :3]
+    (one,) = scrutinised(made + noise(len(RUN.t), 52, NOISY), TIME_OFFSET)
+    assert one.refusal is not None
+    assert one.refusal.kind in ("channel_worse", "inhomogeneous")
+    (true,) = scrutinised(late + noise(len(RUN.t), 52, NOISY), TIME_OFFSET)
+    assert true.refusal is None
+
+
+def test_a_size_of_no_working_unit_is_not_named() -> None:
+    limit = LEVER_ARM.parameters[0].plausible[1]
+    (one,) = scrutinised(arms(3.0 * limit * np.ones(3), 3.0 * limit * np.ones(3)), LEVER_ARM)
+    assert one.refusal is not None
+    assert one.refusal.kind == "implausible"
+    assert one.refusal.limit == pytest.approx(limit)
+    assert one.refusal.value == pytest.approx(3.0 * limit, rel=0.1)
+
+
+def rough(seed: int) -> np.ndarray:
+    """Offsets of each stretch that no term of the model follows, a hundred times the noise."""
+    rng = np.random.default_rng(seed)
+    stretch = (RUN.t // (REST + MOVE)).astype(int)
+    levels = rng.standard_normal((int(stretch[-1]) + 1, 6)) * np.repeat([2e-3, 5e-2], 3)
+    return levels[stretch] * np.sin(RUN.t)[:, None]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_does_not_stand_out_of_what_is_left_goes(seed: int) -> None:
+    """Each would be strong evidence beside the noise of the sensor alone."""
+    made = read(RUN) + rough(seed) + noise(len(RUN.t), 53, NOISY)
+    fit = fitted(made, STRUCTURAL_COMPLIANCE, LEVER_ARM)
+    evidence = Evidence.of(fit)
+    assert max(evidence.gain(0), evidence.gain(1)) > 100.0
+    left = pruned(fit, TRIED)
+    assert left.groups == ()
+    assert left.fit.selection.p_value > 0.005
+
+
+def test_what_stands_out_of_what_is_left_stays_and_its_interval_holds_the_truth() -> None:
+    inside = []
+    for seed in range(12):
+        made = read(RUN, (LEVER_ARM, 3.0 * ARM)) + rough(seed) + noise(len(RUN.t), 54, NOISY)
+        evidence = pruned(fitted(made, LEVER_ARM), TRIED)
+        assert [group.name for group in evidence.groups] == ["lever_arm"]
+        one = Scrutiny.of(evidence, 0)
+        inside += (np.abs(evidence.own[0][1] - 3.0 * ARM) < 2.0 * one.u).tolist()
+    assert np.mean(inside) > 0.85
