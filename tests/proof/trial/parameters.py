@@ -208,4 +208,5 @@ CONVERSIONS: Mapping[str, Callable[[Truth, Mapping[str, Any]], Known]] = {
     "hysteresis": lambda truth, p: _vector("amplitude", p["amplitude"], "rad/s")
     | {"angle": (p["angle"], "rad")},
     "bias_step": _step,
+    "range_setting": _same("factor", "1"),
 }  # fmt: skip

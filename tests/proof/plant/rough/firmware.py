@@ -21,7 +21,8 @@ class RangeSetting(Logged):
     def draw(cls, rng: np.random.Generator, setting: Setting) -> Parameters:
         triad = some_triad(rng)
         unit = 180.0 / np.pi if triad == "gyro" else 1.0 / 9.80665
-        return {"triad": triad, "factor": float(rng.choice([0.25, 0.5, 2.0, 4.0, 8.0, unit]))}
+        neighbour = 16.4 / 14.375  # counts per deg/s of two makers at the same range
+        return {"triad": triad, "factor": float(rng.choice([0.25, 0.5, 2.0, 4.0, neighbour, unit]))}
 
     def logged(self, rows: Rows) -> Rows:
         readings = rows.readings.copy()

@@ -6,14 +6,17 @@ from typing import Any
 from tests.proof.trial.compare import Compared, compared
 from tests.proof.trial.parameters import Truth
 
+SAME_PARAMETERS = ("bias_step_single", "bias_step_moving")  # forms that keep their meaning
+
 
 def compared_rough(told: dict[str, Any], named: Sequence[dict[str, Any]]) -> Iterator[Compared]:
-    """Those that mean the same in both: of effects in the plain plant's form, and of what the
-    reference brings along. Other forms have parameters of their own."""
+    """Those that mean the same in both: of effects in the plain plant's form, or one with the same
+    parameters, and of what the reference brings along. Other forms have parameters of their own.
+    """
     plain = {
         each["name"]: each["parameters"]
         for each in told["effects"]
-        if each["called"] == each["name"]
+        if each["called"] in (each["name"], *SAME_PARAMETERS)
     }
     true = {name: values for name, values in told["nuisances"].items() if name not in plain}
     truth = Truth(true | plain, told["parameters"], told["case"]["case"])

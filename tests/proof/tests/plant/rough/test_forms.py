@@ -140,3 +140,12 @@ def test_an_effect_is_sized_to_stand_where_asked(rough_of: Roughs) -> None:
     assert reached == pytest.approx(50.0, rel=0.15)
     assert rough.case.effects[0].strength != 1.0
     assert rough.case.effects[1].strength == 1.0
+
+
+def test_nothing_is_made_larger_than_a_working_unit_has_it(rough_of: Roughs) -> None:
+    coarse = {"encoder": {"rate_hz": 100, "step": 0.02, "noise": 0.01}}
+    rough, reached = at_standing(
+        rough_of("shaft", "gyro_scale_asymmetry", fields=coarse), "gyro_scale_asymmetry", 1e4
+    )
+    assert rough.case.effects[0].strength == 30.0
+    assert reached < 1e4

@@ -24,7 +24,7 @@ def scores() -> Scores:
         told = {
             "case": {"run": "hand", "case": Case(seed=1).model_dump(mode="json")},
             "effects": [
-                {"called": called, "name": name, "parameters": parameters or {}}
+                {"called": called, "name": name, "parameters": parameters or KNOWN_STEP}
                 for called, name, _ in hidden
             ],
             "nuisances": nuisances,
@@ -37,6 +37,7 @@ def scores() -> Scores:
     return build
 
 
+KNOWN_STEP = {"gyro": [0.0] * 3, "accel": [0.0] * 3, "time": 30.1}
 STEP = ("bias_step_moving", "bias_step", 45.0)
 
 
@@ -81,11 +82,11 @@ def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, findin
     outside = scores([said], time_offset={"seconds": -3e-3})
     assert [pair.inside for pair in outside.parameters] == [False]
     stepped = finding("bias_step", time=(30.0, 0.1, "s"))
-    known = {"gyro": [0, 0, 0], "accel": [0, 0, 0], "time": 30.1}
-    assert (
-        len(scores([stepped], ("bias_step", "bias_step", 40.0), parameters=known).parameters) == 1
-    )
-    assert scores([stepped], STEP, parameters=known).parameters == ()
+    assert len(scores([stepped], ("bias_step", "bias_step", 40.0)).parameters) == 1
+    assert len(scores([stepped], STEP).parameters) == 1
+    played = ("hysteresis_play", "hysteresis", 40.0)
+    bent = finding("hysteresis", angle=(0.1, 0.01, "rad"))
+    assert scores([bent], played, parameters={"amplitude": [1e-3] * 3}).parameters == ()
 
 
 def test_table_counts_recordings_with_a_wrong_name_and_names_at_thirty(
