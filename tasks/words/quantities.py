@@ -12,6 +12,7 @@ PREFIXES = {-3: "m", -6: "µ", -9: "n"}
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 IN_DEGREES = {"rad/s": math.degrees(1.0), "deg/s": 1.0}  # what is printed in °/s or °/h
 SLOW = 0.01  # °/s; below it a rate is easier read in °/h
+WIDE = 99.5  # units that U fills with two digits and zeros
 PLAIN = 0.01  # a smaller number is printed with a power of ten
 
 
@@ -60,6 +61,11 @@ def probability(p: float) -> str:
     return "p < 10⁻¹²" if p < 1e-12 else f"p = {plain(p, 2)}"
 
 
+def moment(t: float) -> str:
+    """An instant of a recording on its own clock, s: tenths, of a long one whole seconds."""
+    return f"{t:.1f}" if abs(t) < 1000.0 else f"{t:.0f}"
+
+
 def percent(share: float) -> str:
     """A share as «62 %»."""
     return "< 1 %" if 0.0 < share < 0.005 else f"{100 * share:.0f} %".replace("-", MINUS)
@@ -103,6 +109,9 @@ def quantities(values: Sequence[float | None], U: float | None, unit: str) -> Qu
     """Values with one expanded uncertainty (0 or None: without), in a unit of their size."""
     U = U or 0.0
     scale = readable_scale(max(abs(value) for value in (*values, U) if value is not None), unit)
+    if scale.unit != unit and unit in PREFIXED and U * scale.factor >= WIDE:
+        larger = 3 - round(math.log10(scale.factor))  # the next larger unit
+        scale = Scale(10.0**-larger, 0, PREFIXES.get(larger, "") + unit)
     by = scale.factor / 10.0**scale.exponent
     scaled = [None if value is None else value * by for value in values]
     made = column(scaled, [U * by if U > 0 else None] * len(values), USUAL_K)

@@ -28,8 +28,8 @@ MAX_DECAY = 8.0  # s
 MAX_TIMES = 8  # that are listed
 
 
-def find_bursts(residual: Residual) -> AddedSignal | None:
-    """Bursts in a residual."""
+def find_bursts(residual: Residual, start: float = 0.0) -> AddedSignal | None:
+    """Bursts in a residual; start: its t = 0 on the recording's own clock, s."""
     if len(residual.t) < MIN_ROWS:
         return None
     blocks = _block_means(residual)
@@ -46,7 +46,7 @@ def find_bursts(residual: Residual) -> AddedSignal | None:
         return None
     p_value = min(1.0, searched * float(gamma.sf(strong[0].power, len(channels))))
     count = len(fit.starts)
-    times = ", ".join(f"{start:.0f}" for start in fit.starts[:MAX_TIMES])
+    times = ", ".join(f"{start + each:.0f}" for each in fit.starts[:MAX_TIMES])
     times += ", …" if count > MAX_TIMES else ""
     description = message(
         "events-bursts", count=count, frequency=f"{fit.frequency:.3g}", decay=f"{fit.decay:.2g}",

@@ -8,6 +8,7 @@ import numpy as np
 from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
+from tasks.words.rounding import MINUS
 
 MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less cannot be seen
 
@@ -84,7 +85,7 @@ class ChannelExcess:
 
     def formatted(self, value: float) -> str:
         """A value with its sign and unit."""
-        return f"{value * self.factor:+.2g} {self.unit}"
+        return f"{value * self.factor:+.2g} {self.unit}".replace("-", MINUS)
 
 
 def noise_scales(noise: np.ndarray) -> np.ndarray:

@@ -18,6 +18,7 @@ from tasks.explain.locate.partitions import Partition
 from tasks.explain.locate.rotation import MAX_HARMONIC, Rotation
 from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.words import Message, message
+from tasks.words.quantities import moment, percent
 
 FLOOR = 0.03  # of the mean square: smaller remainders do not count
 MIN_HELD = 0.75  # of the power: a place that holds less gives way to a variation
@@ -84,8 +85,8 @@ def partition_pattern(
         return Pattern(partition.dimension, max(varies, gathers) - paid, description, known)
     time = float(cells.rows[chosen].sum() / blocks.rows.sum())
     description = message(
-        "locate-concentrated", share=f"{share:.0%}", where=partition.circumstance(chosen),
-        time=f"{time:.0%}" if time >= 0.01 else f"{time:.1%}",
+        "locate-concentrated", share=percent(share), where=partition.circumstance(chosen),
+        time=percent(time),
     )  # fmt: skip
     rows = np.isin(partition.cell, chosen)
     return Pattern(partition.dimension, gathers - paid, description, rows)
@@ -111,7 +112,7 @@ def _variation(
     used = np.flatnonzero(cells.rows > 0)
     low, high = (int(used[k]) for k in (steps[used].argmin(), steps[used].argmax()))
     return message(
-        "locate-variation", share=f"{share:.0%}", variable=partition.variable,
+        "locate-variation", share=percent(share), variable=partition.variable,
         least=excess.formatted(steps[low]), low=partition.cells[low],
         most=excess.formatted(steps[high]), high=partition.cells[high],
     )  # fmt: skip
@@ -137,7 +138,8 @@ def change_point_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | No
     information = fit_information(float(absorbed[best]))
     if information >= parted[split]:
         description = message(
-            "locate-step", share=f"{absorbed[best]:.0%}", time=f"{run.t[at[best]]:.4g}",
+            "locate-step", share=percent(float(absorbed[best])),
+            time=moment(float(run.t[at[best]])),
             step=excess.formatted(-float(first[0, best] / left[best])),
         )  # fmt: skip
         return Pattern("time", information - paid, description, np.ones(len(run.t), bool))
@@ -145,7 +147,7 @@ def change_point_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | No
     later = after >= 0.5
     description = message(
         "locate-after" if later else "locate-before",
-        share=f"{max(after, 1 - after):.0%}", time=f"{time:.4g}",
+        share=percent(max(after, 1 - after)), time=moment(time),
     )  # fmt: skip
     return Pattern("time", float(parted[split]) - paid, description, (run.t > time) == later)
 
@@ -164,7 +166,7 @@ def harmonics_pattern(run: BlockedRun, rotation: Rotation, excess: ChannelExcess
     numbers = dict(zip(("first", "second", "third"), map(str, sorted(kept + 1)), strict=False))
     waves = "locate-one-wave" if kept.tolist() == [0] else f"locate-waves-{len(kept)}"
     description = message(
-        "locate-harmonics", share=f"{held / whole:.0%}", waves=message(waves, **numbers),
+        "locate-harmonics", share=percent(held / whole), waves=message(waves, **numbers),
         axis=rotation.name,
     )  # fmt: skip
     mask = np.zeros(len(values), bool)
@@ -190,6 +192,6 @@ def frequency_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | None:
     line = band.start + int(power[band].argmax())
     around = np.arange(line - 1, min(line + 2, len(power)))
     hertz = float(around @ power[around] / power[around].sum()) / (count * run.motion.interval)
-    description = message("locate-frequency", share=f"{share:.0%}", frequency=f"{hertz:.4g}")
+    description = message("locate-frequency", share=percent(share), frequency=f"{hertz:.4g}")
     score = fit_information(share) - cost(2, len(lines), run.intervals)
     return Pattern("frequency", score, description, np.ones(len(run.t), bool))

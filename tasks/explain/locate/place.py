@@ -20,6 +20,7 @@ from tasks.explain.locate.patterns import (
 from tasks.explain.locate.run import BlockedRun, Moments
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
+from tasks.words.quantities import percent
 
 MIN_SCORE = 0.1  # nats a row: what carries less is no pattern
 MAX_SEGMENTS = 8  # in an entry
@@ -101,7 +102,7 @@ def _without_pattern(run: BlockedRun, excess: Moments) -> Place:
     share = float(power[densest].sum() / power.sum())
     if share < INTERMITTENT:
         return Place("level", UNIFORM, _main_segments(run, excess, np.ones(len(run.t), bool)))
-    description = message("locate-intermittent", share=f"{share:.0%}")
+    description = message("locate-intermittent", share=percent(share))
     return Place("time", description, _main_segments(run, excess, np.isin(part, densest)))
 
 

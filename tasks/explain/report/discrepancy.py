@@ -54,7 +54,7 @@ def discrepancy_of(
         left_over=left_over,
         findings=tuple(_published(*each, left_over, effects.together) for each in parts),
         small_remainders=tuple(
-            statement(small_statement(title_of(each, ()), each.share)) for each in explanation.small
+            statement(small_statement(title_of(each), each.share)) for each in explanation.small
         ),
         consequences=effects.together,
         verdict_changes=effects.changes_together,
@@ -78,7 +78,7 @@ def _published(
     draft = ReportedFinding(
         effect=finding.effect,
         family=finding.family,
-        title=statement(title_of(finding, wheres)),
+        title=statement(title_of(finding)),
         channels=tuple(CHANNELS[i] for i in finding.channels),
         where=wheres,
         parameters=finding.parameters,
@@ -90,7 +90,7 @@ def _published(
         refused=statement(refused(finding.refusal)) if finding.refusal else None,
         equation=finding.equation,
         source=finding.source,
-        follows=statement(pattern_of(finding, wheres)) if finding.effect == UNNAMED else None,
+        follows=statement(pattern_of(finding)) if finding.effect == UNNAMED else None,
         indistinguishable_from=finding.indistinguishable,
         separating_recording=statement(finding.separated_by) if finding.separated_by else None,
         consequences=consequences,

@@ -70,12 +70,15 @@ def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
     return Statement(**{language: changed(text) for language, text in texts(phrase).items()})
 
 
-def parameter_name(name: str) -> str:
-    """«vertical rate» of «vertical_rate»."""
-    return name.replace("_", " ")
+def parameter_name(name: str) -> Sayable:
+    """«vertical rate» of «vertical_rate», «gyro x» of «gyro_x»; a symbol stays: «r_x»."""
+    for id_ in (f"parameter-{name}", f"channel-{name}"):
+        if known(id_):
+            return message(id_)
+    return name if name[1:2] == "_" else name.replace("_", " ")
 
 
-def parameter_text(parameter: FoundParameter) -> str:
+def parameter_text(parameter: FoundParameter) -> Message:
     """«vertical rate = (9.66 ± 0.40) °/h»; U = 2 u."""
     size = quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)
-    return f"{parameter_name(parameter.name)} = {size}"
+    return message("report-parameter", name=parameter_name(parameter.name), size=size)

@@ -4,7 +4,7 @@ from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title
-from tasks.explain.report.unnamed import usual_cause
+from tasks.explain.report.unnamed import far_beyond, usual_cause
 from tasks.model.effect import next_step, separating_recording
 from tasks.words import Sayable, message
 
@@ -21,7 +21,9 @@ def next_of(finding: Finding, places: tuple[Where, ...]) -> Sayable:
 
 def _after_refusal(refusal: Refusal) -> Sayable | None:
     if refusal.kind == "implausible":
-        return message("report-next-implausible", usual=usual_cause(refusal.unit))
+        if not far_beyond(refusal):
+            return None
+        return message("report-next-implausible", usual=usual_cause(refusal))
     if refusal.kind == "inhomogeneous":
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:

@@ -31,12 +31,14 @@ from tasks.words.quantities import (
     probability,
     quantities,
 )
+from tasks.words.rounding import USUAL_K
 
 MAX_PARAMETERS, MAX_PLACES = 3, 2  # in a sentence; tables hold all of them
 MAX_POWER = 100  # a power of ten beyond which the size of a probability says no more
 EVIDENCE = ((10.0, "very-strong"), (6.0, "strong"), (2.0, "some"))  # Kass and Raftery, JASA 90
 HIGH = 1.5  # χ² per degree of freedom of what is left, from which it is said to stay high
 DIFFERENT = 0.01  # probability below which parameters differ from part to part by more than chance
+LEAST = 1e-4  # share that is printed: what is found is never nothing
 TAKEN_BACK = 0.5  # of a shift: what the other findings take back, from which the set is told
 
 
@@ -63,15 +65,16 @@ def finding_statement(
 
 
 def what(finding: ReportedFinding) -> Sayable:
-    """What it is and how large, U with k = 2; for what has no name, what it follows.
+    """What it is and how large, by what is larger than its U (k = 2).
 
     The sizes of what was refused a name stand in the reason of the refusal.
     """
     shown = 0 if finding.refused else MAX_PARAMETERS
-    largest = sorted(finding.parameters, key=_significance, reverse=True)[:shown]
+    clear = [each for each in finding.parameters if _significance(each) > USUAL_K]
+    largest = sorted(clear, key=_significance, reverse=True)[:shown]
     return message(
         "report-what", title=finding.title, given=len(largest),
-        sizes=", ".join(map(parameter_text, largest)), more=len(finding.parameters) - len(largest),
+        sizes=tuple(map(parameter_text, largest)), more=len(finding.parameters) - len(largest),
     )  # fmt: skip
 
 
@@ -109,7 +112,8 @@ def other_tests(finding: ReportedFinding, left_over: Mapping[str, float]) -> Say
 
 
 def _stays_high(finding: ReportedFinding, left_over: Mapping[str, float]) -> Sayable:
-    high = {channel: left_over.get(channel, 0.0) for channel in finding.channels}
+    located = [place.channel for place in finding.where if place.channel in left_over]
+    high = {channel: left_over.get(channel, 0.0) for channel in located or finding.channels}
     channel = max(high, key=lambda each: high[each], default="")
     if not channel or high[channel] < HIGH:
         return ""
@@ -125,7 +129,7 @@ def _homogeneity(finding: ReportedFinding) -> Sayable:
 
 def small_statement(title: Sayable, share: float) -> Message:
     """What removes little of the mismatch, in a few words."""
-    return message("report-small-finding", title=title, share=percent(share))
+    return message("report-small-finding", title=title, share=percent(max(share, LEAST)))
 
 
 def strength_of_evidence(delta_bic: float) -> Message:
@@ -147,7 +151,7 @@ def alternatives(finding: ReportedFinding) -> Sayable:
     """What makes up for it here, or would fit this recording as well; empty without either."""
     parts: list[Sayable] = []
     if finding.group:
-        common = ", ".join(map(parameter_text, finding.common))
+        common = tuple(map(parameter_text, finding.common))
         effects = _either(finding.group)
         parts.append(message("report-group", effects=effects, shared=len(finding.common),
                              common=common))  # fmt: skip
@@ -162,9 +166,10 @@ def _either(names: Sequence[str]) -> Sayable:
 
 
 def to_record(finding: ReportedFinding) -> Sayable:
-    """What to record to be sure; empty where nothing is needed."""
+    """What to record to be sure; empty where nothing else would fit as well."""
     recording = finding.separating_recording
-    return message("report-to-record", recording=recording) if recording else ""
+    twins = finding.group or finding.indistinguishable_from
+    return message("report-to-record", recording=recording) if recording and twins else ""
 
 
 def to_do(finding: ReportedFinding) -> Sayable:
@@ -192,7 +197,7 @@ def _consequence(moved: Consequence, together: Sequence[Consequence]) -> Message
                  if (each.item, each.element) == (moved.item, moved.element))  # fmt: skip
     if of_set / shift(moved) < TAKEN_BACK:
         return message(
-            "report-moves-in-set", element=element_title(moved.item, moved.element),
+            "report-moves-in-set", element=lower(element_title(moved.item, moved.element)),
             times=multiple(shift(moved)), together=multiple(of_set),
         )  # fmt: skip
     made = quantities([moved.before, moved.after], moved.U, moved.unit)

@@ -1,6 +1,5 @@
 """What has no name: what it is called instead, and why a name of the catalogue was refused."""
 
-from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.event import channel_names
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
@@ -10,29 +9,40 @@ from tasks.words import Message, Sayable, message
 from tasks.words.quantities import plain, rough_quantity
 
 USUAL = {"s": "time", "m": "length", "rad": "angle"}  # kinds of causes, by the SI unit
-CLEARLY_LARGER = 1.5  # times the limit of what is plausible, from which it is given as a multiple
+LARGER = 1.5  # times the limit of what is plausible, from which it is given as a multiple
+FAR_BEYOND = 5.0  # times, from which a unit or range may be wrong: 9.8, 57.3, 1000, powers of two
 
 
-def title_of(finding: Finding, places: tuple[Where, ...]) -> Sayable:
-    """What a finding is called; without a name by its pattern. places: by falling share."""
+def title_of(finding: Finding) -> Sayable:
+    """What a finding is called; without a name by its pattern."""
     if finding.effect != UNNAMED:
         return finding.title
-    return message("report-without-name", pattern=pattern_of(finding, places))
+    return message("report-without-name", pattern=pattern_of(finding))
 
 
-def pattern_of(finding: Finding, places: tuple[Where, ...]) -> Sayable:
-    """What an unnamed finding follows; where a name was withdrawn, which channels and where."""
-    if finding.title and finding.refusal is None:
+def pattern_of(finding: Finding) -> Sayable:
+    """What an unnamed finding follows; where a name was refused, with the channels that do."""
+    if finding.refusal is None:
         return finding.title
-    return message(
-        "report-pattern", channels=channel_names(finding.channels),
-        dimension=places[0].dimension if places else "unknown",
-    )  # fmt: skip
+    channels = channel_names(finding.channels)
+    return message("report-pattern", pattern=finding.title, channels=channels)
 
 
-def usual_cause(unit: str) -> Message:
-    """What an implausible size of a parameter in this SI unit usually means."""
-    return message("report-usual", kind=USUAL.get(unit, "scale"))
+def usual_cause(refusal: Refusal) -> Message:
+    """What an implausible size usually means: a wrong setting, where it is far beyond the limit."""
+    kind = USUAL.get(refusal.unit, "scale") if far_beyond(refusal) else "alike"
+    return message("report-usual", kind=kind)
+
+
+def far_beyond(refusal: Refusal) -> bool:
+    """Whether an implausible size is so many times the limit that a setting may be wrong."""
+    return _times(refusal) > FAR_BEYOND
+
+
+def _times(refusal: Refusal) -> float:
+    """How many times its limit an implausible parameter is; one where that says nothing."""
+    value, limit = refusal.value or 0.0, refusal.limit or 0.0
+    return value / limit if value * limit > 0.0 else 1.0
 
 
 def refused(refusal: Refusal) -> Message:
@@ -54,8 +64,7 @@ def refused(refusal: Refusal) -> Message:
     shown["limit"] = rough_quantity(limit, refusal.unit)
     if refusal.kind == "undetermined":
         return message("report-refused-undetermined", **arguments, **shown)
-    larger = limit * value > 0 and abs(value) > CLEARLY_LARGER * abs(limit)
     return message(
-        "report-refused-implausible", **arguments, **shown, larger=int(larger),
-        times=plain(value / limit, 2) if larger else "", usual=usual_cause(refusal.unit),
+        "report-refused-implausible", **arguments, **shown, larger=int(_times(refusal) > LARGER),
+        times=plain(_times(refusal), 2), usual=usual_cause(refusal),
     )  # fmt: skip

@@ -10,11 +10,18 @@ from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
 from tasks.explain.explanation import UNNAMED
-from tasks.explain.report.names import channel_title, element_title, parameter_text, shift_text
+from tasks.explain.report.names import (
+    channel_title,
+    element_title,
+    lower,
+    parameter_text,
+    shift_text,
+)
 from tasks.explain.report.statements import HIGH, sentences
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import chi2, percent, plain, probability, quantities
 
+NOTHING = 0.005  # share that is printed as none
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
@@ -38,13 +45,15 @@ def verdict_statement(answer: Discrepancy, recording: Recording) -> Statement:
     return statement(sentences(parts))
 
 
-def _summary(answer: Discrepancy) -> Sayable:
+def _summary(answer: Discrepancy) -> Message:
     """How much of the mismatch is explained, how much is not, and what to look at first."""
     explained = min(max(answer.explained_share, 0.0), 1.0)
-    unnamed = sum(finding.share for finding in answer.findings if finding.effect == UNNAMED)
+    without_name = sum(each.share for each in answer.findings if each.effect == UNNAMED)
+    named = max(explained - without_name, 0.0) if without_name else explained
     return message(
-        "report-summary", explained=percent(explained), left=percent(1.0 - explained),
-        unnamed=int(unnamed > 0.0), described=percent(min(unnamed, explained)),
+        "report-summary", all=percent(explained), named=percent(named),
+        unnamed=percent(explained - named), left=percent(1.0 - explained),
+        kinds=("some" if named > NOTHING else "none") if without_name > NOTHING else "all",
         first=_first(answer, 1.0 - explained),
     )  # fmt: skip
 
@@ -54,7 +63,7 @@ def _first(answer: Discrepancy, left: float) -> Sayable:
     largest = max(answer.findings, key=lambda finding: finding.share, default=None)
     channels = answer.left_over
     if largest is not None and (largest.share >= left or not channels):
-        return largest.title
+        return largest.follows or largest.title
     channel = max(channels, key=lambda each: channels[each])
     left_in = channel_title(channel)
     return message("report-first-left", channel=left_in, chi2=chi2(channels[channel]))
@@ -139,6 +148,6 @@ def _moved(answer: Discrepancy) -> Sayable:
     made = quantities([most.before, most.after], most.U, most.unit)
     return message(
         "report-moved", findings=len(answer.findings), values=values, verdicts=verdicts,
-        element=element_title(most.item, most.element), before=made.text(0), after=made.text(1),
-        times=shift_text(most),
+        element=lower(element_title(most.item, most.element)), before=made.text(0),
+        after=made.text(1), times=shift_text(most),
     )  # fmt: skip

@@ -131,9 +131,11 @@ def _recorded(motion: Motion) -> Iterator[Term]:
         signal = motion.recorded.get(key)
         if signal is None or np.nanstd(signal) < 1e-9:
             continue
-        title = message(f"explain-recorded-{key.replace('_', '-')}")
+        recorded = message(f"explain-recorded-{key.replace('_', '-')}")
+        title = message("explain-follows", signal=recorded)
         yield regression_term(key, title, EVERY, 1, partial(_deviation, key), True)
-        title = message("explain-recorded-times-input", signal=title)
+        product = message("explain-recorded-times-input", signal=recorded)
+        title = message("explain-follows", signal=product)
         yield regression_term(f"{key}·input", title, EVERY, 1, partial(_scaled_input, key))
 
 

@@ -16,6 +16,8 @@ report-what = { $title }{ $given ->
            *[other] , and { $more } more
         } (k = 2)
     }.
+report-parameter = { $name } = { $size }
+parameter-seconds = delay
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
 report-predicted = Stretches that the fit did not see become { $times } as probable ({ $nats } nats)
@@ -27,7 +29,7 @@ report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence by this measure
-report-stays-high = With it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise alone: 1): something else is missing there, and its evidence and U are counted against what is left.
+report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise alone: 1): more is missing there. Evidence and U are counted against what is left, and its size may change when that is found.
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }), but by so little that the name stands; U covers the scatter
        *[1] agree between independent parts of the recording ({ $p })
@@ -40,25 +42,13 @@ report-alternatives = This recording cannot tell it from { $effects }.
 report-no-alternatives = No other effect of the catalogue that was tried fits this recording as well.
 report-to-record = To be sure, record: { $recording }.
 report-moves-most = Of the certificate it moves most: { $element }, from { $before } with it left out to { $after } with it taken into account (k = 2), { $times } U.
-report-moves-in-set = Alone it would move { $element } of the certificate by { $times } U, but other findings take that back: all together they move it by { $together } U, and only that counts.
+report-moves-in-set = By itself it would move one value of the certificate, { $element }, by { $times } U, but other findings take that back: all together they move it by { $together } U, and only that counts.
 report-to-do = Next: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.
 
 # What has no name.
 report-without-name = without a name: { $pattern }
-report-pattern = mismatch of the { $channels }{ $dimension ->
-        [rate] {" "}that depends on the rate
-        [attitude] {" "}that depends on the attitude
-        [rotation_phase] {" "}that comes again with each turn
-        [frequency] {" "}about one frequency
-        [temperature] {" "}that depends on the temperature
-        [time] {" "}that changes in the course of the run
-        [after_moves] {" "}that follows each move
-        [ramps] {" "}while the rate changes
-        [recorded] {" "}that follows a recorded quantity
-        [level] , everywhere alike
-       *[unknown] {""}
-    }
+report-pattern = { $pattern }, in the { $channels }
 report-refused-implausible = As «{ $effect }» its { $parameter } would be { $value }, { $larger ->
         [0] beyond { $limit }, the limit of what a working unit or station has
        *[1] { $times } times larger than in any working unit or station (at most { $limit })
@@ -67,6 +57,7 @@ report-usual = { $kind ->
         [time] a time stamp in another unit (ms for s), or two streams that were not recorded together
         [length] a length in another unit (mm for m), or axes exchanged or inverted
         [angle] an attitude that is stated wrongly, deg for rad, or axes exchanged or inverted
+        [alike] another cause that looks alike
        *[scale] a range or unit set wrong (deg for rad, g for m/s², counts per unit), or axes exchanged or inverted
     }
 report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is not the same throughout: { $parameter } changes from { $smallest } to { $largest } { $parts ->
@@ -104,10 +95,11 @@ report-next = { $dimension ->
     }
 
 # The verdict.
-report-summary = { $explained } of the mismatch above noise is explained{ $unnamed ->
-        [0] {""}
-       *[1] {" "}({ $described } of it by a pattern without a name)
-    }, { $left } is not; look first at { $first }.
+report-summary = { $kinds ->
+        [none] Nothing of the mismatch above noise has a name: { $unnamed } of it follows patterns that nothing in the catalogue explains, { $left } follows none
+        [some] { $all } of the mismatch above noise is accounted for ({ $named } by effects with a name, { $unnamed } by patterns without one), { $left } is not
+       *[all] { $all } of the mismatch above noise is explained, { $left } is not
+    }; look first at: { $first }.
 report-first-left = what is left in the { $channel } (χ² = { $chi2 } per degree of freedom)
 report-left = What is left stands above noise, in χ² per degree of freedom: { $channels }.
 report-left-in = { $channel } { $chi2 }
@@ -149,7 +141,7 @@ report-unnamed = { $verdict ->
        *[unexplained] What model and recording differ by
     } is explained by nothing in the catalogue, and is given no name{ $described ->
         [0] {""}
-       *[other] ; what it follows: { $follows }
+       *[other] ; what is seen: { $follows }
     }.
 report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1).
 report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1), and the rms residual of the { $channel } falls to { $share }.
@@ -164,7 +156,7 @@ report-moved = { $findings ->
         [0] {""}
         [one] {" "}and changes { $verdicts } verdict
        *[other] {" "}and changes { $verdicts } verdicts
-    }; most of all { $element }: { $before } → { $after } ({ $times } U).
+    }, most of all { $element }: { $before } → { $after } ({ $times } U).
 
 # The page.
 report-title = Model and recording: { $recording }

@@ -16,6 +16,8 @@ report-what = { $title }{ $given ->
            *[other] ，另有 { $more } 个参数
         }（k = 2）
     }。
+report-parameter = { $name } = { $size }
+parameter-seconds = 时延
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
 report-predicted = 未参与拟合的区段，其数据概率提高到 { $times }（{ $nats } nat）
@@ -27,7 +29,7 @@ report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
-report-stays-high = 计入后，{ $channel }的每自由度 χ² 仍为 { $chi2 }（仅有噪声时为 1）：该处尚有其他遗漏，其证据与 U 均相对于剩余残差计算。
+report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有噪声时为 1）：该处尚有其他遗漏。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异虽超出偶然（{ $p }），但很小，名称仍成立；U 已包含该分散性
        *[1] 一致（{ $p }）
@@ -40,25 +42,13 @@ report-alternatives = 仅凭本次记录无法与以下效应区分：{ $effects
 report-no-alternatives = 目录中已试验的其他效应均不能同样好地解释本次记录。
 report-to-record = 如需确认，应补充记录：{ $recording }。
 report-moves-most = 对证书影响最大的是：{ $element }，未计入时为 { $before }，计入后为 { $after }（k = 2），变化 { $times } U。
-report-moves-in-set = 单独计入时，证书中的{ $element }变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
+report-moves-in-set = 单独计入时，证书中的一个值（{ $element }）变化 { $times } U，但被其他发现抵消：全部计入后变化 { $together } U，应以此为准。
 report-to-do = 下一步：{ $next }。
 report-verdict-changes = { $item }的结论由“{ $before }”变为“{ $after }”。
 
 # 不予命名的发现。
 report-without-name = 未命名：{ $pattern }
-report-pattern = { $channels }的失配{ $dimension ->
-        [rate] ，随角速率而变
-        [attitude] ，随姿态而变
-        [rotation_phase] ，每转重复出现
-        [frequency] ，集中在一个频率附近
-        [temperature] ，随温度而变
-        [time] ，在试验过程中变化
-        [after_moves] ，出现在每次运动之后
-        [ramps] ，出现在角速率变化时
-        [recorded] ，随某一已记录的环境量而变
-        [level] ，各处相同
-       *[unknown] {""}
-    }
+report-pattern = { $pattern }，通道：{ $channels }
 report-refused-implausible = 若视为“{ $effect }”，其 { $parameter } 将为 { $value }，{ $larger ->
         [0] 超出正常产品或转台的限值 { $limit }
        *[1] 是任何正常产品或转台的 { $times } 倍（限值 { $limit }）
@@ -67,6 +57,7 @@ report-usual = { $kind ->
         [time] 时间戳单位有误（ms 误作 s），或两路数据并非同时记录
         [length] 长度单位有误（mm 误作 m），或坐标轴互换、反向
         [angle] 给定姿态有误、度与弧度混淆，或坐标轴互换、反向
+        [alike] 另有表现相似的原因
        *[scale] 量程或单位设置有误（度与弧度、g 与 m/s²、每单位计数），或坐标轴互换、反向
     }
 report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并非处处相同：{ $parameter } { $parts ->
@@ -76,7 +67,7 @@ report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并�
         [axis] 在各轴之间
        *[time] 在试验过程中
     }由 { $smallest } 变到 { $largest }，不符合同一规律，故不予此名。
-report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的{ $channel }计入后预测反而变差，故不予此名。
+report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的 { $channel } 计入后预测反而变差，故不予此名。
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
 
 # 下一步。
@@ -88,7 +79,7 @@ report-next-inhomogeneous = { $parts ->
         [axis] 比较各轴的设置：量程、滤波、采样次序及安装
        *[time] 查看试验日志中的变化（设置、温度、安装），并在试验末尾重复其开始部分
     }
-report-next-channel = 检查{ $channel }的符号、标度与滤波，并绕另一轴记录同样的运动
+report-next-channel = 检查{ $channel } 的符号、标度与滤波，并绕另一轴记录同样的运动
 report-next-undetermined = 补充能确定它的记录：{ $recording }
 report-next = { $dimension ->
         [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长
@@ -104,11 +95,12 @@ report-next = { $dimension ->
     }
 
 # 结论。
-report-summary = 高出噪声的失配中，{ $explained } 已得到解释{ $unnamed ->
-        [0] {""}
-       *[1] （其中 { $described } 为未命名的规律）
-    }，{ $left } 未得到解释；首先应检查：{ $first }。
-report-first-left = { $channel }的剩余残差（每自由度 χ² = { $chi2 }）
+report-summary = { $kinds ->
+        [none] 高出噪声的失配均未能命名：其中 { $unnamed } 有规律可循，但目录中无任何效应可以解释，{ $left } 无规律可循
+        [some] 高出噪声的失配中，{ $all } 已得到说明（{ $named } 为已命名的效应，{ $unnamed } 为未命名的规律），{ $left } 未得到说明
+       *[all] 高出噪声的失配中，{ $all } 已得到解释，{ $left } 未得到解释
+    }；首先应检查：{ $first }。
+report-first-left = { $channel } 的剩余残差（每自由度 χ² = { $chi2 }）
 report-left = 剩余残差仍高出噪声的通道及其每自由度 χ²：{ $channels }。
 report-left-in = { $channel } { $chi2 }
 report-small = 微小的剩余因素：{ $remainders }。
@@ -137,7 +129,7 @@ report-unnamed = { $verdict ->
        *[unexplained] 模型与记录的差异
     }无法用目录中任何效应解释，故不予命名{ $described ->
         [0] {""}
-       *[other] ；其变化规律：{ $follows }
+       *[other] ；其表现：{ $follows }
     }。
 report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1）。
 report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1），{ $channel } 残差均方根降至 { $share }。
@@ -147,7 +139,7 @@ report-moved = { $findings ->
     }，证书中有 { $values } 个值的变化超过 U{ $verdicts ->
         [0] {""}
        *[other] ，{ $verdicts } 项结论改变
-    }；变化最大的是{ $element }：{ $before } → { $after }（{ $times } U）。
+    }，变化最大的是{ $element }：{ $before } → { $after }（{ $times } U）。
 
 # 页面。
 report-title = 模型与记录：{ $recording }

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from tasks.words.quantities import multiple, percent, plain, probability, quantities, quantity
+from tasks.words.quantities import (
+    moment,
+    multiple,
+    percent,
+    plain,
+    probability,
+    quantities,
+    quantity,
+    rough_quantity,
+)
 
 
 @pytest.mark.parametrize(
@@ -19,6 +28,8 @@ from tasks.words.quantities import multiple, percent, plain, probability, quanti
         (2.1e-6, 1e-7, "(rad/s)/(m/s2)^2", "(120.3 ± 5.8)×10⁻⁶ (°/s)/(m/s²)²"),
         (0.0, 3e-8, "1", "(0 ± 30)×10⁻⁹"),
         (12.0, 0.0, "deg/s", "12.0 °/s"),
+        (-0.51, 0.11, "m/s2", "(−0.51 ± 0.11) m/s²"),
+        (4e-4, 3e-4, "m", "(0.40 ± 0.30) mm"),
         (1e-5, 2.0, "deg/s", "(0.0 ± 2.0) °/s"),
     ],
 )
@@ -31,6 +42,16 @@ def test_values_with_one_uncertainty_share_unit_and_places() -> None:
     assert (made.values, made.uncertainties) == (("12.10", "0.10"), ("0.30", "0.30"))
     assert made.unit == "mm/s²"
     assert made.text(1) == "(0.10 ± 0.30) mm/s²"
+
+
+def test_a_value_without_an_uncertainty_has_three_digits_in_a_unit_of_its_size() -> None:
+    assert rough_quantity(0.01134, "s") == "11.3 ms"
+    assert rough_quantity(-0.97, "1") == "−0.97"
+    assert rough_quantity(np.radians(0.0527), "rad/s") == "0.0527 °/s"
+
+
+def test_an_instant_of_a_long_run_is_a_whole_second() -> None:
+    assert [moment(t) for t in (12.34, 1300.93, 1.6e9 + 0.4)] == ["12.3", "1301", "1600000000"]
 
 
 def test_what_has_no_value_is_not_printed() -> None:

@@ -95,7 +95,7 @@ def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
 def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> None:
     overall = VerdictChange(item=OVERALL, before="fail", after="pass")
     discrepancy = answer(explanation(finding()), (BIAS,), (CHANGE, overall))
-    assert "changes 1 verdict;" in discrepancy.statement.en
+    assert "changes 1 verdict, " in discrepancy.statement.en
     assert "the certificate as a whole changes from fail to pass" in texts(discrepancy)[0]
 
 
@@ -144,7 +144,7 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
         FoundParameter(name=f"c_{i}", value=float(i), unit="1", u=1.0) for i in range(1, 10)
     )
     en, zh = texts(answer(explanation(finding(parameters=many))))
-    assert "c 9 = 9.0 ± 2.0, c 8 = 8.0 ± 2.0, c 7 = 7.0 ± 2.0, and 6 more (k = 2)" in en
+    assert "c_9 = 9.0 ± 2.0, c_8 = 8.0 ± 2.0, c_7 = 7.0 ± 2.0, and 6 more (k = 2)" in en
     assert "，另有 6 个参数（k = 2）" in zh
 
 

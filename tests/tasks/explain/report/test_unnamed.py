@@ -7,12 +7,13 @@ import pytest
 from made_report import explanation, located, unnamed, where
 
 from schemas.discrepancy import Dimension, ReportedFinding
-from tasks.explain.explanation import Finding, Partition, Refusal
+from schemas.text import Statement
+from tasks.explain.explanation import Partition, Refusal
 from tasks.explain.report.next_step import next_of
-from tasks.explain.report.unnamed import pattern_of
 from tasks.model.effect import effect_name
 from tasks.words import texts
 
+BEHAVIOUR = Statement(en="a change that follows the rate", zh="随角速率变化的偏差")
 REFUSALS: dict[str, Refusal] = {
     "implausible": Refusal(
         "implausible", "gyro_scale_nonlinearity", "c_3", "1", value=-0.97, limit=-0.027
@@ -28,7 +29,7 @@ REFUSALS: dict[str, Refusal] = {
 
 
 def refused(kind: str, **more: Any) -> ReportedFinding:
-    found = unnamed(title="", refusal=REFUSALS[kind], channels=(0, 1, 2), **more)
+    found = unnamed(title=BEHAVIOUR, refusal=REFUSALS[kind], channels=(0, 1, 2), **more)
     return located(explanation(found, verdict="unexplained"), (where("gyro_x", 1.0),)).findings[0]
 
 
@@ -51,17 +52,19 @@ def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the
 
 def test_an_implausible_size_is_given_as_a_multiple_with_what_it_usually_means() -> None:
     said = refused("implausible").statement.en
-    assert "its c 3 would be −0.97, 36 times larger than in any working unit" in said
+    assert "its c_3 would be −0.97, 36 times larger than in any working unit" in said
     assert "a range or unit set wrong (deg for rad, g for m/s²" in said
     assert "Next: check whether there is a range or unit set wrong" in said
 
 
 def test_a_size_just_beyond_the_limit_is_no_multiple() -> None:
     near = Refusal("implausible", "gravity_value", "g", "m/s2", value=9.95, limit=9.9)
-    found = unnamed(title="", refusal=near)
-    said = located(explanation(found, verdict="unexplained"), ()).findings[0].statement.en
-    assert "9.95 m/s², beyond 9.9 m/s²" in said
-    assert "times larger" not in said
+    found = unnamed(title=BEHAVIOUR, refusal=near)
+    told = located(explanation(found, verdict="unexplained"), (where(),)).findings[0]
+    assert "9.95 m/s², beyond 9.9 m/s²" in told.statement.en
+    assert "another cause that looks alike" in told.statement.en
+    assert "times larger" not in told.statement.en
+    assert "range or unit" not in told.next.en
 
 
 def test_what_changes_from_part_to_part_is_told_with_its_sizes() -> None:
@@ -85,10 +88,10 @@ def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> Non
     assert "magnetic shield" in found.next.en
 
 
-def test_a_title_says_which_channels_and_which_circumstance() -> None:
+def test_a_title_says_how_it_behaves_and_in_which_channels() -> None:
     title = refused("implausible").title
-    assert title.en == "without a name: mismatch of the gyros that depends on the attitude"
-    assert title.zh == "未命名：陀螺的失配，随姿态而变"
+    assert title.en == "without a name: a change that follows the rate, in the gyros"
+    assert title.zh == "未命名：随角速率变化的偏差，通道：陀螺"
 
 
 def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
@@ -99,19 +102,17 @@ def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
 
 
 @pytest.mark.parametrize("dimension", get_args(Dimension))
-def test_every_circumstance_has_its_pattern_and_its_next_step(dimension) -> None:
-    found: Finding = unnamed(title="")
+def test_every_circumstance_has_its_next_step(dimension) -> None:
     places = (where(dimension=dimension),)
     elsewhere = (where(dimension="level" if dimension != "level" else "rate"),)
-    for made in (pattern_of, next_of):
-        assert texts(made(found, places)) != texts(made(found, elsewhere))
+    assert texts(next_of(unnamed(), places)) != texts(next_of(unnamed(), elsewhere))
 
 
 @pytest.mark.parametrize("parts", get_args(Partition))
 def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts) -> None:
     refusal = Refusal("inhomogeneous", "time_offset", "delay", "s", smallest=1.0, largest=2.0,
                       parts=parts)  # fmt: skip
-    made = located(explanation(unnamed(title="", refusal=refusal), verdict="unexplained"), ())
+    made = located(explanation(unnamed(refusal=refusal), verdict="unexplained"), ())
     (found,) = made.findings
     other = refused("inhomogeneous") if parts != "rate" else refused("implausible")
     assert found.refused != other.refused

@@ -18,7 +18,7 @@ def first_sentence(discrepancy: Discrepancy) -> str:
 def test_the_largest_finding_is_what_to_look_at_first() -> None:
     said = first_sentence(answer(explanation(finding())))
     assert said == (
-        "62 % of the mismatch above noise is explained, 38 % is not; look first at Table not level"
+        "62 % of the mismatch above noise is explained, 38 % is not; look first at: Table not level"
     )
     assert "首先应检查：转台不水平" in answer(explanation(finding())).statement.zh
 
@@ -26,14 +26,23 @@ def test_the_largest_finding_is_what_to_look_at_first() -> None:
 def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first() -> None:
     left = np.array([1.0, 31.4, 2.0, 1.0, 1.0, 1.0])
     said = answer(explanation(finding(share=0.2), left_over=left)).statement.en
-    assert "look first at what is left in the gyro y (χ² = 31.40 per degree of freedom)" in said
+    assert "look first at: what is left in the gyro y (χ² = 31.40 per degree of freedom)" in said
     assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in said
 
 
 def test_what_is_described_without_a_name_is_told_apart_from_what_is_explained() -> None:
     both = explanation(finding(), unnamed(share=0.3), verdict="partly_explained")
     said = first_sentence(answer(both))
-    assert "92 % of the mismatch above noise is explained (30 % of it by a pattern" in said
+    assert (
+        "92 % of the mismatch above noise is accounted for (62 % by effects with a name, " in said
+    )
+    assert "30 % by patterns without one), 8 % is not" in said
+
+
+def test_where_nothing_has_a_name_the_first_sentence_says_so() -> None:
+    said = first_sentence(answer(explanation(unnamed(share=0.7), verdict="unexplained")))
+    assert said.startswith("Nothing of the mismatch above noise has a name: 70 % of it follows")
+    assert said.endswith("30 % follows none; look first at: a relaxation of 12 s after each move")
 
 
 def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
@@ -43,11 +52,11 @@ def test_a_recording_whose_names_were_all_refused_says_what_is_left() -> None:
 
 
 def test_small_remainders_are_one_line() -> None:
-    small = (finding(share=0.004), unnamed(share=0.002, title=""))
+    small = (finding(share=0.004), unnamed(share=0.0))
     discrepancy = answer(explanation(finding(), small=small))
     assert [each.en for each in discrepancy.small_remainders] == [
         "Table not level (< 1 %)",
-        "without a name: mismatch of the accelerometer x, accelerometer y (< 1 %)",
+        "without a name: a relaxation of 12 s after each move (< 1 %)",
     ]
     assert "Small remainders: Table not level (< 1 %); without a name:" in discrepancy.statement.en
     assert len(discrepancy.findings) == 1
@@ -115,7 +124,7 @@ def test_what_all_findings_move_is_told_together() -> None:
     both = explanation(finding(share=0.4), finding(share=0.2))
     told = answer(both, (BIAS,)).statement.en
     assert "Taking all findings into account together moves 1 value" in told
-    assert "most of all Bias of the X accelerometer" in told
+    assert "most of all bias of the X accelerometer" in told
 
 
 def test_the_json_has_the_fields_of_the_contract() -> None:
