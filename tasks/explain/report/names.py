@@ -72,9 +72,9 @@ def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
 
 def parameter_name(name: str) -> Sayable:
     """«vertical rate» of «vertical_rate», «gyro x» of «gyro_x»; a symbol stays: «r_x»."""
-    for id_ in (f"parameter-{name}", f"channel-{name}"):
-        if known(id_):
-            return message(id_)
+    for kind in ("parameter", "channel", "triad"):
+        if known(f"{kind}-{name}"):
+            return message(f"{kind}-{name}")
     return name if name[1:2] == "_" else name.replace("_", " ")
 
 
