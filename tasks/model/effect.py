@@ -122,8 +122,7 @@ _EVENTS = (
         confused_with=("range_setting",),
     ),
     Effect(
-        "dead_zone", LOGGER, "event", "y′ = 0 for |y| < d, y or y − d·sign(y) beyond; "
-        "or at rest y′ = y − mean of y",
+        "dead_zone", LOGGER, "event", "y′ = 0 for |y| < d; or at rest y′ = y − mean of y",
         "IEEE Std 1431, dead band; IEEE Std 528", confused_with=("coarse_quantisation",),
     ),
     Effect(

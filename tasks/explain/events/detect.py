@@ -3,6 +3,7 @@
 import numpy as np
 
 from tasks.explain.events.bursts import find_bursts
+from tasks.explain.events.dead_zone import find_dead_zone
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.impacts import find_impacts
 from tasks.explain.events.lines import find_lines
@@ -18,7 +19,7 @@ from tasks.motion.whole import Motion
 
 
 def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
-    """Events that disturb a regression: rows repeated or lost, limits, coarse steps, spikes.
+    """Events that disturb a regression: rows repeated or lost, limits, dead zone, steps, spikes.
 
     t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
     triad was not recorded. motion: at the same rows, NaN where it is not known.
@@ -26,7 +27,8 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     quantisers = [quantiser_of(column) for column in readings.T]
     repeats, repeated = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
-    masked |= repeated
+    zone, zeroed = find_dead_zone(readings, motion, quantisers)
+    masked |= repeated | zeroed
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():
@@ -43,8 +45,8 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     if steps is not None:
         level = steps.noise_floor(level)
     spikes, at_spikes = find_spikes(np.where(masked, np.nan, residual), level, motion)
-    # In the order in which they act: when a reading was taken, limit, rounding.
-    last = tuple(event for event in (steps, spikes) if event is not None)
+    # In the order in which they act: when a reading was taken, limit, rounding, threshold.
+    last = tuple(event for event in (steps, zone, spikes) if event is not None)
     return Events(events + last, masked | at_spikes, gap_remarks(t))
 
 

@@ -1,0 +1,179 @@
+"""A dead zone: readings below a threshold are set to zero, or the bias is taken off at rest.
+
+Where readings about zero are missing while others as small as the threshold abound, and those that
+read zero are predicted to lie within it, they were set to zero. Where the means of many rests lie
+nearer to zero than the noise of so many samples lets them, the bias was estimated and taken off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+from scipy.stats import chi2
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import GYROS
+from tasks.explain.events.event import CHANNELS, UNITS, Event, channel_names
+from tasks.explain.events.quantisation import Quantiser
+from tasks.model.plain_fit import plain_prediction
+from tasks.motion.whole import Motion
+from tasks.words import message
+
+ZERO = 1e-9  # of the largest reading: what counts as set to zero
+MIN_ZEROS, MIN_BESIDE = 50, 25  # readings at zero, and from the threshold to some times as much
+BESIDE = 4.0  # times the threshold: three times as wide as what is missing
+MIN_CODES = 3  # below the threshold: fewer are the step of the output
+MIDDLE = (1.2, 1.8)  # of the threshold: a step as wide would leave nothing there, either
+MIN_MIDDLE = 3
+WITHIN, MIN_WITHIN = 4.0, 0.95  # noise by which a zero may lie beyond, and the share that does not
+ROUNDS = 2
+STILL, MIN_REST = 0.005, 200  # rad/s, rows of a rest
+MIN_RESTS = 8
+DITHERED = 0.5  # step: less noise lets means lie anywhere
+SIGNIFICANT = 1e-7
+
+
+@dataclass(frozen=True)
+class DeadZone(Event):
+    """thresholds, noise: by channel; none where only the bias is taken off at rest."""
+
+    linear = False
+
+    thresholds: dict[int, float]
+    noise: dict[int, float]
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        kept = predicted.copy()
+        for channel, threshold in self.thresholds.items():
+            lost = mean_within(predicted[:, channel], threshold, self.noise[channel])
+            kept[:, channel] -= lost
+        return kept
+
+
+def mean_within(mean: np.ndarray, threshold: float, noise: float) -> np.ndarray:
+    """What readings within ± a threshold add to the mean (n,) of readings with normal noise."""
+    low, high = (-threshold - mean) / noise, (threshold - mean) / noise
+    density = np.exp(-0.5 * high**2) - np.exp(-0.5 * low**2)
+    share = ndtr(high) - ndtr(low)
+    return np.asarray(mean * share - noise * density / np.sqrt(2.0 * np.pi))
+
+
+def find_dead_zone(
+    readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
+) -> tuple[DeadZone | None, np.ndarray]:
+    """The dead zone of readings (n, 6), and which of them (n, 6) bool say nothing for it."""
+    masked = np.zeros(readings.shape, bool)
+    holes = {
+        c: hole
+        for c, quantiser in enumerate(quantisers)
+        if (hole := _hole(readings[:, c], quantiser)) is not None
+    }
+    if holes:
+        return _set_to_zero(readings, motion, holes)
+    rests = _rests(motion)
+    zeroed = tuple(
+        c
+        for c in GYROS
+        if len(rests) >= MIN_RESTS and _zeroed(readings[:, c], rests, quantisers[c])
+    )
+    if not zeroed:
+        return None, masked
+    for rows in rests:
+        masked[np.ix_(rows, np.array(zeroed))] = True
+    parameter = FoundParameter(name="rests", value=float(len(rests)), unit="1", u=0.0)
+    description = message("events-zeroed", rests=len(rests), channels=channel_names(zeroed))
+    return DeadZone("dead_zone", zeroed, (parameter,), SIGNIFICANT, description, {}, {}), masked
+
+
+def _hole(reading: np.ndarray, quantiser: Quantiser | None) -> tuple[float, float] | None:
+    """The threshold about zero below which only zero is read, and how well it is known."""
+    size = np.abs(reading[np.isfinite(reading)])
+    if not len(size) or not size.max() > 0.0:
+        return None
+    zero = size <= ZERO * size.max()
+    if zero.sum() < MIN_ZEROS or zero.all():
+        return None
+    threshold = float(size[~zero].min())
+    beside = size[~zero & (size <= BESIDE * threshold)]
+    middle = (beside > MIDDLE[0] * threshold) & (beside < MIDDLE[1] * threshold)
+    step = 0.0 if quantiser is None else quantiser.step
+    if threshold < (MIN_CODES - 0.5) * step:
+        return None
+    if len(beside) < MIN_BESIDE or middle.sum() < MIN_MIDDLE:
+        return None
+    return threshold, threshold / len(beside) + step
+
+
+def _set_to_zero(
+    readings: np.ndarray, motion: Motion, holes: dict[int, tuple[float, float]]
+) -> tuple[DeadZone | None, np.ndarray]:
+    """The event of the holes whose zeros are predicted to lie within, and the readings there."""
+    zero = np.abs(readings) <= ZERO * np.nanmax(np.abs(readings), axis=0, initial=0.0)
+    masked = np.zeros(readings.shape, bool)
+    masked[:, list(holes)] = zero[:, list(holes)]
+    noise: dict[int, float] = {}
+    predicted = plain_prediction(readings, motion, masked)
+    for _ in range(ROUNDS):
+        masked[:] = False
+        for c, (threshold, _) in holes.items():
+            beyond = np.abs(predicted[:, c]) > 2.0 * threshold
+            left = np.diff((readings - predicted)[beyond, c])
+            noise[c] = max(float(np.nanstd(left)) / np.sqrt(2.0), 1e-3 * threshold)
+            masked[:, c] = zero[:, c] | (np.abs(predicted[:, c]) < threshold + WITHIN * noise[c])
+        predicted = plain_prediction(readings, motion, masked)
+    found = {
+        c: hole
+        for c, hole in holes.items()
+        if _within(predicted[zero[:, c], c], hole[0] + WITHIN * noise[c])
+    }
+    masked[:, [c for c in range(readings.shape[1]) if c not in found]] = False
+    if not found:
+        return None, masked
+    parameters = tuple(
+        FoundParameter(
+            name=f"threshold_{CHANNELS[c]}", value=threshold, unit=UNITS[c // 3],
+            u=max(width / np.sqrt(12.0), 1e-6 * threshold),
+        )
+        for c, (threshold, width) in found.items()
+    )  # fmt: skip
+    limits = tuple(
+        message(
+            "events-dead-zone-at", channel=message(f"channel-{CHANNELS[c]}"),
+            threshold=f"{threshold:.4g} {UNITS[c // 3]}", count=int(zero[:, c].sum()),
+        )
+        for c, (threshold, _) in found.items()
+    )  # fmt: skip
+    return DeadZone(
+        "dead_zone", tuple(found), parameters, SIGNIFICANT,
+        message("events-dead-zone", limits=limits),
+        {c: threshold for c, (threshold, _) in found.items()}, noise,
+    ), masked  # fmt: skip
+
+
+def _within(predicted: np.ndarray, limit: float) -> bool:
+    """Whether what reads zero is predicted to lie within a limit."""
+    known = predicted[np.isfinite(predicted)]
+    return len(known) >= MIN_ZEROS and bool(np.mean(np.abs(known) < limit) > MIN_WITHIN)
+
+
+def _rests(motion: Motion) -> list[np.ndarray]:
+    """The rows of the later half of each rest: by then a bias has been estimated."""
+    still = np.linalg.norm(motion.rate, axis=1) < STILL
+    edges = np.flatnonzero(np.diff(still.astype(int), prepend=0, append=0))
+    runs = [(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a >= MIN_REST]
+    return [np.arange((a + b) // 2, b) for a, b in runs]
+
+
+def _zeroed(reading: np.ndarray, rests: Sequence[np.ndarray], quantiser: Quantiser | None) -> bool:
+    """Whether the means of rests lie nearer to zero than their noise lets them."""
+    parts = [reading[rows][np.isfinite(reading[rows])] for rows in rests]
+    parts = [part for part in parts if len(part) >= MIN_REST // 4]
+    if len(parts) < MIN_RESTS:
+        return False
+    rough = np.concatenate([np.diff(part, 2) for part in parts])
+    noise = float(np.std(rough)) / np.sqrt(6.0)
+    if noise <= (0.0 if quantiser is None else DITHERED * quantiser.step):
+        return False
+    misfit = sum(len(part) * float(part.mean()) ** 2 for part in parts) / noise**2
+    return bool(chi2.cdf(misfit, len(parts)) < SIGNIFICANT)

@@ -1,0 +1,89 @@
+"""Readings set to zero and a bias taken off at rest are told; small and coarse ones are not."""
+
+import numpy as np
+import pytest
+from made_up import SIGMA, counted, mean_readings, motion, noisy
+
+from tasks.explain.events.dead_zone import mean_within
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
+from tasks.words import texts
+
+MADE = motion()
+REST = np.linalg.norm(MADE.rate, axis=1) == 0.0
+
+
+def found(readings: np.ndarray) -> Events:
+    events = events_in_readings(MADE.t, readings, MADE)
+    assert all(all(texts(event.description).values()) for event in events.events)
+    return events
+
+
+@pytest.mark.parametrize("steps", [None, (1e-4, 2e-3)])
+@pytest.mark.parametrize("threshold", [0.003, 0.02])
+def test_small_rates_set_to_zero_are_told_with_their_threshold(
+    threshold: float, steps: tuple[float, float] | None
+) -> None:
+    readings = noisy(mean_readings(MADE), 1)
+    readings = readings if steps is None else counted(readings, steps)
+    gyros = readings[:, :3]
+    gyros[np.abs(gyros) < threshold] = 0.0
+    events = found(readings)
+    assert [event.effect for event in events.events] == ["dead_zone"]
+    (event,) = events.events
+    assert event.channels == (0, 1, 2)
+    for parameter in event.parameters:
+        assert parameter.value == pytest.approx(threshold, rel=0.1)
+    assert events.masked[REST, :3].all()
+    assert not events.masked[:, 3:].any()
+
+
+def test_what_a_threshold_takes_is_the_mean_within_it() -> None:
+    noise = np.random.default_rng(2).standard_normal(400_000)
+    for mean in (-1.0, 0.2, 1.4):
+        read = np.where(np.abs(mean + noise) < 1.0, 0.0, mean + noise)
+        lost = mean_within(np.array([mean]), 1.0, 1.0)[0]
+        assert read.mean() == pytest.approx(mean - lost, abs=5e-3)
+
+
+def test_zeros_that_a_logger_filled_in_are_no_dead_zone() -> None:
+    readings = counted(noisy(mean_readings(MADE), 3))
+    lost = np.random.default_rng(4).choice(len(readings), 300, replace=False)
+    readings[lost, :3] = 0.0
+    assert "dead_zone" not in [event.effect for event in found(readings).events]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("steps", [(1e-4, 2e-3), (2e-3, 0.01), (0.01, 0.1)])
+def test_steps_through_zero_are_no_dead_zone(seed: int, steps: tuple[float, float]) -> None:
+    mean = mean_readings(MADE) - np.repeat([0.004, 0.0], 3)
+    events = found(counted(noisy(mean, seed), steps))
+    assert "dead_zone" not in [event.effect for event in events.events]
+
+
+def test_codes_that_keep_a_distance_are_no_dead_zone() -> None:
+    readings = noisy(mean_readings(MADE), 5)
+    fine = np.random.default_rng(6).integers(-1, 2, readings.shape) * 1e-6
+    coarse = np.round(readings / 4e-3) * 4e-3
+    events = found(coarse + np.where(coarse == 0.0, 0.0, fine))
+    assert "dead_zone" not in [event.effect for event in events.events]
+
+
+def test_a_bias_taken_off_at_each_rest_is_told() -> None:
+    readings = noisy(mean_readings(MADE), 7)
+    edges = np.flatnonzero(np.diff(REST.astype(int), prepend=0, append=0)).reshape(-1, 2)
+    for start, stop in edges:
+        readings[start:stop, :3] -= readings[start:stop, :3].mean(axis=0)
+        half = (start + stop) // 2
+        readings[half:stop, :3] -= readings[half:stop, :3].mean(axis=0)
+    events = found(readings)
+    assert [event.effect for event in events.events] == ["dead_zone"]
+    assert events.events[0].channels == (0, 1, 2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_bias_taken_off_once_is_no_dead_zone(seed: int) -> None:
+    readings = noisy(mean_readings(MADE), seed)
+    readings[:, :3] -= readings[REST, :3].mean(axis=0)
+    assert found(readings).events == ()
+    assert SIGMA[0] > 0.0
