@@ -1,11 +1,14 @@
 """What an accelerometer does that model (2) has no place for."""
 
+import numpy as np
+
 from schemas.recording import Recording
-from tasks.model.parameters import ACCEL_FIRST, G, each_axis, own, same
+from tasks.model.parameters import ACCEL_FIRST, G, each_axis, own, same, turned
 from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 ORDERS = (2, 3)
+EXPONENTS = (1.0, 2.0)  # of the speed: power of the vibration
 MAX_POWER_RATIO = 1e5  # times the observed vibration power: what lies above the unit's band
 
 
@@ -33,7 +36,39 @@ VIBRATION_RECTIFICATION = SensorTerm(
 )  # fmt: skip
 
 
+def rectification_of_speed(of_all: bool, exponent: float) -> SensorTerm:
+    """A bias that follows the vibration of a bearing or a drive which no reading shows.
+
+    Its power follows the speed of turning: of the whole rate, or of that about the own axis.
+    """
+
+    def share(motion: Motion) -> np.ndarray:
+        speeds = np.abs(motion.rate)
+        if of_all:
+            speeds = np.repeat(np.linalg.norm(motion.rate, axis=1)[:, None], 3, axis=1)
+        return speeds / max(float(np.nanmax(np.abs(motion.rate))), 1e-9)
+
+    speed = "|ω|" if of_all else "|ωᵢ|"
+    return SensorTerm(
+        "vibration_rectification", "accelerometer", "sensor",
+        f"a′ᵢ = bᵢ·({speed}/ω_top)ⁿ, ⟨a_vib²⟩ ∝ {speed}ⁿ",
+        "IEEE Std 1293; ISO 20816-1 (vibration of rotating machines by speed)",
+        each_axis("at_top_rate", "b", ("m/s2", 1.0, 0.1)),
+        (Parameter("exponent", "n", "of the speed", 1.0, (0.5, 4.0)),), (exponent,),
+        reads=lambda motion, inputs, at: own(ACCEL_FIRST, share(motion) ** at[0]),
+        confused_with=("lever_arm", "structural_compliance", "accel_nonlinearity"),
+    )  # fmt: skip
+
+
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """Nonlinearity always, rectification where vibration was observed."""
-    shaken = (VIBRATION_RECTIFICATION,) if "vibration" in motion.recorded else ()
-    return (*(accel_nonlinearity(order) for order in ORDERS), *shaken)
+    """Nonlinearity always, rectification where vibration was observed or something turned."""
+    observed = (VIBRATION_RECTIFICATION,) if "vibration" in motion.recorded else ()
+    unobserved = (
+        *(rectification_of_speed(True, exponent) for exponent in EXPONENTS),
+        rectification_of_speed(False, EXPONENTS[-1]),
+    )
+    return (
+        *(accel_nonlinearity(order) for order in ORDERS),
+        *observed,
+        *(unobserved if turned(motion) else ()),
+    )

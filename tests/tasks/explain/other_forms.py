@@ -213,6 +213,67 @@ def rectified_resonance(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
     return on_accelerometers(np.exp(-(((_speed(run) - at) / 0.15) ** 2)) * np.ones(3), signs(rng))
 
 
+def bent_as_a_sine(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    return on_gyros(np.sin(run.rate / rng.uniform(0.6, 1.5)), signs(rng))
+
+
+def compressed(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    return on_gyros(np.tanh(run.rate / rng.uniform(1.0, 3.0)), signs(rng))
+
+
+def dead_band(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """Nothing is read of rates below a threshold, and above it that much less."""
+    least = rng.uniform(0.01, 0.1)
+    return on_gyros(np.clip(run.rate, -least, least), signs(rng))
+
+
+def root_of_rate(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    return on_gyros(np.sign(run.rate) * np.sqrt(np.abs(run.rate)), signs(rng))
+
+
+def bent_force(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    return on_accelerometers(np.tanh(run.force / 8.0), signs(rng))
+
+
+def size_of_force(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """Another scale factor for forces up and down."""
+    return on_accelerometers(np.abs(run.force), signs(rng))
+
+
+def _bent(run: ShortRun, turn: np.ndarray) -> np.ndarray:
+    """What a small rotation (n, 3) of the unit makes of rate and force."""
+    return np.hstack([-np.cross(turn, run.rate), -np.cross(turn, run.force)])
+
+
+def sag(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """A fixture that hangs down: turned in proportion to gravity's torque about its root."""
+    root = rng.standard_normal(3)
+    return _bent(run, np.cross(root, run.force) * rng.uniform(0.5, 1.5, 3))
+
+
+def late_bend(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """Bends with the square of the rate, and creeps there within seconds."""
+    keep = np.exp(-run.step / rng.uniform(1.0, 4.0))
+    matrix = rng.standard_normal((3, 3)) * (1.0 - np.eye(3))
+    return _bent(run, lfilter([1 - keep], [1, -keep], run.rate**2, axis=0) @ matrix)
+
+
+def late_warmth(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """The sensor is warm later than its thermometer."""
+    warm = run.recording.imu.columns["temperature"] - 25.0
+    keep = np.exp(-run.step / rng.uniform(40.0, 150.0))
+    start = np.array([keep * warm[0]])
+    late = lfilter([1 - keep], [1, -keep], warm, zi=start)[0]
+    return late[:, None] * rng.standard_normal(6) * np.repeat([1.0, 10.0], 3)
+
+
+def two_warm_ups(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """The chip within seconds, the housing within minutes."""
+    fast, slow = np.exp(-run.t / rng.uniform(10.0, 25.0)), np.exp(-run.t / rng.uniform(80.0, 200.0))
+    sizes = rng.standard_normal((2, 6)) * np.repeat([1.0, 10.0], 3)
+    return np.column_stack([fast, slow]) @ sizes
+
+
 FORMS: dict[str, dict[str, Form]] = {
     "hysteresis": {f.__name__: f for f in (
         preisach_of_rate, play_of_rate, plays_of_rate, backlash_of_angle, last_turn, fading,
@@ -225,4 +286,11 @@ FORMS: dict[str, dict[str, Form]] = {
     "vibration_rectification": {f.__name__: f for f in (
         rectified, rectified_speed, rectified_square, rectified_resonance,
     )},
+    "gyro_scale_nonlinearity": {f.__name__: f for f in (
+        bent_as_a_sine, compressed, root_of_rate, dead_band,
+    )},
+    "accel_nonlinearity": {f.__name__: f for f in (bent_force, size_of_force)},
+    "structural_compliance": {f.__name__: f for f in (sag, late_bend)},
+    "temperature_bias": {f.__name__: f for f in (late_warmth,)},
+    "thermal_transient": {f.__name__: f for f in (two_warm_ups,)},
 }  # fmt: skip

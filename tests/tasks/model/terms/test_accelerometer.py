@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from table_run import GRAVITY, motion, read
 
-from tasks.model.terms.accelerometer import VIBRATION_RECTIFICATION, accel_nonlinearity
+from tasks.model.terms.accelerometer import (
+    VIBRATION_RECTIFICATION,
+    accel_nonlinearity,
+    rectification_of_speed,
+)
 
 RUN = motion()
 THREE = np.array([1e-3, -2e-3, 3e-3])
@@ -21,3 +25,14 @@ def test_rectification_follows_the_power_of_the_vibration() -> None:
     change = read((VIBRATION_RECTIFICATION,), THREE) - read((), [])
     assert change[:, 3:] == pytest.approx(np.outer(RUN.recorded["vibration"], THREE))
     assert not change[:, :3].any()
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.5])
+def test_rectification_of_what_is_not_seen_follows_a_power_of_the_speed(exponent: float) -> None:
+    top = np.abs(RUN.rate).max()
+    for of_all in (True, False):
+        speeds = np.repeat(np.linalg.norm(RUN.rate, axis=1)[:, None], 3, axis=1)
+        speeds = speeds if of_all else np.abs(RUN.rate)
+        change = read((rectification_of_speed(of_all, exponent),), THREE) - read((), [])
+        assert change[:, 3:] == pytest.approx((speeds / top) ** exponent * THREE)
+        assert not change[:, :3].any()
