@@ -1,13 +1,16 @@
 """What follows the unit's surroundings: temperature, supply."""
 
 import numpy as np
+from scipy.signal import lfilter
 
 from schemas.recording import Recording
 from tasks.model.parameters import DEG, Printed, each_channel, same, triads
 from tasks.model.term import Parameter, SensorTerm, Term
+from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
 REFERENCE = 25.0  # °C
+LATE = 60.0  # s: a sensor behind its thermometer
 TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
 
 
@@ -23,6 +26,30 @@ TEMPERATURE_BIAS = SensorTerm(
     confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
     time_course="drift",
 )  # fmt: skip
+
+
+def late_temperature_bias(seconds: float) -> SensorTerm:
+    """A bias that follows the temperature through a lag: the sensor warms after its thermometer."""
+    return SensorTerm(
+        "temperature_bias", "environment", "sensor",
+        "bᵢ = cᵢ·(T′ − 25 °C), τ·dT′/dt = T − T′", "IEEE Std 1293; IEEE Std 952 (thermal lag)",
+        each_channel("c", *_per("K", 0.01, 0.1)),
+        (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
+        reads=lambda motion, inputs, at: same(
+            _late(motion.recorded["temperature"], motion.interval, at[0]) - REFERENCE
+        ),
+        rarity=4.0, time_course="drift",
+        confused_with=("thermal_transient", "thermal_gradient", "bias_random_walk"),
+    )  # fmt: skip
+
+
+def _late(signal: np.ndarray, step: float, seconds: float) -> np.ndarray:
+    """Signal (n,) through a lag of first order that was in balance before it began."""
+    stays = np.exp(-step / seconds)
+    known = bridged(signal[:, None])[:, 0]
+    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], known, zi=[stays * known[0]])[0])
+
+
 # A scale factor that follows the unit's own temperature.
 TEMPERATURE_SCALE = SensorTerm(
     "temperature_scale", "environment", "sensor",
@@ -66,7 +93,7 @@ def thermal_transient(seconds: float) -> SensorTerm:
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """Biases and scale factors that follow a recorded signal; a warm-up always."""
     by_course: tuple[tuple[str, tuple[Term, ...]], ...] = (
-        ("temperature", (TEMPERATURE_BIAS, TEMPERATURE_SCALE)),
+        ("temperature", (TEMPERATURE_BIAS, late_temperature_bias(LATE), TEMPERATURE_SCALE)),
         ("temperature_rate", (THERMAL_GRADIENT,)),
         ("supply_voltage", (SUPPLY_SENSITIVITY,)),
     )

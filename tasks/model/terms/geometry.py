@@ -9,6 +9,7 @@ from tasks.model.parameters import DEG, OFF_DIAGONAL, each_axis, each_pair, turn
 from tasks.model.term import Inputs, Parameter, Term
 from tasks.model.terms.axes import turned_by
 from tasks.motion.whole import Motion
+from tasks.words import message
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,25 @@ STRUCTURAL_COMPLIANCE = StructuralCompliance(
 
 
 @dataclass(frozen=True)
+class Sag(Term):
+    """The fixture hangs down under its load: a small rotation φ = C·f/g of the body's force f."""
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        turn = motion.up @ values.reshape(3, 3).T
+        change = np.cross(motion.up, motion.rate) @ values.reshape(3, 3).T
+        return turned_by(motion, turn, change, motion.rate)
+
+
+SAG = Sag(
+    "structural_compliance", "geometry", "motion",
+    "φᵢ = Σⱼ C_ij·fⱼ/g; v′ = v − φ×v for rate and force",
+    "small rotation of an elastic fixture; IEEE Std 836", each_pair("C", ("deg/g", DEG, 0.005)),
+    own_title=message("effect-structural-compliance.sag"),
+    confused_with=("axis_wobble", "remount_misalignment", "accel_nonlinearity"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
 class RemountMisalignment(Term):
     """After each re-fixing a constant small rotation against the first fixing."""
 
@@ -108,7 +128,7 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
 
     Without encoders the attitude is the labels', and every position a fixing of its own.
     """
-    turning = (LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE) if turned(motion) else ()
+    turning = (LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE, SAG) if turned(motion) else ()
     fixing = motion.recorded.get("fixing", np.zeros(1))
     refixed = motion.axes is not None and len(_later_fixings(fixing)) > 0
     again = (remount_misalignment(fixing),) if refixed else ()

@@ -16,9 +16,12 @@ from tasks.model.parameters import (
 )
 from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
+from tasks.words import message
 
 ORDERS = (2, 3)
 G2 = DEG * G**2
+DEAD_BAND = 0.05  # rad/s
+THRESHOLD = Parameter("threshold", "r", "deg/s", DEG, (1e-3, 0.5))
 ORDER = Parameter("order", "n", "1", 1.0, (2.0, 3.0))
 
 
@@ -36,6 +39,18 @@ def gyro_scale_nonlinearity(order: int, top: float) -> SensorTerm:
             GYRO_FIRST, inputs.rate ** int(at[0]) / top ** (int(at[0]) - 1)
         ),
         confused_with=("gyro_scale_asymmetry", "gyro_saturation", "structural_compliance"),
+    )  # fmt: skip
+
+
+def gyro_dead_band(threshold: float) -> SensorTerm:
+    """Friction that a rate must overcome: beyond a threshold (rad/s) that much less is read."""
+    return SensorTerm(
+        "gyro_scale_nonlinearity", "gyro", "sensor", "ω′ᵢ = cᵢ·max(−r, min(r, ωᵢ))",
+        "IEEE Std 528 (threshold, dead zone)", each_axis("coefficient", "c", ("1", 1.0, 1.0)),
+        (THRESHOLD,), (threshold,),
+        reads=lambda motion, inputs, at: own(GYRO_FIRST, np.clip(inputs.rate, -at[0], at[0])),
+        own_title=message("effect-gyro-scale-nonlinearity.dead-band"),
+        confused_with=("hysteresis", "gyro_scale_asymmetry"),
     )  # fmt: skip
 
 
@@ -83,7 +98,8 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     if top == 0.0:
         return (GYRO_G2_SENSITIVITY,)
     return (
-        *(gyro_scale_nonlinearity(order, top) for order in ORDERS), GYRO_SCALE_ASYMMETRY,
+        *(gyro_scale_nonlinearity(order, top) for order in ORDERS), gyro_dead_band(DEAD_BAND),
+        GYRO_SCALE_ASYMMETRY,
         GYRO_G2_SENSITIVITY, GYRO_SCALE_G_DEPENDENCE, GYRO_ANGULAR_ACCELERATION,
     )  # fmt: skip
 

@@ -242,7 +242,8 @@ def size_of_force(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
 
 def _bent(run: ShortRun, turn: np.ndarray) -> np.ndarray:
     """What a small rotation (n, 3) of the unit makes of rate and force."""
-    return np.hstack([-np.cross(turn, run.rate), -np.cross(turn, run.force)])
+    faster = np.gradient(turn, run.t, axis=0)
+    return np.hstack([faster - np.cross(turn, run.rate), -np.cross(turn, run.force)])
 
 
 def sag(run: ShortRun, rng: np.random.Generator) -> np.ndarray:

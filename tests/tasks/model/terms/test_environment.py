@@ -10,6 +10,7 @@ from tasks.model.terms.environment import (
     TEMPERATURE_BIAS,
     TEMPERATURE_SCALE,
     THERMAL_GRADIENT,
+    late_temperature_bias,
     thermal_transient,
 )
 from tasks.model.terms.magnetic import candidates, magnetic_sensitivity
@@ -34,6 +35,16 @@ def test_each_channels_scale_follows_the_temperature() -> None:
     ideal = np.hstack([RUN.rate, 9.8 * RUN.up])
     expected = ideal * np.outer(0.2 * T - 3.0, SIX)
     assert added(TEMPERATURE_SCALE, SIX) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_bias_may_follow_the_temperature_late() -> None:
+    warm = RUN.recorded["temperature"]
+    late, step = [warm[0]], T[1] - T[0]
+    for now in warm[1:]:
+        late.append(late[-1] + (1.0 - np.exp(-step / 3.0)) * (now - late[-1]))
+    assert added(late_temperature_bias(3.0), SIX) == pytest.approx(
+        np.outer(np.array(late) - 25.0, SIX), abs=1e-12
+    )
 
 
 def test_a_warm_up_fades_from_the_start_of_the_run() -> None:

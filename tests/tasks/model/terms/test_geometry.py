@@ -6,6 +6,7 @@ from table_run import RATE_HZ, T, attitude, felt, motion, read
 
 from tasks.model.terms.geometry import (
     LEVER_ARM,
+    SAG,
     SIZE_EFFECT,
     STRUCTURAL_COMPLIANCE,
     remount_misalignment,
@@ -48,6 +49,14 @@ def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together() -> None:
     bend = np.column_stack([xy * y + xz * z, yx * x + yz * z, zx * x + zy * y])
     added = read((STRUCTURAL_COMPLIANCE,), values) - read((), [])
     expected = felt(attitude(between={3: bend})) - felt(attitude())
+    assert added[INSIDE] == pytest.approx(expected[INSIDE], abs=3e-7)
+    assert np.abs(added[INSIDE, :3]).max() > 1e-5
+
+
+def test_a_fixture_that_sags_turns_with_the_attitude() -> None:
+    matrix = 1e-5 * np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [2.0, 1.0, -3.0]])
+    added = read((SAG,), matrix.ravel()) - read((), [])
+    expected = felt(attitude(between={3: motion().up @ matrix.T})) - felt(attitude())
     assert added[INSIDE] == pytest.approx(expected[INSIDE], abs=3e-7)
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 

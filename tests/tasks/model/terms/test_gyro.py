@@ -11,6 +11,7 @@ from tasks.model.terms.gyro import (
     GYRO_SCALE_ASYMMETRY,
     GYRO_SCALE_G_DEPENDENCE,
     candidates,
+    gyro_dead_band,
     gyro_scale_nonlinearity,
     top_rate,
 )
@@ -31,6 +32,13 @@ def added(term: Term, values: np.ndarray) -> np.ndarray:
 def test_nonlinearity_is_a_share_of_the_reading_at_the_top_rate(order: int) -> None:
     at_top = added(gyro_scale_nonlinearity(order, 4.0), THREE)
     assert at_top == pytest.approx(4.0 * THREE * (W / 4.0) ** order)
+
+
+def test_a_dead_band_takes_its_threshold_off_faster_rates() -> None:
+    change = added(gyro_dead_band(0.2), THREE)
+    assert change[W > 0.2] == pytest.approx((0.2 * np.ones_like(W) * THREE)[W > 0.2])
+    assert change[np.abs(W) < 0.2] == pytest.approx((W * THREE)[np.abs(W) < 0.2])
+    assert change[W < -0.2] == pytest.approx((-0.2 * np.ones_like(W) * THREE)[W < -0.2])
 
 
 def test_asymmetry_is_half_the_difference_of_both_signs() -> None:
