@@ -1,0 +1,75 @@
+"""`explain` on rough recordings: what has a name can be believed, and the rest has none."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from schemas.recording import Recording
+from storage.formats.folder import read_folder
+from tasks.explain.explain import explain
+from tasks.explain.explanation import UNNAMED, Explanation
+from tasks.model.catalogue import catalogue
+from tasks.motion.whole import whole_motion
+from tasks.words import say
+from tests.shared import shared_path
+
+ROUGH = ("tumvi_room4", "encoder_roll_slow")
+
+
+@cache
+def recording(name: str) -> Recording:
+    return read_folder(shared_path(f"data/rough/{name}"))
+
+
+@cache
+def explained(name: str) -> Explanation:
+    return explain(recording(name))
+
+
+def test_on_a_control_where_nothing_is_missing_nothing_has_a_name() -> None:
+    answer = explained("tumvi_room4")
+    assert [each.effect for each in answer.findings if each.effect != UNNAMED] == []
+    assert answer.verdict == "unexplained"
+    assert (answer.left_over > 2.0).any()
+
+
+def test_a_delay_is_known_as_far_as_its_parts_agree() -> None:
+    """By fifths of the run the gyros are 10 to 12 ms late, whatever the fit of the whole says."""
+    delay = next(e for e in explained("encoder_roll_slow").findings if e.effect == "time_offset")
+    (seconds,) = delay.parameters
+    assert 0.010 < seconds.value < 0.012
+    assert 2.0 * seconds.u > 0.2e-3
+    assert delay.share > 0.5
+
+
+@pytest.mark.parametrize("name", ROUGH)
+def test_every_name_is_plausible_determined_and_gains(name: str) -> None:
+    run = recording(name)
+    terms = {term.name: term for term in catalogue(run, whole_motion(run))}
+    for each in explained(name).findings:
+        assert each.delta_bic > 0.0
+        assert each.held_out_gain > 0.0
+        if each.effect in terms:
+            ranges = {p.name: p.plausible for p in terms[each.effect].parameters}
+            said = [p for p in each.parameters if p.name in ranges]
+            assert all(ranges[p.name][0] <= p.value <= ranges[p.name][1] for p in said)
+            assert any(abs(p.value) > 2.0 * p.u for p in said)
+
+
+@pytest.mark.parametrize("name", ROUGH)
+def test_what_has_no_name_is_called_by_what_it_follows(name: str) -> None:
+    run = recording(name)
+    names = [term.name for term in catalogue(run, whole_motion(run))]
+    answer = explained(name)
+    titles = [say(e.title, "en") for e in (*answer.findings, *answer.small) if e.effect == UNNAMED]
+    assert titles
+    for title in titles:
+        assert not [one for one in names if one in title or one.replace("_", " ") in title]
+
+
+@pytest.mark.parametrize("name", ROUGH)
+def test_evidence_is_bounded_by_what_is_left(name: str) -> None:
+    answer = explained(name)
+    if np.nanmax(answer.left_over) > 30.0:
+        assert all(each.delta_bic < 1e5 for each in answer.findings)
