@@ -6,6 +6,7 @@ from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.impacts import find_impacts
+from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
@@ -33,8 +34,9 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     used = np.where(masked, np.nan, readings)
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
+    jitter = find_jitter(t, readings, motion, predicted, masked)
     lost = find_lost_samples(t, readings, motion, predicted, masked)
-    times = (event for event in (repeats, lost) if event is not None)
+    times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted
     if events:

@@ -13,6 +13,7 @@ events-repeats-interpolated = the { $sensors } lie on the line between their nei
 events-dead-zone = small readings are set to zero: { $limits }
 events-dead-zone-at = { $channel } below { $threshold } ({ $count } readings)
 events-zeroed = in { $rests } rests the means lie nearer to zero than noise lets them, in the { $channels }: the bias was taken off
+events-jitter = the time stamps scatter by { $jitter } ms about even instants, at which the readings were taken
 events-lost-samples = samples are lost and later time stamps slip: { $losses }
 events-lost-samples-at = { $lost } at { $time } s
 events-gaps = the time stamps have { $gaps } gaps, of { $missing } sample intervals in all; the other stamps are right, so that this is no mismatch

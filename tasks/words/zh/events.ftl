@@ -13,6 +13,7 @@ events-repeats-interpolated = { $sensors }有 { $count } 行（{ $share } %）�
 events-dead-zone = 小读数被置零：{ $limits }
 events-dead-zone-at = { $channel }低于 { $threshold }（{ $count } 个读数）
 events-zeroed = 在 { $rests } 段静止中，均值比噪声所允许的更接近零，通道：{ $channels }，说明零偏已被扣除
+events-jitter = 时间戳在均匀采样时刻附近散布 { $jitter } ms，而读数取自均匀时刻
 events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
 events-lost-samples-at = { $time } s 处 { $lost } 个
 events-gaps = 时间戳有 { $gaps } 处间断，共缺 { $missing } 个采样间隔；其余时间戳正确，故不属模型不符

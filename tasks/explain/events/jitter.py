@@ -1,0 +1,122 @@
+"""Time stamps that scatter about the true instants.
+
+A logger that stamps rows when they arrive makes stamps uneven though the sensor samples evenly.
+Uneven stamps alone do not tell: sampling may be uneven and the stamps right. While the motion
+changes, the readings tell: where stamps are off by j, a reading differs by −j·dy/dt from what is
+predicted for its stamp, and where they are right it does not.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.stats import norm
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import CHANNELS, GYROS
+from tasks.explain.events.event import Event
+from tasks.motion.samples import interpolated
+from tasks.motion.whole import Motion
+from tasks.words import message
+
+GAP = 2.5  # sample intervals: rows are missing, and evenness begins anew
+SMOOTH = 101  # rows over which the true instants are even
+LEAST = 1e-6  # s: less is the rounding of stamps in double precision
+NEAR_ONE = 0.15  # how near the share of what the stamps claim must be to one
+SIGNIFICANT = 1e-7
+TRIMMED = 6.0  # times the scatter: rows with more are left out
+
+
+@dataclass(frozen=True)
+class StampJitter(Event):
+    """late: (n,) s by which each stamp is after the true instant."""
+
+    late: np.ndarray
+
+    def sampled_at(self, t: np.ndarray) -> np.ndarray:
+        return t - self.late
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        return interpolated(self.sampled_at(t), t, predicted)
+
+
+def find_jitter(
+    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, masked: np.ndarray
+) -> StampJitter | None:
+    """The jitter of stamps t (n,) s, where readings (n, 6) say that sampling was even.
+
+    predicted: (n, 6) by a plain fit. masked: (n, 6) readings that are not used.
+    """
+    if len(t) < 3 * SMOOTH or not motion.known.any():
+        return None
+    late = _uneven(t)
+    if not np.std(late) > LEAST:
+        return None
+    shares = [
+        estimate
+        for c in range(len(CHANNELS))
+        if (estimate := _share(t, np.where(masked, np.nan, readings)[:, c], predicted[:, c], late))
+    ]
+    if not shares:
+        return None
+    values, weights = np.array([s for s, _ in shares]), np.array([u**-2 for _, u in shares])
+    share = float(values @ weights / weights.sum())
+    u = float(weights.sum() ** -0.5)
+    chi2 = float(((values - share) ** 2 * weights).sum())
+    u *= max(1.0, np.sqrt(chi2 / max(1, len(shares) - 1)))
+    p_value = 2.0 * float(norm.sf(abs(share) / u))
+    if p_value > SIGNIFICANT or abs(share - 1.0) > max(NEAR_ONE, 3.0 * u) or 3.0 * u > 0.5:
+        return None
+    size = float(np.std(late))
+    return StampJitter(
+        "timestamp_jitter", GYROS if np.isfinite(readings[:, :3]).any() else (3, 4, 5),
+        (FoundParameter(name="jitter", value=size, unit="s", u=size * max(u, 0.02)),),
+        p_value, message("events-jitter", jitter=f"{1e3 * size:.3g}"), late,
+    )  # fmt: skip
+
+
+def _uneven(t: np.ndarray) -> np.ndarray:
+    """(n,) s by which stamps are after an even course, between gaps each for itself."""
+    interval = float(np.median(np.diff(t)))
+    late = np.zeros(len(t))
+    edges = [0, *(np.flatnonzero(np.diff(t) > GAP * interval) + 1).tolist(), len(t)]
+    for start, stop in pairwise(edges):
+        if stop - start < SMOOTH:
+            continue
+        rows = np.arange(stop - start)
+        line = np.polyfit(rows, t[start:stop] - t[start], 1)
+        off = t[start:stop] - t[start] - np.polyval(line, rows)
+        course = uniform_filter1d(median_filter(off, SMOOTH, mode="nearest"), SMOOTH)
+        late[start:stop] = off - course
+    return late
+
+
+def _share(
+    t: np.ndarray, reading: np.ndarray, predicted: np.ndarray, late: np.ndarray
+) -> tuple[float, float] | None:
+    """How much of the stamps' unevenness a channel's readings deny, and its standard uncertainty.
+
+    From second differences, in which only what changes from row to row is left.
+    """
+    slope = np.gradient(predicted, t)
+    left = _rough(reading - predicted)
+    column = _rough(-slope * late)
+    known = np.isfinite(left) & np.isfinite(column)
+    if known.sum() < SMOOTH:
+        return None
+    left, column = left[known], column[known]
+    scatter = float(np.median(np.abs(left))) / 0.6745
+    used = np.abs(left) < TRIMMED * scatter + np.abs(column)
+    left, column = left[used], column[used]
+    power = float(column @ column)
+    if power <= 0.0:
+        return None
+    share = float(column @ left) / power
+    # What is left need not scatter alike where the motion changes: the sandwich.
+    u = float(np.sqrt(((column * (left - share * column)) ** 2).sum())) / power
+    return share, u * np.sqrt(2.0)
+
+
+def _rough(values: np.ndarray) -> np.ndarray:
+    return np.asarray(np.diff(values, 2))

@@ -1,0 +1,69 @@
+"""Stamps that scatter are told from sampling that is uneven, and even stamps are left alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from made_up import counted, mean_readings, motion, noisy
+
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
+from tasks.motion.samples import interpolated
+from tasks.motion.whole import Motion
+from tasks.words import texts
+
+MADE = motion()
+COUNT = len(MADE.t)
+
+
+def moved(at: np.ndarray) -> Motion:
+    """The motion at other times than it was made for."""
+    return MADE.mapped(lambda v: interpolated(at, MADE.t, v.reshape(COUNT, -1)).reshape(v.shape))
+
+
+def jitter(size: float, seed: int) -> np.ndarray:
+    return size * np.random.default_rng(seed).standard_normal(COUNT).clip(-3.0, 3.0)
+
+
+def found(t: np.ndarray, readings: np.ndarray) -> Events:
+    """What is found in readings stamped t, beside the motion at these stamps."""
+    events = events_in_readings(t, readings, replace(moved(t), t=t))
+    assert all(all(texts(event.description).values()) for event in events.events)
+    return events
+
+
+@pytest.mark.parametrize("size", [3e-4, 1e-3, 2.5e-3])
+def test_stamps_that_scatter_about_even_sampling_are_told(size: float) -> None:
+    t = MADE.t + jitter(size, 1)
+    events = found(t, counted(noisy(mean_readings(MADE), 2)))
+    assert [event.effect for event in events.events] == ["timestamp_jitter"]
+    (event,) = events.events
+    (parameter,) = event.parameters
+    assert abs(parameter.value - np.std(t - MADE.t)) < 2.0 * parameter.u
+    assert np.std(event.sampled_at(t) - MADE.t) < 0.3 * size
+
+
+def test_stamps_in_whole_milliseconds_scatter() -> None:
+    t = np.round(MADE.t * 1.00037, 3)
+    readings = counted(noisy(mean_readings(moved(MADE.t * 1.00037)), 3))
+    events = found(t, readings)
+    assert [event.effect for event in events.events] in ([], ["timestamp_jitter"])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_uneven_sampling_with_right_stamps_is_no_jitter(seed: int) -> None:
+    t = MADE.t + jitter(1e-3, seed)
+    readings = counted(noisy(mean_readings(moved(t)), seed + 10))
+    assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_even_stamps_do_not_scatter(seed: int) -> None:
+    readings = counted(noisy(mean_readings(MADE), seed + 20))
+    assert found(MADE.t, readings).events == ()
+
+
+def test_a_delay_of_all_stamps_is_no_jitter() -> None:
+    readings = counted(noisy(mean_readings(moved(MADE.t - 0.01)), 30))
+    t = MADE.t + 1e-4 * np.sin(MADE.t)  # a clock that wanders slowly
+    assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
