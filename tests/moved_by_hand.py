@@ -10,12 +10,12 @@ from schemas.recording import Manifest, Recording, Stream
 GRAVITY = 9.81
 SECONDS, RATE, FRAMES = 60.0, 200.0, 120.0  # s, Hz, Hz
 # amplitude, frequency in Hz, phase
-YAW = ((0.9, 0.21, 0.3), (0.35, 0.83, 1.1), (0.12, 1.9, 2.0), (0.01, 4.1, 0.4))
-ROLL = ((0.7, 0.17, 1.9), (0.4, 0.71, 0.2), (0.1, 2.3, 1.0), (0.012, 3.7, 2.2))
+YAW = ((0.9, 0.21, 0.3), (0.35, 0.63, 1.1), (0.12, 1.1, 2.0))
+ROLL = ((0.7, 0.17, 1.9), (0.4, 0.71, 0.2), (0.1, 1.2, 1.0))
 PLACES = (
-    ((0.4, 0.19, 0.0), (0.08, 0.77, 1.0), (0.012, 2.1, 0.5), (0.001, 4.3, 0.1)),
-    ((0.3, 0.23, 1.2), (0.09, 0.66, 0.4), (0.010, 1.8, 2.5), (0.001, 3.9, 1.1)),
-    ((0.2, 0.13, 2.1), (0.07, 0.91, 1.6), (0.011, 2.4, 0.9), (0.001, 4.6, 0.7)),
+    ((0.4, 0.19, 0.0), (0.08, 0.77, 1.0), (0.02, 1.3, 0.5)),
+    ((0.3, 0.23, 1.2), (0.09, 0.66, 0.4), (0.02, 1.2, 2.5)),
+    ((0.2, 0.13, 2.1), (0.07, 0.91, 1.6), (0.02, 1.1, 0.9)),
 )
 
 
@@ -119,3 +119,14 @@ def recording(imu: Stream | None = None, reference: Stream | None = None, **more
         "station": {"id": "s", "gravity_m_s2": GRAVITY, "table_axes": None}, **more,
     })  # fmt: skip
     return Recording(manifest, imu or readings(), reference=reference or poses())
+
+
+def tilted(reference: Stream, angle: float) -> Stream:
+    """The same poses in a room that leans by an angle (rad) about its x axis."""
+    columns = dict(reference.columns)
+    w, x, y, z = (columns[name] for name in ("qw", "qx", "qy", "qz"))
+    c, s = np.cos(0.5 * angle), np.sin(0.5 * angle)
+    columns |= {"qw": c * w - s * x, "qx": c * x + s * w, "qy": c * y - s * z, "qz": c * z + s * y}
+    y, z, c, s = columns["py"], columns["pz"], np.cos(angle), np.sin(angle)
+    columns |= {"py": c * y - s * z, "pz": s * y + c * z}
+    return Stream(reference.t, columns)

@@ -17,16 +17,22 @@ from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.budget import SEARCH_BUDGET, Budget
-from tasks.explain.search.candidates import candidates_of, plausible_half_ranges
+from tasks.explain.search.candidates import (
+    candidates_of,
+    plausible_half_ranges,
+    with_nuisances,
+)
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.fitted import all_fitted, searched, with_delay
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
+from tasks.model.terms.reference_frame import REFERENCE_FRAME
 from tasks.model.terms.timing import TIME_OFFSET
 from tasks.motion.whole import Motion
 from tasks.words import message
 
+OF_TRACKING = (TIME_OFFSET.name, REFERENCE_FRAME.name)  # nuisances of poses
 SEARCH_RATE, REFIT_RATE = 25.0, 50.0  # Hz
 LONG = 1600.0  # s: blocks of a longer run are as much longer, so that it costs no more
 
@@ -55,10 +61,13 @@ def explain(
     tell(progress, "events")
     clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
     clean = clean.less(reference, full)
+    full = clean.as_stamped(full)
     share = min(1.0, LONG / float(full.motion.t[-1]))
     coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
     tell(progress, "candidates")
     candidates, columns = candidates_of(_terms(recording, coarse.motion, only), coarse.motion)
+    if coarse.motion.tracking is not None and only is None:
+        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
     half = plausible_half_ranges(candidates, len(columns))
     design = banded_design(coarse, coarse.readings, columns, half)
     tell(progress, "search")

@@ -5,7 +5,7 @@ near the ends of what was seen without one. The specific force of a body that mo
 positions. Without them it is known where the body rests, and nowhere else.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, Recording, Stream
 from tasks.motion.band import band_edge, derivatives
+from tasks.motion.motion_noise import derivative_gain, taken_away
 from tasks.motion.samples import interpolated
 
 if TYPE_CHECKING:
@@ -34,16 +35,39 @@ SHAKEN = 0.2  # m/s²: scatter that no rest has
 class Tracking:
     """Up to which frequency, Hz, poses tell the attitude and the place of a body.
 
-    place: None where positions were not recorded.
+    place: None where positions were not recorded. interval: s between frames. attitude_variance,
+    place_variance: rad², m² of one frame on one axis, by what the smoothing takes away.
     """
 
     attitude: float
     place: float | None
+    interval: float
+    attitude_variance: float
+    place_variance: float
 
     @property
     def edge(self) -> float:
         """Hz: up to there they tell whatever they tell."""
         return min(self.attitude, self.attitude if self.place is None else self.place)
+
+    def rate_variance(self, width: float) -> float:
+        """(rad/s)² of a rate on one axis, averaged over `width` s."""
+        gain = derivative_gain(1, self.attitude, self.interval, width)
+        return self.attitude_variance * gain
+
+    @property
+    def acceleration_variance(self) -> float:
+        """(rad/s²)² of an angular acceleration on one axis."""
+        return self.attitude_variance * derivative_gain(2, self.attitude, self.interval)
+
+    def force_variance(self, width: float, gravity: float) -> float:
+        """(m/s²)² of a specific force on one axis, averaged over `width` s."""
+        gain = derivative_gain(0, self.attitude, self.interval, width)
+        leaning = gravity**2 * self.attitude_variance * gain
+        if self.place is None:
+            return leaning
+        pushed = derivative_gain(2, self.place, self.interval, width)
+        return leaning + self.place_variance * pushed
 
 
 @dataclass(frozen=True)
@@ -66,13 +90,9 @@ def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> Tracke
     frames = _frames(pose)
     if not frames.spans:
         nothing = np.full((len(at), 3), np.nan)
-        return TrackedMotion(*(nothing,) * 5, tracking=Tracking(np.inf, None))
-    tracking = Tracking(
-        band_edge([each.turned for each in frames.spans], frames.interval),
-        band_edge([each.place for each in frames.spans], frames.interval)
-        if frames.placed
-        else None,
-    )
+        unknown = Tracking(np.inf, None, frames.interval, 0.0, 0.0)
+        return TrackedMotion(*(nothing,) * 5, tracking=unknown)
+    tracking = _tracking(frames)
     courses = np.full((5, len(at), 3), np.nan)
     for stretch in frames.spans:
         margin = MARGIN / tracking.edge
@@ -131,6 +151,23 @@ def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
         turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
         turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
         yield Stretch(t, attitude, turned, interpolated(t, part.t, part.stack(PLACE)))
+
+
+def _tracking(frames: Frames) -> Tracking:
+    attitude, attitude_variance = _smoothing(
+        [each.turned for each in frames.spans], frames.interval
+    )
+    if not frames.placed:
+        return Tracking(attitude, None, frames.interval, attitude_variance, 0.0)
+    place, place_variance = _smoothing([each.place for each in frames.spans], frames.interval)
+    return Tracking(attitude, place, frames.interval, attitude_variance, place_variance)
+
+
+def _smoothing(courses: Sequence[np.ndarray], interval: float) -> tuple[float, float]:
+    """Where the band of courses (n, 3) ends, Hz, and the variance of one sample's noise."""
+    edge = band_edge(courses, interval)
+    rest = np.concatenate([course - derivatives(course, interval, edge)[0] for course in courses])
+    return edge, float((rest**2).mean()) / taken_away(edge, interval)
 
 
 def _within(

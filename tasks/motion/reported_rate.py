@@ -7,6 +7,7 @@ a difference of angles half an interval late; then the angle is what counts.
 
 import numpy as np
 
+from schemas.recording import Stream
 from tasks.motion.samples import in_blocks, noise_by_differences
 
 STEADY = 0.02  # rad/s²: less of it is a dwell at rate
@@ -20,6 +21,15 @@ EVEN = 0.01  # of the interval: stamps that differ by more are not compared
 # the angle's increment over one interval, by the rates at four samples around it
 QUADRATURE = np.array([-1.0, 13.0, 13.0, -1.0]) / 24.0
 ORDER = 3  # of the differences that the noise is read off
+
+
+def reported_rate(table: Stream, axis: str) -> np.ndarray | None:
+    """The rate (n,) rad/s that a table reports of an axis; None where it is not its angle's."""
+    rate = table.columns.get(f"{axis}_rate")
+    if rate is None:
+        return None
+    angle = np.unwrap(table.columns[f"{axis}_angle"])  # an encoder that starts anew each turn
+    return rate if is_rate_of(table.t, angle, rate) else None
 
 
 def is_rate_of(t: np.ndarray, angle: np.ndarray, rate: np.ndarray) -> bool:

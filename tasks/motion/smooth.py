@@ -35,12 +35,10 @@ def smooth_derivatives(
     shape = (len(at), angle.shape[1])
     if len(t) < 3:
         return (np.full(shape, np.nan),) * 3
-    even, thinned = _on_even_grid(t, angle)
+    even, thinned = even_grid(t, angle)
     interval = even[1] - even[0]
-    # Jerks at the ends of ramps are fewer than a tenth of the differences.
-    noise = noise_by_differences(thinned, ORDER, 0.9)
-    slope = _slope_kernel(_half(RATE_WINDOW, interval, len(even)), thinned, noise, interval)
-    rate = _filtered(thinned, slope / interval)
+    noise = _noise(thinned)
+    rate = _filtered(thinned, rate_kernel(thinned, interval) / interval)
     quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
     half = _half(min(quiet, LONGEST_WINDOW), interval, len(even))
     acceleration = _filtered(thinned, _bend_kernel(half) / interval**2)
@@ -50,6 +48,17 @@ def smooth_derivatives(
         for sampled in ((t, angle), (even, rate), (even, acceleration))
     )
     return angle, rate, acceleration
+
+
+def rate_kernel(angle: np.ndarray, interval: float) -> np.ndarray:
+    """Per sample, in symmetric order: what makes the rate of angles (n, k) rad on an even grid."""
+    half = _half(RATE_WINDOW, interval, len(angle))
+    return _slope_kernel(half, angle, _noise(angle), interval)
+
+
+def _noise(angle: np.ndarray) -> float:
+    # Jerks at the ends of ramps are fewer than a tenth of the differences.
+    return noise_by_differences(angle, ORDER, 0.9)
 
 
 def _half(window: float, interval: float, count: int) -> int:
@@ -96,7 +105,7 @@ def _filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     return np.column_stack([np.convolve(c, kernel[::-1], "valid") for c in padded.T])
 
 
-def _on_even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The samples at even times, no more than FINEST a second."""
     steps = np.diff(t)
     interval = float(np.median(steps))  # a lost sample is a long step, not another rate

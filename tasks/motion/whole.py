@@ -14,7 +14,7 @@ import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
 from tasks.motion.pose import POSE, Tracking, tracked_motion
-from tasks.motion.reported_rate import is_rate_of
+from tasks.motion.reported_rate import reported_rate
 from tasks.motion.smooth import smooth_derivatives
 from tasks.motion.table import axis_directions, mount_of
 
@@ -165,8 +165,7 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
         angles = np.unwrap(angles, axis=0)
     angle, speed, change = smooth_derivatives(table.t, angles, at)
     for k, axis in enumerate(axes):
-        reported = table.columns.get(f"{axis.name}_rate")
-        if reported is not None and is_rate_of(table.t, angles[:, k], reported):
+        if (reported := reported_rate(table, axis.name)) is not None:
             known = np.isfinite(speed[:, k])
             speed[:, k] = np.where(known, np.interp(at, table.t, reported), np.nan)
     heading = recording.manifest.station.heading_deg

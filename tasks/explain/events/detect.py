@@ -60,8 +60,11 @@ def events_in_residual(
     t: (n,) s. residual: (n, 6) readings minus `events.applied` to what the fitted model predicts,
     NaN where that is not known. noise: (6,) standard deviation of a sample, for channels whose
     residual does not scatter. motion: at the same rows.
-    What is found adds to what the unit senses, so that it acts before all other events.
+    What is found adds to what the unit senses, so that it acts before all other events. Poses do
+    not tell how a body shakes: what is fast in the residual need not be an error.
     """
+    if motion.tracking is not None:
+        return events
     values = np.where(events.masked, np.nan, residual)
     level = without_dead(noise_by_rate(values, motion))
     level = np.where(level == 0, noise, level)

@@ -28,21 +28,35 @@ def findings_of(
 ) -> list[Finding]:
     """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate.
 
-    ordered: somebody asked for just these terms: they keep the names that they were asked for by,
-    with what speaks against them.
+    A nuisance of every model is one only where the recording determines it. ordered: somebody
+    asked for just these terms: they keep the names that they were asked for by, with what speaks
+    against them.
     """
-    every = range(len(evidence.groups))
-    scrutinies = [Scrutiny.of(evidence, number) for number in every]
+    every = [n for n in range(len(evidence.groups)) if not _only_a_nuisance(evidence, n)]
+    scrutinies = {number: Scrutiny.of(evidence, number) for number in every}
     groups = evidence.groups
     if not ordered:
-        refused = [replace(group, name=UNNAMED) if one.refusal else group
-                   for group, one in zip(groups, scrutinies, strict=True)]  # fmt: skip
-        left = [evidence.scatter.dispersion(number) for number in every]
+        refused = [replace(group, name=UNNAMED) if _refused(scrutinies.get(n)) else group
+                   for n, group in enumerate(groups)]  # fmt: skip
+        left = [evidence.scatter.dispersion(n) for n in range(len(groups))]
         groups = without_leakage(refused, left)
     return [
         _finding(evidence, number, groups[number], scrutinies[number], full, predicted)
         for number in every
     ]
+
+
+def _only_a_nuisance(evidence: Evidence, number: int) -> bool:
+    """Whether it is in every model of such a recording, and this one determines none of it."""
+    if not evidence.groups[number].nuisance:
+        return False
+    refusal = Scrutiny.of(evidence, number).refusal
+    unclear = refusal is not None and refusal.kind == "undetermined"
+    return unclear or evidence.unsupported(number, 1) or evidence.held_out_gain(number) <= 0.0
+
+
+def _refused(scrutiny: Scrutiny | None) -> bool:
+    return scrutiny is not None and scrutiny.refusal is not None
 
 
 def _finding(

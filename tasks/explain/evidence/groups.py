@@ -25,6 +25,11 @@ class FindingGroup:
         return self.selected[0].candidate.prior is not None
 
     @property
+    def nuisance(self) -> bool:
+        """Whether every model of such a recording has it."""
+        return self.selected[0].candidate.nuisance
+
+    @property
     def absorbed_by(self) -> str | None:
         return self.selected[0].absorbed_by
 
@@ -82,6 +87,8 @@ def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
 def _is_leakage(
     group: FindingGroup, gain: float, unnamed: Sequence[tuple[FindingGroup, float]]
 ) -> bool:
+    if group.nuisance:
+        return False
     if any(one.candidate.known or one.absorbed_by is not None for one in group.selected):
         return False
     strongest = max((other for _, other in unnamed), default=0.0)

@@ -15,9 +15,9 @@ def pruned(fit: FittedSelection, trials: int) -> Evidence:
     left, as its evidence is.
     """
     evidence = Evidence.of(fit)
-    chance = [1.0] if evidence.groups else [fit.selection.p_value]
+    chance = [1.0] if _searched(evidence) else [fit.selection.p_value]
     while True:
-        numbers = range(len(evidence.groups))
+        numbers = _searched(evidence)
         chance += [trials * evidence.chance(n) for n in numbers]
         weak = [n for n in numbers if evidence.unsupported(n, trials)]
         if not weak:
@@ -26,3 +26,8 @@ def pruned(fit: FittedSelection, trials: int) -> Evidence:
         evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
     selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
     return replace(evidence, fit=replace(evidence.fit, selection=selection))
+
+
+def _searched(evidence: Evidence) -> list[int]:
+    """The numbers of the findings that are not in every model of such a recording."""
+    return [n for n, group in enumerate(evidence.groups) if not group.nuisance]

@@ -45,11 +45,14 @@ class Blocks:
 def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Blocks:
     """Block means at a rate (Hz), or the rows themselves where they are slower.
 
+    Where poses tell the motion up to some frequency only, blocks are as long as that asks for.
     masked: (n, 6) bool, samples that must not be used.
     Raises Unusable where there are fewer than 200 blocks.
     """
     t = full.motion.t
     own = 1.0 / max(float(np.median(np.diff(t))), 1e-9)
+    if full.motion.tracking is not None:
+        rate = min(rate, 2.0 * full.motion.tracking.edge)
     step = max(1, round(own / rate))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
@@ -67,7 +70,10 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     first = np.minimum(np.searchsorted(block, np.arange(count)), len(block) - 1)
     segment = full.segment[first]
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
-    weight /= np.sqrt(1.0 + _corners(motion) / (full.rest_variance / step))
+    at_rest = full.rest_variance / step
+    weight /= np.sqrt(1.0 + _corners(motion) / at_rest)
+    # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
+    weight /= np.sqrt(1.0 + weight**2 * full.reference_noise.variance(motion, step / own) / at_rest)
     weight[~motion.felt] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
@@ -98,8 +104,10 @@ def _corners(motion: Motion) -> np.ndarray:
     """(n, 6) squared error of a block's rate and force where the motion has a corner.
 
     Samples do not tell when within their interval a table begins to accelerate; a fourth
-    difference is large there and nowhere else.
+    difference is large there and nowhere else. Poses are smoothed and have none.
     """
+    if motion.tracking is not None:
+        return np.zeros((len(motion.t), 6))
     rough = []
     for signal in (motion.rate, motion.force):
         fourth = np.abs(np.diff(bridged(signal), 4, axis=0)).max(axis=1)

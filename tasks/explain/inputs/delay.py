@@ -27,6 +27,8 @@ RANK = 1e-9
 def coarse_delay(full: FullRate, until: float = np.inf) -> float:
     """Seconds by which all stamps are late, to a few milliseconds; 0 where no long one is clear.
 
+    Of poses any delay, however short: half a frame is usual, and known better than a frame.
+
     Integrals of the gyros beside those of the motion's rates; each gyro follows a straight line
     in the three rates, so that scale factors, cross coupling and biases do not matter.
     until: s, what is later is not used, such as stamps after samples were lost.
@@ -51,10 +53,22 @@ def coarse_delay(full: FullRate, until: float = np.inf) -> float:
             return 0.0
         lags = delay + np.linspace(-span, span, LAGS)
         without, *misfits = _misfits(np.append(0.0, lags), t, turned, read, edges, whole)
-        delay = float(lags[int(np.argmin(misfits))])
+        best = int(np.argmin(misfits))
+        delay = float(lags[best])
         span = 0.25 * width
+    if full.motion.tracking is not None:
+        return delay + (lags[1] - lags[0]) * _vertex(misfits, best)
     clear = MIN_DELAY <= abs(delay) <= MAX_DELAY and without > CLEAR * min(misfits)
     return delay if clear else 0.0
+
+
+def _vertex(misfits: list[float], best: int) -> float:
+    """Where a parabola through the least misfit and its neighbours is least, in steps from it."""
+    if not 0 < best < len(misfits) - 1:
+        return 0.0
+    before, least, after = misfits[best - 1 : best + 2]
+    bend = before - 2.0 * least + after
+    return 0.5 * (before - after) / bend if bend > 0 else 0.0
 
 
 def _misfits(

@@ -13,6 +13,7 @@ from tasks.explain.inputs.delay import advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.plain_fit import plain_prediction
+from tasks.motion.samples import interpolated
 
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 
@@ -42,7 +43,16 @@ class Cleaned:
 
     def with_stamps_of(self, full: FullRate) -> "Cleaned":
         """The same readings at the time stamps as they were recorded."""
-        return replace(self, full=replace(self.full, motion=full.motion))
+        return replace(self, full=replace(self.full, motion=self.as_stamped(full).motion))
+
+    def as_stamped(self, full: FullRate) -> FullRate:
+        """What was recorded, with the acceleration that gyros showed `delay` s later."""
+        if full.motion.tracking is None or not self.delay:
+            return full
+        t, known = full.motion.t, np.isfinite(self.full.motion.acceleration).all(axis=1)
+        earlier = interpolated(t, t[known] - self.delay, self.full.motion.acceleration[known])
+        same = np.where(np.isfinite(full.motion.acceleration), earlier, np.nan)
+        return replace(full, motion=replace(full.motion, acceleration=same))
 
 
 def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned:

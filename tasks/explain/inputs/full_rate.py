@@ -7,10 +7,13 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.gyro_acceleration import with_gyro_acceleration
+from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
 from tasks.explain.inputs.reference_remarks import reference_remarks
 from tasks.explain.inputs.sample_noise import noise_by_segment, output_steps
 from tasks.explain.inputs.vibration import vibration
+from tasks.motion.reference_noise import EXACT, ReferenceNoise, reference_noise
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.find import find_segments
 from tasks.words import Sayable
@@ -25,7 +28,7 @@ class FullRate:
     segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) of a
     sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
     read; dithered: (6,) bool, noise is larger, so that means are finer than steps. remarks: on
-    what the reference tells.
+    what the reference tells. reference_noise: errors of what it predicts.
     """
 
     readings: np.ndarray
@@ -36,6 +39,7 @@ class FullRate:
     steps: np.ndarray
     dithered: np.ndarray
     remarks: tuple[Sayable, ...] = ()
+    reference_noise: ReferenceNoise = EXACT
 
     @property
     def rest_variance(self) -> np.ndarray:
@@ -59,7 +63,8 @@ def full_rate(recording: Recording) -> FullRate:
             "explain needs rates or specific forces"
         )
     readings = recording.imu.stack(CHANNELS)
-    motion = whole_motion(recording)
+    recording, on_labels = with_usable_labels(recording)
+    motion = with_gyro_acceleration(whole_motion(recording), readings)
     if not motion.felt.any():
         raise Unusable(
             f"recording {name} tells no motion: no table stream with "
@@ -74,11 +79,13 @@ def full_rate(recording: Recording) -> FullRate:
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
-    remarks = reference_remarks(recording, motion)
+    remarks = (*on_labels, *reference_remarks(recording, motion))
+    noise = reference_noise(recording, motion).since(float(motion.t[0]))
     motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
     return FullRate(
-        readings, motion, segment, segments, variance, *output_steps(readings), remarks=remarks
-    )
+        readings, motion, segment, segments, variance, *output_steps(readings),
+        remarks=remarks, reference_noise=noise,
+    )  # fmt: skip
 
 
 def _median(values: np.ndarray) -> float:

@@ -49,7 +49,8 @@ class Candidate:
     members: numbers of its parameters within the design; own: within the term. trials: how many
     candidates of its name are tried, which it is charged for. prior: of a random drift, whose many
     parameters are charged by their evidence instead. shape_trials: independent times or periods
-    that its shape was the best of. fitted: a fit adjusted its shape.
+    that its shape was the best of. fitted: a fit adjusted its shape. nuisance: it is in every model
+    of such a recording, and not searched for.
     """
 
     term: Term
@@ -59,6 +60,7 @@ class Candidate:
     prior: Prior | None = None
     shape_trials: float = 1.0
     fitted: bool = False
+    nuisance: bool = False
 
     @property
     def name(self) -> str:
@@ -142,6 +144,15 @@ def candidates_of(
     names = [candidate.name for candidate in candidates]
     counted = (replace(candidate, trials=names.count(candidate.name)) for candidate in candidates)
     return tuple(counted), tuple(columns)
+
+
+def with_nuisances(candidates: Sequence[Candidate], names: Sequence[str]) -> list[Candidate]:
+    """The candidates, the first of each of some names a nuisance of every model."""
+    first: dict[str, Candidate] = {}
+    for one in candidates:
+        if one.name in names:
+            first.setdefault(one.name, one)
+    return [replace(one, nuisance=first.get(one.name) is one) for one in candidates]
 
 
 def plausible_half_ranges(candidates: Sequence[Candidate], count: int) -> np.ndarray:

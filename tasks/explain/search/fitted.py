@@ -84,8 +84,9 @@ def searched(
     budget: after which neither goes on. done: is told the share of the searches that are done.
     """
     noises = initial_noises(design)
-    design, candidates = with_proposed_shapes(design, candidates, noises)
-    selection = search(design, candidates, (), noises, budget)
+    nuisances = [one for one in candidates if one.nuisance]
+    design, candidates = with_proposed_shapes(design, candidates, noises, nuisances)
+    selection = search(design, candidates, nuisances, noises, budget)
     fit = FittedSelection.of(selection, blocks, design.blocks.rate)
     for number in range(1, MAX_SEARCHES if selection.selected else 1):
         done(number / MAX_SEARCHES)

@@ -90,7 +90,7 @@ def search(
         if not ranked:
             break
         corrected = min(1.0, ranked[0].p_value * len(candidates))
-        if not selected:
+        if len(selected) == len(start):
             p_value = corrected
         if corrected > FALSE_ALARMS:
             break
@@ -133,7 +133,7 @@ def _revised(
     for _ in range(MAX_EXCHANGES):
         before = [one.key for one in selected]
         for one in list(selected):
-            if one.key not in _keys(selected):
+            if one.nuisance or one.key not in _keys(selected):
                 continue
             rest = [other for other in selected if other.key != one.key]
             ranked = rank(equations, candidates, rest)
@@ -158,6 +158,8 @@ def _with_alternatives(
         ranked = rank(equations, candidates, rest)
         own = next((scored for scored in ranked if scored.candidate.key == one.key), None)
         if own is None:
+            if one.nuisance:
+                found.append(Selected(one, 0.0, 0.0, ()))
             continue
         best: dict[str, ScoredCandidate] = {}
         for other in ranked:

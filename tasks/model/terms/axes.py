@@ -123,8 +123,12 @@ def axis_wobble(per_turn: int) -> AxisWobble:
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """A tilt where a level direction is known; the rest where the table's axes are."""
-    tilt = (AXIS_TILT,) if level_axes(motion) is not None else ()
+    """A tilt where a level direction is known; the rest where the table's axes are.
+
+    The vertical of a room in which a body is tracked is a nuisance of `reference_frame`.
+    """
+    level = level_axes(motion) is not None and motion.tracking is None
+    tilt = (AXIS_TILT,) if level else ()
     axes = motion.axes
     if axes is None:
         return tilt

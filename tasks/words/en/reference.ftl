@@ -4,3 +4,8 @@ reference-smoothed = The poses were smoothed by their own noise: rates are the d
 reference-smoothed-attitude = The poses were smoothed by their own noise: rates are the derivative of the attitude up to { $attitude } Hz. Above, the poses' noise is larger than the motion, and nothing was compared.
 reference-without-positions = The poses have no positions (px, py, pz): the specific force of a body that moves is not known. The accelerometers were compared where it rests, { $percent } % of the time; record positions, too.
 reference-lost = The poses say nothing during { $percent } % of the recording: across more than { $frames } missing frames nothing was interpolated, nor was anything compared.
+reference-labels-against-gravity = Labels that gravity contradicts were left out: { $segments }.
+reference-labels-against-rate = Labels whose rate the { $table ->
+    [yes] encoders contradict
+   *[no] gyros contradict
+} were left out: { $segments }.

@@ -1,0 +1,44 @@
+"""What tracking adds: the vertical of the room in which a body is tracked is not quite upright.
+
+Every recording of a tracked body has some of it: it is fitted in every model of one. So is a turn
+of the tracked body against the unit, which the standard's matrices of both triads absorb whole.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.model.parameters import DEG, single
+from tasks.model.term import Term
+from tasks.model.terms.axes import level_axes
+from tasks.motion.small_rotation import crossed
+from tasks.motion.whole import Motion
+
+
+@dataclass(frozen=True)
+class ReferenceFrame(Term):
+    """The true vertical leans in the tracking system's room by a level vector, always the same.
+
+    Positions are measured in that room: what moves the body stays as it is.
+    """
+
+    def moved(self, motion: Motion, values: np.ndarray) -> Motion:
+        level = level_axes(motion)
+        if level is None:
+            return motion
+        lean = values[0] * level[0] + values[1] * level[1]
+        return replace(motion, up=motion.up - crossed(lean, motion.up))
+
+
+REFERENCE_FRAME = ReferenceFrame(
+    "reference_frame", "table", "motion", "up′ = up − ψ×up, ψ = ψ_E·East + ψ_N·North",
+    "small rotation; IEEE Std 1554",
+    single("tilt_east", "ψ_E", ("deg", DEG, 0.1)) + single("tilt_north", "ψ_N", ("deg", DEG, 0.1)),
+    confused_with=("lever_arm",),
+)  # fmt: skip
+
+
+def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
+    """Of poses alone; a table's axes have terms of their own."""
+    return () if motion.tracking is None else (REFERENCE_FRAME,)

@@ -1,0 +1,61 @@
+"""A tracked body moved by hand: what is the tracking's is not charged to the unit."""
+
+import numpy as np
+import pytest
+
+from schemas.discrepancy import FoundParameter
+from schemas.recording import Recording
+from storage.formats.folder import read_folder
+from tasks.explain.explain import explain
+from tasks.explain.explanation import Explanation
+from tests.moved_by_hand import poses, readings, recording, tilted
+from tests.shared import shared_path
+
+ACCEL = slice(3, 6)
+
+
+def rms(explanation: Explanation, predicted: np.ndarray, read_by: Recording) -> float:
+    names = ("accel_x", "accel_y", "accel_z")
+    left = read_by.imu.stack(names) - predicted[:, ACCEL]
+    return float(np.sqrt(np.nanmean(left**2)))
+
+
+def parameters(explanation: Explanation, effect: str) -> dict[str, FoundParameter]:
+    found = [f for f in (*explanation.findings, *explanation.small) if f.effect == effect]
+    return {one.name: one for f in found for one in f.parameters}
+
+
+def test_a_clean_unit_on_a_body_moved_by_hand_has_no_effects() -> None:
+    explanation = explain(recording())
+    assert [finding.effect for finding in explanation.findings] == []
+
+
+def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
+    arm = (0.03, -0.02, 0.05)
+    explanation = explain(recording(readings(arm=arm), poses(delay=-0.005)))
+    found = parameters(explanation, "time_offset")
+    assert found["seconds"].value == pytest.approx(0.005, abs=3e-4)
+    at = parameters(explanation, "lever_arm")
+    assert [at[f"r_{a}"].value for a in "xyz"] == pytest.approx(arm, abs=3e-3)
+
+
+def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
+    explanation = explain(recording(reference=tilted(poses(), np.radians(0.8))))
+    names = {finding.effect for finding in explanation.findings}
+    assert names <= {"reference_frame"}
+
+
+def test_on_the_tracked_control_nothing_is_named_with_a_share_of_the_mismatch() -> None:
+    control = read_folder(shared_path("data/rough/tumvi_room4"))
+    explanation = explain(control)
+    assert rms(explanation, explanation.nominal, control) < 0.15
+    after = rms(explanation, explanation.found, control)
+    assert after > 0.97 * rms(explanation, explanation.nominal, control)
+
+
+def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_delay() -> None:
+    broad = read_folder(shared_path("data/rough/broad_18"))
+    explanation = explain(broad)
+    assert rms(explanation, explanation.found, broad) < 0.42
+    late = parameters(explanation, "time_offset")["seconds"].value
+    assert late == pytest.approx(0.00415, abs=6e-4)

@@ -1,0 +1,75 @@
+"""Errors of the reference, estimated from itself, against what was put into it."""
+
+import numpy as np
+import pytest
+
+from schemas.recording import Manifest, Recording, Stream
+from tasks.motion.band import derivatives
+from tasks.motion.motion_noise import derivative_gain
+from tasks.motion.reference_noise import reference_noise
+from tasks.motion.whole import whole_motion
+from tests.moved_by_hand import poses, recording
+
+T = np.arange(0.0, 60.0, 0.01)
+TURNING = (T > 20.0) & (T < 40.0)
+WIDTH = 0.04  # s
+
+
+def shaft(angle: np.ndarray) -> Recording:
+    """About a level axis, by an encoder."""
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": "shaft",
+        "unit": {"manufacturer": "", "model": "", "serial": ""},
+        "station": {
+            "id": "s", "gravity_m_s2": 9.8, "table_axes": [{"name": "a", "direction": [1, 0, 0]}],
+        },
+    })  # fmt: skip
+    return Recording(manifest, Stream(T, {}), table=Stream(T, {"a_angle": angle}))
+
+
+def swing() -> np.ndarray:
+    """At rest, then two swings of about 2 s, then at rest."""
+    moved = 0.8 * np.sin(2.0 * np.pi * 0.45 * (T - 20.0)) ** 3
+    return np.where(TURNING, moved, moved[TURNING][-1] * (T >= 40.0))
+
+
+def deviation(run: Recording) -> np.ndarray:
+    motion = whole_motion(run)
+    return np.sqrt(reference_noise(run, motion).variance(motion, WIDTH))
+
+
+def test_an_exact_encoder_has_no_errors() -> None:
+    assert deviation(shaft(swing())).max() < 1e-6
+
+
+def test_the_noise_of_an_encoder_becomes_that_of_mean_rates() -> None:
+    noise = 1e-4 * np.random.default_rng(5).standard_normal(len(T))
+    run, exact = shaft(swing() + noise), whole_motion(shaft(swing()))
+    error = (whole_motion(run).rate - exact.rate)[T < 19.0, 0]
+    means = error[: len(error) // 4 * 4].reshape(-1, 4).mean(axis=1)
+    assert np.median(deviation(run)[:, 0]) == pytest.approx(means.std(), rel=0.4)
+
+
+def test_a_coarse_encoder_is_exact_at_rest_and_uncertain_while_it_turns() -> None:
+    step = np.radians(0.2)
+    coarse = deviation(shaft(np.round(swing() / step) * step))[:, 0]
+    assert coarse[T < 18.0].max() == 0.0
+    assert np.median(coarse[TURNING]) > 0.3 * step / np.sqrt(12.0) / WIDTH
+
+
+def test_the_noise_of_frames_becomes_that_of_rates_and_accelerations() -> None:
+    interval, edge = 1.0 / 120.0, 6.0
+    noise = np.random.default_rng(5).standard_normal((20_000, 3))
+    for order, found in enumerate(derivatives(noise, interval, edge)):
+        variance = derivative_gain(order, edge, interval)
+        assert found[100:-100].var() == pytest.approx(variance, rel=0.1)
+
+
+def test_the_noise_of_poses_is_read_off_what_their_smoothing_takes_away() -> None:
+    motion = whole_motion(recording(reference=poses(4, 2e-4, 1e-4)))
+    tracking = motion.tracking
+    assert np.sqrt(tracking.attitude_variance) == pytest.approx(2e-4, rel=0.2)
+    assert 0.8e-4 < np.sqrt(tracking.place_variance) < 1.6e-4  # with some lost motion
+    variance = reference_noise(recording(), motion).variance(motion, WIDTH)
+    assert variance[0, 0] == pytest.approx(tracking.rate_variance(WIDTH))
+    assert variance[0, 3] == pytest.approx(tracking.force_variance(WIDTH, motion.gravity))
