@@ -19,7 +19,7 @@ from tasks.explain.correction.consequences import Consequences
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.report.next_step import next_of
 from tasks.explain.report.statements import finding_statement, small_statement
-from tasks.explain.report.unnamed import pattern_of, refused, title_of
+from tasks.explain.report.unnamed import pattern_of, refused, setting_suspected, title_of
 from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.version import code_version
@@ -75,6 +75,7 @@ def _published(
     left_over: Mapping[str, float],
     together: Sequence[Consequence],
 ) -> ReportedFinding:
+    unnamed, setting = finding.effect == UNNAMED, setting_suspected(finding, left_over)
     draft = ReportedFinding(
         effect=finding.effect,
         family=finding.family,
@@ -87,15 +88,17 @@ def _published(
         homogeneity_p=finding.homogeneity_p,
         group=finding.group or None,
         common=finding.common,
-        refused=statement(refused(finding.refusal)) if finding.refusal else None,
+        refused=statement(refused(finding.refusal, setting))
+        if finding.refusal and unnamed
+        else None,
         equation=finding.equation,
         source=finding.source,
-        follows=statement(pattern_of(finding)) if finding.effect == UNNAMED else None,
+        follows=statement(pattern_of(finding)) if unnamed else None,
         indistinguishable_from=finding.indistinguishable,
         separating_recording=statement(finding.separated_by) if finding.separated_by else None,
         consequences=consequences,
         verdict_changes=changes,
-        next=statement(next_of(finding, wheres)),
+        next=statement(next_of(finding, wheres, setting)),
         statement=NOT_WRITTEN,
     )
     text = finding_statement(draft, left_over, together)

@@ -75,6 +75,9 @@ def parameter_name(name: str) -> Sayable:
     for kind in ("parameter", "channel", "triad"):
         if known(f"{kind}-{name}"):
             return message(f"{kind}-{name}")
+    channel, _, number = name.rpartition("_")
+    if channel in CHANNELS and number.isdigit():
+        return message("report-factor", channel=channel_title(channel), number=int(number))
     return name if name[1:2] == "_" else name.replace("_", " ")
 
 

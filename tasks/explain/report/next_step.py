@@ -4,26 +4,25 @@ from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title
-from tasks.explain.report.unnamed import far_beyond, usual_cause
+from tasks.explain.report.unnamed import usual_cause
 from tasks.model.effect import next_step, separating_recording
 from tasks.words import Sayable, message
 
 
-def next_of(finding: Finding, places: tuple[Where, ...]) -> Sayable:
+def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayable:
     """What an engineer does next: checks a setting, the fixture, the logger, or records something.
 
-    places: by falling share.
+    places: by falling share. setting: a wrong setting is suspected.
     """
     if finding.effect != UNNAMED:
         return next_step(finding.effect) or finding.separated_by or _by_place(places)
-    return (finding.refusal and _after_refusal(finding.refusal)) or _by_place(places)
+    return (finding.refusal and _after_refusal(finding.refusal, setting)) or _by_place(places)
 
 
-def _after_refusal(refusal: Refusal) -> Sayable | None:
+def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
     if refusal.kind == "implausible":
-        if not far_beyond(refusal):
-            return None
-        return message("report-next-implausible", usual=usual_cause(refusal))
+        cause = usual_cause(refusal)
+        return message("report-next-implausible", usual=cause) if setting else None
     if refusal.kind == "inhomogeneous":
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.discrepancy import Discrepancy
 from tasks.explain.channels import CHANNELS
+from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.report.names import capital, channel_title
-from tasks.explain.report.statements import HIGH
 from tasks.pages.chart import AFTER, BEFORE, FINDINGS, GREY, draw
 from tasks.words import say
 from tasks.words.quantities import chi2, percent
@@ -80,7 +80,9 @@ def _draw_left_over(axes: Any, answer: Discrepancy, rows: int) -> None:
             axes.annotate("not known", (1.0, row + 0.5), xytext=(6, 0), color=GREY, va="center",
                           textcoords="offset points")  # fmt: skip
             continue
-        axes.barh(row + 0.5, value - 1.0, BAR, left=1.0, color=BEFORE if value >= HIGH else AFTER)
+        axes.barh(
+            row + 0.5, value - 1.0, BAR, left=1.0, color=BEFORE if value >= MOSTLY_NOISE else AFTER
+        )
         axes.annotate(chi2(value), (max(value, 1.0), row + 0.5), xytext=(6, 0), va="center",
                       textcoords="offset points")  # fmt: skip
     axes.set_title("Left over: χ² per degree of freedom", fontsize=15, pad=10, x=-0.65)

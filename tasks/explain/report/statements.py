@@ -11,6 +11,8 @@ from schemas.discrepancy import (
 )
 from schemas.text import Statement
 from tasks.explain.correction.consequences import moved_by, shift
+from tasks.explain.evidence.shares import MOSTLY_NOISE
+from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.names import (
     capital,
     channel_title,
@@ -36,8 +38,8 @@ from tasks.words.rounding import USUAL_K
 MAX_PARAMETERS, MAX_PLACES = 3, 2  # in a sentence; tables hold all of them
 MAX_POWER = 100  # a power of ten beyond which the size of a probability says no more
 EVIDENCE = ((10.0, "very-strong"), (6.0, "strong"), (2.0, "some"))  # Kass and Raftery, JASA 90
-HIGH = 1.5  # χ² per degree of freedom of what is left, from which it is said to stay high
 DIFFERENT = 0.01  # probability below which parameters differ from part to part by more than chance
+NO_GAIN = 0.5  # nats; what gains no more on data that the fit did not see is absorbed
 LEAST = 1e-4  # share that is printed: what is found is never nothing
 TAKEN_BACK = 0.5  # of a shift: what the other findings take back, from which the set is told
 
@@ -90,8 +92,14 @@ def where(finding: ReportedFinding) -> Sayable:
 
 
 def why(share: float, evidence: EvidenceFor) -> Message:
-    """Why it is believed: what it removes and predicts, and ΔBIC in plain words."""
+    """Why it is believed: what it removes and predicts, and ΔBIC in plain words.
+
+    What the standard's parameters absorb removes nothing: it shows in their values.
+    """
     gain, bic = evidence.held_out_gain_nats, evidence.delta_bic
+    if share < LEAST and abs(gain) < NO_GAIN:
+        strength = strength_of_evidence(bic)
+        return message("report-why-absorbed", bic=plain(bic), evidence=strength)
     prediction = message("report-not-predicted", nats=plain(gain))
     if gain > 0:
         times = times_more_probable(gain)
@@ -115,7 +123,7 @@ def _stays_high(finding: ReportedFinding, left_over: Mapping[str, float]) -> Say
     located = [place.channel for place in finding.where if place.channel in left_over]
     high = {channel: left_over.get(channel, 0.0) for channel in located or finding.channels}
     channel = max(high, key=lambda each: high[each], default="")
-    if not channel or high[channel] < HIGH:
+    if not channel or high[channel] < MOSTLY_NOISE:
         return ""
     return message("report-stays-high", channel=channel_title(channel), chi2=chi2(high[channel]))
 
@@ -124,7 +132,10 @@ def _homogeneity(finding: ReportedFinding) -> Sayable:
     p = finding.homogeneity_p
     if p is None or finding.refused:
         return ""
-    return message("report-homogeneity", p=probability(p), alike=int(p >= DIFFERENT))
+    return message(
+        "report-homogeneity", p=probability(p), alike=int(p >= DIFFERENT),
+        named=int(finding.effect != UNNAMED),
+    )  # fmt: skip
 
 
 def small_statement(title: Sayable, share: float) -> Message:

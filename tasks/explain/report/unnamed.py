@@ -1,7 +1,10 @@
 """What has no name: what it is called instead, and why a name of the catalogue was refused."""
 
+from collections.abc import Mapping
+
 from tasks.explain.channels import CHANNELS
 from tasks.explain.events.event import channel_names
+from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title, parameter_name
 from tasks.model.effect import effect_name
@@ -28,15 +31,20 @@ def pattern_of(finding: Finding) -> Sayable:
     return message("report-pattern", pattern=finding.title, channels=channels)
 
 
+def setting_suspected(finding: Finding, left_over: Mapping[str, float]) -> bool:
+    """Whether an implausible size is likely to be a setting: many times the limit, and with it
+    next to nothing is left.
+
+    left_over: χ² per degree of freedom of what is left in each channel.
+    """
+    if finding.refusal is None or _times(finding.refusal) < FAR_BEYOND:
+        return False
+    return all(left_over.get(CHANNELS[c], 0.0) < MOSTLY_NOISE for c in finding.channels)
+
+
 def usual_cause(refusal: Refusal) -> Message:
-    """What an implausible size usually means: a wrong setting, where it is far beyond the limit."""
-    kind = USUAL.get(refusal.unit, "scale") if far_beyond(refusal) else "alike"
-    return message("report-usual", kind=kind)
-
-
-def far_beyond(refusal: Refusal) -> bool:
-    """Whether an implausible size is so many times the limit that a setting may be wrong."""
-    return _times(refusal) > FAR_BEYOND
+    """Which setting makes a parameter of this unit implausible."""
+    return message("report-usual", kind=USUAL.get(refusal.unit, "scale"))
 
 
 def _times(refusal: Refusal) -> float:
@@ -45,8 +53,11 @@ def _times(refusal: Refusal) -> float:
     return value / limit if value * limit > 0.0 else 1.0
 
 
-def refused(refusal: Refusal) -> Message:
-    """Why what a finding resembles is not its name, with the numbers that speak against it."""
+def refused(refusal: Refusal, setting: bool) -> Message:
+    """Why what a finding resembles is not its name, with the numbers that speak against it.
+
+    setting: a wrong setting is suspected.
+    """
     arguments = {"effect": effect_name(refusal.name), "parameter": ""}
     if refusal.parameter is not None:
         arguments["parameter"] = parameter_name(refusal.parameter)
@@ -66,5 +77,6 @@ def refused(refusal: Refusal) -> Message:
         return message("report-refused-undetermined", **arguments, **shown)
     return message(
         "report-refused-implausible", **arguments, **shown, larger=int(_times(refusal) > LARGER),
-        times=plain(_times(refusal), 2), usual=usual_cause(refusal),
+        times=plain(_times(refusal), 2),
+        usual=usual_cause(refusal) if setting else message("report-usual", kind="alike"),
     )  # fmt: skip

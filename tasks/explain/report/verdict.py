@@ -9,6 +9,7 @@ from schemas.discrepancy import Detection, Discrepancy, HeldOut, ReportedFinding
 from schemas.recording import MEASURED, TRIADS, Recording
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL, moved_by
+from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.names import (
     channel_title,
@@ -17,11 +18,10 @@ from tasks.explain.report.names import (
     parameter_text,
     shift_text,
 )
-from tasks.explain.report.statements import HIGH, sentences
+from tasks.explain.report.statements import sentences
 from tasks.words import Message, Sayable, clauses, message, statement
 from tasks.words.quantities import chi2, percent, plain, probability, quantities
 
-NOTHING = 0.005  # share that is printed as none
 CLEAR_GAIN = 0.95  # what a residual falls to where it is worth stating
 
 
@@ -48,12 +48,14 @@ def verdict_statement(answer: Discrepancy, recording: Recording) -> Statement:
 def _summary(answer: Discrepancy) -> Message:
     """How much of the mismatch is explained, how much is not, and what to look at first."""
     explained = min(max(answer.explained_share, 0.0), 1.0)
-    without_name = sum(each.share for each in answer.findings if each.effect == UNNAMED)
-    named = max(explained - without_name, 0.0) if without_name else explained
+    unnamed = [finding.share for finding in answer.findings if finding.effect == UNNAMED]
+    without_name = (
+        min(sum(unnamed), explained) if len(unnamed) < len(answer.findings) else explained
+    )
+    kinds = "all" if not unnamed else "none" if len(unnamed) == len(answer.findings) else "some"
     return message(
-        "report-summary", all=percent(explained), named=percent(named),
-        unnamed=percent(explained - named), left=percent(1.0 - explained),
-        kinds=("some" if named > NOTHING else "none") if without_name > NOTHING else "all",
+        "report-summary", all=percent(explained), named=percent(explained - without_name),
+        unnamed=percent(without_name), left=percent(1.0 - explained), kinds=kinds,
         first=_first(answer, 1.0 - explained),
     )  # fmt: skip
 
@@ -74,7 +76,7 @@ def _left_over(answer: Discrepancy) -> Sayable:
     high = tuple(
         message("report-left-in", channel=channel_title(channel), chi2=chi2(value))
         for channel, value in sorted(answer.left_over.items(), key=lambda item: -item[1])
-        if value >= HIGH
+        if value >= MOSTLY_NOISE
     )
     return message("report-left", channels=high) if high else ""
 

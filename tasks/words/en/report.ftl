@@ -17,6 +17,7 @@ report-what = { $title }{ $given ->
         } (k = 2)
     }.
 report-parameter = { $name } = { $size }
+report-factor = factor { $number } of the { $channel }
 parameter-seconds = delay
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
@@ -25,13 +26,17 @@ report-not-predicted = Stretches that the fit did not see are not predicted bett
 report-times = { $number } times
 report-more-than-times = more than { $number } times
 report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
+report-why-absorbed = The standard's parameters absorb it whole: it shows in their values, not in what is left over. ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
 report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence by this measure
 report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise alone: 1): more is missing there. Evidence and U are counted against what is left, and its size may change when that is found.
 report-homogeneity = Its parameters { $alike ->
-        [0] differ between independent parts of the recording by more than chance ({ $p }), but by so little that the name stands; U covers the scatter
+        [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
+            [0] : no law of this form holds throughout, and U covers the scatter
+           *[1] , but by so little that the name stands; U covers the scatter
+        }
        *[1] agree between independent parts of the recording ({ $p })
     }.
 report-group = These make up for each other in this recording, and any of them fits within what is left: { $effects }{ $shared ->
@@ -57,7 +62,7 @@ report-usual = { $kind ->
         [time] a time stamp in another unit (ms for s), or two streams that were not recorded together
         [length] a length in another unit (mm for m), or axes exchanged or inverted
         [angle] an attitude that is stated wrongly, deg for rad, or axes exchanged or inverted
-        [alike] another cause that looks alike
+        [alike] another cause of the same course: a fixture that swings, a filter, a wrong reference
        *[scale] a range or unit set wrong (deg for rad, g for m/s², counts per unit), or axes exchanged or inverted
     }
 report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is not the same throughout: { $parameter } changes from { $smallest } to { $largest } { $parts ->

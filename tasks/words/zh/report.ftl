@@ -17,6 +17,7 @@ report-what = { $title }{ $given ->
         }（k = 2）
     }。
 report-parameter = { $name } = { $size }
+report-factor = { $channel } 的第 { $number } 个系数
 parameter-seconds = 时延
 report-place = { $channel }（{ $share }）：{ $description }
 report-places = 所在：{ $places }。
@@ -25,13 +26,17 @@ report-not-predicted = 未参与拟合的区段预测未见改善（{ $nats } na
 report-times = { $number } 倍
 report-more-than-times = { $number } 倍以上
 report-why = 其消除了高出噪声的失配的 { $share }。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
+report-why-absorbed = 规范模型的参数已将其全部吸收：它体现在参数值中，而不在剩余残差中。ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
 report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有噪声时为 1）：该处尚有其他遗漏。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
-        [0] 的差异虽超出偶然（{ $p }），但很小，名称仍成立；U 已包含该分散性
+        [0] 的差异超出偶然（{ $p }）{ $named ->
+            [0] ：并无处处成立的同一规律，U 已包含该分散性
+           *[1] ，但很小，名称仍成立；U 已包含该分散性
+        }
        *[1] 一致（{ $p }）
     }。
 report-group = 在本次记录中以下效应可相互替代，其中任何一个都能在剩余残差范围内拟合：{ $effects }{ $shared ->
@@ -57,7 +62,7 @@ report-usual = { $kind ->
         [time] 时间戳单位有误（ms 误作 s），或两路数据并非同时记录
         [length] 长度单位有误（mm 误作 m），或坐标轴互换、反向
         [angle] 给定姿态有误、度与弧度混淆，或坐标轴互换、反向
-        [alike] 另有表现相似的原因
+        [alike] 表现相似的其他原因：工装摆动、滤波或参考有误
        *[scale] 量程或单位设置有误（度与弧度、g 与 m/s²、每单位计数），或坐标轴互换、反向
     }
 report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并非处处相同：{ $parameter } { $parts ->

@@ -3,8 +3,9 @@
 import json
 from typing import Any, get_args
 
+import numpy as np
 import pytest
-from made_report import explanation, located, unnamed, where
+from made_report import explanation, finding, located, unnamed, where
 
 from schemas.discrepancy import Dimension, ReportedFinding
 from schemas.text import Statement
@@ -62,9 +63,26 @@ def test_a_size_just_beyond_the_limit_is_no_multiple() -> None:
     found = unnamed(title=BEHAVIOUR, refusal=near)
     told = located(explanation(found, verdict="unexplained"), (where(),)).findings[0]
     assert "9.95 m/s², beyond 9.9 m/s²" in told.statement.en
-    assert "another cause that looks alike" in told.statement.en
+    assert "another cause of the same course" in told.statement.en
     assert "times larger" not in told.statement.en
     assert "range or unit" not in told.next.en
+
+
+def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
+    found = unnamed(title=BEHAVIOUR, refusal=REFUSALS["implausible"], channels=(0, 1, 2))
+    left = np.array([728.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    explained = explanation(found, verdict="unexplained", left_over=left)
+    told = located(explained, (where("gyro_x", 1.0),)).findings[0]
+    assert "36 times larger" in told.statement.en
+    assert "another cause of the same course" in told.statement.en
+    assert "range or unit" not in told.statement.en
+
+
+def test_a_name_that_was_ordered_stands_and_is_not_refused() -> None:
+    ordered = finding(refusal=REFUSALS["undetermined"])
+    told = located(explanation(ordered), (where(),)).findings[0]
+    assert told.effect == "axis_tilt"
+    assert told.refused is None
 
 
 def test_what_changes_from_part_to_part_is_told_with_its_sizes() -> None:
@@ -105,7 +123,7 @@ def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
 def test_every_circumstance_has_its_next_step(dimension) -> None:
     places = (where(dimension=dimension),)
     elsewhere = (where(dimension="level" if dimension != "level" else "rate"),)
-    assert texts(next_of(unnamed(), places)) != texts(next_of(unnamed(), elsewhere))
+    assert texts(next_of(unnamed(), places, False)) != texts(next_of(unnamed(), elsewhere, False))
 
 
 @pytest.mark.parametrize("parts", get_args(Partition))
