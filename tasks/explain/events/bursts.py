@@ -29,7 +29,7 @@ MAX_TIMES = 8  # that are listed
 
 
 def find_bursts(residual: Residual, start: float = 0.0) -> AddedSignal | None:
-    """Bursts in a residual; start: its t = 0 on the recording's own clock, s."""
+    """Bursts in a residual; start: of t = 0 on the recording's own clock, s."""
     if len(residual.t) < MIN_ROWS:
         return None
     blocks = _block_means(residual)

@@ -19,11 +19,14 @@ from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 
 
-def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Events:
+def events_in_readings(
+    t: np.ndarray, readings: np.ndarray, motion: Motion, start: float = 0.0
+) -> Events:
     """Events that disturb a regression: rows repeated or lost, limits, dead zone, steps, spikes.
 
     t: (n,) s, rising. readings: (n, 6) rad/s and m/s² at the unit's full sample rate, NaN where a
-    triad was not recorded. motion: at the same rows, NaN where it is not known.
+    triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
+    on the recording's own clock, s.
     """
     quantisers = [quantiser_of(column) for column in readings.T]
     repeats, repeated = find_repeats(readings, motion, quantisers)
@@ -35,7 +38,7 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
     jitter = find_jitter(t, readings, motion, predicted, masked)
-    lost = find_lost_samples(t, readings, motion, predicted, masked)
+    lost = find_lost_samples(t, readings, motion, predicted, masked, start)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)
     residual = readings - predicted
@@ -53,13 +56,19 @@ def events_in_readings(t: np.ndarray, readings: np.ndarray, motion: Motion) -> E
 
 
 def events_in_residual(
-    events: Events, t: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
+    events: Events,
+    t: np.ndarray,
+    residual: np.ndarray,
+    noise: np.ndarray,
+    motion: Motion,
+    start: float = 0.0,
 ) -> Events:
     """The events found before a regression, and lines, impacts and bursts in its residual.
 
     t: (n,) s. residual: (n, 6) readings minus `events.applied` to what the fitted model predicts,
     NaN where that is not known. noise: (6,) standard deviation of a sample, for channels whose
-    residual does not scatter. motion: at the same rows.
+    residual does not scatter. motion: at the same rows. start: of t = 0 on the
+    recording's own clock, s.
     What is found adds to what the unit senses, so that it acts before all other events. Poses do
     not tell how a body shakes: what is fast in the residual need not be an error.
     """
@@ -77,6 +86,6 @@ def events_in_residual(
         left = left.without(impacts)
         lines = find_lines(left)
     nonlinear = tuple(c for event in events.events if not event.linear for c in event.channels)
-    bursts = find_bursts(left.without(*lines).without_channels(nonlinear))
+    bursts = find_bursts(left.without(*lines).without_channels(nonlinear), start)
     transients = tuple(event for event in (impacts, bursts) if event is not None)
     return Events((*lines, *transients, *events.events), events.masked, events.remarks)

@@ -98,9 +98,12 @@ class Events:
 
 def channel_names(channels: tuple[int, ...]) -> Argument:
     """The channels as an argument of a message: a whole triad by its name, others one by one."""
-    if channels in TRIADS:
-        return TRIAD_NAMES[TRIADS.index(channels)]
-    return tuple(message(f"channel-{CHANNELS[channel]}") for channel in channels)
+    names: list[Message] = []
+    for triad, name in zip(TRIADS, TRIAD_NAMES, strict=True):
+        own = tuple(channel for channel in channels if channel in triad)
+        each = [message(f"channel-{CHANNELS[channel]}") for channel in own]
+        names += [name] if own == triad else each
+    return tuple(names)
 
 
 def significant_channels(size: np.ndarray, least: float) -> tuple[int, ...]:

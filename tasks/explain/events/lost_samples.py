@@ -25,6 +25,7 @@ from tasks.model.plain_fit import plain_prediction
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
+from tasks.words.quantities import moment
 
 FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
 GAP = 1.5  # sample intervals between two stamps, from which rows are missing
@@ -47,11 +48,17 @@ class LostSamples(Event):
 
 
 def find_lost_samples(
-    t: np.ndarray, readings: np.ndarray, motion: Motion, predicted: np.ndarray, masked: np.ndarray
+    t: np.ndarray,
+    readings: np.ndarray,
+    motion: Motion,
+    predicted: np.ndarray,
+    masked: np.ndarray,
+    start: float = 0.0,
 ) -> LostSamples | None:
     """Losses that the stamps do not show.
 
-    predicted: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs.
+    predicted: (n, 6) by a plain fit. masked: (n, 6) readings that a limit disturbs. start: of
+    t = 0 on the recording's own clock, s.
     """
     if len(t) < 3 or not motion.known.any():
         return None
@@ -73,7 +80,7 @@ def find_lost_samples(
             late = interpolated(t + steps.delay(t) * interval, t, predicted)
             noise = noise_by_rate(used - late, motion)
         variance = noise**2 + (2 * MODEL_U * slope) ** 2
-        event = _event(t, interval, used, predicted, variance, steps)
+        event = _event(t, interval, used, predicted, variance, steps, start)
         shift = event.applied(t, predicted) - predicted
         predicted = plain_prediction(readings - np.nan_to_num(shift), motion, masked)
     return event
@@ -81,7 +88,7 @@ def find_lost_samples(
 
 def _event(
     t: np.ndarray, interval: float, readings: np.ndarray, predicted: np.ndarray,
-    variance: np.ndarray, steps: Staircase,
+    variance: np.ndarray, steps: Staircase, start: float,
 ) -> LostSamples:  # fmt: skip
     """Each jump of the staircase, placed by all rows (n, 6) of the two windows beside it."""
     times, losses, parameters, texts = [], [], list[FoundParameter](), []
@@ -104,9 +111,11 @@ def _event(
         losses.append(lost)
         parameters += [
             FoundParameter(name=f"lost_{len(times)}", value=lost, unit="1", u=steps.u),
-            FoundParameter(name=f"time_{len(times)}", value=time, unit="s", u=u),
+            FoundParameter(name=f"time_{len(times)}", value=start + time, unit="s", u=u),
         ]
-        texts.append(message("events-lost-samples-at", lost=f"{lost:.0f}", time=f"{time:.1f}"))
+        texts.append(
+            message("events-lost-samples-at", lost=f"{lost:.0f}", time=moment(start + time))
+        )
     return LostSamples(
         "dropped_samples", EVERY, tuple(parameters), float(chi2.sf(steps.gain, 2 * len(times))),
         message("events-lost-samples", losses=tuple(texts)), np.array(times), np.array(losses),

@@ -47,7 +47,7 @@ def explanation_of(
         nominal = reference.readings
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
-    events = events_in_residual(events, t, residual, noise, full.motion)
+    events = events_in_residual(events, t, residual, noise, full.motion, full.start)
     every = LeftOver.of(full, nominal, events.applied(t, predicted), events.masked)
     artefacts, events = event_findings(events, full, predicted, every)
     found = events.applied(t, predicted)

@@ -79,7 +79,7 @@ def _finding(
         equation=first.equation,
         source=first.source,
         channels=_channels(contribution, full.rest_variance),
-        parameters=_parameters(evidence, number, scrutiny),
+        parameters=_parameters(evidence, number, scrutiny, full.start),
         contribution=contribution,
         gain=gain,
         delta_bic=gain if soaked_up else evidence.delta_bic(number),
@@ -119,8 +119,13 @@ def _channels(contribution: np.ndarray, variance: np.ndarray) -> tuple[int, ...]
     return tuple(np.flatnonzero((power > MIN_SHARE * power.sum()) | (moving > MOVING)).tolist())
 
 
-def _parameters(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
-    """With U that covers what is left and what the parts of the recording differ by."""
+def _parameters(
+    evidence: Evidence, number: int, scrutiny: Scrutiny, start: float
+) -> tuple[FoundParameter, ...]:
+    """With U that covers what is left and what the parts of the recording differ by.
+
+    start: of the engine's t = 0 on the recording's own clock, s.
+    """
     group, model = evidence.groups[number], evidence.fit.model
     if group.random:
         return ()
@@ -139,6 +144,7 @@ def _parameters(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[Fo
             if 0.0 < u < largest:
                 found.append(_in_si(parameter, float(model.values[p]), u))
         for shape, value in zip(term.shapes, term.at, strict=True):
+            value += start if shape.name == "time" else 0.0
             found.append(_in_si(shape, value, float(spread * (model.shape_u[k] or 0.0))))
     return tuple(found)
 

@@ -73,7 +73,7 @@ def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned
 
 def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:
     rows = full_rate(advanced(recording, delay)) if delay else full
-    return rows, events_in_readings(rows.motion.t, rows.readings, rows.motion)
+    return rows, events_in_readings(rows.motion.t, rows.readings, rows.motion, rows.start)
 
 
 def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:

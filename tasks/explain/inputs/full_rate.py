@@ -27,8 +27,9 @@ class FullRate:
 
     segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) of a
     sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
-    read; dithered: (6,) bool, noise is larger, so that means are finer than steps. remarks: on
-    what the reference tells. reference_noise: errors of what it predicts.
+    read; dithered: (6,) bool, noise is larger, so that means are finer than steps. start: of the
+    motion's t = 0 on the recording's own clock, s. remarks: on what the reference tells.
+    reference_noise: errors of what it predicts.
     """
 
     readings: np.ndarray
@@ -38,6 +39,7 @@ class FullRate:
     segment_variance: np.ndarray
     steps: np.ndarray
     dithered: np.ndarray
+    start: float = 0.0
     remarks: tuple[Sayable, ...] = ()
     reference_noise: ReferenceNoise = EXACT
 
@@ -80,11 +82,12 @@ def full_rate(recording: Recording) -> FullRate:
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
     remarks = (*on_labels, *reference_remarks(recording, motion))
-    noise = reference_noise(recording, motion).since(float(motion.t[0]))
-    motion = replace(motion, t=motion.t - motion.t[0], recorded=recorded)
+    start = float(motion.t[0])
+    noise = reference_noise(recording, motion).since(start)
+    motion = replace(motion, t=motion.t - start, recorded=recorded)
     return FullRate(
-        readings, motion, segment, segments, variance, *output_steps(readings),
-        remarks=remarks, reference_noise=noise,
+        readings, motion, segment, segments, variance, *output_steps(readings), start, remarks,
+        noise,
     )  # fmt: skip
 
 

@@ -16,7 +16,10 @@ events-zeroed = in { $rests } rests the means lie nearer to zero than noise lets
 events-jitter = the time stamps scatter by { $jitter } ms about even instants, at which the readings were taken
 events-lost-samples = samples are lost and later time stamps slip: { $losses }
 events-lost-samples-at = { $lost } at { $time } s
-events-gaps = the time stamps have { $gaps } gaps, of { $missing } sample intervals in all; the other stamps are right, so that this is no mismatch
+events-gaps = the time stamps have { $gaps ->
+        [one] { $gaps } gap
+       *[other] { $gaps } gaps
+    }, of { $missing } sample intervals in all; the other stamps are right, so that this is no mismatch
 events-spikes = { $count } single readings stand out from their neighbours by more than { $threshold } times the noise, in the { $channels }
 events-spikes-in-rotation = { events-spikes }, only while the table turns
 events-mains = mains pick-up of { $frequency } Hz, seen at { $lines }, in the { $channels }

@@ -12,7 +12,7 @@ from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
 from tasks.motion.whole import Motion, TableAxes
-from tasks.words import texts
+from tasks.words import say, texts
 
 
 def _detected(made: Motion, left: np.ndarray) -> Events:
@@ -149,6 +149,17 @@ def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common() -> None
     assert _value(event, "decay") == pytest.approx(1.1, rel=0.3)
     added = event.applied(made.t, np.zeros((len(made.t), 6)))
     assert ((added - bursts) ** 2).sum() < 0.2 * (bursts**2).sum()
+
+
+def test_bursts_are_told_on_the_clock_of_the_recording() -> None:
+    made = motion(minutes=10.0)
+    wave = np.array([0, 4e-3, 2e-3j, 0, 0, 0])
+    left = _noise(made, 25) + _rung(
+        made, np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6]), wave, 2.3, 1.1
+    )
+    none = Events((), np.zeros(left.shape, bool))
+    (event,) = events_in_residual(none, made.t, left, SIGMA, made, start=1.6e9).events
+    assert "at 1600000053, 1600000112, " in say(event.description, "en")
 
 
 def test_what_swings_after_every_move_is_no_burst() -> None:

@@ -7,6 +7,7 @@ from tasks.explain.events.delays import delays_by_grid, oscillates
 from tasks.explain.events.lost_samples import LostSamples, find_lost_samples
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
+from tasks.words import say
 
 T = np.arange(0.0, 64.0, 0.01)
 NOISE = 0.02  # rad/s
@@ -35,10 +36,10 @@ def read(lost: float, at: float) -> np.ndarray:
     return noise
 
 
-def losses(readings: np.ndarray) -> LostSamples | None:
+def losses(readings: np.ndarray, start: float = 0.0) -> LostSamples | None:
     motion, masked = shaft(), np.zeros((len(T), 6), bool)
     predicted = plain_prediction(readings, motion, masked)
-    return find_lost_samples(T, readings, motion, predicted, masked)
+    return find_lost_samples(T, readings, motion, predicted, masked, start)
 
 
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])
@@ -47,6 +48,14 @@ def test_lost_samples_are_counted_across_periods_of_a_resonance(lost: int) -> No
     assert found is not None
     assert found.lost.tolist() == [lost]
     assert found.times == pytest.approx([31.0], abs=0.05)
+
+
+def test_times_are_told_on_the_clock_of_the_recording() -> None:
+    found = losses(read(9, 31.0), start=5000.0)
+    assert found is not None
+    told = {each.name: each.value for each in found.parameters}
+    assert told["time_1"] == pytest.approx(5031.0, abs=0.05)
+    assert "at 5031 s" in say(found.description, "en")
 
 
 def test_a_constant_delay_is_no_loss() -> None:

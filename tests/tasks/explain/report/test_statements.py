@@ -7,6 +7,7 @@ from made_report import BIAS, CHANGE, TILT, answer, explanation, finding, locate
 from schemas.discrepancy import Discrepancy, FoundParameter, VerdictChange
 from schemas.text import Statement
 from tasks.explain.correction.consequences import OVERALL
+from tasks.explain.report.names import parameter_name
 from tasks.explain.report.statements import strength_of_evidence, times_more_probable
 from tasks.model.effect import effect_name
 from tasks.words import say
@@ -146,6 +147,14 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
     en, zh = texts(answer(explanation(finding(parameters=many))))
     assert "c_9 = 9.0 ± 2.0, c_8 = 8.0 ± 2.0, c_7 = 7.0 ± 2.0, and 6 more (k = 2)" in en
     assert "，另有 6 个参数（k = 2）" in zh
+
+
+def test_parameters_are_called_by_channel_triad_or_symbol() -> None:
+    named = {
+        "gyro_x": "gyro x", "accel": "accelerometers", "seconds": "delay", "r_x": "r_x",
+        "accel_y_3": "factor 3 of the accelerometer y", "vertical_rate": "vertical rate",
+    }  # fmt: skip
+    assert {name: say(parameter_name(name), "en") for name in named} == named
 
 
 def test_words_of_evidence_follow_its_size() -> None:

@@ -84,6 +84,19 @@ def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
     assert told.homogeneity_p == p
 
 
+def test_a_pattern_that_differs_from_part_to_part_is_no_law() -> None:
+    told = answer(explanation(unnamed(homogeneity_p=1e-5), verdict="unexplained")).findings[0]
+    assert "no law of this form holds throughout" in told.statement.en
+    assert "name stands" not in told.statement.en
+
+
+def test_what_the_standards_parameters_absorb_is_told_as_that() -> None:
+    told = answer(explanation(finding(share=0.0, held_out_gain=1e-7))).findings[0].statement
+    assert "absorb it whole" in told.en
+    assert "times as probable" not in told.en
+    assert "全部吸收" in told.zh
+
+
 def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
     group = ("time_offset", "bandwidth")
     made = finding(effect="time_offset", group=group, indistinguishable=("bandwidth",),
