@@ -22,7 +22,7 @@ from tasks.model.regression import Scores, Whiten, inverse
 from tasks.model.term import Column
 from tasks.motion.whole import Motion
 
-MAX_CHORDS = 12  # steps with the same columns
+MAX_CHORDS = 4  # steps with the same columns: of more the columns are too old
 
 
 @dataclass(frozen=True)

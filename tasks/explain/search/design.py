@@ -37,16 +37,17 @@ ABSORBED = 1e-6  # of a column's power: less than this is left of it by the stan
 class ChannelDesign:
     """One channel: which parameters (k,) it reads; transformed base (b, n) and reading (n,).
 
-    rows: (b + k + 1, n) base, columns and reading in single precision, divided by `size`
-    (b + k + 1,); basis: (b, n) orthonormal rows of what was projected out, not transformed.
-    grams: (bands, b + k + 1, b + k + 1) in the order of the rows.
+    rows: b + k + 1 of (n,), base, columns and reading in single precision, divided by `size`
+    (b + k + 1,); designs that differ in a few share the others. basis: (b, n) orthonormal rows of
+    what was projected out, not transformed. grams: (bands, b + k + 1, b + k + 1) in the order of
+    the rows, in their precision.
     """
 
     which: np.ndarray
     base: np.ndarray
     reading: np.ndarray
     grams: np.ndarray
-    rows: np.ndarray
+    rows: tuple[np.ndarray, ...]
     size: np.ndarray
     basis: np.ndarray
 
@@ -113,8 +114,9 @@ def _channel_design(
         rest = _projected(weighted(signals[first : first + TOGETHER], weight), basis)
         parts.append(_at_unit_size(rest))
     rows, size = (np.concatenate(each) for each in zip(*parts, strict=True))
-    grams = _products(rows, rows, bands) * size[:, None] * size
-    return ChannelDesign(which, transformed(stack), transformed(rest[-1]), grams, rows, size, basis)
+    grams = _products(rows, rows, bands, size, size)
+    base, reading = transformed(stack), transformed(rest[-1])
+    return ChannelDesign(which, base, reading, grams, tuple(rows), size, basis)
 
 
 def with_columns(
@@ -153,13 +155,15 @@ def _with_columns(
         return channel
     rest = _projected(weighted(signals, design.blocks.weight[:, number]), channel.basis)
     new, new_size = _at_unit_size(rest)
-    rows, size, grams = channel.rows.copy(), channel.size.copy(), channel.grams.copy()
-    rows[at], size[at] = new, new_size
-    crossed = _products(new, rows, design.bands) * new_size[:, None] * size
+    rows, size, grams = list(channel.rows), channel.size.copy(), channel.grams.copy()
+    size[at] = new_size
+    for place, row in zip(at, new, strict=True):
+        rows[place] = row
+    crossed = _products(new, np.array(rows), design.bands, new_size, size)
     grams[:, at, :] = crossed
     grams[:, :, at] = crossed.transpose(0, 2, 1)
     reading = channel.reading if readings is None else transformed(rest[-1])
-    return replace(channel, reading=reading, grams=grams, rows=rows, size=size)
+    return replace(channel, reading=reading, grams=grams, rows=tuple(rows), size=size)
 
 
 def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
@@ -180,10 +184,13 @@ def _at_unit_size(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return transformed((stack / size[:, None]).astype(np.float32)), size
 
 
-def _products(some: np.ndarray, others: np.ndarray, bands: Bands) -> np.ndarray:
-    """(bands, k, m) products of rows (k, n) and (m, n) within each band."""
+def _products(
+    some: np.ndarray, others: np.ndarray, bands: Bands, size: np.ndarray, other_size: np.ndarray
+) -> np.ndarray:
+    """(bands, k, m) products of rows (k, n) and (m, n) times their sizes within each band."""
     pairs = zip(bands.edges[:-1], bands.edges[1:], strict=True)
-    return np.stack([some[:, a:b] @ others[:, a:b].T for a, b in pairs]).astype(float)
+    scale = (size[:, None] * other_size).astype(np.float32)
+    return np.stack([some[:, a:b] @ others[:, a:b].T * scale for a, b in pairs])
 
 
 def normal_equations(design: BandedDesign, noises: Sequence[Noise]) -> NormalEquations:
