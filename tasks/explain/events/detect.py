@@ -29,10 +29,10 @@ def events_in_readings(
     on the recording's own clock, s.
     """
     quantisers = [quantiser_of(column) for column in readings.T]
-    repeats, repeated = find_repeats(readings, motion, quantisers)
+    repeats = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
     zone, zeroed = find_dead_zone(readings, motion, quantisers)
-    masked |= repeated | zeroed
+    masked |= zeroed
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():

@@ -34,24 +34,26 @@ BETTER = 0.7  # of the misfit: what the right one of two clocks leaves at most
 
 @dataclass(frozen=True)
 class RepeatedSamples(Event):
-    """slipped: (n,) s by which stamps are late where rows were doubled; zero where held."""
+    """source: (n, 6) the row whose reading each one holds, or its own. slipped: (n,) s by which
+    stamps are late where rows were doubled; zero where they were held.
+    """
 
+    source: np.ndarray
     slipped: np.ndarray
 
     def sampled_at(self, t: np.ndarray) -> np.ndarray:
         return t - self.slipped
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        return interpolated(self.sampled_at(t), t, predicted) if self.slipped.any() else predicted
+        if self.slipped.any():
+            return interpolated(self.sampled_at(t), t, predicted)
+        return np.take_along_axis(predicted, self.source, axis=0)
 
 
 def find_repeats(
     readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
-) -> tuple[RepeatedSamples | None, np.ndarray]:
-    """Rows of readings (n, 6) that repeat others, and which (n, 6) bool say nothing of their own.
-
-    quantisers: of each channel.
-    """
+) -> RepeatedSamples | None:
+    """Rows of readings (n, 6) that repeat others; quantisers: of each channel."""
     held, between = (np.zeros(readings.shape, bool) for _ in range(2))
     size = np.nan_to_num(np.nanmax(np.abs(np.diff(readings, axis=0)), axis=0, initial=0.0))
     steps = np.array([0.0 if q is None else q.step for q in quantisers])
@@ -66,9 +68,8 @@ def find_repeats(
         straight = _between(motion.t, readings[:, own], steps[own]) & ~known
         between[:, own] |= straight[:, None]
     if not (held.any() or between.any()):
-        return None, held
-    slipped = _slipped(readings, motion, held)
-    return _event(held, between, slipped), held | between
+        return None
+    return _event(held, between, _slipped(readings, motion, held))
 
 
 def _held(readings: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -159,6 +160,8 @@ def _at(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 def _event(held: np.ndarray, between: np.ndarray, slipped: np.ndarray) -> RepeatedSamples:
     parameters, texts, channels = [], [], []
+    own_row = np.arange(len(held))[:, None]
+    source = np.maximum.accumulate(np.where(held, 0, own_row), axis=0)
     for triad, own in enumerate(TRIADS):
         for kind, rows in (("held", held[:, own[0]]), ("interpolated", between[:, own[0]])):
             if not rows.any():
@@ -177,5 +180,5 @@ def _event(held: np.ndarray, between: np.ndarray, slipped: np.ndarray) -> Repeat
             channels += [c for c in own if c not in channels]
     return RepeatedSamples(
         "repeated_samples", tuple(channels), tuple(parameters), SIGNIFICANT,
-        message("events-repeats", kinds=tuple(texts)), slipped,
+        message("events-repeats", kinds=tuple(texts)), source, slipped,
     )  # fmt: skip
