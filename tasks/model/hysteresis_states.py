@@ -4,6 +4,8 @@ drive: (n,); NaN counts as no motion. Each state lies between −1 and 1, starts
 value while the drive stands still.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.signal import lfilter
 
@@ -69,17 +71,23 @@ def last_peak(speed: np.ndarray, still: float) -> np.ndarray:
 
 def stopped(drive: np.ndarray, radius: float) -> np.ndarray:
     """The drive less its play of width 2·radius, over the radius (Prandtl's stop operator)."""
+    return _stopped(np.ascontiguousarray(drive, float).tobytes(), radius)
+
+
+@lru_cache(maxsize=64)  # a fit asks for the same drives and radii at each of its steps
+def _stopped(drive_bytes: bytes, radius: float) -> np.ndarray:
+    """(n,), not to be written to."""
+    drive = np.frombuffer(drive_bytes)
     rows = np.flatnonzero(np.isfinite(drive))
     found = np.zeros(len(drive))
-    if not len(rows):
-        return found
     values = drive[rows].tolist()
-    state, before, states = 0.0, values[0], []
+    state, before, states = 0.0, values[0] if values else 0.0, []
     for value in values:  # a state that is clipped row by row has no closed form
         state = min(max(state + value - before, -radius), radius)
         before = value
         states.append(state)
     found[rows] = np.array(states) / radius
+    found.flags.writeable = False
     return found
 
 
