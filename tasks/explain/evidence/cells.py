@@ -16,7 +16,7 @@ from tasks.model.regression import of_channel
 from tasks.model.term import Column
 
 CELL_LENGTH = 30.0  # s of what has no segments
-MIN_CELLS, MAX_CELLS = 24, 240  # by which the scatter of residuals is judged
+MIN_CELLS, MAX_CELLS = 24, 120  # by which the scatter of residuals is judged
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.scrutiny import Scrutiny
+from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
@@ -20,7 +21,6 @@ JUMPS = message("explain-jumps")
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
 MAX_U = 0.9  # of what is plausible: a parameter known no better than before is not listed
 MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
-SI_UNITS = (("arcsec", "rad"), ("deg", "rad"), ("mT", "T"), ("/g", "/(m/s2)"))
 
 
 def findings_of(
@@ -180,12 +180,4 @@ def _checked_parameters(
 
 def _in_si(parameter: Parameter, value: float, u: float) -> FoundParameter:
     """In SI, so that whoever compares it need not know how it is printed."""
-    unit = parameter.unit if parameter.factor == 1.0 else si_unit(parameter.unit)
-    return FoundParameter(name=parameter.name, value=value, unit=unit, u=u)
-
-
-def si_unit(printed: str) -> str:
-    """The SI unit of what is printed in a unit of the standard."""
-    for shown, si in SI_UNITS:
-        printed = printed.replace(shown, si)
-    return printed
+    return FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)

@@ -14,6 +14,7 @@ from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
 from tasks.explain.evidence.partitions import partitions
+from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.term import Parameter
 
@@ -91,7 +92,7 @@ def _implausible(
         off = abs(value - limit) / (high - low)
         if furthest is None or off > furthest[0]:
             said = Refusal("implausible", evidence.groups[number].name, parameter.name,
-                           parameter.unit, value, limit)  # fmt: skip
+                           unit_of(parameter), value, limit)  # fmt: skip
             furthest = off, said
     return furthest and furthest[1]
 
@@ -107,7 +108,7 @@ def _inhomogeneous(
     k = int(np.argmax(worst.spread / np.maximum(evidence.u(number), 1e-300)))
     parameter, sizes = _parameters(evidence, number)[k], worst.values[:, k]
     return Refusal(
-        "inhomogeneous", evidence.groups[number].name, parameter.name, parameter.unit,
+        "inhomogeneous", evidence.groups[number].name, parameter.name, unit_of(parameter),
         smallest=float(np.nanmin(sizes)), largest=float(np.nanmax(sizes)), parts=worst.partition,
     )  # fmt: skip
 
@@ -137,7 +138,7 @@ def _undetermined(
         return None
     parameter = parameters[k]
     return Refusal(
-        "undetermined", evidence.groups[number].name, parameter.name, parameter.unit,
+        "undetermined", evidence.groups[number].name, parameter.name, unit_of(parameter),
         float(values[k]), COVERAGE * float(u[k]),
     )  # fmt: skip
 

@@ -11,7 +11,8 @@ from tasks.explain.channels import ACCELS, CHANNELS
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.findings import JUMPS, si_unit
+from tasks.explain.evidence.findings import JUMPS
+from tasks.explain.evidence.si_units import si_unit
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.search.candidates import Candidate
