@@ -39,11 +39,14 @@ class Effect:
 
     @property
     def behaviour(self) -> Sayable:
-        """What readings that show it follow, without its name; what has none is called by that."""
-        if self.own_title is not None:
+        """What readings that show it follow, without its name; what has none is called by that.
+
+        A form with a title of its own need not behave like the effect's usual one.
+        """
+        usual = _attribute(self.name, "behaviour", **self.word_arguments)
+        if self.own_title is not None and usual is None:
             return self.own_title
-        said = _attribute(self.name, "behaviour", **self.word_arguments)
-        return said or message(f"behaviour-{self.stage}")
+        return usual if usual and self.own_title is None else message(f"behaviour-{self.stage}")
 
     @property
     def separated_by(self) -> Sayable | None:

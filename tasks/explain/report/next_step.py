@@ -8,6 +8,8 @@ from tasks.explain.report.unnamed import usual_cause
 from tasks.model.effect import next_step, separating_recording
 from tasks.words import Sayable, message
 
+ALIKE = message("report-next-alike")
+
 
 def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayable:
     """What an engineer does next: checks a setting, the fixture, the logger, or records something.
@@ -16,13 +18,15 @@ def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayab
     """
     if finding.effect != UNNAMED:
         return next_step(finding.effect) or finding.separated_by or _by_place(places)
-    return (finding.refusal and _after_refusal(finding.refusal, setting)) or _by_place(places)
+    if finding.refusal is None:
+        return _by_place(places)
+    return _after_refusal(finding.refusal, setting) or _by_place(places)
 
 
 def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
     if refusal.kind == "implausible":
         cause = usual_cause(refusal)
-        return message("report-next-implausible", usual=cause) if setting else None
+        return message("report-next-implausible", usual=cause) if setting else ALIKE
     if refusal.kind == "inhomogeneous":
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:

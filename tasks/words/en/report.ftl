@@ -35,7 +35,7 @@ report-stays-high = But with it χ² per degree of freedom of the { $channel } s
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
             [0] : no law of this form holds throughout, and U covers the scatter
-           *[1] , but by so little that the name stands; U covers the scatter
+           *[1] , but not by enough to take its name away; U covers the scatter
         }
        *[1] agree between independent parts of the recording ({ $p })
     }.
@@ -77,6 +77,7 @@ report-refused-undetermined = It behaves like «{ $effect }», but no parameter 
 
 # What to do about it.
 report-next-implausible = check whether there is { $usual }; correct that, and explain again
+report-next-alike = see whether unit and reference are joined stiffly (fixture, shaft, coupling), which filter stands before the output, and whether the reference itself is right; then record the same motion at half and at twice the speed
 report-next-inhomogeneous = { $parts ->
         [rate] record the same motion at three or more speeds: how the size follows the rate tells which physics it is
         [up] repeat the motion with each axis up, and look at the mounting and the cables as the attitude changes

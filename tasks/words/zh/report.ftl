@@ -35,7 +35,7 @@ report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $c
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异超出偶然（{ $p }）{ $named ->
             [0] ：并无处处成立的同一规律，U 已包含该分散性
-           *[1] ，但很小，名称仍成立；U 已包含该分散性
+           *[1] ，但不足以否定该名称；U 已包含该分散性
         }
        *[1] 一致（{ $p }）
     }。
@@ -77,6 +77,7 @@ report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释
+report-next-alike = 检查产品与参考之间的连接是否刚性（工装、轴、联轴器）、输出之前有何滤波、参考本身是否正确；再以一半和两倍的速度记录同样的运动
 report-next-inhomogeneous = { $parts ->
         [rate] 以三个以上的速率记录同样的运动：其大小随角速率的变化可说明是哪种物理因素
         [up] 在各轴朝上时重复该运动，并检查姿态改变时的安装与电缆

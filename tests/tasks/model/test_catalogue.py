@@ -154,3 +154,13 @@ def test_one_file_more_is_one_effect_more(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(terms, "__path__", [*terms.__path__, str(tmp_path)])
     added = [term.name for term in catalogue(recording(), motion())]
     assert sorted(added) == sorted([*(term.name for term in TERMS), "tide"])
+
+
+def test_no_effect_behaves_by_its_name() -> None:
+    for term in TERMS:
+        for language in ("en", "zh"):
+            behaviour = say(term.behaviour, language)
+            assert behaviour not in (
+                say(term.title, language),
+                say(effect_name(term.name), language),
+            )

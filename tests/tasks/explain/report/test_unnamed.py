@@ -76,6 +76,7 @@ def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
     assert "36 times larger" in told.statement.en
     assert "another cause of the same course" in told.statement.en
     assert "range or unit" not in told.statement.en
+    assert "joined stiffly" in told.next.en
 
 
 def test_a_name_that_was_ordered_stands_and_is_not_refused() -> None:

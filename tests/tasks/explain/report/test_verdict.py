@@ -77,7 +77,7 @@ def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> No
     assert "stays at" not in answer(explanation(finding())).findings[0].statement.en
 
 
-@pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "U covers the scatter")])
+@pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to take its name away")])
 def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
     told = answer(explanation(finding(homogeneity_p=p))).findings[0]
     assert words in told.statement.en
