@@ -28,6 +28,7 @@ class Selected:
     """A selected candidate; alternatives: other names that fit nearly as well, best first.
 
     absorbed_by: the standard's term that absorbs it whole, where it was selected all the same.
+    group: names that make up for each other here, its own included; empty: none does.
     """
 
     candidate: Candidate
@@ -35,6 +36,7 @@ class Selected:
     score: float
     alternatives: tuple[ScoredCandidate, ...]
     absorbed_by: str | None = None
+    group: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -11,22 +11,28 @@ from tasks.model.term import Parameter, Term
 from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
+EVERY = np.arange(6)  # channels: gyro x, y, z, accelerometer x, y, z
 SETTLED = 20.0  # time constants after which the filter has forgotten
 REACH, FADED = 3, 5.0  # rows and time constants from what is not known: nothing is known there
 
 
 @dataclass(frozen=True)
 class Bandwidth(Term):
-    """A Butterworth low-pass of second order on all channels, at rest before each take.
+    """A Butterworth low-pass of second order, at rest before each take: one corner for all
+    channels, or one for each triad.
 
     In its time constant 1/(2π·corner) it is smooth through zero: a negative one looks ahead.
     """
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
-        if not values[0]:
+        if not values.any():
             return readings
-        constant = values[0] / motion.interval
-        return np.concatenate([_low_passed(readings[take], constant) for take in motion.takes])
+        constants = values / motion.interval
+        behind = readings.copy()
+        for channels, constant in zip(np.array_split(EVERY, len(values)), constants, strict=True):
+            for take in motion.takes if constant else ():
+                behind[take, channels] = _low_passed(readings[take, channels], constant)
+        return behind
 
 
 def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
@@ -53,12 +59,18 @@ def _slope(x: np.ndarray) -> np.ndarray:
     return (45.0 * np.sin(x) - 9.0 * np.sin(2.0 * x) + np.sin(3.0 * x)) / 30.0
 
 
-BANDWIDTH = Bandwidth(
-    "bandwidth", "electronics", "signal", "Y = X/(1 + √2·s + s²), s = j·2πf·T, corner = 1/(2πT)",
-    "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
-    (Parameter("time_constant", "T", "s", 1.0, (0.0, 0.05)),),
-    confused_with=("time_offset", "gyro_angular_acceleration"),
-)  # fmt: skip
+def _bandwidth(*names: str) -> Bandwidth:
+    return Bandwidth(
+        "bandwidth", "electronics", "signal",
+        "Y = X/(1 + √2·s + s²), s = j·2πf·T, corner = 1/(2πT)",
+        "S. Butterworth, On the theory of filter amplifiers, 1930; IEEE Std 1293",
+        tuple(Parameter(name, "T", "s", 1.0, (0.0, 0.05)) for name in names),
+        confused_with=("time_offset", "gyro_angular_acceleration", "accel_axis_skew"),
+    )  # fmt: skip
+
+
+BANDWIDTH = _bandwidth("time_constant")
+BANDWIDTH_BY_TRIAD = _bandwidth("gyro_time_constant", "accel_time_constant")
 
 
 def corner(time_constant: float) -> float:
@@ -67,5 +79,5 @@ def corner(time_constant: float) -> float:
 
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
-    """The low-pass, which any motion may show."""
-    return (BANDWIDTH,) if len(motion.t) > 1 else ()
+    """The low-pass, which any motion may show: of one corner, and of one for each triad."""
+    return (BANDWIDTH, BANDWIDTH_BY_TRIAD) if len(motion.t) > 1 else ()

@@ -47,10 +47,21 @@ class Case:
 
     @property
     def group_delays_s(self) -> tuple[float, float]:
-        """Of gyros and accelerometers at low frequency: the clock's and √2/(2πf) of a filter."""
-        corners = self.corners_hz or (np.inf, np.inf)
-        gyro, accel = (self.delay_s + np.sqrt(2.0) / (2.0 * np.pi * hz) for hz in corners)
-        return float(gyro), float(accel)
+        """Of gyros and accelerometers at low frequency: the clock's and √2·T of a filter."""
+        gyro, accel = (self.delay_s + float(np.sqrt(2.0)) * T for T in self.time_constants_s)
+        return gyro, accel
+
+    @property
+    def time_constants_s(self) -> tuple[float, float]:
+        """1/(2πf) of gyros and accelerometers; nothing without a filter.
+
+        The station's filter is digital: at low frequency it acts as the analogue one from which
+        the bilinear transform makes it, whose corner is 2/h·tan(π·f·h)/(2π).
+        """
+        if self.corners_hz is None:
+            return 0.0, 0.0
+        gyro, accel = (0.5 * STEP_S / float(np.tan(np.pi * hz * STEP_S)) for hz in self.corners_hz)
+        return gyro, accel
 
     @cached_property
     def station(self) -> VirtualStation:

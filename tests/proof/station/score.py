@@ -87,8 +87,8 @@ def _told(effect: str, case: Case, named: Sequence[Finding]) -> Told:
 
 
 def _times(case: Case) -> dict[str, float]:
-    """Time constants 1/(2πf) by the names of the effect's parameters, s."""
-    gyro, accel = (1.0 / (2.0 * np.pi * hz) for hz in case.corners_hz or (np.inf, np.inf))
+    """Time constants by the names of the effect's parameters, s."""
+    gyro, accel = case.time_constants_s
     return {"gyro_time_constant": gyro, "accel_time_constant": accel}
 
 

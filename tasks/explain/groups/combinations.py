@@ -1,0 +1,86 @@
+"""A combination of effects that make up for each other, fitted with everything else."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from tasks.explain.groups.families import Form
+from tasks.explain.regression.spectrum import equations_of
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.refit import fitted, promised
+from tasks.explain.search.stepwise import Selected, Selection
+from tasks.model.model import Model
+
+
+@dataclass(frozen=True)
+class Combination:
+    """Members of a family, fitted in their real form with everything else that was selected."""
+
+    members: Form
+    fit: FittedSelection
+
+    @classmethod
+    def of(cls, members: Form, family: Sequence[str], start: FittedSelection) -> "Combination":
+        """The members in the place of whatever `start` has of the family."""
+        return cls(members, start.reselected(_exchanged(members, family, start)))
+
+    @cached_property
+    def chi2(self) -> float:
+        """Of what is left."""
+        return chi2_of(self.fit.model, self.fit)
+
+    @cached_property
+    def count(self) -> int:
+        """Of the members' parameters that are not held at nothing."""
+        model = self.fit.model
+        places = {one.term.key: model.places[one.term.key] for one in self.members}
+        return sum(int(model.free[place].sum()) for place in places.values())
+
+    def promises(self, more: Form) -> float:
+        """Chi-squared that more promises to take away, by a linear step from where the fit is."""
+        return promised(self._with(more), self.fit.blocks, self.fit.noises)
+
+    def chi2_with_share_of(self, other: Form, share: float) -> float:
+        """Chi-squared where the members make so much less, or more, as another effect makes up
+        for it; infinite where it does not.
+        """
+        longer = self._with(other)
+        places = [longer.places[one.term.key] for one in self.members]
+        own = longer.places[other[0].term.key]
+        for sign in (1.0, -1.0):  # another may only ever add to a delay
+            values, free = longer.values.copy(), longer.free.copy()
+            for place in places:
+                values[place] *= 1.0 - sign * share
+                free[place] = False
+            moved = replace(longer, values=values, free=free)
+            moved = fitted(moved, self.fit.blocks, self.fit.noises)
+            if moved.values[own].any():
+                return chi2_of(moved, self.fit)
+        return np.inf
+
+    def _with(self, more: Form) -> Model:
+        longer = self.fit.model
+        for one in more:
+            if one.term.key not in longer.places:
+                longer = longer.with_term(one.term)
+                longer.free[longer.places[one.term.key]] = False
+            longer.free[longer.places[one.term.key].start + np.array(one.own)] = True
+        return longer
+
+
+def chi2_of(model: Model, fit: FittedSelection) -> float:
+    """Chi-squared of what a model leaves of the readings that a selection is fitted to."""
+    misfit = fit.blocks.readings - model.prediction(fit.blocks.motion)
+    return equations_of([], misfit, fit.blocks, fit.noises).normal()[2]
+
+
+def _exchanged(members: Form, family: Sequence[str], start: FittedSelection) -> Selection:
+    """The selection with the members in the place of all it has of the family."""
+    old = [one for one in start.selection.selected if one.candidate.name in family]
+    rest = [one for one in start.selection.selected if one.candidate.name not in family]
+    by_key = {one.candidate.key: one for one in old}
+    gain = sum(one.gain for one in old)
+    new = [by_key.get(one.key) or Selected(one, gain, gain, ()) for one in members]
+    return replace(start.selection, selected=(*new, *rest))

@@ -1,0 +1,187 @@
+"""What makes up for each other is tested together, and told together where data cannot tell.
+
+Each combination costs what it leaves of chi-squared, counted against what the best leaves, and
+ln(stretches) for each parameter: so that a pair that one effect explains is that effect. Compared
+are linear forms, by the normal equations of the search. Delays and filters are not linear: those
+that come near are fitted in their real form, and so is whatever is put in another's place.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from tasks.explain.groups.combinations import Combination, chi2_of
+from tasks.explain.groups.families import FAMILIES, Form, forms_of
+from tasks.explain.search.candidates import Candidate
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
+
+SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
+NOT_REJECTED = 3.84  # chi-squared with one degree of freedom, 95 %
+NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
+STRETCH = 30.0  # s of what has no segments
+HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
+
+
+def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
+    """The selection with the combination that fits in place of what it has of each family, marked
+    with the names that the data do not tell from it.
+    """
+    for family in FAMILIES:
+        selected = [one for one in fit.selection.selected if one.candidate.name in family]
+        if selected and not any(one.absorbed_by for one in selected):
+            present = tuple(one.candidate for one in selected)
+            forms = tuple(forms_of(family, candidates, present))
+            fit = _Family(family, forms, present, fit).compared()
+    return fit
+
+
+@dataclass(frozen=True)
+class _Family:
+    """A family of which something was selected. forms: of its effects; present: the selected."""
+
+    names: tuple[str, ...]
+    forms: tuple[Form, ...]
+    present: Form
+    fit: FittedSelection
+
+    def compared(self) -> FittedSelection:
+        if any(one.term.stage == "signal" for one in self.present):
+            return self._by_real_fits()
+        alike = [self.present, *self._combined()]
+        costs = [self._linear_cost(one) for one in alike]
+        near = [one for one, cost in zip(alike, costs, strict=True)
+                if cost - min(costs) < INDISTINGUISHABLE]  # fmt: skip
+        best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
+        return _marked(self._fitted(best), _group(best, map(_names, near)))
+
+    def _by_real_fits(self) -> FittedSelection:
+        """Of one effect each that comes near, then of the best of them with each other."""
+        near = NEAR * max(map(self._linear_gain, self.forms))
+        tried = [self._fitted(self.present)]
+        tried += [
+            self._fitted(form)
+            for form in self.forms
+            if form[0].term.stage == "signal" and _keys(form) != _keys(self.present)
+            and (self._delay_was_taken_back or self._linear_gain(form) > near)
+        ]  # fmt: skip
+        alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
+                    default=tried[0])  # fmt: skip
+        tried += [self._fitted(pair) for pair in self._promising(alone, tried)]
+        best = min(tried, key=self._cost)
+        names = [
+            _names(one.members)
+            for one in tried
+            if self._cost(one) - self._cost(best) < INDISTINGUISHABLE
+        ]
+        if len(_names(best.members)) == 1:
+            names += [(form[0].name,) for form in self.forms if self._hidden_in(form, best)]
+        return _marked(best, _group(best.members, names))
+
+    def _promising(self, alone: Combination, tried: Sequence[Combination]) -> Iterator[Form]:
+        """The best of one effect with each other that promises more than its price.
+
+        A filter of no size is no other than a delay; so it is also tried from its own fit.
+        """
+        single = {one.members[0].term.key: one for one in tried if len(one.members) == 1}
+        for form in self.forms:
+            if form[0].name in _names(alone.members):
+                continue
+            left = alone.chi2 - alone.promises(form)
+            other = single.get(form[0].term.key)
+            if other is not None and _is_one_sided(form):
+                left = min(left, other.chi2 - other.promises(alone.members))
+            price = self._price * sum(len(one.own) for one in form)
+            if (alone.chi2 - left) / self._dispersion > price:
+                yield (*alone.members, *form)
+
+    def _hidden_in(self, form: Form, best: Combination) -> bool:
+        """Whether another effect may have made a share of the best, as far as the data tell."""
+        if form[0].name in _names(best.members) or form[0].name == HOLDS.get(best.members[0].name):
+            return False
+        missed = self._linear_gain(best.members) - self._linear_gain(form)
+        limit = NOT_REJECTED * self._dispersion
+        if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
+            return False
+        return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
+
+    def _combined(self) -> Iterator[Form]:
+        """Each form alone, and pairs of different effects."""
+        yield from self.forms
+        for one, other in combinations(self.forms, 2):
+            if one[0].name != other[0].name:
+                yield (*one, *other)
+
+    def _fitted(self, members: Form) -> Combination:
+        if members is self.present and not self._delay_was_taken_back:
+            return Combination(members, self.fit)
+        return Combination.of(members, self.names, self.fit)
+
+    def _linear_gain(self, members: Form) -> float:
+        return self._linear(members)[0]
+
+    def _linear_cost(self, members: Form) -> float:
+        gain, count = self._linear(members)
+        return count * self._price - gain / self._dispersion
+
+    def _linear(self, members: Form) -> tuple[float, int]:
+        selection = self.fit.selection
+        others = [one for one in selection.candidates if one.name not in self.names]
+        return joint_gain(selection.equations, members, others)
+
+    def _cost(self, one: Combination) -> float:
+        return one.chi2 / self._dispersion + self._price * one.count
+
+    @cached_property
+    def _dispersion(self) -> float:
+        """Chi-squared per reading of what is left, at least one."""
+        used = int((self.fit.blocks.weight > 0).sum())
+        return max(1.0, chi2_of(self.fit.model, self.fit) / used)
+
+    @cached_property
+    def _price(self) -> float:
+        """Of a parameter: ln of the number of stretches that are independent of each other."""
+        blocks = self.fit.blocks
+        span = float(blocks.t[-1] - blocks.t[0])
+        return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
+
+    @cached_property
+    def _delay_was_taken_back(self) -> bool:
+        """Whether the search was of readings without a delay that the model has."""
+        return any(np.isinf(one.gain) for one in self.fit.selection.selected)
+
+
+def _marked(chosen: Combination, group: tuple[str, ...]) -> FittedSelection:
+    keys, selection = _keys(chosen.members), chosen.fit.selection
+    marked = tuple(
+        replace(one, group=group if one.candidate.key in keys else one.group)
+        for one in selection.selected
+    )
+    return replace(chosen.fit, selection=replace(selection, selected=marked))
+
+
+def _group(best: Form, names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
+    """All the names, those of the best first; empty where there are no others.
+
+    What is as good with the best and something more says nothing of what is more.
+    """
+    own = _names(best)
+    others = [some for some in names if not set(own) <= set(some)]
+    return (
+        tuple(dict.fromkeys([*own, *(name for some in others for name in some)])) if others else ()
+    )
+
+
+def _names(members: Form) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(one.name for one in members))
+
+
+def _keys(members: Form) -> set[object]:
+    return {one.key for one in members}
+
+
+def _is_one_sided(form: Form) -> bool:
+    return any(p.plausible[0] == 0.0 for p in form[0].term.parameters)

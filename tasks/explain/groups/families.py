@@ -1,0 +1,85 @@
+"""Which effects make up for each other, and what they have in common."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.search.candidates import Candidate
+from tasks.model.model import Model
+from tasks.model.term import Term, TermKey
+
+Form = tuple[Candidate, ...]
+
+FAMILIES = (
+    ("time_offset", "bandwidth", "gyro_angular_acceleration", "accel_axis_skew"),
+    ("temperature_bias", "thermal_gradient", "thermal_transient"),
+    ("lever_arm", "size_effect", "structural_compliance", "accel_nonlinearity"),
+)
+ROOT2, THIRD = float(np.sqrt(2.0)), 1.0 / 3.0
+
+
+@dataclass(frozen=True)
+class GroupDelay:
+    """By how much a triad is late at low frequency, per unit of a parameter; s."""
+
+    gyro: float
+    accel: float
+
+
+# Of a Butterworth low-pass √2/(2πf) = √2·T; of ω′ = ω + A·ω̇ it is −A; the accelerometers' axes
+# are read none, one and two steps ahead.
+GROUP_DELAYS = {
+    ("time_offset", "seconds"): GroupDelay(1.0, 1.0),
+    ("bandwidth", "time_constant"): GroupDelay(ROOT2, ROOT2),
+    ("bandwidth", "gyro_time_constant"): GroupDelay(ROOT2, 0.0),
+    ("bandwidth", "accel_time_constant"): GroupDelay(0.0, ROOT2),
+    ("gyro_angular_acceleration", "A_xx"): GroupDelay(-THIRD, 0.0),
+    ("gyro_angular_acceleration", "A_yy"): GroupDelay(-THIRD, 0.0),
+    ("gyro_angular_acceleration", "A_zz"): GroupDelay(-THIRD, 0.0),
+    ("accel_axis_skew", "step"): GroupDelay(0.0, -1.0),
+}
+
+
+def forms_of(
+    family: Sequence[str], candidates: Sequence[Candidate], selected: Sequence[Candidate]
+) -> list[Form]:
+    """The forms of the family's effects, each as candidates that stand for it: those selected of
+    it, else those with the same parameters as selected ones of another effect, else the whole.
+    """
+    found: list[Form] = []
+    for name in family:
+        own = tuple(one for one in selected if one.name == name)
+        found += [own] if own else []
+        forms: dict[TermKey, list[Candidate]] = {}
+        for one in candidates:
+            if one.name == name and one.term.key not in [other.term.key for other in own]:
+                forms.setdefault(one.term.key, []).append(one)
+        found += [_alike(some, selected) for some in forms.values()]
+    return found
+
+
+def _alike(form: Sequence[Candidate], selected: Sequence[Candidate]) -> Form:
+    names = [p.name for p in form[0].term.parameters]
+    parts = [one.own for one in selected if [p.name for p in one.term.parameters] == names]
+    return tuple(one for one in form if one.own in parts) or (form[0],)
+
+
+def common_part(model: Model, terms: Sequence[Term]) -> tuple[FoundParameter, ...]:
+    """Group delay of gyros and of accelerometers by all the terms together, with its uncertainty;
+    empty for effects that are no delay.
+    """
+    weights = np.zeros((2, len(model.values)))
+    for term in terms:
+        for p, parameter in enumerate(term.parameters, model.places[term.key].start):
+            delay = GROUP_DELAYS.get((term.name, parameter.name), GroupDelay(0.0, 0.0))
+            weights[:, p] = delay.gyro, delay.accel
+    values = weights @ model.values
+    u = np.sqrt(np.einsum("kp,pq,kq->k", weights, model.covariance, weights))
+    pairs = zip(("gyro_group_delay", "accel_group_delay"), values.tolist(), u.tolist(), strict=True)
+    return tuple(
+        FoundParameter(name=name, value=value, unit="s", u=spread)
+        for name, value, spread in pairs
+        if spread > 0.0
+    )
