@@ -12,6 +12,7 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.fault_findings import put_right, with_faults
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
+from tasks.explain.groups.compare import compared
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
@@ -81,6 +82,10 @@ def explain(
         as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
         evidence = pruned(fit, len(candidates)) if only is None else Evidence.of(fit)
+    if only is None:
+        tell(progress, "combinations")
+        fit = compared(evidence.fit, candidates)
+        evidence = evidence if fit is evidence.fit else pruned(fit, len(candidates))
     tell(progress, "evidence")
     explanation = explanation_of(
         recording, full, clean.events, evidence, reference, ordered=only is not None

@@ -10,6 +10,7 @@ from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding
+from tasks.explain.groups.families import common_part
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
@@ -88,6 +89,8 @@ def _finding(
         separated_by=first.separated_by if named else None,
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
+        group=group.selected[0].group if named else (),
+        common=common_part(evidence.fit.model, group.terms) if group.selected[0].group else (),
     )
 
 

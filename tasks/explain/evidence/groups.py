@@ -51,14 +51,16 @@ class FindingGroup:
 
 
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
-    """Findings of one name are one, those without a name of one term; several steps are jumps.
+    """Findings of one name are one, as are those that make up for each other; those without a
+    name of one term; several steps are jumps.
 
     A form of a name that was driven to its limit takes the name away where it is the strongest.
     """
     named: dict[object, list[Selected]] = {}
     for one in selection.selected:
         name = one.candidate.name
-        named.setdefault(one.candidate.term.key if name == UNNAMED else name, []).append(one)
+        key = one.candidate.term.key if name == UNNAMED else one.group or name
+        named.setdefault(key, []).append(one)
     return tuple(_group(_name_of(some), some) for some in named.values())
 
 

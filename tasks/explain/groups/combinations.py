@@ -6,12 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.explain.groups.families import Form
+from tasks.explain.groups.families import DELAYING, Form, group_delays, starting_values
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted, promised
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.model import Model
+from tasks.model.term import Term, parameters_of
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,10 @@ class Combination:
     @classmethod
     def of(cls, members: Form, family: Sequence[str], start: FittedSelection) -> "Combination":
         """The members in the place of whatever `start` has of the family."""
+        new = [one.term for one in members if one.term.key not in start.model.places]
+        delays = group_delays(start.model, family)
+        if any(delays) and new:
+            start = replace(start, model=_late(members, new, delays, start))
         return cls(members, start.reselected(_exchanged(members, family, start)))
 
     @cached_property
@@ -31,12 +36,10 @@ class Combination:
         """Of what is left."""
         return chi2_of(self.fit.model, self.fit)
 
-    @cached_property
+    @property
     def count(self) -> int:
-        """Of the members' parameters that are not held at nothing."""
-        model = self.fit.model
-        places = {one.term.key: model.places[one.term.key] for one in self.members}
-        return sum(int(model.free[place].sum()) for place in places.values())
+        """Of the members' parameters."""
+        return sum(len(one.own) for one in self.members)
 
     def promises(self, more: Form) -> float:
         """Chi-squared that more promises to take away, by a linear step from where the fit is."""
@@ -74,6 +77,29 @@ def chi2_of(model: Model, fit: FittedSelection) -> float:
     """Chi-squared of what a model leaves of the readings that a selection is fitted to."""
     misfit = fit.blocks.readings - model.prediction(fit.blocks.motion)
     return equations_of([], misfit, fit.blocks, fit.noises).normal()[2]
+
+
+def _late(
+    members: Form, new: Sequence[Term], delays: tuple[float, float], start: FittedSelection
+) -> Model:
+    """The model that a fit of delays and filters starts from: as late as what they stand for.
+
+    Beside a delay one triad's filter is held first, while the others' come to where they belong:
+    what tells delay from filter is weak, and a step from afar would make the filter nothing.
+    """
+    kept = {one.term.key for one in members}
+    names = {one.name for one in members}
+    model = start.model.without(
+        {key for key in start.model.places if key not in kept and key[0] in DELAYING}
+    )
+    for term in new:
+        model = model.with_term(term)
+    model = starting_values(model, members, delays)
+    if not {"time_offset", "bandwidth"} <= names:
+        return model
+    held = "gyro_time_constant" if delays[0] < delays[1] else "accel_time_constant"
+    free = np.array([parameter.name != held for parameter in parameters_of(model.terms)])
+    return fitted(replace(model, free=model.free & free), start.blocks, start.noises)
 
 
 def _exchanged(members: Form, family: Sequence[str], start: FittedSelection) -> Selection:

@@ -70,7 +70,8 @@ class _Family:
         ]  # fmt: skip
         alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
-        tried += [self._fitted(pair) for pair in self._promising(alone, tried)]
+        tried += [self._fitted(pair) for pair in self._delay_with_filter()]
+        tried += [self._fitted(pair) for pair in self._promising(alone)]
         best = min(tried, key=self._cost)
         names = [
             _names(one.members)
@@ -78,24 +79,27 @@ class _Family:
             if self._cost(one) - self._cost(best) < INDISTINGUISHABLE
         ]
         if len(_names(best.members)) == 1:
-            names += [(form[0].name,) for form in self.forms if self._hidden_in(form, best)]
+            first = {form[0].name: form for form in reversed(self.forms)}
+            names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         return _marked(best, _group(best.members, names))
 
-    def _promising(self, alone: Combination, tried: Sequence[Combination]) -> Iterator[Form]:
-        """The best of one effect with each other that promises more than its price.
+    def _delay_with_filter(self) -> Iterator[Form]:
+        """A delay with a corner for each triad, which from nothing no linear step tells apart."""
+        delay = [form for form in self.forms if form[0].name == "time_offset"]
+        filters = [form for form in self.forms if form[0].name == "bandwidth"]
+        if delay and filters:
+            pair = (*delay[0], *max(filters, key=lambda form: len(form[0].own)))
+            if _keys(pair) != _keys(self.present):
+                yield pair
 
-        A filter of no size is no other than a delay; so it is also tried from its own fit.
-        """
-        single = {one.members[0].term.key: one for one in tried if len(one.members) == 1}
+    def _promising(self, alone: Combination) -> Iterator[Form]:
+        """The best of one effect with each other that promises more than its price."""
         for form in self.forms:
-            if form[0].name in _names(alone.members):
+            names = {form[0].name, *_names(alone.members)}
+            if len(names) == 1 or names == {"time_offset", "bandwidth"}:
                 continue
-            left = alone.chi2 - alone.promises(form)
-            other = single.get(form[0].term.key)
-            if other is not None and _is_one_sided(form):
-                left = min(left, other.chi2 - other.promises(alone.members))
             price = self._price * sum(len(one.own) for one in form)
-            if (alone.chi2 - left) / self._dispersion > price:
+            if alone.promises(form) / self._dispersion > price:
                 yield (*alone.members, *form)
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
@@ -181,7 +185,3 @@ def _names(members: Form) -> tuple[str, ...]:
 
 def _keys(members: Form) -> set[object]:
     return {one.key for one in members}
-
-
-def _is_one_sided(form: Form) -> bool:
-    return any(p.plausible[0] == 0.0 for p in form[0].term.parameters)

@@ -1,7 +1,7 @@
 """Which effects make up for each other, and what they have in common."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,12 +12,14 @@ from tasks.model.term import Term, TermKey
 
 Form = tuple[Candidate, ...]
 
+DELAYING = ("time_offset", "bandwidth", "gyro_angular_acceleration", "accel_axis_skew")
 FAMILIES = (
-    ("time_offset", "bandwidth", "gyro_angular_acceleration", "accel_axis_skew"),
+    DELAYING,
     ("temperature_bias", "thermal_gradient", "thermal_transient"),
     ("lever_arm", "size_effect", "structural_compliance", "accel_nonlinearity"),
 )
 ROOT2, THIRD = float(np.sqrt(2.0)), 1.0 / 3.0
+FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 
 
 @dataclass(frozen=True)
@@ -66,20 +68,55 @@ def _alike(form: Sequence[Candidate], selected: Sequence[Candidate]) -> Form:
     return tuple(one for one in form if one.own in parts) or (form[0],)
 
 
+def starting_values(model: Model, members: Form, delays: tuple[float, float]) -> Model:
+    """The model with delays and filters of such sizes that gyros and accelerometers are late by
+    so much (s), as a fit may start from. A filter beside a delay starts at FILTER: from nothing
+    no fit tells the two apart.
+    """
+    values, names = model.values.copy(), {one.name for one in members}
+    both = {"time_offset", "bandwidth"} <= names
+    late = min(delays) - ROOT2 * FILTER if both else float(np.mean(delays))
+    left = [delay - late if both else delay for delay in delays]
+    sizes = {
+        "seconds": late,
+        "time_constant": max(float(np.mean(left)), 0.0) / ROOT2,
+        "gyro_time_constant": max(left[0], 0.0) / ROOT2,
+        "accel_time_constant": max(left[1], 0.0) / ROOT2,
+    }
+    for one in members:
+        for p, parameter in enumerate(one.term.parameters, model.places[one.term.key].start):
+            if (one.name, parameter.name) in GROUP_DELAYS and parameter.name in sizes:
+                values[p] = sizes[parameter.name]
+    return replace(model, values=values)
+
+
 def common_part(model: Model, terms: Sequence[Term]) -> tuple[FoundParameter, ...]:
     """Group delay of gyros and of accelerometers by all the terms together, with its uncertainty;
     empty for effects that are no delay.
     """
-    weights = np.zeros((2, len(model.values)))
-    for term in terms:
-        for p, parameter in enumerate(term.parameters, model.places[term.key].start):
-            delay = GROUP_DELAYS.get((term.name, parameter.name), GroupDelay(0.0, 0.0))
-            weights[:, p] = delay.gyro, delay.accel
-    values = weights @ model.values
+    weights = _delay_weights(model, terms)
     u = np.sqrt(np.einsum("kp,pq,kq->k", weights, model.covariance, weights))
+    values = weights @ model.values
     pairs = zip(("gyro_group_delay", "accel_group_delay"), values.tolist(), u.tolist(), strict=True)
     return tuple(
         FoundParameter(name=name, value=value, unit="s", u=spread)
         for name, value, spread in pairs
         if spread > 0.0
     )
+
+
+def group_delays(model: Model, names: Sequence[str]) -> tuple[float, float]:
+    """Of gyros and of accelerometers by all the terms of some names together, s."""
+    terms = [term for term in model.terms if term.name in names]
+    gyro, accel = (_delay_weights(model, terms) @ model.values).tolist()
+    return gyro, accel
+
+
+def _delay_weights(model: Model, terms: Sequence[Term]) -> np.ndarray:
+    """(2, p) group delay of gyros and accelerometers per unit of each of the model's parameters."""
+    weights = np.zeros((2, len(model.values)))
+    for term in terms:
+        for p, parameter in enumerate(term.parameters, model.places[term.key].start):
+            delay = GROUP_DELAYS.get((term.name, parameter.name), GroupDelay(0.0, 0.0))
+            weights[:, p] = delay.gyro, delay.accel
+    return weights

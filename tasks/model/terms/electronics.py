@@ -13,7 +13,7 @@ from tasks.motion.whole import Motion
 
 EVERY = np.arange(6)  # channels: gyro x, y, z, accelerometer x, y, z
 SETTLED = 20.0  # time constants after which the filter has forgotten
-REACH, FADED = 3, 5.0  # rows and time constants from what is not known: nothing is known there
+REACH, FADED = 5, 5.0  # rows and time constants from what is not known: nothing is known there
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,13 @@ def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
 
 
 def _slope(x: np.ndarray) -> np.ndarray:
-    """What differentiating makes of a wave of x rad a row: x, by differences of sixth order.
+    """What differentiating makes of a wave of x rad a row: x, by differences of tenth order.
 
     Unlike x itself it has no jump at the highest frequency, which would ring about every corner
     of a ramp.
     """
-    return (45.0 * np.sin(x) - 9.0 * np.sin(2.0 * x) + np.sin(3.0 * x)) / 30.0
+    shares = (2100.0, -600.0, 150.0, -25.0, 2.0)
+    return np.asarray(sum(c * np.sin(k * x) for k, c in enumerate(shares, start=1)) / 1260.0)
 
 
 def _bandwidth(*names: str) -> Bandwidth:

@@ -10,11 +10,11 @@ from tasks.model.parameters import ACCEL_FIRST, single
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
 
-NODES = range(-2, 4)  # rows about the one asked for that an interpolated reading rests on
+NODES = range(-4, 6)  # rows about the one asked for that an interpolated reading rests on
 
 
 def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
-    """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's quintic.
+    """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's polynomial of ninth degree.
 
     Before the first and after the last row they stay as there. NaN near rows that are NaN.
     """

@@ -67,6 +67,7 @@ def _said(explanation: Explanation) -> dict[str, Any]:
                 "effect": finding.effect,
                 "indistinguishable_from": list(finding.indistinguishable),
                 "group": list(finding.group),
+                "common": [each.model_dump() for each in finding.common],
                 "channels": [CHANNELS[c] for c in finding.channels],
                 "parameters": [each.model_dump() for each in finding.parameters],
                 "gain": finding.gain,

@@ -13,8 +13,8 @@ LOW_PASS = Case(1, "jjf2003", True, False)
 
 
 def finding(effect: str, group: tuple[str, ...] = (), **values: tuple[float, float]) -> dict:
-    parameters = [{"name": n, "value": v, "u": u} for n, (v, u) in values.items()]
-    return {"effect": effect, "group": list(group), "parameters": parameters}
+    stated = [{"name": n, "value": v, "u": u} for n, (v, u) in values.items()]
+    return {"effect": effect, "group": list(group), "parameters": stated, "common": stated}
 
 
 def scored(case: Case, *findings: dict[str, Any]):
