@@ -13,6 +13,7 @@ from tasks.explain.evidence.fault_findings import put_right, with_faults
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
 from tasks.explain.groups.compare import compared
+from tasks.explain.groups.families import searched_by_name
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
@@ -74,7 +75,7 @@ def explain(
     tell(progress, "search")
     if only is None:
         done = partial(tell, progress, "search")
-        fit = searched(design, candidates, fine, Budget.of(budget), done)
+        fit = searched(design, searched_by_name(candidates), fine, Budget.of(budget), done)
         evidence = with_absorbed(pruned(fit, len(candidates)), candidates, design)
     else:
         evidence = Evidence.of(all_fitted(design, candidates, fine))

@@ -6,7 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.explain.groups.families import DELAYING, Form, group_delays, starting_values
+from tasks.explain.groups.families import (
+    DELAYING,
+    ROOT2,
+    Form,
+    group_delays,
+    starting_values,
+)
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted, promised
@@ -62,6 +68,22 @@ class Combination:
             if moved.values[own].any():
                 return chi2_of(moved, self.fit)
         return np.inf
+
+    def chi2_with_filter(self, more: float) -> float:
+        """Chi-squared of a delay and filters whose time constants are greater by so much (s), and
+        are held there.
+        """
+        model, fit = self.fit.model, self.fit
+        values, free = model.values.copy(), model.free.copy()
+        for one in self.members:
+            for p, parameter in enumerate(one.term.parameters, model.places[one.term.key].start):
+                if one.name == "bandwidth":
+                    values[p], free[p] = values[p] + more, False
+                elif parameter.name == "seconds":
+                    values[p] -= ROOT2 * more
+        return chi2_of(
+            fitted(replace(model, values=values, free=free), fit.blocks, fit.noises), fit
+        )
 
     def _with(self, more: Form) -> Model:
         longer = self.fit.model

@@ -14,13 +14,15 @@ from itertools import combinations
 import numpy as np
 
 from tasks.explain.groups.combinations import Combination, chi2_of
-from tasks.explain.groups.families import FAMILIES, Form, forms_of
+from tasks.explain.groups.families import FAMILIES, FILTER, Form, forms_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
-NOT_REJECTED = 3.84  # chi-squared with one degree of freedom, 95 %
+# Chi-squared that tells two combinations apart: where ramps are sharp, what smooths the reference
+# alone makes twenty.
+TOLD_APART = 30.0
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 STRETCH = 30.0  # s of what has no segments
 HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
@@ -78,7 +80,10 @@ class _Family:
             for one in tried
             if self._cost(one) - self._cost(best) < INDISTINGUISHABLE
         ]
-        if len(_names(best.members)) == 1:
+        if set(_names(best.members)) == {"time_offset", "bandwidth"}:
+            if best.chi2_with_filter(FILTER) - best.chi2 < TOLD_APART * self._dispersion:
+                names += [("bandwidth",), ("time_offset",)]
+        elif len(_names(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         return _marked(best, _group(best.members, names))
@@ -107,7 +112,7 @@ class _Family:
         if form[0].name in _names(best.members) or form[0].name == HOLDS.get(best.members[0].name):
             return False
         missed = self._linear_gain(best.members) - self._linear_gain(form)
-        limit = NOT_REJECTED * self._dispersion
+        limit = TOLD_APART * self._dispersion
         if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
             return False
         return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit

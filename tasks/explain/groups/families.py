@@ -9,6 +9,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.search.candidates import Candidate
 from tasks.model.model import Model
 from tasks.model.term import Term, TermKey
+from tasks.model.terms.electronics import BANDWIDTH_BY_TRIAD
 
 Form = tuple[Candidate, ...]
 
@@ -42,6 +43,14 @@ GROUP_DELAYS = {
     ("gyro_angular_acceleration", "A_zz"): GroupDelay(-THIRD, 0.0),
     ("accel_axis_skew", "step"): GroupDelay(0.0, -1.0),
 }
+
+
+def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Without the low-pass by triad: near nothing it is a delay of each triad, that may not be
+    negative, and would only stand in the way of delays. It is compared with what was found.
+    """
+    by_triad = BANDWIDTH_BY_TRIAD.parameters
+    return [one for one in candidates if one.term.parameters != by_triad]
 
 
 def forms_of(

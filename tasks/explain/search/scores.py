@@ -106,8 +106,8 @@ def _fixed_effect(
 ) -> ScoredCandidate:
     """count: parameters that the readings determine."""
     one_sided = _one_sided(candidate)
-    if one_sided and left.right[candidate.members[0]] < 0.0:
-        gain = 0.0  # fitted below nothing, where no unit has it
+    if one_sided:
+        gain = _gain_above_nothing(left, candidate.members)
     p_value = min(1.0, float(chdtrc(count, gain)) * candidate.shape_trials)
     if candidate.known:  # no factor is fitted: it gains what it gains
         p, count = candidate.members[0], 0
@@ -120,10 +120,22 @@ def _fixed_effect(
 
 
 def _one_sided(candidate: Candidate) -> bool:
-    """Whether its one parameter cannot be negative, such as a time constant."""
-    if len(candidate.members) != 1 or candidate.known:
+    """Whether none of its parameters can be negative, such as a time constant."""
+    if candidate.known:
         return False
-    return candidate.term.parameters[candidate.own[0]].plausible[0] == 0.0
+    return all(candidate.term.parameters[q].plausible[0] == 0.0 for q in candidate.own)
+
+
+def _gain_above_nothing(left: NormalEquations, members: Sequence[int]) -> float:
+    """Chi-squared that parameters gain of which none is fitted below nothing."""
+    kept = list(members)
+    while kept:
+        block = left.normal[np.ix_(kept, kept)] + SINGULAR * np.eye(len(kept))
+        fitted = np.linalg.solve(block, left.right[kept])
+        if (fitted >= 0.0).all():
+            return float(left.right[kept] @ fitted)
+        kept = [p for p, value in zip(kept, fitted, strict=True) if value >= 0.0]
+    return 0.0
 
 
 def prior_precision(

@@ -14,7 +14,7 @@ NODES = range(-4, 6)  # rows about the one asked for that an interpolated readin
 
 
 def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
-    """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's polynomial of ninth degree.
+    """Readings (n, k) of `late` rows before, a number or (n,), by Lagrange's ninth degree.
 
     Before the first and after the last row they stay as there. NaN near rows that are NaN.
     """

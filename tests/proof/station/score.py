@@ -57,10 +57,10 @@ def score(case: Case, answer: Mapping[str, Any]) -> Score:
 
 
 def _is_blind(case: Case) -> bool:
-    """Whether nothing of the low-pass can be seen: an AHRS filters its accelerometers alone, and
-    those of an upright single axis read the same at all angles.
+    """Whether neither can be seen: an AHRS gives angles, which have no rate to be late, and the
+    accelerometers of an upright single axis read the same at all angles.
     """
-    return case.procedure == "jjf1536" and not case.has_delay
+    return case.procedure == "jjf1536"
 
 
 def _is_true(case: Case, finding: Finding, true: set[str]) -> bool:
@@ -108,7 +108,7 @@ def _agrees(parameters: Sequence[Mapping[str, Any]], true: Mapping[str, float]) 
 
 
 def _as_large_as_true(case: Case, finding: Finding) -> bool:
-    """Whether a true effect is stated no larger, with its uncertainty, than the unit has it."""
+    """Whether a true effect is stated with the size that the unit has it in, to a factor of two."""
     unit = case.station.unit
     largest = {
         "lever_arm": float(np.abs(unit.places_m).max()),
@@ -116,4 +116,4 @@ def _as_large_as_true(case: Case, finding: Finding) -> bool:
         "temperature_bias": float(np.abs(unit.accel.bias_per_kelvin).max()),
         "earth_rotation": np.inf,
     }[finding["effect"]]
-    return all(abs(p["value"]) <= largest + WITHIN * p["u"] for p in finding["parameters"])
+    return all(abs(p["value"]) <= 2.0 * largest + WITHIN * p["u"] for p in finding["parameters"])
