@@ -18,7 +18,7 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted, promised
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.model import Model
-from tasks.model.term import Term, parameters_of
+from tasks.model.term import Term
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,8 @@ class Combination:
                 return chi2_of(moved, self.fit)
         return np.inf
 
-    def chi2_with_filter(self, more: float) -> float:
-        """Chi-squared of a delay and filters whose time constants are greater by so much (s), and
-        are held there.
-        """
+    def with_filter(self, more: float) -> "Combination":
+        """A delay and filters whose time constants are greater by so much (s), and held there."""
         model, fit = self.fit.model, self.fit
         values, free = model.values.copy(), model.free.copy()
         for one in self.members:
@@ -81,9 +79,8 @@ class Combination:
                     values[p], free[p] = values[p] + more, False
                 elif parameter.name == "seconds":
                     values[p] -= ROOT2 * more
-        return chi2_of(
-            fitted(replace(model, values=values, free=free), fit.blocks, fit.noises), fit
-        )
+        held = fitted(replace(model, values=values, free=free), fit.blocks, fit.noises)
+        return replace(self, fit=replace(fit, model=held))
 
     def _with(self, more: Form) -> Model:
         longer = self.fit.model
@@ -104,24 +101,13 @@ def chi2_of(model: Model, fit: FittedSelection) -> float:
 def _late(
     members: Form, new: Sequence[Term], delays: tuple[float, float], start: FittedSelection
 ) -> Model:
-    """The model that a fit of delays and filters starts from: as late as what they stand for.
-
-    Beside a delay one triad's filter is held first, while the others' come to where they belong:
-    what tells delay from filter is weak, and a step from afar would make the filter nothing.
-    """
+    """The model that a fit of delays and filters starts from: as late as what they stand for."""
     kept = {one.term.key for one in members}
-    names = {one.name for one in members}
-    model = start.model.without(
-        {key for key in start.model.places if key not in kept and key[0] in DELAYING}
-    )
+    old = {key for key in start.model.places if key not in kept and key[0] in DELAYING}
+    model = start.model.without(old)
     for term in new:
         model = model.with_term(term)
-    model = starting_values(model, members, delays)
-    if not {"time_offset", "bandwidth"} <= names:
-        return model
-    held = "gyro_time_constant" if delays[0] < delays[1] else "accel_time_constant"
-    free = np.array([parameter.name != held for parameter in parameters_of(model.terms)])
-    return fitted(replace(model, free=model.free & free), start.blocks, start.noises)
+    return starting_values(model, members, delays)
 
 
 def _exchanged(members: Form, family: Sequence[str], start: FittedSelection) -> Selection:

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from tasks.explain.groups.combinations import Combination, chi2_of
-from tasks.explain.groups.families import FAMILIES, FILTER, Form, forms_of
+from tasks.explain.groups.families import FAMILIES, Form, forms_of, group_delays
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
@@ -25,6 +25,7 @@ SHARE = 0.1  # of an effect: what another could have made of it belongs to the f
 TOLD_APART = 30.0
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 STRETCH = 30.0  # s of what has no segments
+FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
 
 
@@ -72,30 +73,37 @@ class _Family:
         ]  # fmt: skip
         alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
-        tried += [self._fitted(pair) for pair in self._delay_with_filter()]
+        tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
-        best = min(tried, key=self._cost)
-        names = [
-            _names(one.members)
-            for one in tried
-            if self._cost(one) - self._cost(best) < INDISTINGUISHABLE
-        ]
+        least = min(map(self._cost, tried))
+        near = [one for one in tried if self._cost(one) - least < TOLD_APART]
+        best = min(near, key=lambda one: (one.count, self._cost(one)))
+        names = [_names(one.members) for one in near]
         if set(_names(best.members)) == {"time_offset", "bandwidth"}:
-            if best.chi2_with_filter(FILTER) - best.chi2 < TOLD_APART * self._dispersion:
+            if best.with_filter(FILTER).chi2 - best.chi2 < TOLD_APART * self._dispersion:
                 names += [("bandwidth",), ("time_offset",)]
         elif len(_names(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         return _marked(best, _group(best.members, names))
 
-    def _delay_with_filter(self) -> Iterator[Form]:
-        """A delay with a corner for each triad, which from nothing no linear step tells apart."""
-        delay = [form for form in self.forms if form[0].name == "time_offset"]
-        filters = [form for form in self.forms if form[0].name == "bandwidth"]
-        if delay and filters:
-            pair = (*delay[0], *max(filters, key=lambda form: len(form[0].own)))
-            if _keys(pair) != _keys(self.present):
-                yield pair
+    def _delay_with_filter(self) -> list[Combination]:
+        """A delay with a filter of the later triad; and of both, where a filter more fits better.
+
+        From nothing no step tells a filter from a delay: so it is tried at a usual size.
+        """
+        delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
+        both = next((form[0] for form in self.forms if _is_by_triad(form)), None)
+        if delay is None or both is None:
+            return []
+        gyro, accel = group_delays(self.fit.model, self.names)
+        later = 0 if gyro > accel else 1
+        one = replace(both, own=(later,), members=(both.members[later],))
+        pair = self._fitted((*delay, one))
+        more = pair.with_filter(FILTER)
+        if more.chi2 >= pair.chi2:
+            return [pair]
+        return [pair, Combination.of((*delay, both), self.names, more.fit)]
 
     def _promising(self, alone: Combination) -> Iterator[Form]:
         """The best of one effect with each other that promises more than its price."""
@@ -182,6 +190,10 @@ def _group(best: Form, names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
     return (
         tuple(dict.fromkeys([*own, *(name for some in others for name in some)])) if others else ()
     )
+
+
+def _is_by_triad(form: Form) -> bool:
+    return form[0].name == "bandwidth" and len(form[0].term.parameters) > 1
 
 
 def _names(members: Form) -> tuple[str, ...]:

@@ -20,7 +20,6 @@ FAMILIES = (
     ("lever_arm", "size_effect", "structural_compliance", "accel_nonlinearity"),
 )
 ROOT2, THIRD = float(np.sqrt(2.0)), 1.0 / 3.0
-FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 
 
 @dataclass(frozen=True)
@@ -79,12 +78,11 @@ def _alike(form: Sequence[Candidate], selected: Sequence[Candidate]) -> Form:
 
 def starting_values(model: Model, members: Form, delays: tuple[float, float]) -> Model:
     """The model with delays and filters of such sizes that gyros and accelerometers are late by
-    so much (s), as a fit may start from. A filter beside a delay starts at FILTER: from nothing
-    no fit tells the two apart.
+    so much (s), as a fit may start from. Beside a delay a filter is what the later triad has.
     """
     values, names = model.values.copy(), {one.name for one in members}
     both = {"time_offset", "bandwidth"} <= names
-    late = min(delays) - ROOT2 * FILTER if both else float(np.mean(delays))
+    late = min(delays) if both else float(np.mean(delays))
     left = [delay - late if both else delay for delay in delays]
     sizes = {
         "seconds": late,
