@@ -7,7 +7,8 @@ Progress = Callable[[str, float], None]
 
 # By the processor time of recordings of an hour and less, of plants and of real units.
 BEHIND = {
-    "motion": 0.02, "events": 0.06, "candidates": 0.15, "search": 0.25, "evidence": 0.8,
+    "motion": 0.02, "events": 0.06, "candidates": 0.15, "search": 0.25, "combinations": 0.65,
+    "evidence": 0.8,
     "consequences": 0.88, "report": 0.97,
 }  # fmt: skip
 

@@ -63,13 +63,13 @@ class _Family:
 
     def _by_real_fits(self) -> FittedSelection:
         """Of one effect each that comes near, then of the best of them with each other."""
-        near = NEAR * max(map(self._linear_gain, self.forms))
+        enough = NEAR * max(map(self._linear_gain, self.forms))
         tried = [self._fitted(self.present)]
         tried += [
             self._fitted(form)
             for form in self.forms
             if form[0].term.stage == "signal" and _keys(form) != _keys(self.present)
-            and (self._delay_was_taken_back or self._linear_gain(form) > near)
+            and (self._delay_was_taken_back or self._linear_gain(form) > enough)
         ]  # fmt: skip
         alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip

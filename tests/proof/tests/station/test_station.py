@@ -3,10 +3,13 @@
 from typing import Any
 
 import numpy as np
+import pytest
 
+from tasks.explain.explain import explain
 from tests.proof.station.case import CORNERS_HZ, Case, cases
 from tests.proof.station.record import recording_of
 from tests.proof.station.score import score
+from tests.proof.trial.blind import _said
 
 BOTH = Case(3, "jjf2003", True, True)
 LOW_PASS = Case(1, "jjf2003", True, False)
@@ -61,3 +64,9 @@ def test_a_group_is_right_where_it_holds_the_truth_and_its_common_part_does() ->
 def test_what_is_not_told_is_not_right() -> None:
     assert not scored(LOW_PASS).is_right
     assert scored(Case(1, "jjf2003", False, False)).is_right
+
+
+@pytest.mark.timeout(120)
+def test_a_low_pass_of_the_virtual_station_is_told_without_a_wrong_name() -> None:
+    answer = _said(explain(recording_of(LOW_PASS))) | {"seconds": 0.0}
+    assert score(LOW_PASS, answer).is_right
