@@ -77,7 +77,7 @@ class _Family:
         tried += [self._fitted(pair) for pair in self._promising(alone)]
         least = min(map(self._cost, tried))
         near = [one for one in tried if self._cost(one) - least < TOLD_APART]
-        best = min(near, key=lambda one: (one.count, self._cost(one)))
+        best = min(near, key=lambda o: (o.count, o.members is not self.present, self._cost(o)))
         names = [_names(one.members) for one in near]
         if set(_names(best.members)) == {"time_offset", "bandwidth"}:
             if best.with_filter(FILTER).chi2 - best.chi2 < TOLD_APART * self._dispersion:

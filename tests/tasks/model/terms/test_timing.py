@@ -83,7 +83,7 @@ def test_a_low_pass_knows_nothing_until_it_has_forgotten_what_is_not_known() -> 
     gap[1000:1200, 2] = np.nan
     passed = BANDWIDTH.passed(RUN, gap, np.array([0.019]))  # two rows
     unknown = np.flatnonzero(np.isnan(passed[:, 2]))
-    assert (unknown[0], unknown[-1]) == (1000 - 13, 1199 + 13)
+    assert (unknown[0], unknown[-1]) == (1000 - 15, 1199 + 15)
     assert np.isfinite(passed[:, [0, 1, 3, 4, 5]]).all()
 
 
