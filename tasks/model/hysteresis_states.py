@@ -80,15 +80,27 @@ def _stopped(drive_bytes: bytes, radius: float) -> np.ndarray:
     drive = np.frombuffer(drive_bytes)
     rows = np.flatnonzero(np.isfinite(drive))
     found = np.zeros(len(drive))
-    values = drive[rows].tolist()
-    state, before, states = 0.0, values[0] if values else 0.0, []
-    for value in values:  # a state that is clipped row by row has no closed form
-        state = min(max(state + value - before, -radius), radius)
-        before = value
-        states.append(state)
-    found[rows] = np.array(states) / radius
+    change = np.diff(drive[rows], prepend=drive[rows[:1]])
+    found[rows] = _clipped_sums(change, radius) / radius
     found.flags.writeable = False
     return found
+
+
+def _clipped_sums(changes: np.ndarray, limit: float) -> np.ndarray:
+    """(n,) sₖ = clip(sₖ₋₁ + changesₖ, ±limit) from s = 0.
+
+    Clips of shifted sums, one after another, are again such a clip: so 2, 4, 8 … rows at once.
+    """
+    shift, low, high = changes.copy(), np.full(len(changes), -limit), np.full(len(changes), limit)
+    reach = 1
+    while reach < len(changes):
+        late = shift[reach:].copy()
+        shift[reach:] += shift[:-reach].copy()
+        below, above = low[reach:].copy(), high[reach:].copy()
+        low[reach:] = np.clip(low[:-reach] + late, below, above)
+        high[reach:] = np.clip(high[:-reach] + late, below, above)
+        reach *= 2
+    return np.clip(shift, low, high)
 
 
 def _kept(values: np.ndarray, new: np.ndarray) -> np.ndarray:

@@ -71,3 +71,13 @@ def test_a_drive_less_its_play_is_stopped_at_the_radius() -> None:
     assert stopped(drive, 2.0) == pytest.approx(
         np.where(np.isnan(drive), 0.0, (np.nan_to_num(drive) - play) / 2.0)
     )
+
+
+def test_a_stopped_drive_is_the_sum_that_is_clipped_row_by_row() -> None:
+    drive = np.cumsum(np.random.default_rng(1).standard_normal(500))
+    state, before, expected = 0.0, drive[0], []
+    for value in drive:
+        state = min(max(state + value - before, -3.0), 3.0)
+        before = value
+        expected.append(state / 3.0)
+    assert stopped(drive, 3.0) == pytest.approx(expected, abs=1e-12)
