@@ -33,7 +33,8 @@ def print_explanation(explained: Explained) -> None:
     console.print(discrepancy.statement.en, markup=False)
     if discrepancy.findings:
         console.print(_table(discrepancy))
-    for finding in discrepancy.findings:
+    for number, finding in enumerate(discrepancy.findings, 1):
+        console.print(f"[bold]{number}[/] ", end="")
         _print_finding(console, finding)
     if discrepancy.left_over:
         left = (f"{channel} {chi2(value)}" for channel, value in discrepancy.left_over.items())
@@ -69,7 +70,6 @@ def _parameters(finding: ReportedFinding) -> Sequence[tuple[str, str, str, str]]
 
 def _print_finding(console: Console, finding: ReportedFinding) -> None:
     """The sentence of a finding, and the elements of the certificate that it moves most."""
-    console.print(f"[bold]{finding.title.en}[/]")
     console.print(finding.statement.en, markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
     for moved in listed[:MAX_CONSEQUENCES]:

@@ -133,6 +133,7 @@ def change_point_pattern(run: BlockedRun, excess: ChannelExcess) -> Pattern | No
     left = rows[0] - np.einsum("mi,ij,mj->m", sums, excess.design.inverse, sums)
     left = np.maximum(left, MIN_VISIBLE * rows[0])
     absorbed = first[0] ** 2 / left / excess.power
+    absorbed = np.where(absorbed <= 1.0, absorbed, 0.0)  # a step that the standard's model has too
     paid = cost(2, run.intervals, run.intervals)
     best, split = int(absorbed.argmax()), int(parted.argmax())
     information = fit_information(float(absorbed[best]))

@@ -4,11 +4,9 @@ from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title
-from tasks.explain.report.unnamed import usual_cause
+from tasks.explain.report.unnamed import far_beyond, usual_cause
 from tasks.model.effect import next_step, separating_recording
 from tasks.words import Sayable, message
-
-ALIKE = message("report-next-alike")
 
 
 def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayable:
@@ -25,8 +23,9 @@ def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayab
 
 def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
     if refusal.kind == "implausible":
-        cause = usual_cause(refusal)
-        return message("report-next-implausible", usual=cause) if setting else ALIKE
+        if setting:
+            return message("report-next-implausible", usual=usual_cause(refusal))
+        return message("report-next-alike") if far_beyond(refusal) else None
     if refusal.kind == "inhomogeneous":
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:

@@ -37,7 +37,7 @@ def setting_suspected(finding: Finding, left_over: Mapping[str, float]) -> bool:
 
     left_over: χ² per degree of freedom of what is left in each channel.
     """
-    if finding.refusal is None or _times(finding.refusal) < FAR_BEYOND:
+    if finding.refusal is None or not far_beyond(finding.refusal):
         return False
     return all(left_over.get(CHANNELS[c], 0.0) < MOSTLY_NOISE for c in finding.channels)
 
@@ -45,6 +45,11 @@ def setting_suspected(finding: Finding, left_over: Mapping[str, float]) -> bool:
 def usual_cause(refusal: Refusal) -> Message:
     """Which setting makes a parameter of this unit implausible."""
     return message("report-usual", kind=USUAL.get(refusal.unit, "scale"))
+
+
+def far_beyond(refusal: Refusal) -> bool:
+    """Whether a parameter is many times what is plausible."""
+    return _times(refusal) > FAR_BEYOND
 
 
 def _times(refusal: Refusal) -> float:

@@ -31,7 +31,7 @@ report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence by this measure
-report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise alone: 1): more is missing there. Evidence and U are counted against what is left, and its size may change when that is found.
+report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise of the unit at rest: 1): more is missing there, or the reference is no finer. Evidence and U are counted against what is left, and its size may change when that is found.
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
             [0] : no law of this form holds throughout, and U covers the scatter
@@ -62,7 +62,7 @@ report-usual = { $kind ->
         [time] a time stamp in another unit (ms for s), or two streams that were not recorded together
         [length] a length in another unit (mm for m), or axes exchanged or inverted
         [angle] an attitude that is stated wrongly, deg for rad, or axes exchanged or inverted
-        [alike] another cause of the same course: a fixture that swings, a filter, a wrong reference
+        [alike] another cause of the same course
        *[scale] a range or unit set wrong (deg for rad, g for m/s², counts per unit), or axes exchanged or inverted
     }
 report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is not the same throughout: { $parameter } changes from { $smallest } to { $largest } { $parts ->
@@ -107,7 +107,7 @@ report-summary = { $kinds ->
        *[all] { $all } of the mismatch above noise is explained, { $left } is not
     }; look first at: { $first }.
 report-first-left = what is left in the { $channel } (χ² = { $chi2 } per degree of freedom)
-report-left = What is left stands above noise, in χ² per degree of freedom: { $channels }.
+report-left = What is left stands above the unit's noise at rest, in χ² per degree of freedom: { $channels }.
 report-left-in = { $channel } { $chi2 }
 report-small = Small remainders: { $remainders }.
 report-small-finding = { $title } ({ $share })
@@ -149,8 +149,8 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ; what is seen: { $follows }
     }.
-report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1).
-report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise alone: 1), and the rms residual of the { $channel } falls to { $share }.
+report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1).
+report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1), and the rms residual of the { $channel } falls to { $share }.
 report-moved = { $findings ->
         [one] Taking it into account
        *[other] Taking all findings into account together
@@ -176,7 +176,7 @@ report-before-after = Before and after
     .caption = Left: means of the residual over time; pale bars show what swings within a cell. Right: spectrum of the residual divided by the noise of a sample.
 report-left-over = What is left over
     .caption = Left: means of the residual over time. Right: spectrum of the residual divided by the noise of a sample; a rise at low frequencies is the flicker and drift of the unit's own noise.
-report-held-out = Stretches that the fit did not see: χ² per degree of freedom { $before } before, { $after } after (noise alone: 1).
+report-held-out = Stretches that the fit did not see: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference: 1).
 report-rms-ratio = rms residual, after / before
 report-certificate = The certificate
 report-nothing-moved = No value of the certificate was found to be moved.

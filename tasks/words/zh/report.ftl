@@ -31,7 +31,7 @@ report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
-report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有噪声时为 1）：该处尚有其他遗漏。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
+report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有产品静止噪声时为 1）：该处尚有其他遗漏，或参考的精细程度仅止于此。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异超出偶然（{ $p }）{ $named ->
             [0] ：并无处处成立的同一规律，U 已包含该分散性
@@ -62,7 +62,7 @@ report-usual = { $kind ->
         [time] 时间戳单位有误（ms 误作 s），或两路数据并非同时记录
         [length] 长度单位有误（mm 误作 m），或坐标轴互换、反向
         [angle] 给定姿态有误、度与弧度混淆，或坐标轴互换、反向
-        [alike] 表现相似的其他原因：工装摆动、滤波或参考有误
+        [alike] 另有表现相似的原因
        *[scale] 量程或单位设置有误（度与弧度、g 与 m/s²、每单位计数），或坐标轴互换、反向
     }
 report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并非处处相同：{ $parameter } { $parts ->
@@ -107,7 +107,7 @@ report-summary = { $kinds ->
        *[all] 高出噪声的失配中，{ $all } 已得到解释，{ $left } 未得到解释
     }；首先应检查：{ $first }。
 report-first-left = { $channel } 的剩余残差（每自由度 χ² = { $chi2 }）
-report-left = 剩余残差仍高出噪声的通道及其每自由度 χ²：{ $channels }。
+report-left = 剩余残差仍高出产品静止噪声的通道及其每自由度 χ²：{ $channels }。
 report-left-in = { $channel } { $chi2 }
 report-small = 微小的剩余因素：{ $remainders }。
 report-small-finding = { $title }（{ $share }）
@@ -137,8 +137,8 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ；其表现：{ $follows }
     }。
-report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1）。
-report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有噪声时为 1），{ $channel } 残差均方根降至 { $share }。
+report-gained = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有产品与参考的噪声时为 1）。
+report-gained-most = 在未参与拟合的区段上，每自由度 χ² 由 { $before } 变为 { $after }（仅有产品与参考的噪声时为 1），{ $channel } 残差均方根降至 { $share }。
 report-moved = { $findings ->
         [one] 计入后
        *[other] 全部发现一并计入后
@@ -159,7 +159,7 @@ report-before-after = 前后对比
     .caption = 左：残差随时间的分段平均，浅色条为段内的摆动。右：残差除以单次采样噪声后的频谱。
 report-left-over = 剩余残差
     .caption = 左：残差随时间的分段平均。右：残差除以单次采样噪声后的频谱；低频处的上升为被校单元自身的闪烁噪声与漂移。
-report-held-out = 未参与拟合的区段：每自由度 χ² 前 { $before }，后 { $after }（仅有噪声时为 1）。
+report-held-out = 未参与拟合的区段：每自由度 χ² 前 { $before }，后 { $after }（仅有产品与参考的噪声时为 1）。
 report-rms-ratio = 残差均方根：后 / 前
 report-certificate = 对证书的影响
 report-nothing-moved = 未发现证书中有值受其影响。
