@@ -106,7 +106,7 @@ def _seen(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.nd
 
 TABLE_SCALE = TableScale(
     "table_scale", "table", "motion", "θ = θ_enc/(1 + κ) on every axis", "IEEE Std 1554",
-    single("scale", "κ", ("1", 1.0, 0.03)),
+    single("scale", "κ", ("1", 1.0, 0.1)),
     confused_with=("clock_skew", "temperature_scale"),
 )  # fmt: skip
 
