@@ -18,6 +18,7 @@ from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
 VIBRATING = 1.3  # times the noise variance at rest
+BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
@@ -71,9 +72,10 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     segment = full.segment[first]
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
     at_rest = full.rest_variance / step
-    weight /= np.sqrt(1.0 + _corners(motion) / at_rest)
+    known_errors = full.reference_noise.variance(motion, step / own)
+    weight /= np.sqrt(1.0 + _corners(motion, known_errors) / at_rest)
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
-    weight /= np.sqrt(1.0 + weight**2 * full.reference_noise.variance(motion, step / own) / at_rest)
+    weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
     weight[~motion.felt] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
@@ -100,17 +102,20 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
     return replace(means, t=t, recorded=recorded)
 
 
-def _corners(motion: Motion) -> np.ndarray:
+def _corners(motion: Motion, known_errors: np.ndarray) -> np.ndarray:
     """(n, 6) squared error of a block's rate and force where the motion has a corner.
 
     Samples do not tell when within their interval a table begins to accelerate; a fourth
-    difference is large there and nowhere else. Poses are smoothed and have none.
+    difference is large there and nowhere else, but for what the noise of the reference makes of it,
+    known_errors (n, 6) its variance. Poses are smoothed and have none.
     """
     if motion.tracking is not None:
         return np.zeros((len(motion.t), 6))
     rough = []
-    for signal in (motion.rate, motion.force):
+    for first, signal in enumerate((motion.rate, motion.force)):
         fourth = np.abs(np.diff(bridged(signal), 4, axis=0)).max(axis=1)
+        noise = np.sqrt(known_errors[2:-2, 3 * first : 3 * first + 3].max(axis=1))
+        fourth = np.maximum(fourth - BY_NOISE * noise, 0.0)
         rough.append((CORNER * maximum_filter1d(np.pad(fourth, 2), 5, mode="constant")) ** 2)
     return np.column_stack(rough).repeat(3, axis=1)
 

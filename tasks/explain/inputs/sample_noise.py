@@ -22,15 +22,28 @@ def noise_by_segment(
 
     segment: (n,) index of each row, −1 between them.
 
-    From second differences of what a straight-line fit leaves, the largest left out, so that
-    neither motion nor single bad samples count.
+    From second differences, the largest left out, so that neither motion nor single bad samples
+    count: of what a straight-line fit leaves, or of the readings themselves where that is less, as
+    it is where the reference is noisier than the unit.
     """
     # Readings keep their noise where the motion is not known: there it is taken to be none.
-    unknown = ~motion.felt
-    still = replace(motion, up=np.nan_to_num(motion.up), rate=np.nan_to_num(motion.rate))
-    left = readings - plain_prediction(readings, still, unknown, own_squared_rate=True)
-    rough = np.full_like(left, np.nan)
-    rough[1:-1] = np.diff(left, 2, axis=0) ** 2 / 6.0
+    moved = motion.translation
+    still = replace(
+        motion,
+        up=np.nan_to_num(motion.up),
+        rate=np.nan_to_num(motion.rate),
+        acceleration=np.nan_to_num(motion.acceleration),
+        translation=None if moved is None else np.nan_to_num(moved),
+    )
+    left = readings - plain_prediction(readings, still, ~motion.felt, own_squared_rate=True)
+    variances = [_by_segment(course, segment, count) for course in (left, readings)]
+    return np.fmin(*variances)
+
+
+def _by_segment(course: np.ndarray, segment: np.ndarray, count: int) -> np.ndarray:
+    """(count + 1, 2) by the second differences of a course (n, 6)."""
+    rough = np.full_like(course, np.nan)
+    rough[1:-1] = np.diff(course, 2, axis=0) ** 2 / 6.0
     variance = np.full((count + 1, 2), np.nan)
     for k in range(-1, count):
         rows = np.flatnonzero(segment == k)

@@ -9,3 +9,5 @@ reference-labels-against-rate = Labels whose rate the { $table ->
     [yes] encoders contradict
    *[no] gyros contradict
 } were left out: { $segments }.
+reference-nuisances = A delay of the poses and a vertical that leans are usual between tracking and unit. Both are fitted in every model of such a recording, and are no faults of the unit.
+reference-turned = The tracked body's axes are turned by { $degrees } deg against the unit's. That is usual; the matrices of scale factors and cross couplings hold it, and are not those of the unit alone.

@@ -9,3 +9,5 @@ reference-labels-against-rate = 速率与{ $table ->
     [yes] 编码器
    *[no] 陀螺
 }相矛盾的标注未予采用：{ $segments }。
+reference-nuisances = 位姿的延迟和铅垂方向的倾斜在跟踪系统与单元之间属常见现象：在此类记录的每个模型中均予以拟合，并非单元的故障。
+reference-turned = 被跟踪体的轴相对单元的轴偏转 { $degrees }°。此属常见；该偏转包含在标度因数与交叉耦合矩阵中，故此矩阵不单属于单元。

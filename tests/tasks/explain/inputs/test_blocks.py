@@ -11,7 +11,9 @@ from schemas.recording import Manifest, Recording, Segment, Stream
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.motion.reference_noise import EXACT
 from tasks.motion.whole import Motion
+from tests.moved_by_hand import recording
 
 GRAVITY, RATE, REST, RESTS = 9.8, 100.0, 10.0, 6  # m/s², Hz, s
 SIGMA = np.repeat([1e-4, 2e-3], 3)
@@ -169,3 +171,44 @@ def test_a_recording_of_a_few_seconds_is_refused() -> None:
     short = recording.manifest.model_copy(update={"segments": one})
     with pytest.raises(Unusable, match="explain needs 8 s"):
         block_means(full_rate(replace(recording, manifest=short)), 25.0)
+
+
+def on_a_shaft(step: float) -> Recording:
+    """At rest, then two slow swings about z, then at rest; by an encoder of some step, rad."""
+    t = np.arange(6000) / RATE
+    moving = (t > 20.0) & (t < 40.0)
+    angle = np.where(moving, 0.8 * np.sin(0.3 * np.pi * (t - 20.0)) ** 3, 0.0)
+    read = np.round(angle / step) * step if step else angle
+    readings = np.random.default_rng(3).standard_normal((len(t), 6)) * SIGMA
+    readings[:, 2] += np.gradient(angle, t)
+    readings[:, 5] += GRAVITY
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": "shaft",
+        "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
+        "station": {
+            "id": "test", "gravity_m_s2": GRAVITY,
+            "table_axes": [{"name": "shaft", "direction": [0, 0, 1]}],
+        },
+    })  # fmt: skip
+    columns = {name: readings[:, c] for c, name in enumerate(CHANNELS)}
+    return Recording(manifest, Stream(t, columns), table=Stream(t, {"shaft_angle": read}))
+
+
+def test_turning_weighs_less_where_the_encoder_is_coarse() -> None:
+    coarse = block_means(full_rate(on_a_shaft(np.radians(0.1))), 25.0)
+    about = coarse.weight[:, 2]
+    moving = (coarse.t > 22.0) & (coarse.t < 38.0)
+    assert np.median(about[moving]) < 0.3 * np.median(about[coarse.t < 18.0])
+    assert np.median(coarse.weight[moving, 0]) > 0.7  # across the shaft nothing is coarse
+
+
+def test_an_exact_reference_leaves_the_weights_as_they_are() -> None:
+    full = full_rate(on_a_shaft(0.0))
+    exact = block_means(replace(full, reference_noise=EXACT), 25.0)
+    assert block_means(full, 25.0).weight == pytest.approx(exact.weight, rel=1e-3, abs=1e-3)
+
+
+def test_blocks_are_no_shorter_than_poses_tell_the_motion() -> None:
+    full = full_rate(recording())
+    assert full.motion.tracking is not None
+    assert block_means(full, 50.0).rate == pytest.approx(2.0 * full.motion.tracking.edge, rel=0.05)

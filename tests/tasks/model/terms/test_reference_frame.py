@@ -1,0 +1,38 @@
+"""A room that leans, against the same poses turned as a whole."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tasks.model.catalogue import catalogue
+from tasks.model.terms.reference_frame import REFERENCE_FRAME
+from tasks.motion.whole import whole_motion
+from tests.moved_by_hand import poses, recording, tilted
+
+ANGLE = 0.01  # rad
+
+
+def test_a_leaning_room_is_put_upright() -> None:
+    exact = poses(1, 0.0, 0.0)
+    upright = whole_motion(recording(reference=exact))
+    leaning = whole_motion(recording(reference=tilted(exact, ANGLE)))
+    inner = slice(400, -400)
+    assert np.abs(leaning.up - upright.up)[inner].max() > 0.5 * ANGLE
+    for values in ([-ANGLE, 0.0], [ANGLE, 0.0], [0.0, ANGLE]):
+        right = values[0] == -ANGLE
+        moved = REFERENCE_FRAME.moved(leaning, np.array(values))
+        assert (np.abs(moved.up - upright.up)[inner].max() < ANGLE**2) == right
+        assert moved.translation == pytest.approx(leaning.translation, nan_ok=True)
+
+
+def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
+    run = recording()
+    motion = whole_motion(run)
+    motion = replace(motion, t=motion.t - motion.t[0])
+    names = [term.name for term in catalogue(run, motion)]
+    assert names.count("reference_frame") == 1
+    assert "axis_tilt" not in names
+    assert "reference_frame" not in [
+        term.name for term in catalogue(run, replace(motion, tracking=None))
+    ]
