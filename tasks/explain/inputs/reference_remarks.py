@@ -10,7 +10,7 @@ from tasks.words import Sayable, message
 
 WORTH_SAYING = 0.005  # of the recording
 DISTINCT = 0.1  # least ratio of the gains of a triad's axes: else it has no attitude
-TURNED = 1.0  # deg: units are not turned less against what carries them
+TURNED = 5.0  # deg: a delay of the poses alone looks like one or two
 
 
 def reference_remarks(recording: Recording, motion: Motion) -> tuple[Sayable, ...]:
