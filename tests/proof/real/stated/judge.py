@@ -76,7 +76,9 @@ def _by_facts(
         return "not known", evidence
     if not fact.there:
         return "wrong", evidence
-    return ("right" if _agrees(finding, answer, fact) else "wrong"), evidence
+    if _agrees(finding, answer, fact):
+        return "right", evidence
+    return "wrong", f"the name is right, its size is not: {evidence}"
 
 
 def _agrees(finding: Mapping[str, Any], answer: Answer, fact: Known) -> bool:

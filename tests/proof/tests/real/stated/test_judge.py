@@ -29,6 +29,10 @@ def test_a_delay_within_what_was_measured_is_right_and_one_beside_it_is_wrong() 
     assert judgements("rig", found("time_offset", (("seconds", 0.011, 1e-5),))) == ["right"]
     assert judgements("rig", found("time_offset", (("seconds", 0.020, 1e-5),))) == ["wrong"]
     assert judgements("rig", found("time_offset", (("seconds", 0.020, 5e-3),))) == ["right"]
+    (off,) = judged(
+        "rig", {"findings": [found("time_offset", (("seconds", 0.02, 1e-5),))]}, FACTS, ()
+    )
+    assert off.evidence == "the name is right, its size is not: late (by hand)"
 
 
 def test_delay_and_low_pass_count_together() -> None:
