@@ -41,8 +41,8 @@ def removed_by(
     events: Events, full: FullRate, predicted: np.ndarray, left: LeftOver
 ) -> list[float]:
     """Chi-squared at the unit's rows that each event removes, not below zero."""
-    squares = (_without(event, events, full, predicted) ** 2 for event in events.events)
-    return [max(0.0, float(np.nansum(one / left.noise - left.after))) for one in squares]
+    residuals = (_without(event, events, full, predicted) for event in events.events)
+    return [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in residuals]
 
 
 def _without(event: Event, events: Events, full: FullRate, predicted: np.ndarray) -> np.ndarray:
@@ -58,7 +58,7 @@ def _gain(event: Event, residual: np.ndarray, left: LeftOver) -> float:
     but not where the readings are clearly farther from the model with the event than without.
     residual: (n, 6) readings less what is predicted with all other events.
     """
-    squares = residual**2 / left.noise
+    squares = left.squares(residual)
     gain = float(np.nansum(squares - left.after))
     moved = np.abs(np.sqrt(squares) - np.sqrt(left.after))
     spread = max(1.0, float(np.nanmean(left.chi2_per_degree[list(event.channels)])))

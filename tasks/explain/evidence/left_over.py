@@ -1,10 +1,11 @@
-"""What is left after everything that was found, beside the sensor's own noise at rest.
+"""What is left after everything that was found, beside the noise of sensor and reference.
 
-The noise is read off short stretches at rest, where no model is needed, and not off what a model
-leaves: a model that lacks something would call noise what it lacks.
+The sensor's noise is read off short stretches at rest, where no model is needed, and not off what
+a model leaves: a model that lacks something would call noise what it lacks. The reference's is its
+own account of itself; beyond the band in which poses tell the motion nothing is held against them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,23 +24,42 @@ KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
 class LeftOver:
     """Readings held against the standard's model and against all that was found.
 
-    before, after: (n, 6) squares of the residuals over the noise at rest, NaN where not known.
-    masked: (n, 6) bool, readings that say nothing of a model. noise: (6,) variance at rest.
+    before, after: (n, 6) squares of the residuals over the noise, NaN where not known.
+    masked: (n, 6) bool, readings that say nothing of a model.
+    noise: (n, 6) variance of a mean over `rows` readings, of the sensor at rest and of the
+    reference together. rows: as many as the reference tells apart, one of an exact reference.
     """
 
     before: np.ndarray
     after: np.ndarray
     masked: np.ndarray
     noise: np.ndarray
+    rows: int
 
     @classmethod
     def of(
         cls, full: FullRate, nominal: np.ndarray, found: np.ndarray, masked: np.ndarray
     ) -> "LeftOver":
         """nominal, found: (n, 6) predicted readings without and with all findings."""
-        noise = rest_noise(full, np.where(masked, np.nan, full.readings - found))
-        before, after = ((full.readings - model) ** 2 / noise for model in (nominal, found))
-        return cls(before, after, masked, noise)
+        at_rest = rest_noise(full, np.where(masked, np.nan, full.readings - found))
+        interval, rows = full.motion.interval, 1
+        if (tracking := full.reference_noise.tracking) is not None:
+            rows = max(1, round(0.5 / tracking.edge / interval))
+        # What smoothing loses of the motion is as large as the noise that it lets through.
+        reference = (1.0 + (rows > 1)) * full.reference_noise.variance(full.motion, rows * interval)
+        noise = at_rest / rows + reference
+        empty = cls(np.empty(0), np.empty(0), masked, noise, rows)
+        return replace(
+            empty,
+            before=empty.squares(full.readings - nominal),
+            after=empty.squares(full.readings - found),
+        )
+
+    def squares(self, residual: np.ndarray) -> np.ndarray:
+        """(n, 6) squares of means of a residual (n, 6) over the noise, each at all of its rows."""
+        if self.rows > 1:
+            residual = block_means_at_rows(residual, self.rows)
+        return np.asarray(residual**2 / self.noise)
 
     @property
     def chi2_per_degree(self) -> np.ndarray:
@@ -66,6 +86,14 @@ class LeftOver:
         """Of the mismatch above noise; one where there is none."""
         mismatch = self.removed + self.remaining
         return self.removed / mismatch if mismatch > 0.0 else 1.0
+
+
+def block_means_at_rows(values: np.ndarray, rows: int) -> np.ndarray:
+    """Means (n, k) of values (n, k) over `rows` of them, at each row; NaN where one is NaN."""
+    starts = np.arange(0, len(values), rows)
+    counts = np.diff(np.append(starts, len(values)))
+    means = np.add.reduceat(values, starts, axis=0) / counts[:, None]
+    return np.asarray(np.repeat(means, counts, axis=0))
 
 
 def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ from engine_run import motion, read, segments
 
 from tasks.explain.evidence.left_over import LeftOver, rest_noise
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.motion.pose import Tracking
+from tasks.motion.reference_noise import ReferenceNoise
 
 RUN = motion()
 SIGMA = np.repeat([2e-5, 5e-4], 3)
@@ -62,3 +64,15 @@ def test_a_unit_that_never_rests_has_the_noise_of_its_neighbouring_samples() -> 
     moving = replace(RUN, rate=RUN.rate + 0.5)
     noise = rest_noise(replace(full, motion=moving), full.readings - read(RUN))
     assert np.sqrt(noise) == pytest.approx(SIGMA, rel=0.3)
+
+
+def test_motion_beyond_the_band_of_tracked_poses_is_not_held_against_them() -> None:
+    tracking = Tracking(1.0, 1.0, 0.01, 1e-12, 1e-14)
+    full = replace(run(), reference_noise=ReferenceNoise(tracking=tracking))
+    fast, slow = read(RUN), read(RUN)
+    fast[:, 2] += 10.0 * SIGMA[2] * np.sin(2.0 * np.pi * 6.25 * RUN.t)
+    slow[:, 2] += 10.0 * SIGMA[2] * np.sin(2.0 * np.pi * 0.1 * RUN.t)
+    beyond = LeftOver.of(full, fast, fast, NOTHING)
+    within = LeftOver.of(full, slow, slow, NOTHING)
+    assert beyond.chi2_per_degree[2] < 1.5
+    assert within.chi2_per_degree[2] > 50.0
