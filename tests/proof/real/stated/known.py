@@ -87,6 +87,12 @@ KNOWN: tuple[Known, ...] = (
         "beside Earth's rotation nothing of note is in it", "means of both rests, by hand",
     ),
     Known(
+        "vn200_57630_six_position", ("axis_mapping",), True,
+        "x reads −9.80 m/s² where +x is said to point up and +9.78 where −x is, y −9.78 and +9.80: "
+        "both against what is told, z as it is told",
+        "means of the rests, by hand",
+    ),
+    Known(
         "adi_mems_two_position", ("earth_rotation",), False,
         "noise of 3.3e-3 °/s over a rest hides Earth's rotation", "scatter of the rests, by hand",
     ),
