@@ -59,6 +59,7 @@ def with_faults(
         verdict=_verdict(explanation),
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
+        explained_share=explanation.explained_share if explanation.findings else 1.0,
         findings=(*own, *(_moved(one, matrix, place) for one in explanation.findings)),
         small=tuple(_moved(one, matrix, place) for one in explanation.small),
     )
