@@ -31,7 +31,7 @@ report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
 report-evidence-none = no evidence by this measure
-report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise of the unit at rest: 1): more is missing there, or the reference is no finer. Evidence and U are counted against what is left, and its size may change when that is found.
+report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise of unit and reference: 1): more is missing there, or the reference is no finer. Evidence and U are counted against what is left, and its size may change when that is found.
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
             [0] : no law of this form holds throughout, and U covers the scatter
@@ -107,7 +107,7 @@ report-summary = { $kinds ->
        *[all] { $all } of the mismatch above noise is explained, { $left } is not
     }; look first at: { $first }.
 report-first-left = what is left in the { $channel } (χ² = { $chi2 } per degree of freedom)
-report-left = What is left stands above the unit's noise at rest, in χ² per degree of freedom: { $channels }.
+report-left = What is left stands above the unit's noise and that of the reference, in χ² per degree of freedom: { $channels }.
 report-left-in = { $channel } { $chi2 }
 report-small = Small remainders: { $remainders }.
 report-small-finding = { $title } ({ $share })
@@ -167,7 +167,7 @@ report-moved = { $findings ->
 # The page.
 report-title = Model and recording: { $recording }
 report-shares =
-    .caption = Left: share of the mismatch above noise that each finding removes, and what none of them explains. Right: χ² per degree of freedom of what is left in each channel, against the unit's noise at rest (noise alone: 1).
+    .caption = Left: share of the mismatch above noise that each finding removes, and what none of them explains. Right: χ² per degree of freedom of what is left in each channel, against the noise of unit and reference (noise alone: 1).
 report-where = Where
     .caption = Colour: by how many standard deviations the misfit of the standard's model stands above noise, at the averaging time at which it shows most. The strip above tells rests, rates and turns; bars below a channel tell in which segments a finding sits, the numbers at the right its share.
     .caption-noise = Colour: by how many standard deviations the misfit of the standard's model stands above white noise, at the averaging time at which it shows most. Single pale cells are the unit's own slow noise: all in all there is no more than chance allows.

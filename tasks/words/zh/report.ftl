@@ -31,7 +31,7 @@ report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据
 report-evidence-none = 按此指标无证据
-report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有产品静止噪声时为 1）：该处尚有其他遗漏，或参考的精细程度仅止于此。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
+report-stays-high = 但计入后，{ $channel } 的每自由度 χ² 仍为 { $chi2 }（仅有产品与参考的噪声时为 1）：该处尚有其他遗漏，或参考的精细程度仅止于此。证据与 U 均相对于剩余残差计算；查明其他遗漏后，其大小可能改变。
 report-homogeneity = 其参数在记录的各独立部分之间{ $alike ->
         [0] 的差异超出偶然（{ $p }）{ $named ->
             [0] ：并无处处成立的同一规律，U 已包含该分散性
@@ -107,7 +107,7 @@ report-summary = { $kinds ->
        *[all] 高出噪声的失配中，{ $all } 已得到解释，{ $left } 未得到解释
     }；首先应检查：{ $first }。
 report-first-left = { $channel } 的剩余残差（每自由度 χ² = { $chi2 }）
-report-left = 剩余残差仍高出产品静止噪声的通道及其每自由度 χ²：{ $channels }。
+report-left = 剩余残差仍高出产品噪声与参考噪声的通道及其每自由度 χ²：{ $channels }。
 report-left-in = { $channel } { $chi2 }
 report-small = 微小的剩余因素：{ $remainders }。
 report-small-finding = { $title }（{ $share }）
@@ -150,7 +150,7 @@ report-moved = { $findings ->
 # 页面。
 report-title = 模型与记录：{ $recording }
 report-shares =
-    .caption = 左：各项发现所消除的、高出噪声的失配的份额，以及未得到解释的部分。右：各通道剩余残差的每自由度 χ²，以静止时的噪声为准（仅有噪声时为 1）。
+    .caption = 左：各项发现所消除的、高出噪声的失配的份额，以及未得到解释的部分。右：各通道剩余残差的每自由度 χ²，以产品与参考的噪声为准（仅有噪声时为 1）。
 report-where = 所在位置
     .caption = 颜色表示规范模型的失配高出噪声多少倍标准差（取最显著的平均时间）。上方色带为静止、恒速与转动区段；各通道下方的短条为各项发现所在的区段，右侧数字为其占比。
     .caption-noise = 颜色表示规范模型的失配高出白噪声多少倍标准差（取最显著的平均时间）。个别浅色格为被校单元自身的慢变噪声，总体未超出偶然范围。

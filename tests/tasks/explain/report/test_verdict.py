@@ -72,7 +72,7 @@ def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
 def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
     left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
     said = answer(explanation(finding(), left_over=left)).findings[0].statement
-    assert "of the accelerometer x stays at 30.00 (noise of the unit at rest: 1)" in said.en
+    assert "of the accelerometer x stays at 30.00 (noise of unit and reference: 1)" in said.en
     assert "相对于剩余残差" in said.zh
     assert "stays at" not in answer(explanation(finding())).findings[0].statement.en
 
