@@ -170,6 +170,16 @@ def _step(truth: Truth, p: Mapping[str, Any]) -> Known:
     return _both(p["gyro"], p["accel"]) | {"time": (p["time"], "s")}
 
 
+def _frame(truth: Truth, p: Mapping[str, Any]) -> Known:
+    """The plant turns the room's axes, what is found turns the vertical in them."""
+    return {"tilt_east": (-p["tilt"][0], "rad"), "tilt_north": (-p["tilt"][1], "rad")}
+
+
+def _jitter(truth: Truth, p: Mapping[str, Any]) -> Known:
+    """Of the unit's stamps alone; what the table's add to it is not the same everywhere."""
+    return {} if p.get("of_table") else {"jitter": (float(p["sigma"]), "s")}
+
+
 CONVERSIONS: Mapping[str, Callable[[Truth, Mapping[str, Any]], Known]] = {
     "earth_rotation": _earth,
     "gravity_value": _same("difference", "m/s2"),
@@ -209,4 +219,6 @@ CONVERSIONS: Mapping[str, Callable[[Truth, Mapping[str, Any]], Known]] = {
     | {"angle": (p["angle"], "rad")},
     "bias_step": _step,
     "range_setting": _same("factor", "1"),
+    "timestamp_jitter": _jitter,
+    "reference_frame": _frame,
 }  # fmt: skip

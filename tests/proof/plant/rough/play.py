@@ -203,10 +203,9 @@ def nuisances(rough: RoughCase) -> dict[str, dict[str, Any]]:
     drawn, in the definitions of the catalogue's parameters."""
     found: dict[str, dict[str, Any]] = {}
     tracking, encoder = rough.tracking, rough.encoder
-    if rough.stamp_jitter or (encoder is not None and encoder.jitter):
-        found["timestamp_jitter"] = {
-            "sigma": max(rough.stamp_jitter, encoder.jitter if encoder else 0)
-        }
+    of_table = encoder.jitter if encoder is not None else 0.0
+    if rough.stamp_jitter or of_table:
+        found["timestamp_jitter"] = {"sigma": rough.stamp_jitter, "of_table": of_table}
     if tracking is not None:
         if tracking.delay:
             found["time_offset"] = {"seconds": -tracking.delay}

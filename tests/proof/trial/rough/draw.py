@@ -125,6 +125,8 @@ def rough_conditions(rng: np.random.Generator, ask: Ask) -> RoughCase:
         "temperature_recorded": bool(set(listed) & set(NEEDS_THERMOMETER) or rng.uniform() < 0.7),
     }
     jitter = float(rng.choice([0.0, 0.0, rng.uniform(1e-4, 1e-3)]))
+    if any(name.startswith("timestamp_jitter") for name in listed):
+        jitter = 0.0  # one of a kind
     if run == "hand":
         seconds = float(rng.uniform(60.0, 110.0))
         return RoughCase(

@@ -48,6 +48,7 @@ def _answered(recording: Path, folder: Path, engine: Path, end: float | None) ->
     started = time.perf_counter()
     with tempfile.TemporaryDirectory() as home:
         surroundings = os.environ | {"MIMUCAL_HOME": home, "OPENBLAS_NUM_THREADS": "1"}
+        surroundings.pop("PYTHONPATH", None)  # or another checkout's command would run this code
         try:
             done = subprocess.run(
                 [engine, "explain", recording, "--json"],

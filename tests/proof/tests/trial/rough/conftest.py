@@ -21,6 +21,7 @@ recording = pathlib.Path(sys.argv[2])
 home = pathlib.Path(os.environ["MIMUCAL_HOME"])
 assert sys.argv[1] == "explain" and sys.argv[3] == "--json" and not list(home.iterdir())
 assert not (recording / "truth.json").exists()
+assert "PYTHONPATH" not in os.environ
 if recording.name == "{fails_on}":
     sys.exit("it cannot")
 print({answer!r})

@@ -21,8 +21,9 @@ def silent(done: int, of: int) -> None:
 
 
 def test_engine_answers_each_recording_once_and_a_failure_is_kept(
-    sealed_rough: Path, engine: Engines, finding: Finds
+    sealed_rough: Path, engine: Engines, finding: Finds, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setenv("PYTHONPATH", "/another/checkout")
     answers = sealed_rough / "answers-own"
     explain_rough(sealed_rough, answers, engine(finding("bias_step"), fails_on="0001"), silent)
     control, stepped = score_rough(sealed_rough, answers)

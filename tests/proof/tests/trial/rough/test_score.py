@@ -81,6 +81,13 @@ def test_parameters_are_compared_where_they_mean_the_same(scores: Scores, findin
     assert [pair.inside for pair in inside.parameters] == [True]
     outside = scores([said], time_offset={"seconds": -3e-3})
     assert [pair.inside for pair in outside.parameters] == [False]
+    leaning = finding("reference_frame", tilt_east=(4.1e-3, 2e-4, "rad"))
+    tilted = scores([leaning], reference_frame={"tilt": (-4e-3, 0.0, 0.0), "turn": (0, 0, 0)})
+    assert [pair.true for pair in tilted.parameters] == [4e-3]
+    jittering = finding("timestamp_jitter", jitter=(1e-3, 1e-4, "s"))
+    for of_table, compared in ((0.0, 1), (1e-3, 0)):
+        known = {"sigma": 1e-3, "of_table": of_table}
+        assert len(scores([jittering], timestamp_jitter=known).parameters) == compared
     stepped = finding("bias_step", time=(30.0, 0.1, "s"))
     assert len(scores([stepped], ("bias_step", "bias_step", 40.0)).parameters) == 1
     assert len(scores([stepped], STEP).parameters) == 1
