@@ -148,7 +148,7 @@ class Evidence:
         return np.asarray(gains / np.array(left))
 
     def added_power(self, number: int) -> np.ndarray:
-        """(6,) chi-squared of what a finding adds to each channel beside all other columns."""
+        """(6,) chi-squared of what a finding adds to each channel beside all others."""
         mine, values = self.own[number]
         size = dict(zip(mine, values.tolist(), strict=True))
         power = np.zeros(len(self.whole.grams))
@@ -167,9 +167,8 @@ class Evidence:
     def parameters(self, number: int) -> list[Parameter | None]:
         """Of each of a finding's own columns; none: known physics, whose factor is one."""
         model = self.fit.model
-        free = [
-            p for p, is_free in zip(parameters_of(model.terms), model.free, strict=True) if is_free
-        ]
+        every = parameters_of(model.terms)
+        free = [every[p] for p in np.flatnonzero(model.free)]
         return [free[q] if q < len(free) else None for q in self.own[number][0]]
 
     def u(self, number: int) -> np.ndarray:
@@ -178,6 +177,15 @@ class Evidence:
         u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))
         by_cells = self.scatter.u(number)
         return np.array([u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)])
+
+    def correlation(self, number: int) -> np.ndarray:
+        """(k, k) of its own columns; known physics goes with nothing."""
+        mine, free = np.array(self.own[number][0], int), self.fit.model.free
+        covariance = np.eye(self.whole.count)
+        fitted = np.arange(int(free.sum()))
+        covariance[np.ix_(fitted, fitted)] = self.fit.model.covariance[np.ix_(free, free)]
+        size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))[mine]
+        return np.asarray(covariance[np.ix_(mine, mine)] / size[:, None] / size)
 
     def held_out(self) -> HeldOut:
         """How segments that a fit did not use are predicted, before and after."""

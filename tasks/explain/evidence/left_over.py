@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tasks.explain.inputs.blocks import VIBRATING
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.motion.samples import in_blocks, noise_by_differences
 
@@ -16,6 +17,7 @@ WINDOW = 2.0  # s: noise is what scatters within, slower changes are counted as 
 STILL = 0.02  # rad/s
 MIN_WINDOWS = 5  # at rest; with fewer the noise is that of neighbouring samples
 MIN_ROWS = 8  # of a window
+LEAST = 0.1  # of the noise that is usual in a triad
 ORDER = 4  # of the differences in which motion leaves next to nothing
 KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
 
@@ -41,13 +43,13 @@ class LeftOver:
         cls, full: FullRate, nominal: np.ndarray, found: np.ndarray, masked: np.ndarray
     ) -> "LeftOver":
         """nominal, found: (n, 6) predicted readings without and with all findings."""
-        at_rest = rest_noise(full, np.where(masked, np.nan, full.readings - found))
+        own = rest_noise(full, np.where(masked, np.nan, full.readings - found)) * _vibration(full)
         interval, rows = full.motion.interval, 1
         if (tracking := full.reference_noise.tracking) is not None:
             rows = max(1, round(0.5 / tracking.edge / interval))
         # What smoothing loses of the motion is as large as the noise that it lets through.
         reference = (1.0 + (rows > 1)) * full.reference_noise.variance(full.motion, rows * interval)
-        noise = at_rest / rows + reference
+        noise = own / rows + reference
         empty = cls(np.empty(0), np.empty(0), masked, noise, rows)
         return replace(
             empty,
@@ -113,10 +115,30 @@ def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:
             _usual_variance(in_blocks(values, rows)[still])
             for values in (readings, residual[:, channel])
         ]
-        if not np.isfinite(usual).any():
+        if np.isfinite(usual).any():  # a coarse output that stands still scatters by nothing
+            usual = [max(float(np.nanmin(usual)), LEAST * full.rest_variance[channel])]
+        else:
             usual = [_white(readings), full.rest_variance[channel]]
         variance[channel] = max(float(np.nanmin(usual)), full.steps[channel] ** 2 / 12.0)
     return variance
+
+
+def _vibration(full: FullRate) -> np.ndarray:
+    """(n, 6) by how much more neighbouring readings scatter in each segment than at rest.
+
+    Nothing that a model of the motion could predict; read off high differences, in which neither
+    the motion nor the reference has a part.
+    """
+    still = np.array([segment.kind == "static" for segment in full.segments] + [False])
+    scatter = np.full((len(still), full.readings.shape[1]), np.nan)
+    for k in np.unique(full.segment):
+        rows = full.readings[full.segment == k]
+        scatter[k] = [_white(column) for column in rows.T]
+    if not np.isfinite(scatter[still]).any():
+        return np.ones(full.readings.shape)
+    known = np.where(np.isfinite(scatter[still]), scatter[still], np.inf)
+    ratio = scatter / np.median(known, axis=0)
+    return np.asarray(np.where(ratio > VIBRATING, ratio, 1.0)[full.segment])
 
 
 def _usual_variance(windows: np.ndarray) -> float:
