@@ -20,22 +20,17 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     """
     whole = np.floor(-np.asarray(late, dtype=float))
     part = -np.asarray(late) - whole
-    count, shifted = len(readings), np.zeros_like(readings)
-    row = np.arange(count) + whole.astype(int)
-    if not part.ndim:  # one shift for all: the rows and their neighbours are read once
-        reach = np.arange(NODES[0], count + NODES[-1]) + int(whole)
-        near = readings.take(reach, axis=0, mode="clip")
+    row = np.arange(len(readings)) + whole.astype(int)
+    own = readings.take(row, axis=0, mode="clip")
+    shifted = own.copy()  # and what differs from it: what is constant stays so exactly
     for node in NODES:
+        if node == 0:
+            continue
         weight = np.ones_like(part)
         for other in NODES:
             if other != node:
                 weight = weight * (part - other) / (node - other)
-        first = node - NODES[0]
-        shifted += weight[..., None] * (
-            readings.take(row + node, axis=0, mode="clip")
-            if part.ndim
-            else near[first : first + count]
-        )
+        shifted += weight[..., None] * (readings.take(row + node, axis=0, mode="clip") - own)
     return shifted
 
 
