@@ -76,7 +76,10 @@ def _with_terms(
             f"--terms {', '.join(unknown) or repr('')}: {recording_id} can have "
             f"{', '.join(sorted(known))}; name some of these with commas between"
         )
-    findings = {finding.effect: finding for finding in explain(recording, only=names).findings}
+    # What explain found is taken off as it found it; else what is asked for is fitted.
+    findings = {finding.effect: finding for finding in explain(recording).findings}
+    if not findings.keys() >= set(names):
+        findings = {each.effect: each for each in explain(recording, only=names).findings}
     for name in names:
         if name not in findings:
             raise Unusable(f"--terms {name}: {recording_id} does not determine it; leave it out")

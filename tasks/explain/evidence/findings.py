@@ -15,11 +15,12 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 from tasks.explain.search.scores import INDISTINGUISHABLE
-from tasks.model.term import Parameter, Term, places
+from tasks.model.term import Parameter, Term, TermKey, places
 from tasks.words import Sayable, message
 
 JUMPS = message("explain-jumps")
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
+WITHIN = 2.0  # standard uncertainties: U
 MAX_U = 0.9  # of what is plausible: a parameter known no better than before is not listed
 MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 
@@ -69,7 +70,7 @@ def _finding(
     predicted: np.ndarray,
 ) -> Finding:
     keys = {term.key for term in group.terms}
-    contribution = evidence.fit.model.effect_of(keys, full.motion, predicted)
+    contribution = _contribution(evidence, number, keys, full, predicted)
     soaked_up = group.absorbed_by is not None
     gain = group.selected[0].gain if soaked_up else evidence.evidence(number)
     named, first = group.name != UNNAMED, group.terms[0]
@@ -92,6 +93,26 @@ def _finding(
         group=group.selected[0].group if named else (),
         common=common_part(evidence.fit.model, group.terms) if group.selected[0].group else (),
     )
+
+
+def _contribution(
+    evidence: Evidence, number: int, keys: set[TermKey], full: FullRate, predicted: np.ndarray
+) -> np.ndarray:
+    """(n, 6) what a finding adds to the readings, by the parameters that are determined.
+
+    One that is no better known than its size is taken off nothing: what the standard's parameters
+    make up for would be moved by whatever it happens to be.
+    """
+    model = evidence.fit.model
+    limit = WITHIN * np.sqrt(evidence.scatter.dispersion(number)) * model.u
+    own = np.zeros(len(model.values), bool)
+    for key in keys:
+        own[model.places[key]] = True
+    loose = own & model.free & (np.abs(model.values) <= limit)
+    if evidence.groups[number].random or not loose.any() or (own & model.free & ~loose).sum() == 0:
+        return model.effect_of(keys, full.motion, predicted)
+    known = replace(model, values=np.where(loose, 0.0, model.values))
+    return known.effect_of(keys, full.motion, known.prediction(full.motion))
 
 
 def _behaviour(group: FindingGroup) -> Sayable:
