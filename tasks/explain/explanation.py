@@ -13,7 +13,9 @@ UNNAMED = "unnamed"
 FITTED = message("explain-model-fitted")
 
 Partition = Literal["time", "rate", "up", "triad", "axis"]
-RefusalKind = Literal["implausible", "inhomogeneous", "channel_worse", "undetermined"]
+RefusalKind = Literal[
+    "implausible", "inhomogeneous", "channel_worse", "undetermined", "overshadowed"
+]
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class Refusal:
     runs from `smallest` to `largest` in different `parts` of the recording. channel_worse: the
     `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
+    overshadowed: what stays unexplained in its channels is `value` times what it removes.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.
     """
@@ -50,7 +53,8 @@ class Finding:
     share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
     same in all parts of the recording; None where no parts determine them. group: catalogue names
     that make up for each other here, its own included; common: what their combinations have in
-    common. refusal: why its name was withdrawn.
+    common. refusal: why its name was withdrawn. behaviour: what it is called without a name; empty
+    for physics that is known beforehand.
     """
 
     effect: str
@@ -71,6 +75,7 @@ class Finding:
     group: tuple[str, ...] = ()
     common: tuple[FoundParameter, ...] = ()
     refusal: Refusal | None = None
+    behaviour: Sayable = ""
 
     @property
     def follows(self) -> Sayable | None:

@@ -13,7 +13,12 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
-from tasks.explain.evidence.shares import MOSTLY_NOISE, small_remainder, with_shares
+from tasks.explain.evidence.shares import (
+    MOSTLY_NOISE,
+    small_remainder,
+    with_shares,
+    without_shadows,
+)
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.reference import ReferencePrediction
@@ -54,7 +59,10 @@ def explanation_of(
     left = LeftOver.of(full, nominal, found, events.masked)
     removed = removed_by(events, full, predicted, left)
     by_terms = max(left.removed - sum(removed), 0.0)
-    removed += [by_terms * gain / max(sum(gains), 1e-300) for gain in gains]
+    by_term = [by_terms * gain / max(sum(gains), 1e-300) for gain in gains]
+    removed += by_term
+    if not ordered:
+        terms = without_shadows(terms, by_term, left)
     findings = with_shares([*artefacts, *terms], removed, left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     told = [one for one in findings if one not in small]

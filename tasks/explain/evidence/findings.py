@@ -78,6 +78,7 @@ def _finding(
         effect=group.name,
         family=first.family if named else UNNAMED,
         title=first.title if named else _behaviour(group),
+        behaviour="" if group.known else _behaviour(group),
         equation=first.equation,
         source=first.source,
         channels=_channels(contribution, full.rest_variance),

@@ -30,6 +30,11 @@ class FindingGroup:
         return self.selected[0].candidate.nuisance
 
     @property
+    def known(self) -> bool:
+        """Whether its size is known beforehand, so that it cannot be a shadow of something else."""
+        return self.absorbed_by is not None or any(one.candidate.known for one in self.selected)
+
+    @property
     def absorbed_by(self) -> str | None:
         return self.selected[0].absorbed_by
 
@@ -89,9 +94,7 @@ def _group(name: str, some: Sequence[Selected]) -> FindingGroup:
 def _is_leakage(
     group: FindingGroup, gain: float, unnamed: Sequence[tuple[FindingGroup, float]]
 ) -> bool:
-    if group.nuisance:
-        return False
-    if any(one.candidate.known or one.absorbed_by is not None for one in group.selected):
+    if group.nuisance or group.known:
         return False
     strongest = max((other for _, other in unnamed), default=0.0)
     if group.random:  # as leakage of anything slow wanders

@@ -77,11 +77,16 @@ class LeftOver:
         return max(0.0, float(np.nansum(self.before - self.after)))
 
     @property
-    def remaining(self) -> float:
-        """Chi-squared that is left above the noise, as far as that is known."""
+    def remaining_by_channel(self) -> np.ndarray:
+        """(6,) chi-squared that is left above the noise, as far as that is known."""
         rows = (np.isfinite(self.after) & ~self.masked).sum(axis=0)
         above = np.nan_to_num(self.chi2_per_degree) - 1.0 - KNOWN_WITHIN
-        return float((rows * np.maximum(above, 0.0)).sum())
+        return np.asarray(rows * np.maximum(above, 0.0))
+
+    @property
+    def remaining(self) -> float:
+        """Chi-squared that is left above the noise in all channels."""
+        return float(self.remaining_by_channel.sum())
 
     @property
     def explained_share(self) -> float:

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.explanation import UNNAMED, Finding
+from tasks.explain.explanation import UNNAMED, Finding, Refusal
 
 SMALL = 0.02  # of the mismatch above noise: an engineer looks elsewhere first
+SHADOW = 0.15  # of what stays unexplained in its channels: who removes less has no name
 MOSTLY_NOISE = 1.5  # chi-squared per degree of freedom up to which an account is complete
 
 
@@ -23,6 +24,31 @@ def with_shares(
     shares = np.clip(np.array(removed) / mismatch, 0.0, left.explained_share)
     told = [replace(one, share=float(each)) for one, each in zip(findings, shares, strict=True)]
     return sorted(told, key=lambda one: (-one.share, -one.gain))
+
+
+def without_shadows(
+    findings: Sequence[Finding], removed: Sequence[float], left: LeftOver
+) -> list[Finding]:
+    """The findings, those without a name that remove far less than nothing explains beside them.
+
+    What is much larger and not known has parts that look like anything in the catalogue: a name
+    would be one of its shadows. removed: by each, chi-squared at the unit's rows.
+    """
+    return [
+        _named_or_shadow(one, each, left) if one.effect != UNNAMED and one.behaviour else one
+        for one, each in zip(findings, removed, strict=True)
+    ]
+
+
+def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Finding:
+    beside = float(left.remaining_by_channel[list(finding.channels)].sum())
+    if removed >= SHADOW * beside:
+        return finding
+    refusal = Refusal("overshadowed", finding.effect, value=beside / max(removed, 1e-300))
+    return replace(
+        finding, effect=UNNAMED, family=UNNAMED, title=finding.behaviour, refusal=refusal,
+        indistinguishable=(), separated_by=None, group=(), common=(),
+    )  # fmt: skip
 
 
 def small_remainder(finding: Finding, left: LeftOver) -> bool:

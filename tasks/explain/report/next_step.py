@@ -30,6 +30,8 @@ def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:
         return message("report-next-channel", channel=channel_title(CHANNELS[refusal.channel]))
+    if refusal.kind == "overshadowed":
+        return message("report-next-overshadowed")
     recording = separating_recording(refusal.name)
     return message("report-next-undetermined", recording=recording) if recording else None
 

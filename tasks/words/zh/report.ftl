@@ -74,6 +74,7 @@ report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并�
     }由 { $smallest } 变到 { $largest }，不符合同一规律，故不予此名。
 report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的 { $channel } 计入后预测反而变差，故不予此名。
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
+report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释
@@ -87,6 +88,7 @@ report-next-inhomogeneous = { $parts ->
     }
 report-next-channel = 检查{ $channel } 的符号、标度与滤波，并绕另一轴记录同样的运动
 report-next-undetermined = 补充能确定它的记录：{ $recording }
+report-next-overshadowed = 先查明这些通道中大得多的剩余失配，然后重新分析
 report-next = { $dimension ->
         [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长
         [attitude] 在两个航向上记录各轴朝上、朝下及45°的静止位置，并检查随姿态变化的因素：电缆、夹紧、附近的磁体

@@ -1,0 +1,47 @@
+"""A name stands only where what it removes is not small beside what nothing explains."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tasks.explain.evidence.left_over import LeftOver
+from tasks.explain.evidence.shares import without_shadows
+from tasks.explain.explanation import UNNAMED, Finding
+
+ROWS = 1000
+NAMED = Finding(
+    effect="lever_arm", family="geometry", title="lever arm", equation="", source="",
+    channels=(3, 4), parameters=(), contribution=np.zeros((ROWS, 6)), gain=900.0, delta_bic=880.0,
+    held_out_gain=400.0, indistinguishable=("size_effect",), behaviour="the angular acceleration",
+)  # fmt: skip
+
+
+def left(chi2: float, channel: int) -> LeftOver:
+    after = np.ones((ROWS, 6))
+    after[:, channel] = chi2
+    none = np.zeros((ROWS, 6), bool)
+    return LeftOver(after, after, none, np.ones((ROWS, 6)), 1)
+
+
+def test_beside_ten_times_as_much_in_its_channels_a_name_is_withdrawn() -> None:
+    (shadow,) = without_shadows([NAMED], [900.0], left(10.1, 3))
+    assert shadow.effect == UNNAMED
+    assert shadow.title == "the angular acceleration"
+    assert shadow.indistinguishable == ()
+    assert shadow.refusal is not None
+    assert (shadow.refusal.kind, shadow.refusal.name) == ("overshadowed", "lever_arm")
+    assert shadow.refusal.value is not None
+    assert round(shadow.refusal.value) == 10
+
+
+def test_what_is_left_in_other_channels_takes_no_name_away() -> None:
+    assert without_shadows([NAMED], [900.0], left(10.1, 0)) == [NAMED]
+
+
+def test_most_of_a_mismatch_keeps_its_name_though_something_is_left() -> None:
+    assert without_shadows([NAMED], [9000.0], left(10.1, 3)) == [NAMED]
+
+
+def test_physics_that_is_known_beforehand_is_no_shadow() -> None:
+    known = replace(NAMED, behaviour="")
+    assert without_shadows([known], [1.0], left(10.1, 3)) == [known]
