@@ -69,8 +69,11 @@ def finding_statement(
 def what(finding: ReportedFinding) -> Sayable:
     """What it is and how large, by what is larger than its U (k = 2).
 
-    The sizes of what was refused a name stand in the reason of the refusal.
+    The sizes of what was refused a name stand in the reason of the refusal; those of names that
+    make up for each other say nothing, and what they have in common stands with the names.
     """
+    if finding.group:
+        return message("report-what", title=finding.title, given=0, sizes=(), more=0)
     shown = 0 if finding.refused else MAX_PARAMETERS
     clear = [each for each in finding.parameters if _significance(each) > USUAL_K]
     largest = sorted(clear, key=_significance, reverse=True)[:shown]

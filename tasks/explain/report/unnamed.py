@@ -8,7 +8,7 @@ from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.report.names import channel_title, parameter_name
 from tasks.model.effect import effect_name
-from tasks.words import Message, Sayable, message
+from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain, rough_quantity
 
 USUAL = {"s": "time", "m": "length", "rad": "angle"}  # kinds of causes, by the SI unit
@@ -17,7 +17,10 @@ FAR_BEYOND = 5.0  # times, from which a unit or range may be wrong: 9.8, 57.3, 1
 
 
 def title_of(finding: Finding) -> Sayable:
-    """What a finding is called; without a name by its pattern."""
+    """What a finding is called; without a name by its pattern, by all names that it may be."""
+    if finding.group:
+        effects = clauses([*map(effect_name, finding.group)], by="report-or")
+        return message("report-one-of", effects=effects)
     if finding.effect != UNNAMED:
         return finding.title
     return message("report-without-name", pattern=pattern_of(finding))

@@ -4,6 +4,7 @@
 report-sentence = { $text }.
 report-sentences = { $first } { $rest }
 report-or = { $first } or { $rest }
+report-one-of = { $effects }, which this recording does not tell apart
 
 # Names.
 report-whole-certificate = the certificate as a whole

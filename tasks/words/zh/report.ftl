@@ -4,6 +4,7 @@
 report-sentence = { $text }。
 report-sentences = { $first }{ $rest }
 report-or = { $first }或{ $rest }
+report-one-of = { $effects }（本次记录不能区分）
 
 # 名称。
 report-whole-certificate = 证书总结论
