@@ -145,7 +145,8 @@ def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
         if end - first < FEWEST:
             continue
         part = pose.at(slice(first, end))
-        t = np.arange(part.t[0], part.t[-1], interval)
+        # Stamps are rounded: the last of an even grid can lie a hair behind the last frame.
+        t = np.minimum(np.arange(part.t[0], part.t[-1], interval), part.t[-1])
         measured = Rotation.from_quat(part.stack(POSE), scalar_first=True)
         attitude = Slerp(part.t, measured)(t)
         turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()

@@ -98,3 +98,15 @@ def test_a_body_on_a_table_keeps_its_place() -> None:
 def test_a_tracker_that_hardly_saw_anything_tells_nothing() -> None:
     few = poses().at(slice(0, 5))
     assert not whole_motion(recording(reference=few)).felt.any()
+
+
+def test_a_stretch_whose_even_grid_ends_a_hair_late_is_read_to_its_end() -> None:
+    """The usual interval is 0.01 s but for its last digits, which add up over 33 s."""
+    stamps = np.round(0.01 * np.arange(10265), 2)
+    stamps = stamps[(stamps <= 54.37) | (stamps >= 69.67)]
+    interval = float(np.median(np.diff(stamps)))
+    assert np.arange(69.67, stamps[-1], interval)[-1] > stamps[-1]
+    still = {"qw": np.ones(len(stamps))} | {q: np.zeros(len(stamps)) for q in ("qx", "qy", "qz")}
+    imu = readings(seconds=110.0)
+    motion = whole_motion(recording(imu, Stream(stamps, still)))
+    assert motion.felt[(imu.t > 71.0) & (imu.t < 101.0), 0].all()
