@@ -2,7 +2,8 @@
 
 Of encoders: noise, steps and the jitter of their stamps show in the sixth differences of the
 angle, stretch by stretch, so that an axis that rests is exact and one that turns is as good as its
-encoder; a corner of the motion is rare among them and does not count. Of poses: what the smoothing
+encoder; a corner of the motion is rare among them and does not count. A stretch with one step is no
+better than the step, and scatter of the stamps counts by the rate. Of poses: what the smoothing
 takes away. All are white from reading to reading, and become noise of rates by the same kernels as
 the angles.
 """
@@ -14,15 +15,14 @@ import numpy as np
 from schemas.recording import Recording, Stream
 from tasks.motion.pose import Tracking
 from tasks.motion.reported_rate import reported_rate
-from tasks.motion.samples import NORMAL_QUANTILES, in_blocks
-from tasks.motion.smooth import even_grid, rate_kernel
+from tasks.motion.samples import NORMAL_QUANTILES, in_blocks, noise_by_differences
+from tasks.motion.smooth import ROUNDING, even_grid, rate_kernel
 from tasks.motion.whole import Motion, attitude_stream
 
 NODE = 64  # samples that a noise is read off
 ORDER, DIFFERENCE = 6, float(np.sqrt(924.0))  # and what it makes of white noise
 WHOLE, MOSTLY = 0.1, 0.9  # steps: changes that are mostly whole ones within this are quantised
 FEW_STEPS = 20.0  # more are whole within rounding whatever they are
-FEWEST_CHANGES = 4
 
 
 @dataclass(frozen=True)
@@ -89,23 +89,32 @@ def _encoder_noise(recording: Recording, table: Stream) -> EncoderNoise | None:
     angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
     if len(angles) < 2 * NODE:
         return None
-    t, angles = even_grid(table.t, angles)
+    steps = np.array([_step(course) for course in np.abs(np.diff(angles, axis=0)).T])
+    t, even = even_grid(table.t, angles)
     interval = float(t[1] - t[0])
-    rough = np.abs(np.diff(angles, ORDER, axis=0))
-    blocks = in_blocks(rough, NODE)
-    size = np.median(blocks, axis=1) / NORMAL_QUANTILES[0.5] / DIFFERENCE
-    changes = np.abs(np.diff(angles, axis=0))
-    steps = np.array([_step(course) for course in changes.T])
-    moved = (in_blocks(changes[ORDER - 1 :], NODE) > 0.0).sum(axis=1) >= FEWEST_CHANGES
-    variance = np.maximum(size**2, moved * steps**2 / 12.0)
+    changes = np.abs(np.diff(even, axis=0))
+    size, moved = _size(even), in_blocks(changes[ORDER - 1 :], NODE) > ROUNDING
+    # A single change tells its place to within one step: the rate there is as uncertain as any.
+    variance = np.maximum(size**2, moved.any(axis=1) * steps**2 / 12.0)
+    if (size.mean(axis=0) > _size(angles).mean(axis=0)).any():
+        # The samples are even and their stamps are not: interpolation hides most of it.
+        jitter = noise_by_differences(table.t, 2, 0.5) * np.sqrt(len(t) / len(angles))
+        speed = np.median(in_blocks(changes[ORDER - 1 :], NODE), axis=1) / interval
+        variance = np.maximum(variance, (speed * jitter) ** 2)
     middles = in_blocks(t[ORDER // 2 :], NODE)[: len(variance)].mean(axis=1)
     reported = np.array([reported_rate(table, axis.name) is not None for axis in axes])
-    return EncoderNoise(middles, variance, rate_kernel(angles, interval), interval, reported)
+    return EncoderNoise(middles, variance, rate_kernel(even, interval), interval, reported)
+
+
+def _size(angles: np.ndarray) -> np.ndarray:
+    """Standard deviation (m, k) rad of the white noise of angles (n, k) in each stretch."""
+    rough = in_blocks(np.abs(np.diff(angles, ORDER, axis=0)), NODE)
+    return np.asarray(np.median(rough, axis=1) / NORMAL_QUANTILES[0.5] / DIFFERENCE)
 
 
 def _step(changes: np.ndarray) -> float:
     """The encoder's step, rad; 0 where its changes are not whole steps."""
-    moved = changes[changes > 0.0]
+    moved = changes[changes > ROUNDING]
     if not len(moved):
         return 0.0
     least = float(np.quantile(moved, 0.01))

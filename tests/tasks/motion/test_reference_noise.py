@@ -73,3 +73,33 @@ def test_the_noise_of_poses_is_read_off_what_their_smoothing_takes_away() -> Non
     variance = reference_noise(recording(), motion).variance(motion, WIDTH)
     assert variance[0, 0] == pytest.approx(tracking.rate_variance(WIDTH))
     assert variance[0, 3] == pytest.approx(tracking.force_variance(WIDTH, motion.gravity))
+
+
+def test_a_single_step_of_a_coarse_encoder_is_no_turn_of_a_rest() -> None:
+    step = 1e-3
+    single = step * ((T > 9.0) & (T < 9.5))
+    run = shaft(np.round(swing() / step) * step + single)
+    wrong = np.abs(whole_motion(run).rate[:, 0] * (T < 18.0))
+    assert wrong.max() > 10.0 * step
+    assert (deviation(run)[wrong > 1e-9, 0] > 0.1 * wrong.max()).all()
+
+
+def test_stamps_that_scatter_make_noise_of_the_turn() -> None:
+    """The encoder is read at even times."""
+    jitter = 1e-3
+    run = shaft(swing())
+    stamps = np.sort(T + jitter * np.random.default_rng(2).standard_normal(len(T)))
+    scattered = Recording(run.manifest, run.imu, table=Stream(stamps, run.table.columns))
+    error = (whole_motion(scattered).rate - whole_motion(run).rate)[:, 0]
+    means = error[: len(error) // 4 * 4].reshape(-1, 4).mean(axis=1)
+    fast = np.abs(whole_motion(run).rate[::4, 0]) > 1.0
+    expected = deviation(scattered)[::4, 0][fast]
+    assert means[fast].std() == pytest.approx(np.sqrt((expected**2).mean()), rel=0.5)
+    assert deviation(scattered)[T < 18.0, 0].max() < 1e-6
+
+
+def test_samples_that_are_uneven_as_their_stamps_say_are_exact() -> None:
+    stamps = np.sort(T + 1e-3 * np.random.default_rng(2).standard_normal(len(T)))
+    run = shaft(swing())
+    read = Stream(stamps, {"a_angle": np.interp(stamps, T, swing())})
+    assert deviation(Recording(run.manifest, run.imu, table=read)).max() < 0.02
