@@ -4,11 +4,37 @@ Frames as in `mimu-recording/1`: R_n_payload = Rz(−heading)·R(dir₁, angle�
 R_n_body = R_n_payload·R(mount).
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
 from schemas.recording import Manifest, Recording, Segment, Station
 
 EARTH_RATE = 7.292115e-5  # rad/s, sidereal; WGS 84
+
+
+@dataclass(frozen=True)
+class TableAxes:
+    """The table's axes as the body sees them, outermost first.
+
+    angles, speeds: (n, k) rad, rad/s. directions: (n, k, 3) unit vectors in the body frame.
+    base: (n, 3) what the table's y axis is with all angles zero, in the body frame.
+    """
+
+    angles: np.ndarray
+    speeds: np.ndarray
+    directions: np.ndarray
+    base: np.ndarray
+
+    def outside(self, axis: int) -> np.ndarray:
+        """Rate (n, 3) of what carries an axis: of the axes outside it."""
+        return np.einsum("nk,nki->ni", self.speeds[:, :axis], self.directions[:, :axis])
+
+    def mapped(self, function: Callable[[np.ndarray], np.ndarray]) -> "TableAxes":
+        """The axes with a function applied to each array (n, …), such as a choice of rows."""
+        arrays = (self.angles, self.speeds, self.directions, self.base)
+        return TableAxes(*map(function, arrays))
 
 
 def rotation(direction: np.ndarray, angle: float) -> np.ndarray:

@@ -16,33 +16,10 @@ from schemas.recording import AXES, Recording, Stream, Up
 from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.smooth import smooth_derivatives
-from tasks.motion.table import axis_directions, mount_of
+from tasks.motion.table import TableAxes, axis_directions, mount_of
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
-
-
-@dataclass(frozen=True)
-class TableAxes:
-    """The table's axes as the body sees them, outermost first.
-
-    angles, speeds: (n, k) rad, rad/s. directions: (n, k, 3) unit vectors in the body frame.
-    base: (n, 3) what the table's y axis is with all angles zero, in the body frame.
-    """
-
-    angles: np.ndarray
-    speeds: np.ndarray
-    directions: np.ndarray
-    base: np.ndarray
-
-    def outside(self, axis: int) -> np.ndarray:
-        """Rate (n, 3) of what carries an axis: of the axes outside it."""
-        return np.einsum("nk,nki->ni", self.speeds[:, :axis], self.directions[:, :axis])
-
-    def mapped(self, function: Callable[[np.ndarray], np.ndarray]) -> "TableAxes":
-        """The axes with a function applied to each array (n, …), such as a choice of rows."""
-        arrays = (self.angles, self.speeds, self.directions, self.base)
-        return TableAxes(*map(function, arrays))
 
 
 @dataclass(frozen=True)

@@ -200,7 +200,7 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     plain = mimucal("calibrate", shared / PLANT, "--json").json
     done = mimucal("calibrate", shared / PLANT, "--terms", "bias_step", "--json")
     assert done.code == 0, done.err
-    assert asked["only"] == ("bias_step",)
+    assert "only" not in asked  # what explain found is taken off as it found it
     (term,) = done.json["terms"]
     assert term["parameters"] == [
         {"name": "gyro_x", "value": STEP, "unit": "deg/s", "u": STEP / 20}
@@ -216,6 +216,12 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     assert [len(result["calibration"]["terms"]) for result in kept] == [0, 1]
     assert [result["supersedes"] for result in kept] == [None, None]
     assert mimucal("verify", "--json").json["faults"] == []
+
+
+def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> None:
+    asked = engine(1)
+    assert mimucal("calibrate", shared / PLANT, "--terms", "lever_arm").code == 2
+    assert asked["only"] == ("lever_arm",)
 
 
 def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(

@@ -65,7 +65,7 @@ def explanation_of(
         terms = without_shadows(terms, by_term, left)
     findings = with_shares([*artefacts, *terms], removed, left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
-    told = [one for one in findings if one not in small]
+    reported = [one for one in findings if one not in small]
     p_value = min([fit.selection.p_value, *(event.p_value for event in events.events)])
     return Explanation(
         recording=recording,
@@ -73,9 +73,9 @@ def explanation_of(
         found=found,
         noise=noise,
         p_value=p_value,
-        verdict=_verdict(told, p_value, left),
+        verdict=_verdict(reported, p_value, left),
         held_out=evidence.held_out(),
-        findings=tuple(told),
+        findings=tuple(reported),
         remarks=(*full.remarks, *events.remarks),
         model=FITTED if reference is None else reference.model,
         left_over=left.chi2_per_degree,

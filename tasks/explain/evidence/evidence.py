@@ -16,11 +16,8 @@ from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.regression import WhitenedEquations, inverse
 from tasks.model.term import Column, Parameter, parameters_of
-
-WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 
 
 @dataclass(frozen=True)
@@ -200,18 +197,6 @@ class Evidence:
             chi2_per_dof_before=float(before.sum() / self.used),
             chi2_per_dof_after=float(after.sum() / self.used),
         )
-
-    def unsupported(self, number: int, trials: int) -> bool:
-        """Whether a finding gains no more than chance would, with so many candidates tried, or
-        segments that a fit did not use are not predicted better with it.
-        """
-        group, held_out_gain = self.groups[number], self.held_out_gain(number)
-        if group.absorbed_by:
-            return False
-        if group.random and self.scatter.dispersion(number) < WRONG_MODEL:
-            return held_out_gain <= 0.0  # the search has charged it for its course
-        chance = self.chance(number) * trials
-        return held_out_gain <= 0.0 or chance > FALSE_ALARMS or self.delta_bic(number) <= 0.0
 
     def _parameter_count(self, number: int) -> float:
         """Of a random drift as many as the data determine of it."""

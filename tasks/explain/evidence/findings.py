@@ -7,6 +7,7 @@ import numpy as np
 from schemas.discrepancy import FoundParameter
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, without_leakage
+from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding
@@ -54,7 +55,7 @@ def _only_a_nuisance(evidence: Evidence, number: int) -> bool:
         return False
     refusal = Scrutiny.of(evidence, number).refusal
     unclear = refusal is not None and refusal.kind == "undetermined"
-    return unclear or evidence.unsupported(number, 1) or evidence.held_out_gain(number) <= 0.0
+    return unclear or unsupported(evidence, number, 1) or evidence.held_out_gain(number) <= 0.0
 
 
 def _refused(scrutiny: Scrutiny | None) -> bool:
@@ -71,8 +72,8 @@ def _finding(
 ) -> Finding:
     keys = {term.key for term in group.terms}
     contribution = _contribution(evidence, number, keys, full, predicted)
-    soaked_up = group.absorbed_by is not None
-    gain = group.selected[0].gain if soaked_up else evidence.evidence(number)
+    absorbed = group.absorbed_by is not None
+    gain = group.selected[0].gain if absorbed else evidence.evidence(number)
     named, first = group.name != UNNAMED, group.terms[0]
     return Finding(
         effect=group.name,
@@ -85,7 +86,7 @@ def _finding(
         parameters=_parameters(evidence, number, scrutiny, full.start),
         contribution=contribution,
         gain=gain,
-        delta_bic=gain if soaked_up else evidence.delta_bic(number),
+        delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
         indistinguishable=_indistinguishable(group) if named else (),
         separated_by=first.separated_by if named else None,

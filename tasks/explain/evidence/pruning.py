@@ -4,6 +4,9 @@ from dataclasses import replace
 
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import FALSE_ALARMS
+
+WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the model lacks
 
 
 def pruned(fit: FittedSelection, trials: int) -> Evidence:
@@ -19,13 +22,26 @@ def pruned(fit: FittedSelection, trials: int) -> Evidence:
     while True:
         numbers = _searched(evidence)
         chance += [trials * evidence.chance(n) for n in numbers]
-        weak = [n for n in numbers if evidence.unsupported(n, trials)]
+        weak = [n for n in numbers if unsupported(evidence, n, trials)]
         if not weak:
             break
         weakest = min(weak, key=evidence.evidence)
         evidence = Evidence.of(evidence.fit.without(evidence.groups[weakest].selected))
     selection = replace(evidence.fit.selection, p_value=max(min(chance), fit.selection.p_value))
     return replace(evidence, fit=replace(evidence.fit, selection=selection))
+
+
+def unsupported(evidence: Evidence, number: int, trials: int) -> bool:
+    """Whether a finding gains no more than chance would, with so many candidates tried, or
+    segments that a fit did not use are not predicted better with it.
+    """
+    group, held_out_gain = evidence.groups[number], evidence.held_out_gain(number)
+    if group.absorbed_by:
+        return False
+    if group.random and evidence.scatter.dispersion(number) < WRONG_MODEL:
+        return held_out_gain <= 0.0  # the search has charged it for its course
+    chance = evidence.chance(number) * trials
+    return held_out_gain <= 0.0 or chance > FALSE_ALARMS or evidence.delta_bic(number) <= 0.0
 
 
 def _searched(evidence: Evidence) -> list[int]:

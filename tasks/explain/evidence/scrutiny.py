@@ -93,9 +93,9 @@ def _implausible(
             continue
         off = abs(value - limit) / (high - low)
         if furthest is None or off > furthest[0]:
-            said = Refusal("implausible", evidence.groups[number].name, parameter.name,
-                           unit_of(parameter), value, limit)  # fmt: skip
-            furthest = off, said
+            refusal = Refusal("implausible", evidence.groups[number].name, parameter.name,
+                              unit_of(parameter), value, limit)  # fmt: skip
+            furthest = off, refusal
     return furthest and furthest[1]
 
 

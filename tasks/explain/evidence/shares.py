@@ -22,8 +22,8 @@ def with_shares(
     """
     mismatch = max(left.removed + left.remaining, 1e-300)
     shares = np.clip(np.array(removed) / mismatch, 0.0, left.explained_share)
-    told = [replace(one, share=float(each)) for one, each in zip(findings, shares, strict=True)]
-    return sorted(told, key=lambda one: (-one.share, -one.gain))
+    findings = [replace(one, share=float(each)) for one, each in zip(findings, shares, strict=True)]
+    return sorted(findings, key=lambda one: (-one.share, -one.gain))
 
 
 def without_shadows(

@@ -22,7 +22,7 @@ from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 # Chi-squared that tells two combinations apart: where ramps are sharp, what smooths the reference
 # alone makes twenty.
-TOLD_APART = 30.0
+DISTINGUISHABLE = 30.0
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 STRETCH = 30.0  # s of what has no segments
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
@@ -76,11 +76,11 @@ class _Family:
         tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
         least = min(map(self._cost, tried))
-        near = [one for one in tried if self._cost(one) - least < TOLD_APART]
+        near = [one for one in tried if self._cost(one) - least < DISTINGUISHABLE]
         best = min(near, key=lambda o: (o.count, o.members is not self.present, self._cost(o)))
         names = [_names(one.members) for one in near]
         if set(_names(best.members)) == {"time_offset", "bandwidth"}:
-            if best.with_filter(FILTER).chi2 - best.chi2 < TOLD_APART * self._dispersion:
+            if best.with_filter(FILTER).chi2 - best.chi2 < DISTINGUISHABLE * self._dispersion:
                 names += [("bandwidth",), ("time_offset",)]
         elif len(_names(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
@@ -120,7 +120,7 @@ class _Family:
         if form[0].name in _names(best.members) or form[0].name == HOLDS.get(best.members[0].name):
             return False
         missed = self._linear_gain(best.members) - self._linear_gain(form)
-        limit = TOLD_APART * self._dispersion
+        limit = DISTINGUISHABLE * self._dispersion
         if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
             return False
         return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit

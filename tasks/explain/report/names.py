@@ -72,9 +72,9 @@ def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
 
 def parameter_name(name: str) -> Sayable:
     """«vertical rate» of «vertical_rate», «gyro x» of «gyro_x»; a symbol stays: «r_x»."""
-    for kind in ("parameter", "channel", "triad"):
-        if known(f"{kind}-{name}"):
-            return message(f"{kind}-{name}")
+    for kind in ("parameter-", "channel-", "triad-"):
+        if known(kind + name):
+            return message(kind + name)
     channel, _, number = name.rpartition("_")
     if channel in CHANNELS and number.isdigit():
         return message("report-factor", channel=channel_title(channel), number=int(number))

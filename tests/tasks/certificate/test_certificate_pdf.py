@@ -333,7 +333,7 @@ def test_a_third_language_is_a_third_folder_of_words(
     german = tmp_path / "de" / "certificate.ftl"
     english = german.read_text(encoding="utf-8")
     german.write_text(english.replace("Calibration Certificate", "Kalibrierschein"), "utf-8")
-    monkeypatch.setattr(catalogue, "files", lambda _: tmp_path)
+    monkeypatch.setattr(catalogue, "FOLDER", tmp_path)
     text = "".join(pages(render(certificate(), ("de", "zh"))))
     assert "Kalibrierschein" in text
     assert "校准证书" in text

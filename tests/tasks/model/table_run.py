@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 
 from schemas.recording import Manifest, Recording, Stream
-from tasks.motion.whole import Motion, TableAxes
+from tasks.motion.table import TableAxes
+from tasks.motion.whole import Motion
 
 GRAVITY = 9.8
 LATITUDE, HEADING = np.radians(40.0), np.radians(25.0)

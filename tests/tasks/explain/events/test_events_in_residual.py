@@ -11,7 +11,8 @@ from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
 from tasks.explain.events.ringing import Ringing
-from tasks.motion.whole import Motion, TableAxes
+from tasks.motion.table import TableAxes
+from tasks.motion.whole import Motion
 from tasks.words import say, texts
 
 

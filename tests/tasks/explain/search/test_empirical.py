@@ -20,7 +20,7 @@ from tasks.explain.search.motion_signals import (
 )
 from tasks.model.term import Inputs, Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
-from tasks.motion.whole import TableAxes
+from tasks.motion.table import TableAxes
 from tasks.words import LANGUAGES, texts
 
 RUN = motion()
