@@ -13,14 +13,13 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY
 from tasks.explain.events.delays import (
     MODEL_U,
-    Staircase,
     delays_by_grid,
     delays_by_slope,
-    fit_staircase,
     oscillates,
 )
 from tasks.explain.events.event import Event
 from tasks.explain.events.noise import noise_by_rate
+from tasks.explain.events.staircase import Staircase, fit_staircase
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion

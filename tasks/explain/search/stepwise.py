@@ -8,13 +8,8 @@ import numpy as np
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.budget import UNLIMITED, Budget
 from tasks.explain.search.candidates import Candidate, members_of
-from tasks.explain.search.design import (
-    UNIT_NOISE,
-    BandedDesign,
-    NormalEquations,
-    normal_equations,
-    residual_noises,
-)
+from tasks.explain.search.design import BandedDesign, NormalEquations, normal_equations
+from tasks.explain.search.residuals import UNIT_NOISE, residual_noises
 from tasks.explain.search.scores import ScoredCandidate, prior_precision, rank
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
