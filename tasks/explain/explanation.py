@@ -14,7 +14,12 @@ FITTED = message("explain-model-fitted")
 
 Partition = Literal["time", "rate", "up", "triad", "axis"]
 RefusalKind = Literal[
-    "implausible", "inhomogeneous", "channel_worse", "undetermined", "overshadowed"
+    "implausible",
+    "inhomogeneous",
+    "channel_worse",
+    "undetermined",
+    "overshadowed",
+    "reference_noise",
 ]
 
 
@@ -27,6 +32,7 @@ class Refusal:
     `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
     overshadowed: what stays unexplained in its channels is `value` times what it removes.
+    reference_noise: it fits no better than what makes the reference's own noise smaller.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.
     """

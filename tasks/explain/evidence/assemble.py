@@ -13,6 +13,7 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
+from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
@@ -44,7 +45,12 @@ def explanation_of(
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
-    terms = findings_of(evidence, full, predicted, ordered)
+    to_noise = fitted_to_reference_noise(
+        recording, full, standard, fit.model,
+        [{term.key for term in group.terms} for group in evidence.groups],
+        LeftOver.of(full, nominal, events.applied(t, predicted), events.masked),
+    )  # fmt: skip
+    terms = findings_of(evidence, full, predicted, to_noise, ordered)
     gains = [max(evidence.together(number), 0.0) for number in range(len(terms))]
     if reference is not None:
         deviations = reference_deviation(standard, nominal, full, fit)

@@ -1,5 +1,6 @@
 """From evidence to findings: what each is, what it adds and its parameters."""
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
-from tasks.explain.explanation import UNNAMED, Finding
+from tasks.explain.explanation import UNNAMED, Finding, Refusal
 from tasks.explain.groups.families import common_part
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
@@ -27,16 +28,22 @@ MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 
 
 def findings_of(
-    evidence: Evidence, full: FullRate, predicted: np.ndarray, ordered: bool = False
-) -> list[Finding]:
+    evidence: Evidence, full: FullRate, predicted: np.ndarray,
+    to_noise: Collection[int] = (), ordered: bool = False,
+) -> list[Finding]:  # fmt: skip
     """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate.
 
+    to_noise: numbers of what only makes the noise of the reference smaller.
     A nuisance of every model is one only where the recording determines it. ordered: somebody
     asked for just these terms: they keep the names that they were asked for by, with what speaks
     against them.
     """
     every = [n for n in range(len(evidence.groups)) if not _only_a_nuisance(evidence, n)]
     scrutinies = {number: Scrutiny.of(evidence, number) for number in every}
+    for number in scrutinies.keys() & set(to_noise):
+        refusal = Refusal("reference_noise", evidence.groups[number].name)
+        if evidence.groups[number].name != UNNAMED and not _refused(scrutinies[number]):
+            scrutinies[number] = replace(scrutinies[number], refusal=refusal)
     groups = evidence.groups
     if not ordered:
         refused = [replace(group, name=UNNAMED) if _refused(scrutinies.get(n)) else group

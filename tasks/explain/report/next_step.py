@@ -21,6 +21,12 @@ def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayab
     return _after_refusal(finding.refusal, setting) or _by_place(places)
 
 
+ALIKE_FOR_ALL = {
+    "overshadowed": "report-next-overshadowed",
+    "reference_noise": "report-next-reference-noise",
+}  # what is next, whatever name was refused
+
+
 def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
     if refusal.kind == "implausible":
         if setting:
@@ -30,8 +36,8 @@ def _after_refusal(refusal: Refusal, setting: bool) -> Sayable | None:
         return message("report-next-inhomogeneous", parts=refusal.parts or "time")
     if refusal.kind == "channel_worse" and refusal.channel is not None:
         return message("report-next-channel", channel=channel_title(CHANNELS[refusal.channel]))
-    if refusal.kind == "overshadowed":
-        return message("report-next-overshadowed")
+    if refusal.kind in ALIKE_FOR_ALL:
+        return message(ALIKE_FOR_ALL[refusal.kind])
     recording = separating_recording(refusal.name)
     return message("report-next-undetermined", recording=recording) if recording else None
 

@@ -69,6 +69,8 @@ def refused(refusal: Refusal, setting: bool) -> Message:
     arguments = {"effect": effect_name(refusal.name), "parameter": ""}
     if refusal.parameter is not None:
         arguments["parameter"] = parameter_name(refusal.parameter)
+    if refusal.kind == "reference_noise":
+        return message("report-refused-reference-noise", effect=arguments["effect"])
     if refusal.kind == "channel_worse":
         channel = "" if refusal.channel is None else channel_title(CHANNELS[refusal.channel])
         return message("report-refused-channel", **arguments, channel=channel)

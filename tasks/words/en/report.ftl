@@ -75,6 +75,7 @@ report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is 
     }, which one law would not do; so it is not called that.
 report-refused-channel = It behaves like «{ $effect }», but the { $channel }, which that would change as well, is predicted worse with it; so it is not called that.
 report-refused-undetermined = It behaves like «{ $effect }», but no parameter of that would be larger than its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
+report-refused-reference-noise = It behaves like «{ $effect }», but that fits no better than whatever makes the noise of the encoders smaller, which the unit does not have, so it is not called that.
 report-refused-overshadowed = It behaves like «{ $effect }», but what nothing explains in its channels is { $times } times as large as what that would remove, and may well contain it; so it is not called that.
 
 # What to do about it.
@@ -89,6 +90,7 @@ report-next-inhomogeneous = { $parts ->
     }
 report-next-channel = check sign, scale and filter of the { $channel }, and record the same motion about another axis
 report-next-undetermined = record what would determine it: { $recording }
+report-next-reference-noise = repeat with a finer or smoother encoder: this one's noise hides what the unit does
 report-next-overshadowed = find what is left in these channels first: it is much larger; then explain again
 report-next = { $dimension ->
         [rate] record steady rates of both signs in at least five steps, and see whether what is left grows with the rate, its size or its square

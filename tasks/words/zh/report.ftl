@@ -75,6 +75,7 @@ report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并�
     }由 { $smallest } 变到 { $largest }，不符合同一规律，故不予此名。
 report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的 { $channel } 计入后预测反而变差，故不予此名。
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
+report-refused-reference-noise = 其表现类似“{ $effect }”，但其拟合的改善不超过单纯减小编码器噪声所带来的改善（产品本身并无此噪声），故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
 
 # 下一步。
@@ -89,6 +90,7 @@ report-next-inhomogeneous = { $parts ->
     }
 report-next-channel = 检查{ $channel } 的符号、标度与滤波，并绕另一轴记录同样的运动
 report-next-undetermined = 补充能确定它的记录：{ $recording }
+report-next-reference-noise = 换用分辨力更高或噪声更小的编码器重做试验：目前编码器的噪声掩盖了产品的表现
 report-next-overshadowed = 先查明这些通道中大得多的剩余失配，然后重新分析
 report-next = { $dimension ->
         [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长

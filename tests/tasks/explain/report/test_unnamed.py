@@ -22,6 +22,7 @@ REFUSALS: dict[str, Refusal] = {
     "inhomogeneous": Refusal(
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
+    "reference_noise": Refusal("reference_noise", "bandwidth"),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
     "undetermined": Refusal(
         "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
@@ -99,6 +100,12 @@ def test_a_channel_that_gets_worse_is_named() -> None:
         found.statement.en
     )
     assert "accelerometer y" in found.next.en
+
+
+def test_what_only_quietens_the_encoder_asks_for_a_better_one() -> None:
+    found = refused("reference_noise")
+    assert "makes the noise of the encoders smaller" in found.statement.en
+    assert "finer or smoother encoder" in found.next.en
 
 
 def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> None:
