@@ -100,8 +100,21 @@ def _finding(
         homogeneity_p=scrutiny.homogeneity_p,
         refusal=scrutiny.refusal,
         group=group.selected[0].group if named else (),
-        common=common_part(evidence.fit.model, group.terms) if group.selected[0].group else (),
+        common=_common_part(evidence, number, scrutiny),
     )
+
+
+def _common_part(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
+    """Of effects that make up for each other, with uncertainties as its parameters have them."""
+    group, model = evidence.groups[number], evidence.fit.model
+    if not group.selected[0].group:
+        return ()
+    free = np.flatnonzero(model.free)
+    widening = np.ones(len(model.values))
+    for column, u in zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True):
+        if column < len(free) and model.u[free[column]] > 0.0:
+            widening[free[column]] = u / model.u[free[column]]
+    return common_part(model, group.terms, widening)
 
 
 def _contribution(

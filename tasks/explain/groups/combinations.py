@@ -7,17 +7,18 @@ from functools import cached_property
 import numpy as np
 
 from tasks.explain.groups.families import (
-    DELAYING,
     ROOT2,
     Form,
     group_delays,
     starting_values,
 )
 from tasks.explain.regression.spectrum import equations_of
+from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.refit import fitted, promised
+from tasks.explain.search.refit import fitted
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.model import Model
+from tasks.model.regression import inverse
 from tasks.model.term import Term
 
 
@@ -34,7 +35,7 @@ class Combination:
         new = [one.term for one in members if one.term.key not in start.model.places]
         delays = group_delays(start.model, family)
         if any(delays) and new:
-            start = replace(start, model=_late(members, new, delays, start))
+            start = replace(start, model=_late(members, family, delays, start))
         return cls(members, start.reselected(_exchanged(members, family, start)))
 
     @cached_property
@@ -47,9 +48,57 @@ class Combination:
         """Of the members' parameters."""
         return sum(len(one.own) for one in self.members)
 
-    def promises(self, more: Form) -> float:
-        """Chi-squared that more promises to take away, by a linear step from where the fit is."""
-        return promised(self._with(more), self.fit.blocks, self.fit.noises)
+    @property
+    def plausible(self) -> bool:
+        """Whether each of the members' parameters lies within what a unit may have."""
+        values, places = self.fit.model.values, self.fit.model.places
+        return all(
+            low <= values[places[one.term.key].start + q] <= high
+            for one in self.members
+            for q in one.own
+            for low, high in [one.term.parameters[q].plausible]
+        )
+
+    def promises(self, others: Sequence[Form]) -> list[float]:
+        """Chi-squared that each of some forms more promises to take away, by a linear step from
+        where the fit is; none where it leads below zero. All by one linearisation.
+        """
+        longer = self._with([one for form in others for one in form])
+        design = longer.linearised(self.fit.blocks.motion, longer.free)
+        free = np.flatnonzero(longer.free)
+        misfit = self.fit.blocks.readings - design.prediction
+        columns = [design.columns[p] for p in free]
+        normal, right, _ = equations_of(columns, misfit, self.fit.blocks, self.fit.noises).normal()
+        base = np.isin(free, np.flatnonzero(self.fit.model.free))
+        gains = []
+        for form in others:
+            mine = [longer.places[one.term.key].start + q for one in form for q in one.own]
+            rows = np.flatnonzero(base | np.isin(free, mine))
+            change = np.zeros(len(longer.values))
+            change[free[rows]] = inverse(normal[np.ix_(rows, rows)]) @ right[rows]
+            stepped = replace(longer, values=longer.values + change)
+            gains.append(0.0 if stepped.negative.any() else float(change[free[rows]] @ right[rows]))
+        return gains
+
+    def promise_of_filter(self, low_pass: Term, more: float) -> float:
+        """Chi-squared that a filter of the time constants `more` (s) promises to take away in the
+        place of as much of the delay, by what the readings become, times a size above nothing.
+        """
+        model, blocks = self.fit.model, self.fit.blocks
+        design = model.linearised(blocks.motion, model.free)
+        later = model.with_term(low_pass)
+        values = later.values.copy()
+        values[later.places[low_pass.key]] = more
+        for one in self.members:
+            values[later.places[one.term.key]] -= ROOT2 * more
+        added = replace(later, values=values).prediction(blocks.motion) - design.prediction
+        columns = [design.columns[p] for p in np.flatnonzero(model.free)]
+        columns.append(dict(enumerate(added.T)))
+        misfit = blocks.readings - design.prediction
+        normal, right, _ = equations_of(columns, misfit, blocks, self.fit.noises).normal()
+        solution = inverse(normal) @ right
+        alone = inverse(normal[:-1, :-1]) @ right[:-1]
+        return float(solution @ right - alone @ right[:-1]) if solution[-1] > 0.0 else 0.0
 
     def chi2_with_share_of(self, other: Form, share: float) -> float:
         """Chi-squared where the members make so much less, or more, as another effect makes up
@@ -82,7 +131,7 @@ class Combination:
         held = fitted(replace(model, values=values, free=free), fit.blocks, fit.noises)
         return replace(self, fit=replace(fit, model=held))
 
-    def _with(self, more: Form) -> Model:
+    def _with(self, more: Sequence[Candidate]) -> Model:
         longer = self.fit.model
         for one in more:
             if one.term.key not in longer.places:
@@ -99,14 +148,16 @@ def chi2_of(model: Model, fit: FittedSelection) -> float:
 
 
 def _late(
-    members: Form, new: Sequence[Term], delays: tuple[float, float], start: FittedSelection
+    members: Form, family: Sequence[str], delays: tuple[float, float], start: FittedSelection
 ) -> Model:
     """The model that a fit of delays and filters starts from: as late as what they stand for."""
     kept = {one.term.key for one in members}
-    old = {key for key in start.model.places if key not in kept and key[0] in DELAYING}
-    model = start.model.without(old)
-    for term in new:
-        model = model.with_term(term)
+    model = start.model.without(
+        {key for key in start.model.places if key not in kept and key[0] in family}
+    )
+    for one in members:
+        if one.term.key not in model.places:
+            model = model.with_term(one.term)
     return starting_values(model, members, delays)
 
 

@@ -32,13 +32,17 @@ HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its pla
 def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
     """The selection with the combination that fits in place of what it has of each family, marked
     with the names that the data do not tell from it.
+
+    A nuisance of every model stays as it is: its family is what else makes up for each other.
     """
+    nuisances = {one.name for one in fit.selection.candidates if one.nuisance}
     for family in FAMILIES:
-        selected = [one for one in fit.selection.selected if one.candidate.name in family]
+        names = tuple(name for name in family if name not in nuisances)
+        selected = [one for one in fit.selection.selected if one.candidate.name in names]
         if selected and not any(one.absorbed_by for one in selected):
             present = tuple(one.candidate for one in selected)
-            forms = tuple(forms_of(family, candidates, present))
-            fit = _Family(family, forms, present, fit).compared()
+            forms = tuple(forms_of(names, candidates, present))
+            fit = _Family(names, forms, present, fit).compared()
     return fit
 
 
@@ -59,7 +63,14 @@ class _Family:
         near = [one for one, cost in zip(alike, costs, strict=True)
                 if cost - min(costs) < INDISTINGUISHABLE]  # fmt: skip
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
-        return _marked(self._fitted(best), _group(best, map(_names, near)))
+        found, chosen = self._fitted(self.present), self._fitted(best)
+        if best is not self.present and not self._holds(chosen, found):
+            return _marked(found, ())
+        return _marked(chosen, _group(best, map(_names, near)))
+
+    def _holds(self, chosen: Combination, found: Combination) -> bool:
+        """Whether what linear forms prefer is plausible in its real form, and fits better there."""
+        return chosen.plausible and self._cost(found) - self._cost(chosen) > INDISTINGUISHABLE
 
     def _by_real_fits(self) -> FittedSelection:
         """Of one effect each that comes near, then of the best of them with each other."""
@@ -70,10 +81,12 @@ class _Family:
             for form in self.forms
             if form[0].term.stage == "signal" and _keys(form) != _keys(self.present)
             and (self._delay_was_taken_back or self._linear_gain(form) > enough)
+            and (self._triads_differ or not _is_by_triad(form))
         ]  # fmt: skip
         alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
-        tried += self._delay_with_filter()
+        if self._triads_differ or self._smooths(alone):
+            tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
         least = min(map(self._cost, tried))
         near = [one for one in tried if self._cost(one) - least < DISTINGUISHABLE]
@@ -107,13 +120,29 @@ class _Family:
 
     def _promising(self, alone: Combination) -> Iterator[Form]:
         """The best of one effect with each other that promises more than its price."""
-        for form in self.forms:
-            names = {form[0].name, *_names(alone.members)}
-            if len(names) == 1 or names == {"time_offset", "bandwidth"}:
-                continue
-            price = self._price * sum(len(one.own) for one in form)
-            if alone.promises(form) / self._dispersion > price:
+        others = [
+            form for form in self.forms
+            if {form[0].name, *_names(alone.members)} not in (
+                set(_names(alone.members)), {"time_offset", "bandwidth"})
+        ]  # fmt: skip
+        for form, gain in zip(others, alone.promises(others), strict=True):
+            if gain / self._dispersion > self._price * sum(len(one.own) for one in form):
                 yield (*alone.members, *form)
+
+    def _smooths(self, alone: Combination) -> bool:
+        """Whether a filter beside a delay promises to fit better than the one of them that fits
+        best: in the delay's place one of a usual size, which is a column like any other.
+        """
+        both = next((form[0] for form in self.forms if _is_by_triad(form)), None)
+        delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
+        if delay is None or both is None:
+            return False
+        gain = 0.0
+        if _names(alone.members) == ("time_offset",):
+            gain = alone.promise_of_filter(both.term, FILTER)
+        elif _names(alone.members) == ("bandwidth",):
+            gain = alone.promises([delay])[0]
+        return gain > TOLD_APART * self._dispersion
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
         """Whether another effect may have made a share of the best, as far as the data tell."""
@@ -164,6 +193,17 @@ class _Family:
         blocks = self.fit.blocks
         span = float(blocks.t[-1] - blocks.t[0])
         return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
+
+    @cached_property
+    def _triads_differ(self) -> bool:
+        """Whether gyros and accelerometers are late unlike each other, which linear forms tell."""
+        both = next((form for form in self.forms if _is_by_triad(form)), None)
+        whole = [form for form in self.forms
+                 if form[0].name in ("time_offset", "bandwidth") and form is not both]  # fmt: skip
+        if both is None or not whole:
+            return both is not None
+        more = self._linear_gain(both) - max(map(self._linear_gain, whole))
+        return more > TOLD_APART * self._dispersion
 
     @cached_property
     def _delay_was_taken_back(self) -> bool:

@@ -97,12 +97,18 @@ def starting_values(model: Model, members: Form, delays: tuple[float, float]) ->
     return replace(model, values=values)
 
 
-def common_part(model: Model, terms: Sequence[Term]) -> tuple[FoundParameter, ...]:
+def common_part(
+    model: Model, terms: Sequence[Term], widening: np.ndarray
+) -> tuple[FoundParameter, ...]:
     """Group delay of gyros and of accelerometers by all the terms together, with its uncertainty;
     empty for effects that are no delay.
+
+    widening: (p,) by which what is left, and what the recording's parts differ by, make the
+    uncertainty of each of the model's parameters larger.
     """
     weights = _delay_weights(model, terms)
-    u = np.sqrt(np.einsum("kp,pq,kq->k", weights, model.covariance, weights))
+    widened = weights * widening
+    u = np.sqrt(np.einsum("kp,pq,kq->k", widened, model.covariance, widened))
     values = weights @ model.values
     pairs = zip(("gyro_group_delay", "accel_group_delay"), values.tolist(), u.tolist(), strict=True)
     return tuple(

@@ -87,21 +87,6 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
     return gauss_newton(model, motion, readings, whiten, settled, MAX_STEPS, scores)[0]
 
 
-def promised(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> float:
-    """Chi-squared that the first step of a fit promises; none where it leads below zero."""
-    gains: list[float] = []
-
-    def first(model: Model, step: Step) -> bool:
-        gains.append(step.gain)
-        return True
-
-    def whiten(columns: Sequence[Column], misfit: np.ndarray) -> WhitenedEquations:
-        return equations_of(columns, misfit, blocks, noises)
-
-    gauss_newton(model, blocks.motion, blocks.readings, whiten, first, 1)
-    return sum(gains)
-
-
 def linearised(
     model: Model, blocks: Blocks, selected: Sequence[Candidate]
 ) -> tuple[dict[int, Column], np.ndarray]:
