@@ -33,16 +33,21 @@ def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSel
     """The selection with the combination that fits in place of what it has of each family, marked
     with the names that the data do not tell from it.
 
-    A nuisance of every model stays as it is: its family is what else makes up for each other.
+    A nuisance of every model stays as it is, and what makes up for it is left out: tracking smooths
+    places and attitudes unlike each other, so that it is not the unit's for certain.
     """
     nuisances = {one.name for one in fit.selection.candidates if one.nuisance}
     for family in FAMILIES:
-        names = tuple(name for name in family if name not in nuisances)
-        selected = [one for one in fit.selection.selected if one.candidate.name in names]
-        if selected and not any(one.absorbed_by for one in selected):
-            present = tuple(one.candidate for one in selected)
-            forms = tuple(forms_of(names, candidates, present))
-            fit = _Family(names, forms, present, fit).compared()
+        selected = [one for one in fit.selection.selected
+                    if one.candidate.name in family and not one.candidate.nuisance]  # fmt: skip
+        if not selected or any(one.absorbed_by for one in selected):
+            continue
+        if nuisances & set(family):
+            fit = fit.without(selected)
+            continue
+        present = tuple(one.candidate for one in selected)
+        forms = tuple(forms_of(family, candidates, present))
+        fit = _Family(family, forms, present, fit).compared()
     return fit
 
 
@@ -155,10 +160,13 @@ class _Family:
         return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
 
     def _combined(self) -> Iterator[Form]:
-        """Each form alone, and pairs of different effects."""
+        """Each form alone, and pairs of different effects; but none of what was found with
+        something more, which the search would have found as well.
+        """
+        found = set(_names(self.present))
         yield from self.forms
         for one, other in combinations(self.forms, 2):
-            if one[0].name != other[0].name:
+            if one[0].name != other[0].name and not found < {one[0].name, other[0].name}:
                 yield (*one, *other)
 
     def _fitted(self, members: Form) -> Combination:

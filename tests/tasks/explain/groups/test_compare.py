@@ -1,0 +1,103 @@
+"""What makes up for each other: which stands, and what is left as it is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from engine_run import NOISY, motion, noise, observed, read
+
+from tasks.explain.groups.combinations import Combination
+from tasks.explain.groups.compare import FILTER, compared
+from tasks.explain.groups.families import common_part
+from tasks.explain.search.candidates import Candidate, columns_of
+from tasks.explain.search.design import banded_design
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.stepwise import Selected, search
+from tasks.model.term import Column, Term
+from tasks.model.terms.electronics import BANDWIDTH
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.timing import TIME_OFFSET
+
+RUN = motion()
+DELAY, ARM = 0.006, (0.012, -0.018, 0.007)
+
+
+def found(*nuisances: str) -> tuple[FittedSelection, list[Candidate]]:
+    """A delay and a lever arm, read; a delay, a low-pass and a lever arm, fitted to it."""
+    made = read(RUN, (TIME_OFFSET, (DELAY,)), (LEVER_ARM, ARM)) + noise(len(RUN.t), 3, NOISY)
+    blocks = observed(made, RUN)
+    terms: list[Term] = [TIME_OFFSET, BANDWIDTH, LEVER_ARM]
+    columns: list[Column] = []
+    whole: list[Candidate] = []
+    for term in terms:
+        own = tuple(range(len(term.parameters)))
+        members = tuple(len(columns) + q for q in own)
+        whole.append(Candidate(term, members, own, 1, nuisance=term.name in nuisances))
+        columns += columns_of(term, RUN)
+    design = banded_design(blocks, made, columns, np.full(len(columns), np.inf))
+    kept = tuple(Selected(one, 1.0, 1.0, ()) for one in whole)
+    selection = replace(search(design, whole, (), NOISY), selected=kept)
+    return FittedSelection.of(selection, blocks, blocks.rate), whole
+
+
+def names(fit: FittedSelection) -> set[str]:
+    return {one.name for one in fit.selection.candidates}
+
+
+def seconds(fit: FittedSelection) -> float:
+    return float(fit.model.values[fit.model.places[TIME_OFFSET.key]][0])
+
+
+def test_a_nuisance_stays_and_what_makes_up_for_it_is_left_out() -> None:
+    fit, candidates = found("time_offset")
+    after = compared(fit, candidates)
+    assert names(after) == {"time_offset", "lever_arm"}
+    assert seconds(after) == pytest.approx(DELAY, abs=1e-3)
+    assert not any(one.group for one in after.selection.selected)
+
+
+def test_a_family_without_the_nuisance_is_compared_as_ever() -> None:
+    fit, candidates = found("lever_arm")
+    after = names(compared(fit, candidates))
+    assert after in ({"lever_arm", "time_offset"}, {"lever_arm", "bandwidth"})
+
+
+def test_each_of_several_forms_promises_what_it_promises_alone() -> None:
+    fit, candidates = found()
+    arm = next(one for one in candidates if one.name == "lever_arm")
+    delay = next(one for one in candidates if one.name == "time_offset")
+    only = fit.without([one for one in fit.selection.selected if one.candidate.name != "bandwidth"])
+    held = Combination(tuple(only.selection.candidates), only)
+    both = held.promises([(arm,), (delay,)])
+    assert both == pytest.approx([held.promises([(arm,)])[0], held.promises([(delay,)])[0]])
+    assert both[0] > 1000.0
+
+
+def test_a_filter_promises_nothing_in_the_place_of_a_delay_that_fits() -> None:
+    fit, _ = found()
+    delay = fit.without(
+        [one for one in fit.selection.selected if one.candidate.name == "bandwidth"]
+    )
+    members = tuple(one for one in delay.selection.candidates if one.name == "time_offset")
+    assert Combination(members, delay).promise_of_filter(BANDWIDTH, FILTER) < 30.0
+
+
+def test_a_value_beyond_what_a_unit_may_have_is_not_plausible() -> None:
+    fit, _ = found()
+    members = tuple(one for one in fit.selection.candidates if one.name == "lever_arm")
+    assert Combination(members, fit).plausible
+    values = fit.model.values.copy()
+    values[fit.model.places[LEVER_ARM.key]] = 2.0 * LEVER_ARM.parameters[0].plausible[1]
+    far = replace(fit, model=replace(fit.model, values=values))
+    assert not Combination(members, far).plausible
+
+
+def test_the_common_part_is_as_uncertain_as_its_widened_parameters() -> None:
+    fit, _ = found()
+    delay = fit.without(
+        [one for one in fit.selection.selected if one.candidate.name == "bandwidth"]
+    )
+    u = float(delay.model.u[delay.model.places[TIME_OFFSET.key]][0])
+    gyro, accel = common_part(delay.model, [TIME_OFFSET], np.full(len(delay.model.values), 3.0))
+    assert gyro.u == accel.u == pytest.approx(3.0 * u)
+    assert gyro.value == pytest.approx(seconds(delay))
