@@ -147,7 +147,7 @@ class _Family:
             gain = alone.promise_of_filter(both.term, FILTER)
         elif _names(alone.members) == ("bandwidth",):
             gain = alone.promises([delay])[0]
-        return gain > TOLD_APART * self._dispersion
+        return gain > DISTINGUISHABLE * self._dispersion
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
         """Whether another effect may have made a share of the best, as far as the data tell."""
@@ -160,9 +160,7 @@ class _Family:
         return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
 
     def _combined(self) -> Iterator[Form]:
-        """Each form alone, and pairs of different effects; but none of what was found with
-        something more, which the search would have found as well.
-        """
+        """Each form alone, and pairs; but none of what was found with more, as the search would."""
         found = set(_names(self.present))
         yield from self.forms
         for one, other in combinations(self.forms, 2):
@@ -211,7 +209,7 @@ class _Family:
         if both is None or not whole:
             return both is not None
         more = self._linear_gain(both) - max(map(self._linear_gain, whole))
-        return more > TOLD_APART * self._dispersion
+        return more > DISTINGUISHABLE * self._dispersion
 
     @cached_property
     def _delay_was_taken_back(self) -> bool:
