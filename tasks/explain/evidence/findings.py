@@ -38,7 +38,7 @@ def findings_of(
     asked for just these terms: they keep the names that they were asked for by, with what speaks
     against them.
     """
-    every = [n for n in range(len(evidence.groups)) if not _only_a_nuisance(evidence, n)]
+    every = numbers_of(evidence)
     scrutinies = {number: Scrutiny.of(evidence, number) for number in every}
     for number in scrutinies.keys() & set(to_noise):
         refusal = Refusal("reference_noise", evidence.groups[number].name)
@@ -54,6 +54,11 @@ def findings_of(
         _finding(evidence, number, groups[number], scrutinies[number], full, predicted)
         for number in every
     ]
+
+
+def numbers_of(evidence: Evidence) -> list[int]:
+    """Numbers of the groups that are findings: all but nuisances that are not determined."""
+    return [n for n in range(len(evidence.groups)) if not _only_a_nuisance(evidence, n)]
 
 
 def _only_a_nuisance(evidence: Evidence, number: int) -> bool:
