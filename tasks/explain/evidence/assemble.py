@@ -10,7 +10,7 @@ from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.event_findings import event_findings, removed_by
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.evidence.findings import findings_of, numbers_of
+from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
 from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
@@ -50,8 +50,9 @@ def explanation_of(
         [{term.key for term in group.terms} for group in evidence.groups],
         LeftOver.of(full, nominal, events.applied(t, predicted), events.masked),
     )  # fmt: skip
-    terms = findings_of(evidence, full, predicted, to_noise, ordered)
-    gains = [max(evidence.together(number), 0.0) for number in numbers_of(evidence)]
+    scrutinies = scrutinised(evidence)
+    terms = findings_of(evidence, scrutinies, full, predicted, to_noise, ordered)
+    gains = [max(evidence.together(number), 0.0) for number in scrutinies]
     if reference is not None:
         deviations = reference_deviation(standard, nominal, full, fit)
         terms, gains = terms + deviations, gains + [one.gain for one in deviations]

@@ -1,6 +1,6 @@
 """From evidence to findings: what each is, what it adds and its parameters."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -28,18 +28,16 @@ MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 
 
 def findings_of(
-    evidence: Evidence, full: FullRate, predicted: np.ndarray,
-    to_noise: Collection[int] = (), ordered: bool = False,
+    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate,
+    predicted: np.ndarray, to_noise: Collection[int] = (), ordered: bool = False,
 ) -> list[Finding]:  # fmt: skip
     """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate.
 
-    to_noise: numbers of what only makes the noise of the reference smaller.
-    A nuisance of every model is one only where the recording determines it. ordered: somebody
-    asked for just these terms: they keep the names that they were asked for by, with what speaks
-    against them.
+    scrutinies: of those that are findings, by number. to_noise: numbers of what only makes the
+    noise of the reference smaller. ordered: somebody asked for just these terms: they keep the
+    names that they were asked for by, with what speaks against them.
     """
-    every = numbers_of(evidence)
-    scrutinies = {number: Scrutiny.of(evidence, number) for number in every}
+    scrutinies = dict(scrutinies)
     for number in scrutinies.keys() & set(to_noise):
         refusal = Refusal("reference_noise", evidence.groups[number].name)
         if evidence.groups[number].name != UNNAMED and not _refused(scrutinies[number]):
@@ -52,20 +50,23 @@ def findings_of(
         groups = without_leakage(refused, left)
     return [
         _finding(evidence, number, groups[number], scrutinies[number], full, predicted)
-        for number in every
+        for number in scrutinies
     ]
 
 
-def numbers_of(evidence: Evidence) -> list[int]:
-    """Numbers of the groups that are findings: all but nuisances that are not determined."""
-    return [n for n in range(len(evidence.groups)) if not _only_a_nuisance(evidence, n)]
+def scrutinised(evidence: Evidence) -> dict[int, Scrutiny]:
+    """By number the scrutiny of each group that is a finding: a nuisance of every model is one
+    only where the recording determines it.
+    """
+    every = {number: Scrutiny.of(evidence, number) for number in range(len(evidence.groups))}
+    return {n: one for n, one in every.items() if not _only_a_nuisance(evidence, n, one)}
 
 
-def _only_a_nuisance(evidence: Evidence, number: int) -> bool:
+def _only_a_nuisance(evidence: Evidence, number: int, scrutiny: Scrutiny) -> bool:
     """Whether it is in every model of such a recording, and this one determines none of it."""
     if not evidence.groups[number].nuisance:
         return False
-    refusal = Scrutiny.of(evidence, number).refusal
+    refusal = scrutiny.refusal
     unclear = refusal is not None and refusal.kind == "undetermined"
     return unclear or unsupported(evidence, number, 1) or evidence.held_out_gain(number) <= 0.0
 

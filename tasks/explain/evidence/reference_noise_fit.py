@@ -36,7 +36,7 @@ def fitted_to_reference_noise(
     standard, found: models without and with all findings, fitted. terms: of each finding. left:
     what they leave and what was left without them.
     """
-    noisy = with_more_noise(recording, full)
+    noisy = with_more_noise(recording, full) if terms else None
     if noisy is None:
         return set()
 
