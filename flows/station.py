@@ -29,11 +29,11 @@ def serve(
 ) -> None:
     """A virtual station as a server, until it is stopped."""
     from tasks.station.virtual import config as virtual
-    from tasks.station.virtual.faults import Fault
+    from tasks.station.virtual.faults import StationFault
     from tasks.station.virtual.servers import serve
 
     station = virtual.virtual_station(seed, ahrs)
-    faults = [Fault.parse(text) for text in fault or ()]
+    faults = [StationFault.parse(text) for text in fault or ()]
     if truth is not None:
         _write(truth, json.dumps(virtual.truth(station), indent=1))
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.recording import Manifest
-from schemas.station import Equipment, LimitShape
+from schemas.station import LimitShape, MeasurementStandard
 from schemas.tolerance import Decision
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
@@ -48,7 +48,7 @@ class Laboratory(Frozen):
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
     party: Party
     certificate_prefix: str = "MIMU"
-    equipment: tuple[Equipment, ...] = ()
+    equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     operator: str | None = None
     checker: str | None = None

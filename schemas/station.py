@@ -189,7 +189,7 @@ AnyLink = Annotated[
 ]
 
 
-class Equipment(Frozen):
+class MeasurementStandard(Frozen):
     """A measurement standard, as clause 8 h) wants it on the certificate."""
 
     name: str
@@ -215,4 +215,4 @@ class StationFile(Frozen):
     mount: Mount = Mount()
     fixture: Literal["by_hand", "commanded"] = "by_hand"
     unit: Unit
-    equipment: tuple[Equipment, ...] = ()
+    equipment: tuple[MeasurementStandard, ...] = ()

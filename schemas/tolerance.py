@@ -20,7 +20,7 @@ FULL_GUARD_BAND = 1.0  # w = U
 USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 
 
-class Prior(Frozen):
+class ProductionPrior(Frozen):
     """What is known of the whole production: a normal distribution, in the limit's unit."""
 
     mean: Signed
@@ -52,7 +52,9 @@ class Limit(Frozen):
         description="largest U, in the unit, at which the limit is decided on; a one-sided "
         "limit with neither this nor a guard band is decided on only where it is clear",
     )
-    prior: Prior | None = Field(default=None, description="for the risks of the production")
+    prior: ProductionPrior | None = Field(
+        default=None, description="for the risks of the production"
+    )
 
     @model_validator(mode="after")
     def _limits_something(self) -> Self:

@@ -27,14 +27,14 @@ Found = tuple[Path, str]  # a file, and what is wrong with it
 Check = tuple[object, Callable[[], Iterable[str]]]  # of what, and what is wrong with it
 
 
-class Fault(Frozen):
+class StoreFault(Frozen):
     """What is wrong with what; `why` ends with the way out."""
 
     what: str
     why: str
 
 
-def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Fault]]:
+def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[StoreFault]]:
     """Reads everything in the store again; gives how many things were checked, and the faults.
 
     Raw recordings and columns against their digest, results against their id and their run,
@@ -43,12 +43,12 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Faul
     `progress(done, total)` is called after each.
     """
     checks = list(_checks(home))
-    faults: list[Fault] = []
+    faults: list[StoreFault] = []
     for done, (what, check) in enumerate(checks, start=1):
         try:
-            faults += (Fault(what=str(what), why=why) for why in check())
+            faults += (StoreFault(what=str(what), why=why) for why in check())
         except Unusable as error:
-            faults.append(Fault(what=str(what), why=str(error)))
+            faults.append(StoreFault(what=str(what), why=str(error)))
         if progress is not None:
             progress(done, len(checks))
     return len(checks), faults

@@ -5,7 +5,7 @@ from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.segments.check import check_segments
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
 from tasks.words import say
 
@@ -65,7 +65,7 @@ def calibrate(
     )
 
 
-def _used(evidence: Evidence, i: int) -> SegmentUsed:
+def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:
     summary = evidence.segments[i]
     return SegmentUsed(
         **summary.segment.model_dump(

@@ -10,7 +10,7 @@ from datetime import date
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
-from schemas.station import Equipment
+from schemas.station import MeasurementStandard
 from schemas.text import Statement
 from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
@@ -69,7 +69,7 @@ def decide(
     )
 
 
-def expired(equipment: Iterable[Equipment], on: date) -> tuple[Message, ...]:
+def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message, ...]:
     """A reason against a pass for each standard whose certificate had run out on a day."""
     return tuple(
         message(

@@ -4,7 +4,7 @@ import math
 
 from scipy.special import ndtr, stdtr
 
-from schemas.tolerance import GlobalRisks, Prior
+from schemas.tolerance import GlobalRisks, ProductionPrior
 
 REACH = 12.0  # standard deviations from the mean beyond which a normal density is 0
 Interval = tuple[float, float]
@@ -39,7 +39,9 @@ def probability_of_nonconformity(
     return min(_below(lower, dof) + _below(-upper, dof), 1.0)
 
 
-def global_risks(prior: Prior, u: float, limits: Interval, accepted: Interval) -> GlobalRisks:
+def global_risks(
+    prior: ProductionPrior, u: float, limits: Interval, accepted: Interval
+) -> GlobalRisks:
     """Risks over the production that the prior describes (JCGM 106, 9.5.2).
 
     A true value η is drawn from the prior and measured with a normal error of standard
@@ -54,7 +56,7 @@ def global_risks(prior: Prior, u: float, limits: Interval, accepted: Interval) -
     return GlobalRisks(consumer=_proper(below + above), producer=_proper(conform - inside))
 
 
-def _joint(prior: Prior, u: float, part: Interval, accepted: Interval) -> float:
+def _joint(prior: ProductionPrior, u: float, part: Interval, accepted: Interval) -> float:
     """Probability that a true value lies in a part and its measured value is accepted."""
     from scipy.integrate import quad
 

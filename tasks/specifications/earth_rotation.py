@@ -12,7 +12,7 @@ from tasks.words import Message, message
 from tasks.words.rounding import MINUS
 
 if TYPE_CHECKING:
-    from tasks.specifications.evidence import Evidence
+    from tasks.specifications.evidence import ClauseEvidence
 
 SAMPLES = 20  # times within a rest at which north is looked up
 REFUTED = 3.0  # standard uncertainties from a gain that the data then refute
@@ -58,7 +58,7 @@ def earth_rotation_message(earth: EarthRotationGain | None) -> Message:
     return message(f"earth-rotation-{basis}-{earth.state.replace('_', '-')}", gain=gain)
 
 
-def earth_rotation_gain(evidence: "Evidence") -> EarthRotationGain | None:
+def earth_rotation_gain(evidence: "ClauseEvidence") -> EarthRotationGain | None:
     """λ by least squares over the rests; None without a latitude, or where no rest determines it.
 
     Where north is known in the rests: for each gyro, bias, three g-sensitivities and λ times the
@@ -89,7 +89,7 @@ def earth_rotation_gain(evidence: "Evidence") -> EarthRotationGain | None:
     return EarthRotationGain(mean, float(np.sqrt(max(square, 1.0) / weights.sum())), level)
 
 
-def _north(evidence: "Evidence", rests: list[int]) -> np.ndarray:
+def _north(evidence: "ClauseEvidence", rests: list[int]) -> np.ndarray:
     """Mean direction (n, 3) of north in the body in each rest; NaN where it is not known."""
     held = [evidence.segments[i] for i in rests]
     times = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in held]
@@ -98,7 +98,7 @@ def _north(evidence: "Evidence", rests: list[int]) -> np.ndarray:
 
 
 def _of_gyro(
-    evidence: "Evidence",
+    evidence: "ClauseEvidence",
     rests: list[int],
     up: np.ndarray,
     earth: np.ndarray,

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.segments.summarise import CHANNELS
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.linear import (
     BLOCKING_EXCESS,
@@ -123,7 +123,7 @@ def merged(results: Iterable[ClauseResult]) -> ClauseResult:
 
 
 def linear_estimate(
-    evidence: Evidence, channel: int, weights: np.ndarray, excess: BirgeRatio = NO_EXCESS
+    evidence: ClauseEvidence, channel: int, weights: np.ndarray, excess: BirgeRatio = NO_EXCESS
 ) -> Estimate:
     """o·U for one channel: its value, its type A line and, where the step is coarse, that too.
 
@@ -158,7 +158,7 @@ class MeansFit:
 
 
 def fit_means(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     channel: int,
     design: np.ndarray,
     outputs: np.ndarray,
@@ -181,7 +181,7 @@ def fit_means(
     return MeansFit(solution, excess, tuple(estimates))
 
 
-def u_of_means(evidence: Evidence, channel: int, weights: np.ndarray) -> np.ndarray:
+def u_of_means(evidence: ClauseEvidence, channel: int, weights: np.ndarray) -> np.ndarray:
     """Standard uncertainties (m,) of m combinations (m, n) of one channel's means, data only."""
     variance = np.einsum("mi,ij,mj->m", weights, evidence.covariance(channel), weights)
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))

@@ -17,7 +17,7 @@ NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Evidence:
+class ClauseEvidence:
     """The segment means of one recording, and what each serves, by indices into `segments`.
 
     recording: with the columns that the means were taken of.

@@ -15,11 +15,11 @@ from tasks.segments.summarise import (
     summarise_all,
 )
 from tasks.specifications.earth_rotation import earth_rotation_gain
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.type_a import fit_noise
 
 
-def gather(recording: Recording) -> Evidence:
+def gather(recording: Recording) -> ClauseEvidence:
     """Summarise a recording's segments, labelled or found, and sort them."""
     labels = recording.manifest.segments
     if labels:
@@ -30,7 +30,7 @@ def gather(recording: Recording) -> Evidence:
     points = turning_points(recording, segments)
     rate = np.array([points[i].rate if i in points else np.nan for i in range(len(segments))])
     up = tuple(_up(segment) for segment in segments)
-    evidence = Evidence(
+    evidence = ClauseEvidence(
         recording=recording,
         segments=segments,
         means=np.array([segment.mean for segment in segments]).reshape(-1, 6),

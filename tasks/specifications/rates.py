@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.text import Remark
 from tasks.specifications.estimate import MeansFit, fit_means
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import turning_rate
 from tasks.words import message, remark
@@ -36,7 +36,7 @@ def rate_remarks(axis: str, rates: np.ndarray, clause: str) -> Iterator[Remark]:
 
 
 def fit_line(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     channel: int,
     points: Sequence[int],
     equipment: Equipment,

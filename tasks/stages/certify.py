@@ -12,7 +12,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.orders import CertificateOptions
 from schemas.recording import Unit
-from schemas.station import Equipment
+from schemas.station import MeasurementStandard
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, runs
@@ -56,7 +56,7 @@ class _ManifestFields(BaseModel):
     """The free fields of a manifest that a certificate prints."""
 
     recorded_at: datetime | date | None = None
-    equipment: tuple[Equipment, ...] = ()
+    equipment: tuple[MeasurementStandard, ...] = ()
 
 
 def read_inputs(options: CertificateOptions) -> CertificateInputs:

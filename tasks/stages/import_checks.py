@@ -8,7 +8,7 @@ from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, GYRO, MEASURED, Manifest, Recording, Segment, Stream
 from storage.formats import recordings
 from storage.formats.checks import absent
-from storage.verify import Fault
+from storage.verify import StoreFault
 from tasks.segments.summarise import summarise_all
 from tasks.segments.units import wrong_accel_unit, wrong_rate_unit
 
@@ -25,12 +25,12 @@ def read(path: Path, *, manifest: Path | None = None, salvage: bool = False) -> 
     return recording
 
 
-def faults_of(path: Path) -> list[Fault]:
+def faults_of(path: Path) -> list[StoreFault]:
     """Reads one recording, folder or MCAP, as an import would; gives its faults."""
     try:
         read(path)
     except Unusable as error:
-        return [Fault(what=str(path), why=str(error))]
+        return [StoreFault(what=str(path), why=str(error))]
     return []
 
 

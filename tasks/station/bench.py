@@ -10,7 +10,7 @@ from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_devices import ModbusChamber, ModbusFixture
 from tasks.station.drivers.modbus_table import ModbusTable
 from tasks.station.drivers.serial_line import SerialLine
-from tasks.station.drivers.unit import Unit
+from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Ask, Chamber, Fixture, Table
 
 
@@ -21,7 +21,7 @@ class Bench:
     table: Table
     chamber: Chamber
     fixture: Fixture | None
-    unit: Unit
+    unit: UnitDriver
 
 
 @asynccontextmanager
@@ -38,7 +38,7 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
     try:
         table = await ModbusTable.find(link, names)
         with closing(SerialLine(station.unit_link)) as line:
-            yield Bench(table, ModbusChamber(link), fixture, Unit(station.unit_link, line))
+            yield Bench(table, ModbusChamber(link), fixture, UnitDriver(station.unit_link, line))
     finally:
         link.close()
 

@@ -12,7 +12,7 @@ from schemas.recording import Stream, joined
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock
 from tasks.station.drivers.frames import RECORDS, lost_between, to_stream
-from tasks.station.drivers.unit import Unit
+from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 Note = Callable[[Anomaly], None]
@@ -105,7 +105,7 @@ class UnitReader:
     than the delay of the line can explain).
     """
 
-    def __init__(self, unit: Unit, clock: StationClock, note: Note) -> None:
+    def __init__(self, unit: UnitDriver, clock: StationClock, note: Note) -> None:
         self.shifts_s = [0.0]
         self.lost_samples = 0
         self._unit = unit

@@ -19,7 +19,7 @@ EDGE = 0.99  # of the rate where a limit begins: a table holds 10 °/s to its ow
 
 
 @dataclass(frozen=True)
-class Limit:
+class ErrorLimit:
     """How far one property of the equipment may be from its stated value, and who says so.
 
     half_width: in `unit`; for «normal» it is an expanded uncertainty with k = 2.
@@ -47,8 +47,8 @@ class Limit:
 
 def _limit(
     symbol: str, name: str, unit: str, half_width: float, shape: LimitShape, clause: str
-) -> Limit:
-    return Limit(symbol, message(f"uncertainty-{name}"), unit, half_width, shape, clause)
+) -> ErrorLimit:
+    return ErrorLimit(symbol, message(f"uncertainty-{name}"), unit, half_width, shape, clause)
 
 
 GRAVITY = _limit(
@@ -74,26 +74,26 @@ class Equipment:
     fixture: between the fixture's faces.
     """
 
-    rates: tuple[tuple[float, Limit], ...] = ()
-    ripple: Limit | None = None
-    position: Limit | None = None
-    repeatability: Limit | None = None
-    axes: Limit | None = None
-    fixture: Limit | None = None
-    gravity: Limit = GRAVITY
-    latitude: Limit = LATITUDE
+    rates: tuple[tuple[float, ErrorLimit], ...] = ()
+    ripple: ErrorLimit | None = None
+    position: ErrorLimit | None = None
+    repeatability: ErrorLimit | None = None
+    axes: ErrorLimit | None = None
+    fixture: ErrorLimit | None = None
+    gravity: ErrorLimit = GRAVITY
+    latitude: ErrorLimit = LATITUDE
 
     @property
-    def angles(self) -> tuple[Limit, ...]:
+    def angles(self) -> tuple[ErrorLimit, ...]:
         """What turns the unit by an error of its own in every position, rad."""
         return tuple(limit for limit in (self.position, self.repeatability) if limit is not None)
 
     @property
-    def squareness(self) -> tuple[Limit, ...]:
+    def squareness(self) -> tuple[ErrorLimit, ...]:
         """What turns the unit by an error common to all positions of one mounting, rad."""
         return tuple(limit for limit in (self.axes, self.fixture) if limit is not None)
 
-    def rate_at(self, rate: float) -> tuple[Limit, ...]:
+    def rate_at(self, rate: float) -> tuple[ErrorLimit, ...]:
         """The limit of the mean rate at a rate (rad/s); empty where none is known.
 
         A rate up to 1 % below where a limit begins is meant to have it.

@@ -22,7 +22,7 @@ import numpy as np
 
 from tasks.motion.table import EARTH_RATE
 from tasks.uncertainty.budget import Contribution, InputQuantity
-from tasks.uncertainty.equipment import Equipment, Limit
+from tasks.uncertainty.equipment import Equipment, ErrorLimit
 from tasks.words import message
 
 MIN_RIPPLE_ANGLE = math.sqrt(2.0)  # rad: over a smaller one a ripple does not average out
@@ -207,7 +207,7 @@ def tilt_of_a_face(equipment: Equipment, mounted_once: bool) -> float:
     return angles + sum(limit.u**2 for limit in own if limit is not None)
 
 
-def _lines(sensitivity: float, *limits: Limit | None) -> tuple[Contribution, ...]:
+def _lines(sensitivity: float, *limits: ErrorLimit | None) -> tuple[Contribution, ...]:
     """A line for each limit that is known."""
     return tuple(
         Contribution(limit.quantity(), sensitivity) for limit in limits if limit is not None

@@ -7,10 +7,10 @@ import numpy as np
 
 from schemas.recording import Manifest, Recording, Standard, Stream
 from tasks.station.virtual.config import THREE_AXES
-from tasks.station.virtual.sensors import Noise
+from tasks.station.virtual.sensors import SensorNoise
 from tasks.station.virtual.unit import UnitTruth, draw_unit
 from tasks.uncertainty.distributions import draw
-from tasks.uncertainty.equipment import Limit
+from tasks.uncertainty.equipment import ErrorLimit
 from tasks.validation.journey import Journey, Site
 
 GRAVITY, LATITUDE = 9.8015, float(np.radians(39.9))  # what the manifest says
@@ -26,24 +26,24 @@ class Case:
     random: np.random.Generator
     ideal: bool = False
 
-    def error(self, *limits: Limit | None) -> float:
+    def error(self, *limits: ErrorLimit | None) -> float:
         """Sum of errors drawn from the limits' distributions, in their unit; 0 when ideal."""
         if self.ideal:
             return 0.0
         drawn = (limit.u * draw(limit.distribution, 1, self.random)[0] for limit in limits if limit)
         return float(sum(drawn))
 
-    def errors(self, count: int, *limits: Limit | None) -> np.ndarray:
+    def errors(self, count: int, *limits: ErrorLimit | None) -> np.ndarray:
         """Independent errors (count,)."""
         return np.array([self.error(*limits) for _ in range(count)])
 
-    def site(self, gravity: Limit, latitude: Limit) -> Site:
+    def site(self, gravity: ErrorLimit, latitude: ErrorLimit) -> Site:
         """Where it truly is; the manifest says GRAVITY and LATITUDE."""
         return Site(GRAVITY + self.error(gravity), LATITUDE + self.error(latitude))
 
-    def noise(self) -> Noise | None:
+    def noise(self) -> SensorNoise | None:
         """The noise of the unit; None when ideal."""
-        return None if self.ideal else Noise(self.unit)
+        return None if self.ideal else SensorNoise(self.unit)
 
 
 def draw_case(seed: int, rate_hz: float, ideal: bool = False) -> Case:

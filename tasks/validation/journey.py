@@ -13,7 +13,7 @@ import numpy as np
 
 from tasks.station.virtual import quaternions as quaternion
 from tasks.station.virtual.config import EARTH_RATE_RAD_S
-from tasks.station.virtual.sensors import Noise
+from tasks.station.virtual.sensors import SensorNoise
 from tasks.station.virtual.unit import UnitTruth
 
 MOVE_S = 2.0  # from one place or rate to the next
@@ -134,7 +134,7 @@ def turned(q: np.ndarray, later: np.ndarray, seconds: float, latitude: float) ->
 
 
 def accumulated_angles(
-    track: np.ndarray, errors: TableErrors, site: Site, unit: UnitTruth, noise: Noise | None
+    track: np.ndarray, errors: TableErrors, site: Site, unit: UnitTruth, noise: SensorNoise | None
 ) -> np.ndarray:
     """Angles that the gyros of the unit have accumulated at each whole step, (3, n) rad."""
     q = attitudes(track, errors)[:, ::2]
@@ -150,7 +150,7 @@ def accumulated_angles(
 
 
 def sensed_rates(
-    track: np.ndarray, errors: TableErrors, site: Site, unit: UnitTruth, noise: Noise | None
+    track: np.ndarray, errors: TableErrors, site: Site, unit: UnitTruth, noise: SensorNoise | None
 ) -> np.ndarray:
     """What the unit puts out at each whole step, (6, n): rad/s and m/s².
 

@@ -17,7 +17,7 @@ from storage.catalogue.listing import Run
 from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.verify import Fault, verify
+from storage.verify import StoreFault, verify
 
 Build = Callable[..., Recording]
 
@@ -41,7 +41,7 @@ def replace(path: Path, content: bytes) -> None:
     path.write_bytes(content)
 
 
-def only_fault(home: Home) -> Fault:
+def only_fault(home: Home) -> StoreFault:
     (fault,) = verify(home)[1]
     return fault
 
@@ -161,7 +161,9 @@ def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, fill
     draft.write_bytes(b"")
     assert verify(fresh)[1] == []
     os.utime(draft, (0, 0))
-    assert only_fault(fresh) == Fault(what=str(draft), why="left by what was broken off; delete it")
+    assert only_fault(fresh) == StoreFault(
+        what=str(draft), why="left by what was broken off; delete it"
+    )
 
 
 def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Run) -> None:

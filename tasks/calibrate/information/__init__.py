@@ -8,11 +8,11 @@ from tasks.calibrate.information.lever_arm import lever_arm_information
 from tasks.calibrate.information.line import line_information
 from tasks.calibrate.information.noise import noise_information
 from tasks.calibrate.information.repeatability import repeatability_information
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 
 
 def information(
-    evidence: Evidence, items: Mapping[str, Item], rate_sensor: str
+    evidence: ClauseEvidence, items: Mapping[str, Item], rate_sensor: str
 ) -> dict[str, Information]:
     """Everything the recording allows, in the order in which it is printed.
 

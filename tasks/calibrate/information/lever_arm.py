@@ -21,7 +21,7 @@ from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.standard import ACCEL_RATE_SENSITIVITY, ACCEL_TERMS
 from tasks.motion.whole import Motion, whole_motion
 from tasks.segments.summarise import ACCEL_COLUMNS
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
 
 CELL = 0.1  # s: ramps are cut into cells of this length
@@ -49,7 +49,7 @@ class Cells:
     seconds: np.ndarray
 
 
-def lever_arm_information(evidence: Evidence) -> dict[str, Information]:
+def lever_arm_information(evidence: ClauseEvidence) -> dict[str, Information]:
     """Lever arm (m) and rate sensitivity without it (m, sign of eq. (12)), where ramps show them.
 
     Nothing without encoders and gravity, or without ramps about all three axes with the
@@ -170,7 +170,7 @@ def _mean_readings(
     return means, full
 
 
-def _fit(cells: Cells, evidence: Evidence) -> Fit:
+def _fit(cells: Cells, evidence: ClauseEvidence) -> Fit:
     """Lever arm and accelerometer terms; cells far from the fit are left out of the next."""
     white = np.ones((len(cells.seconds), 6))
     per_second = np.nanmedian(evidence.noise.white[:, ACCEL_COLUMNS], axis=0)

@@ -14,7 +14,7 @@ from scipy.special import chdtrc, chdtri
 from schemas.calibration import Information
 from schemas.recording import AXES
 from tasks.calibrate.information.entry import entry, of_axes
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.linear import EXCESS_LEVEL, residuals_of, solve
 from tasks.words import message
 
@@ -30,7 +30,7 @@ class Ratio:
     significant: bool = False
 
 
-def line_information(evidence: Evidence, rate_sensor: str) -> dict[str, Information]:
+def line_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, Information]:
     """Non-linearity and asymmetry of the scale factor about each axis, ppm."""
     points = [_points(evidence, channel) for channel in range(3)]
     ratios = {
@@ -82,7 +82,7 @@ def asymmetry(rate: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> R
     return Ratio(value, u, value**2 > float(chdtri(1, EXCESS_LEVEL)) * u**2)
 
 
-def _points(evidence: Evidence, channel: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _points(evidence: ClauseEvidence, channel: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Rates (n,), means (n,) and their covariance of the rate points about a gyro's own axis."""
     points = [i for i in evidence.points[AXES[channel]] if evidence.segments[i].has_gyro]
     covariance = evidence.covariance(channel)[np.ix_(points, points)]

@@ -18,7 +18,7 @@ from tasks.segments.summarise import (
     coarsely_quantised,
 )
 from tasks.specifications.estimate import DEG
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import Message, message
 
 FLOOR = float(np.sqrt(2.0 * np.log(2.0) / np.pi))  # 0.664
@@ -32,7 +32,7 @@ HOUR = 3600.0
 Quantity = tuple[str, str, float]  # key in the result, printed unit, factor from SI
 
 
-def noise_information(evidence: Evidence, rate_sensor: str) -> dict[str, Information]:
+def noise_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, Information]:
     """Random walk and bias instability of each triad that the recording has."""
     made = _of_triad(
         evidence,
@@ -51,7 +51,7 @@ def noise_information(evidence: Evidence, rate_sensor: str) -> dict[str, Informa
 
 
 def _of_triad(
-    evidence: Evidence, triad: slice, walk: Quantity, instability: Quantity
+    evidence: ClauseEvidence, triad: slice, walk: Quantity, instability: Quantity
 ) -> dict[str, Information]:
     """Both quantities of three channels; none without a whole rest."""
     imu, rests = evidence.recording.imu, _longest(evidence, triad)
@@ -89,7 +89,7 @@ def _of_triad(
     }
 
 
-def _longest(evidence: Evidence, triad: slice) -> list[SegmentMean]:
+def _longest(evidence: ClauseEvidence, triad: slice) -> list[SegmentMean]:
     """The rests as long as the longest, whole: no row left out of them and none lost."""
     whole = [
         s

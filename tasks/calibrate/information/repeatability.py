@@ -14,7 +14,7 @@ from schemas.recording import AXES
 from tasks.calibrate.information.entry import entry
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import DEG
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
 
 SAME_RATE = np.radians(0.1)  # rad/s: rates closer than this are one rate held twice
@@ -23,7 +23,7 @@ PPM = 1e6
 Deviation = tuple[float, int]  # standard deviation of one repetition, degrees of freedom
 
 
-def repeatability_information(evidence: Evidence, rate_sensor: str) -> dict[str, Information]:
+def repeatability_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, Information]:
     """Standard deviations of one repetition: bias at rest, and scale factor, of each channel."""
     axes, first = range(3), ACCEL_COLUMNS.start
     made = {
@@ -56,12 +56,12 @@ def pooled_deviation(groups: Iterable[Sequence[float] | np.ndarray]) -> Deviatio
     return float(np.sqrt(square / dof)), dof
 
 
-def _repeated_rests(evidence: Evidence, axis: int, channel: int) -> Deviation:
+def _repeated_rests(evidence: ClauseEvidence, axis: int, channel: int) -> Deviation:
     rests = (evidence.rests[f"{sign}{AXES[axis]}"] for sign in "+-")
     return pooled_deviation(evidence.means[list(held), channel] for held in rests)
 
 
-def _repeated_rates(evidence: Evidence, channel: int) -> Deviation:
+def _repeated_rates(evidence: ClauseEvidence, channel: int) -> Deviation:
     """Outputs over rate where one rate was held several times."""
     rate = evidence.rate
     groups = defaultdict(list)
@@ -71,7 +71,7 @@ def _repeated_rates(evidence: Evidence, channel: int) -> Deviation:
     return pooled_deviation(groups.values())
 
 
-def _repeated_scale(evidence: Evidence, axis: int, channel: int) -> Deviation:
+def _repeated_scale(evidence: ClauseEvidence, axis: int, channel: int) -> Deviation:
     """(Up less down)/2g at each heading at which both were held."""
     gravity = evidence.gravity
     if gravity is None:
@@ -82,7 +82,7 @@ def _repeated_scale(evidence: Evidence, axis: int, channel: int) -> Deviation:
     ])  # fmt: skip
 
 
-def _by_heading(evidence: Evidence, up: str, channel: int) -> dict[int, float]:
+def _by_heading(evidence: ClauseEvidence, up: str, channel: int) -> dict[int, float]:
     """Mean reading at each heading, whole degrees."""
     groups = defaultdict(list)
     for i in evidence.positions[up]:

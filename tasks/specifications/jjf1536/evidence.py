@@ -19,7 +19,7 @@ from tasks.segments.summarise import (
     summarise_all,
 )
 from tasks.segments.units import wrong_rate_unit
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
 from tasks.specifications.jjf1536.attitudes import attitude_vector, with_attitude
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
@@ -30,7 +30,7 @@ OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
 
 
 @dataclass(frozen=True, kw_only=True)
-class AhrsEvidence(Evidence):
+class AhrsEvidence(ClauseEvidence):
     """Evidence with what JJF 1536 needs beside it.
 
     attitude: (3, 15) of each rest (`attitudes.attitude_vector`), None where it is not known and

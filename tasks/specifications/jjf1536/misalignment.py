@@ -41,7 +41,7 @@ READINGS = ("jjf1536.turns_divisor", "jjf1536.l_yz", "jjf1536.index_order", "jjf
 
 
 @dataclass(frozen=True)
-class Turns:
+class WholeTurns:
     """Whole turns about one axis.
 
     index: the segments; angle: (n,) rad, turned about the axis, positive forward.
@@ -78,13 +78,13 @@ def misalignment_items(
     return item_by_axis("ahrs_misalignment", item, of_axis)
 
 
-def _turns(evidence: AhrsEvidence, axis: Axis) -> Turns:
+def _turns(evidence: AhrsEvidence, axis: Axis) -> WholeTurns:
     index = evidence.turns[axis]
     angle = [_turned_angle(evidence.recording, evidence.labels[i]) for i in index]
-    return Turns(axis, index, np.array(angle, float))
+    return WholeTurns(axis, index, np.array(angle, float))
 
 
-def _not_determined(evidence: AhrsEvidence, turns: Turns) -> Message | None:
+def _not_determined(evidence: AhrsEvidence, turns: WholeTurns) -> Message | None:
     """Why eq. (17) cannot be taken of these turns, None where it can."""
     forward, back = (turns.angle > 0).any(), (turns.angle < 0).any()
     if not (forward and back):
@@ -98,7 +98,7 @@ def _not_determined(evidence: AhrsEvidence, turns: Turns) -> Message | None:
 
 
 def _ratio(
-    evidence: AhrsEvidence, channel: int, turns: Turns, zero: Estimate, equipment: Equipment
+    evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate, equipment: Equipment
 ) -> Estimate:
     """(N₊ − N₋)/(2·2π·n), rad, with the lines of its budget.
 
@@ -130,13 +130,13 @@ def _zero_line(zero: Estimate, longer: float) -> Contribution:
     return Contribution(quantity, -longer)
 
 
-def _shares(turns: Turns) -> np.ndarray:
+def _shares(turns: WholeTurns) -> np.ndarray:
     """Weight (n,) of each turn: the mean over those forward less the mean over those back."""
     forward, back = turns.angle > 0, turns.angle < 0
     return forward / forward.sum() - back / back.sum()
 
 
-def _remarks(evidence: AhrsEvidence, turns: Turns, zero_known: bool) -> Iterator[Remark]:
+def _remarks(evidence: AhrsEvidence, turns: WholeTurns, zero_known: bool) -> Iterator[Remark]:
     for i, angle in zip(turns.index, turns.angle, strict=True):
         yield from _angle_remarks(evidence, i, float(angle))
     count = (np.abs(turns.angle) / TURN).round().min()

@@ -6,7 +6,7 @@ from schemas.base import Unusable
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.segments.conditions import Conditions
 from tasks.specifications.estimate import ClauseResult, merged
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import gather
 from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.rate_sensitivity import rate_sensitivity_item
@@ -51,7 +51,7 @@ def check_readings(recording: Recording, use: str) -> None:
         )
 
 
-def estimate(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The eight items of Table 2 and the fit offset of eq. (4)."""
     turning = turning_items(evidence, equipment)
     return merged(

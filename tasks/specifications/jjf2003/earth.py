@@ -10,7 +10,7 @@ from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.earth_rotation import earth_rotation_message
 from tasks.specifications.estimate import DEG, MATRIX, UNDETERMINED, Estimates
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003.positions import is_paired
 from tasks.uncertainty.equipment import Equipment
 from tasks.uncertainty.type_b import earth_removed
@@ -18,7 +18,7 @@ from tasks.words import Message, message, remark
 
 
 def without_earth(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     positions: dict[str, tuple[int, ...]],
     sensitivity: Estimates,
     gyro_k: np.ndarray,
@@ -50,7 +50,7 @@ def without_earth(
     return corrected, message("jjf2003-horizontal-unknown", ups=", ".join(single))
 
 
-def earth_remarks(evidence: Evidence, gyro_k: np.ndarray) -> Iterator[Remark]:
+def earth_remarks(evidence: ClauseEvidence, gyro_k: np.ndarray) -> Iterator[Remark]:
     """Says what Earth's rotation does to the diagonal by eq. (7), as far as the data show it."""
     latitude, earth = evidence.latitude_deg, evidence.earth
     if latitude is None:

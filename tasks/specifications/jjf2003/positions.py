@@ -11,7 +11,7 @@ from schemas.recording import AXES
 from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.estimate import Estimate, fit_means, u_of_means
-from tasks.specifications.evidence import UPS, Evidence
+from tasks.specifications.evidence import UPS, ClauseEvidence
 from tasks.specifications.linear import Solution, solve
 from tasks.uncertainty.type_b import Weights
 from tasks.words import message, remark
@@ -35,7 +35,7 @@ def input_matrix(ups: tuple[str, ...]) -> np.ndarray:
     return rows
 
 
-def usable_positions(evidence: Evidence, triad: Literal["gyro", "accel"]) -> Positions:
+def usable_positions(evidence: ClauseEvidence, triad: Literal["gyro", "accel"]) -> Positions:
     """The positions with at least one rest of the triad, by axis up, in the clause's order."""
     serves = SERVES[triad]
     usable = {
@@ -44,7 +44,7 @@ def usable_positions(evidence: Evidence, triad: Literal["gyro", "accel"]) -> Pos
     return {up: indices for up, indices in usable.items() if indices}
 
 
-def _averages(evidence: Evidence, positions: Positions) -> np.ndarray:
+def _averages(evidence: ClauseEvidence, positions: Positions) -> np.ndarray:
     """Operator (positions, segments) that gives U_i, the mean over headings (7.2.2.1 a).
 
     Every heading counts once. Where some are 180° apart, only those pairs count: a third
@@ -60,7 +60,7 @@ def _averages(evidence: Evidence, positions: Positions) -> np.ndarray:
     return operator
 
 
-def _headings(evidence: Evidence, indices: tuple[int, ...]) -> dict[float | None, list[int]]:
+def _headings(evidence: ClauseEvidence, indices: tuple[int, ...]) -> dict[float | None, list[int]]:
     """The rests of a position by heading, degrees modulo 360 to the nearest one."""
     by_heading: dict[float | None, list[int]] = {}
     for i in indices:
@@ -78,13 +78,13 @@ def _opposite(heading: float | None, headings: Collection[float | None]) -> bool
     return any(abs((heading - other) % 360 - 180) <= 1 for other in known)
 
 
-def is_paired(evidence: Evidence, indices: tuple[int, ...]) -> bool:
+def is_paired(evidence: ClauseEvidence, indices: tuple[int, ...]) -> bool:
     """Whether a position was held at two headings 180° apart, as 7.2.2.1 a) asks."""
     headings = _headings(evidence, indices)
     return any(_opposite(heading, headings) for heading in headings)
 
 
-def position_remarks(evidence: Evidence) -> Iterator[Remark]:
+def position_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """Conditions of 7.2.2.1 a): six axes up, each at two headings, for each triad recorded."""
     absent: dict[tuple[str, ...], list[str]] = {}
     single: dict[tuple[str, ...], list[str]] = {}
@@ -102,7 +102,7 @@ def position_remarks(evidence: Evidence) -> Iterator[Remark]:
                 yield remark(code, text, blocks_pass=True)
 
 
-def _recorded(evidence: Evidence) -> tuple[Literal["gyro", "accel"], ...]:
+def _recorded(evidence: ClauseEvidence) -> tuple[Literal["gyro", "accel"], ...]:
     """The triads that some segment has; both where there is none."""
     known: tuple[Literal["gyro", "accel"], ...] = ("gyro", "accel")
     return tuple(t for t in known if any(map(SERVES[t], evidence.segments))) or known
@@ -142,7 +142,7 @@ class PositionFit:
 
 
 def fit_positions(
-    evidence: Evidence, positions: Positions, first: int, tilts: float = 0.0
+    evidence: ClauseEvidence, positions: Positions, first: int, tilts: float = 0.0
 ) -> PositionFit:
     """Eq. (7), (10) for channels first, first+1, first+2.
 

@@ -18,7 +18,7 @@ from tasks.specifications.estimate import (
     u_of_means,
     undetermined,
 )
-from tasks.specifications.evidence import NOMINAL_GRAVITY, Evidence
+from tasks.specifications.evidence import NOMINAL_GRAVITY, ClauseEvidence
 from tasks.specifications.items import OFF_DIAGONAL_ELEMENTS
 from tasks.uncertainty import type_b
 from tasks.uncertainty.equipment import Equipment
@@ -36,14 +36,14 @@ SAME_RATE = 0.99  # points within 1 % of the largest rate count as the largest
 
 
 @dataclass(frozen=True)
-class RateRun:
+class TurningWithRests:
     """Turning at the largest rate with one axis up, and the rests with the same axis up."""
 
     turning: tuple[int, ...]
     rests: tuple[int, ...]
 
 
-def rate_sensitivity_item(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def rate_sensitivity_item(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """p (3, 3, metres; diagonal not defined): rest minus turning over ω², eq. (12), (13)."""
 
     def of_axis(j: int, axis: Axis) -> tuple[Estimates, Iterable[Remark]] | Message:
@@ -58,7 +58,7 @@ def rate_sensitivity_item(evidence: Evidence, equipment: Equipment) -> ClauseRes
     return item_by_axis("accel_rate_sensitivity", item, of_axis)
 
 
-def _runs(evidence: Evidence, axis: Axis) -> tuple[RateRun, ...] | Message:
+def _runs(evidence: ClauseEvidence, axis: Axis) -> tuple[TurningWithRests, ...] | Message:
     """The runs about each vertical direction of an axis that has rests, or why there are none."""
     points = [i for i in evidence.points[axis] if evidence.segments[i].has_accel]
     if not points:
@@ -74,14 +74,14 @@ def _runs(evidence: Evidence, axis: Axis) -> tuple[RateRun, ...] | Message:
         beside = [i for i in rests if evidence.segments[i].segment.item == "rate_sensitivity"]
         turning = tuple(i for i in fast if evidence.up[i] == up)
         if rests:
-            runs.append(RateRun(turning, tuple(beside or rests)))
+            runs.append(TurningWithRests(turning, tuple(beside or rests)))
     if not runs:
         return message("jjf2003-no-rest-beside", axis=axis)
     return tuple(runs)
 
 
 def _difference(
-    evidence: Evidence, channel: int, runs: tuple[RateRun, ...], equipment: Equipment
+    evidence: ClauseEvidence, channel: int, runs: tuple[TurningWithRests, ...], equipment: Equipment
 ) -> Estimate:
     """Rest minus turning over ω² for one accelerometer (m).
 
@@ -109,12 +109,14 @@ def _difference(
     return replace(difference.with_lines(*lines), repeated=tuple(map(float, repeated)))
 
 
-def _directions(evidence: Evidence, run: RateRun) -> list[list[int]]:
+def _directions(evidence: ClauseEvidence, run: TurningWithRests) -> list[list[int]]:
     both = [[i for i in run.turning if evidence.rate[i] * sign > 0] for sign in (1, -1)]
     return [direction for direction in both if direction]
 
 
-def _one_sided(evidence: Evidence, axis: Axis, runs: tuple[RateRun, ...]) -> Iterator[Remark]:
+def _one_sided(
+    evidence: ClauseEvidence, axis: Axis, runs: tuple[TurningWithRests, ...]
+) -> Iterator[Remark]:
     """Where a run has one direction only, or rests on one side of it only."""
     if any(len(_directions(evidence, run)) < 2 for run in runs):
         text = message("jjf2003-p-one-direction", axis=axis)

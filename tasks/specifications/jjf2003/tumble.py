@@ -21,7 +21,7 @@ from tasks.specifications.estimate import (
     scaled,
     undetermined,
 )
-from tasks.specifications.evidence import NOMINAL_GRAVITY, UPS, Evidence
+from tasks.specifications.evidence import NOMINAL_GRAVITY, UPS, ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.jjf2003.earth import earth_remarks, without_earth
 from tasks.specifications.jjf2003.positions import (
@@ -41,7 +41,9 @@ CLAUSE_ACCEL = "JJF 2003-2022, 7.2.4.2 eq. (9)-(11)"
 READINGS = ("jjf2003.positions", "jjf2003.input_matrix")
 
 
-def tumble_items(evidence: Evidence, gyro_k: np.ndarray, equipment: Equipment) -> ClauseResult:
+def tumble_items(
+    evidence: ClauseEvidence, gyro_k: np.ndarray, equipment: Equipment
+) -> ClauseResult:
     """All items of the twelve positions.
 
     gyro_k: (3, 3) scales Earth's rotation, NaN where it is not known.
@@ -57,7 +59,7 @@ def tumble_items(evidence: Evidence, gyro_k: np.ndarray, equipment: Equipment) -
 
 
 def _gyro_items(
-    evidence: Evidence, positions: Positions, gyro_k: np.ndarray, equipment: Equipment
+    evidence: ClauseEvidence, positions: Positions, gyro_k: np.ndarray, equipment: Equipment
 ) -> ClauseResult:
     """g-sensitivity in (deg/s)/g and bias in deg/s from eq. (8)."""
     fit = fit_positions(evidence, positions, 0)
@@ -92,7 +94,9 @@ def _gyro_estimates(
     return matrix, bias
 
 
-def _accel_items(evidence: Evidence, positions: Positions, equipment: Equipment) -> ClauseResult:
+def _accel_items(
+    evidence: ClauseEvidence, positions: Positions, equipment: Equipment
+) -> ClauseResult:
     """Scale factor and cross coupling (ratio to local gravity) and bias (m/s²), eq. (11)."""
     gravity = evidence.gravity
     tilt = type_b.tilt_of_a_face(equipment, evidence.mounted_once)

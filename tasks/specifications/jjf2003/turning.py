@@ -16,7 +16,7 @@ from tasks.specifications.estimate import (
     off_diagonal,
     undetermined,
 )
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.rates import distinct_rates, fit_line, rate_remarks
 from tasks.uncertainty import type_b
@@ -27,7 +27,7 @@ CLAUSE_SCALE = "JJF 2003-2022, 7.2.1.2 eq. (3)-(5)"
 CLAUSE_CROSS = "JJF 2003-2022, 7.2.3.2"
 
 
-def turning_items(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def turning_items(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """Scale factor matrix K (3, 3) and fit offset b (3,) of the gyro, eq. (3) to (5).
 
     Where an axis has no rate points but turns by a known angle, those give its column of K.
@@ -56,7 +56,7 @@ def turning_items(evidence: Evidence, equipment: Equipment) -> ClauseResult:
     return _as_result(scale, offset, readings, missing, remarks, equipment)
 
 
-def _fit_turns(evidence: Evidence, axis: Axis, equipment: Equipment) -> Estimates:
+def _fit_turns(evidence: ClauseEvidence, axis: Axis, equipment: Equipment) -> Estimates:
     """A column of K from turns by a known angle: (∫ω′dt − B·T)/angle, B from the rests.
 
     Empty without turns or without rests.

@@ -5,14 +5,14 @@ from functools import partial
 
 from tasks.motion.whole import attitude_stream
 from tasks.specifications.estimate import ClauseResult
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003 import JJF2003, check_readings
 from tasks.specifications.joint.by_gravity import joint_by_gravity
 from tasks.specifications.joint.on_table import joint_on_table
 from tasks.uncertainty.equipment import Equipment
 
 
-def estimate(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def estimate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The items of JJF 2003-2022 by fitting models (1) and (2) to everything at once."""
     recording = evidence.recording
     gravity_alone = not recording.manifest.segments and attitude_stream(recording) is None

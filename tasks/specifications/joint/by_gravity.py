@@ -13,7 +13,7 @@ from tasks.specifications.estimate import (
     linear_estimate,
     undetermined,
 )
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS, MIMU_ITEMS, OFF_DIAGONAL_ELEMENTS
 from tasks.specifications.joint.gravity_fit import UPPER, GravityFit, fit_gravity
 from tasks.specifications.joint.items import joint_items
@@ -39,7 +39,7 @@ NOTHING_DETERMINED = {
 }
 
 
-def joint_by_gravity(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def joint_by_gravity(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """Every item that rests at unknown attitudes, and the moves between them, determine."""
     rests = [i for i in evidence.of_kind("static") if evidence.segments[i].has_accel]
     parameters, fitted, moved = dict(NOTHING_DETERMINED), None, None
@@ -62,7 +62,7 @@ def joint_by_gravity(evidence: Evidence, equipment: Equipment) -> ClauseResult:
 
 
 def _zero(
-    evidence: Evidence, rests: list[int], up: np.ndarray, k: np.ndarray
+    evidence: ClauseEvidence, rests: list[int], up: np.ndarray, k: np.ndarray
 ) -> dict[str, Estimates]:
     """Gyro bias (rad/s) and g-sensitivity (rad/s per g) from the rests: the zero correction.
 
@@ -97,7 +97,7 @@ def _of_moves(moved: MovesFit) -> Estimates:
 
 
 def _accelerometers(
-    equipment: Equipment, evidence: Evidence, rests: list[int], fitted: GravityFit
+    equipment: Equipment, evidence: ClauseEvidence, rests: list[int], fitted: GravityFit
 ) -> dict[str, Estimates]:
     """Matrix and bias (m/s²), their lines the scatter of the rests, and gravity."""
     values = [*(fitted.matrix[i, j] for i, j in UPPER), *fitted.bias]

@@ -16,9 +16,9 @@ import numpy as np
 from tasks.model.simulate import predict
 from tasks.model.term import Term
 from tasks.motion.whole import Motion
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.uncertainty.budget import Contribution
-from tasks.uncertainty.equipment import Equipment, Limit
+from tasks.uncertainty.equipment import Equipment, ErrorLimit
 from tasks.uncertainty.type_b import MIN_RIPPLE_ANGLE
 
 STEP = 1e-5  # rad, or relative: small beside one, large beside rounding
@@ -50,7 +50,7 @@ class EquipmentResponse:
     mountings: np.ndarray
     turn_share: np.ndarray
     ripple_share: np.ndarray
-    rate_limits: Mapping[int, tuple[Limit, ...]]
+    rate_limits: Mapping[int, tuple[ErrorLimit, ...]]
     equipment: Equipment
     local_gravity: float
 
@@ -89,7 +89,7 @@ class EquipmentResponse:
             total += self.equipment.ripple.u**2 * np.diag(ripple**2)
         return total
 
-    def _tilts(self) -> Iterator[tuple[Limit, np.ndarray, bool, np.ndarray]]:
+    def _tilts(self) -> Iterator[tuple[ErrorLimit, np.ndarray, bool, np.ndarray]]:
         """The limits that tilt: groups (n,) tilted alike, whether the vertical leans, own share."""
         none = np.zeros_like(self.turn_share)
         for limit in self.equipment.angles:
@@ -121,7 +121,7 @@ def _summed(felt: np.ndarray, numbers: np.ndarray) -> float:
 
 
 def equipment_response(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     motion: Motion,
     terms_at: Callable[[float], tuple[Term, ...]],
     values: np.ndarray,
@@ -165,7 +165,7 @@ def equipment_response(
     )
 
 
-def _setting(evidence: Evidence, i: int) -> str:
+def _setting(evidence: ClauseEvidence, i: int) -> str:
     """What the table's angles were set for: a rest of its own, or a run of rates with its rests."""
     label, up = evidence.labels[i], evidence.up[i]
     if label.kind != "static":
@@ -173,7 +173,7 @@ def _setting(evidence: Evidence, i: int) -> str:
     return f"run {up}" if label.item == "rate_sensitivity" and up else f"rest {i}"
 
 
-def _level_directions(evidence: Evidence, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+def _level_directions(evidence: ClauseEvidence, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Two level directions (n, 3) across each other, in the body; zero in turns, as on average.
 
     North and east where they are known, else by the turns that the labels tell.

@@ -11,13 +11,13 @@ from tasks.specifications.estimate import (
     scaled,
     undetermined,
 )
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 
 CLAUSES = {"gyro": "JJF 2003-2022, 5.1 eq. (1)", "accel": "JJF 2003-2022, 5.2 eq. (2)"}
 
 
 def joint_items(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     parameters: Mapping[str, Estimates],
     method: str,
     readings: Mapping[str, tuple[str, ...]],

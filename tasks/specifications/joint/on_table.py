@@ -7,7 +7,7 @@ from tasks.specifications.estimate import (
     excess_remarks,
     undetermined,
 )
-from tasks.specifications.evidence import UPS, Evidence
+from tasks.specifications.evidence import UPS, ClauseEvidence
 from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.positions import position_remarks
 from tasks.specifications.joint.items import joint_items
@@ -27,7 +27,7 @@ READINGS = {item.key: ("joint.method",) for item in MIMU_ITEMS} | {
 }  # fmt: skip
 
 
-def joint_on_table(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def joint_on_table(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """Every item that the segments of a recording determine, by the joint method."""
     motion = segment_motion(evidence)
     joint = solve_jointly(evidence, motion, equipment)
@@ -41,7 +41,9 @@ def joint_on_table(evidence: Evidence, equipment: Equipment) -> ClauseResult:
     return ClauseResult(items, table_reasons(items, motion, evidence), remarks)
 
 
-def _items(joint: Joint, motion: SegmentMotion, evidence: Evidence) -> dict[str, ItemEstimate]:
+def _items(
+    joint: Joint, motion: SegmentMotion, evidence: ClauseEvidence
+) -> dict[str, ItemEstimate]:
     """The items, without what the local gravity or the heading would have to be known for."""
     parameters = {**joint.estimates, "gyro_fit_offset": joint.offset}
     if evidence.latitude_deg is not None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from schemas.recording import AXES
 from tasks.specifications.estimate import ItemEstimate
-from tasks.specifications.evidence import UPS, Evidence
+from tasks.specifications.evidence import UPS, ClauseEvidence
 from tasks.specifications.joint.gravity_fit import FEWEST_RESTS
 from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.words import Message, Sayable, clauses, message
@@ -15,14 +15,14 @@ NO_GRAVITY = message("specifications-no-gravity")
 NOT_DISTINGUISHED = message("joint-not-distinguished")
 
 
-def level_unknown(motion: SegmentMotion, evidence: Evidence, up: str) -> bool:
+def level_unknown(motion: SegmentMotion, evidence: ClauseEvidence, up: str) -> bool:
     """Whether a rest with this axis up feels an unknown horizontal part of Earth's rotation."""
     of_face = [i for i, shown in enumerate(evidence.up) if shown == up]
     return bool((motion.zero & motion.level_unknown)[of_face].any())
 
 
 def table_reasons(
-    items: Mapping[str, ItemEstimate], motion: SegmentMotion, evidence: Evidence
+    items: Mapping[str, ItemEstimate], motion: SegmentMotion, evidence: ClauseEvidence
 ) -> dict[str, Sayable]:
     """The reasons by item, with attitudes and rates known."""
     absent, no_rest = _not_rested(evidence, motion.zero), _not_rested(evidence, motion.accel)
@@ -51,7 +51,7 @@ def table_reasons(
 
 
 def gravity_reasons(
-    evidence: Evidence, items: Mapping[str, ItemEstimate], fitted: bool, rests: int
+    evidence: ClauseEvidence, items: Mapping[str, ItemEstimate], fitted: bool, rests: int
 ) -> dict[str, Sayable]:
     """The reasons by item, with gravity alone; fitted: whether the rests were enough."""
     causes: dict[str, Sayable] = dict.fromkeys(items, message("joint-no-moves"))
@@ -81,10 +81,10 @@ def _lacking(text: str, **listed: Sequence[str]) -> Message:
     return message(text, **{name: ", ".join(values) for name, values in listed.items()})
 
 
-def _not_rested(evidence: Evidence, used: np.ndarray) -> list[str]:
+def _not_rested(evidence: ClauseEvidence, used: np.ndarray) -> list[str]:
     """The axes up of which no rest may be used; used: (n,) bool."""
     return [up for up, rests in evidence.rests.items() if not used[list(rests)].any()]
 
 
-def _not_held(evidence: Evidence, used: np.ndarray) -> list[str]:
+def _not_held(evidence: ClauseEvidence, used: np.ndarray) -> list[str]:
     return [axis for axis in AXES if not any(used[i] for i in evidence.points[axis])]

@@ -8,7 +8,7 @@ import numpy as np
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
 from tasks.specifications.earth_rotation import earth_rotation_message
-from tasks.specifications.evidence import UPS, Evidence
+from tasks.specifications.evidence import UPS, ClauseEvidence
 from tasks.specifications.joint.gravity_fit import GravityFit
 from tasks.specifications.joint.moves import MovesFit
 from tasks.specifications.joint.segment_motion import SegmentMotion
@@ -19,7 +19,7 @@ FEWEST_RATES = 4  # claim 4 of the patent, in each direction
 EARTH_NOT_REMOVED = remark("earth_not_removed", message("joint-earth-not-removed"))
 
 
-def procedure_remarks(evidence: Evidence) -> Iterator[Remark]:
+def procedure_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """Claims 2 to 4: turns forward and back at four or more rising rates, in six orientations."""
     few = tuple(name for axis in AXES for name in _few(evidence, axis))
     if few:
@@ -36,7 +36,9 @@ def procedure_remarks(evidence: Evidence) -> Iterator[Remark]:
         yield remark("rates_not_rising", phrase)
 
 
-def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> Iterator[Remark]:
+def earth_remarks(
+    evidence: ClauseEvidence, joint: Joint, motion: SegmentMotion
+) -> Iterator[Remark]:
     """What was done with Earth's rotation."""
     latitude = evidence.latitude_deg
     if not motion.gyro.any():
@@ -57,7 +59,7 @@ def earth_remarks(evidence: Evidence, joint: Joint, motion: SegmentMotion) -> It
 
 
 def gravity_remarks(
-    evidence: Evidence, fitted: GravityFit | None, moved: MovesFit | None
+    evidence: ClauseEvidence, fitted: GravityFit | None, moved: MovesFit | None
 ) -> Iterator[Remark]:
     """The reference, how well rests and moves follow the model, and Earth's rotation."""
     yield remark("gravity_alone", message("joint-gravity-alone"), blocks_pass=True)
@@ -78,13 +80,13 @@ def gravity_remarks(
         yield remark("north_unknown", message("joint-vertical-removed"))
 
 
-def _recorded(evidence: Evidence, axis: Axis) -> tuple[int, ...]:
+def _recorded(evidence: ClauseEvidence, axis: Axis) -> tuple[int, ...]:
     """The points about an axis at which the gyro was recorded; all where the unit has no gyro."""
     gyro = [segment.has_gyro for segment in evidence.segments]
     return tuple(i for i in evidence.points[axis] if gyro[i] or not any(gyro))
 
 
-def _few(evidence: Evidence, axis: Axis) -> Iterator[str]:
+def _few(evidence: ClauseEvidence, axis: Axis) -> Iterator[str]:
     """Directions of turning about an axis with too few rates, and how many they have."""
     rates = np.round(np.degrees(evidence.rate[list(_recorded(evidence, axis))]), 1)
     for sign, mark in ((1, "+"), (-1, "-")):
@@ -93,7 +95,7 @@ def _few(evidence: Evidence, axis: Axis) -> Iterator[str]:
             yield f"{mark}{axis} {count}"
 
 
-def _rising(evidence: Evidence, axis: Axis) -> bool:
+def _rising(evidence: ClauseEvidence, axis: Axis) -> bool:
     """Whether the rates of each direction and orientation rise in time."""
     points = sorted(_recorded(evidence, axis), key=lambda i: evidence.segments[i].t_start)
     for sign in (1, -1):

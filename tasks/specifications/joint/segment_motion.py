@@ -17,7 +17,7 @@ from tasks.motion.whole import (
     unit_vector,
     whole_motion,
 )
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003.positions import is_paired
 
 SAMPLES = 400  # times within a segment at which its attitude is looked up
@@ -54,7 +54,7 @@ class SegmentMotion:
         return self.zero & (channel < len(AXES)) & self.alive[channel]
 
 
-def segment_motion(evidence: Evidence) -> SegmentMotion:
+def segment_motion(evidence: ClauseEvidence) -> SegmentMotion:
     """The segments of a recording as the joint method takes them.
 
     Rests and rates that labels and witnesses contradict are taken as `gather` took them: the axis
@@ -81,7 +81,7 @@ def segment_motion(evidence: Evidence) -> SegmentMotion:
     )
 
 
-def _motion(evidence: Evidence) -> tuple[Motion, np.ndarray]:
+def _motion(evidence: ClauseEvidence) -> tuple[Motion, np.ndarray]:
     """Mean motion of each segment, and (n,) bool where the vertical in it is known."""
     recording, segments = evidence.recording, evidence.segments
     looked = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in segments]
@@ -106,7 +106,7 @@ def _motion(evidence: Evidence) -> tuple[Motion, np.ndarray]:
 
 
 def _turned_by_gyro(
-    evidence: Evidence, motion: Motion, read: np.ndarray
+    evidence: ClauseEvidence, motion: Motion, read: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """(3,) bool, axes that the gyro read turning, and (n,) bool, the runs about the others.
 
@@ -122,7 +122,7 @@ def _turned_by_gyro(
     return turned, alone
 
 
-def _turned(evidence: Evidence) -> np.ndarray:
+def _turned(evidence: ClauseEvidence) -> np.ndarray:
     """(3,) bool: axes with a run of rates or a turn; about the others what is left is misalignment.
 
     Ten microradians of it would be taken for an input, and the axis for one that was turned.
@@ -130,7 +130,7 @@ def _turned(evidence: Evidence) -> np.ndarray:
     return np.array([bool(evidence.points[axis] or evidence.turns[axis]) for axis in AXES])
 
 
-def _rate(recording: Recording, evidence: Evidence, i: int) -> np.ndarray:
+def _rate(recording: Recording, evidence: ClauseEvidence, i: int) -> np.ndarray:
     """Mean body rate (3,) rad/s of a segment; NaN where nobody knows it."""
     label = evidence.segments[i].segment
     if label.kind == "static":
@@ -147,13 +147,13 @@ def _rate(recording: Recording, evidence: Evidence, i: int) -> np.ndarray:
     return about * angle / evidence.segments[i].seconds
 
 
-def _paired(evidence: Evidence) -> np.ndarray:
+def _paired(evidence: ClauseEvidence) -> np.ndarray:
     """(n,) bool: rests of a position that was held at two headings 180° apart."""
     paired = [indices for indices in evidence.positions.values() if is_paired(evidence, indices)]
     return np.isin(np.arange(len(evidence.segments)), np.concatenate([np.zeros(0), *paired]))
 
 
-def _beside_pairs(evidence: Evidence, unknown: np.ndarray) -> np.ndarray:
+def _beside_pairs(evidence: ClauseEvidence, unknown: np.ndarray) -> np.ndarray:
     """(n,) bool: rests of unknown heading with an axis up that was also held as a pair.
 
     The pair cancels the horizontal part of Earth's rotation; such a rest would bring it back.
@@ -163,7 +163,7 @@ def _beside_pairs(evidence: Evidence, unknown: np.ndarray) -> np.ndarray:
     return unknown & of_such & ~_paired(evidence)
 
 
-def level_covariance(evidence: Evidence, motion: SegmentMotion, gyro: int) -> np.ndarray:
+def level_covariance(evidence: ClauseEvidence, motion: SegmentMotion, gyro: int) -> np.ndarray:
     """Covariance (n, n), (rad/s)², of one gyro's rests by a horizontal rate of unknown direction.
 
     A gyro that lies level reads ωe·cos φ·cos(ψ + heading) with ψ unknown: half the square of the

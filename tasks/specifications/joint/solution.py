@@ -18,7 +18,7 @@ from tasks.model.terms.standard import (
 )
 from tasks.specifications.earth_rotation import EarthRotationGain
 from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.equipment import EquipmentResponse, equipment_response
 from tasks.specifications.joint.mean_operator import Operator, operator_of
 from tasks.specifications.joint.segment_motion import SegmentMotion, level_covariance
@@ -49,7 +49,7 @@ class Joint:
 
 
 def solve_jointly(
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     motion: SegmentMotion,
     equipment: Equipment,
     terms: tuple[Term, ...] = STANDARD_TERMS,
@@ -124,7 +124,7 @@ def _by_term(terms: tuple[Term, ...], estimates: Sequence[Estimate]) -> dict[str
 
 
 def _estimate(
-    evidence: Evidence, weights: np.ndarray, excess: BirgeRatio, response: EquipmentResponse
+    evidence: ClauseEvidence, weights: np.ndarray, excess: BirgeRatio, response: EquipmentResponse
 ) -> Estimate:
     """Σ o·U over the channels, with its budget's lines; weights: o (6, n)."""
     if not np.isfinite(weights).all() or not weights.any():
@@ -146,7 +146,7 @@ def _summed_type_a(parts: Sequence[Estimate]) -> Contribution:
 
 def _offsets(
     terms: tuple[Term, ...],
-    evidence: Evidence,
+    evidence: ClauseEvidence,
     motion: SegmentMotion,
     operator: Operator,
     response: EquipmentResponse,

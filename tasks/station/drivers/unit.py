@@ -11,7 +11,7 @@ from tasks.station.ports import Line
 SILENCE_S = 3.0
 
 
-class Unit:
+class UnitDriver:
     """Takes frames from a line; made when the line has just been opened.
 
     Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time, or

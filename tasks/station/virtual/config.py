@@ -8,7 +8,7 @@ from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.recording import Mount, TableAxis
-from schemas.station import Equipment, StationFile
+from schemas.station import MeasurementStandard, StationFile
 from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
 from tasks.words import message, say
 
@@ -105,14 +105,14 @@ def station_file(
     })  # fmt: skip
 
 
-def _equipment(axes: int) -> tuple[Equipment, ...]:
+def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
     """The measurement standards, with made-up numbers that say so."""
     rows = (
         ("T1", message("station-virtual-turntable", axes=axes), "angle 2″, rate 1×10⁻⁴"),
         ("C1", message("station-virtual-chamber"), "0.5 °C, 3 %RH"),
     )
     return tuple(
-        Equipment(
+        MeasurementStandard(
             name=say(name, "en"),
             name_zh=say(name, "zh"),
             serial=f"VIRTUAL-{serial}",

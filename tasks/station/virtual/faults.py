@@ -87,7 +87,7 @@ FAULTS: dict[str, Callable[[Condition], Condition]] = {
 
 
 @dataclass(frozen=True)
-class Fault:
+class StationFault:
     """A fault of FAULTS and the station time (s) from which it holds."""
 
     name: str
@@ -118,7 +118,7 @@ class Fault:
         return f"{self.name}@{self.at_seconds!r}"
 
 
-def condition(faults: Iterable[Fault], now: float) -> Condition:
+def condition(faults: Iterable[StationFault], now: float) -> Condition:
     """The station's condition at a station time (s)."""
     state = Condition()
     for fault in faults:

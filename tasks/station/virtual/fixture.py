@@ -11,7 +11,7 @@ SPEED = np.radians(60.0)
 ACCELERATION = np.radians(60.0)
 
 
-class Fixture:
+class VirtualFixture:
     """Turns about one axis from an attitude to the wanted one; `seat`: the unit's place in it."""
 
     def __init__(self, seat: Mount) -> None:

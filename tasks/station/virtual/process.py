@@ -13,14 +13,14 @@ from contextlib import contextmanager
 from schemas.base import Unusable
 from schemas.station import StationFile
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 
 END_S = 5.0
 
 
 @contextmanager
 def running(
-    config: VirtualStation, speed: float, faults: Iterable[Fault] = ()
+    config: VirtualStation, speed: float, faults: Iterable[StationFault] = ()
 ) -> Iterator[StationFile]:
     """A running station; it ends with the block, or with this process.
 
@@ -58,7 +58,7 @@ async def _serve_until_input_ends(config: str, speed: str, *faults: str) -> None
         serve(
             VirtualStation.model_validate_json(config),
             speed=float(speed),
-            faults=[Fault.parse(text) for text in faults],
+            faults=[StationFault.parse(text) for text in faults],
             ready=lambda station: print(station.model_dump_json(), flush=True),
         )
     )

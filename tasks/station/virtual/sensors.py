@@ -24,7 +24,7 @@ class LowPass:
         return filtered
 
 
-class Noise:
+class SensorNoise:
     """White noise and relaxations from 1 s to 1000 s, which together fall like 1/f: 6 channels."""
 
     def __init__(self, unit: UnitTruth) -> None:
@@ -83,7 +83,7 @@ class UnitUnderTest:
         self._unit = unit
         self._gyro = LowPass(unit.gyro.bandwidth_hz)
         self._accel = LowPass(unit.accel.bandwidth_hz)
-        self._noise = Noise(unit)
+        self._noise = SensorNoise(unit)
         self._thermometer = Thermometer(unit, air_degc)
         self._rows = np.array(unit.accel.scale)
         self._places = np.array(unit.places_m)

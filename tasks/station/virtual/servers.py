@@ -13,7 +13,7 @@ from schemas.base import Unusable
 from schemas.station import CHAMBER_DEVICE, FIXTURE_DEVICE, TABLE_DEVICE, StationFile
 from tasks.station.clock import wall_s
 from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.registers import (
     ChamberRegisters,
     DeviceRegisters,
@@ -119,7 +119,7 @@ async def serve(
     modbus_port: int = 0,
     unit_port: int = 0,
     speed: float = 1.0,
-    faults: Iterable[Fault] = (),
+    faults: Iterable[StationFault] = (),
     ready: Callable[[StationFile], None],
 ) -> None:
     """Runs the station until it is cancelled.

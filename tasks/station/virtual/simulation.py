@@ -9,10 +9,10 @@ import numpy as np
 from schemas.station import FRAMES
 from tasks.station.virtual.body import Body
 from tasks.station.virtual.config import STEP_S, VirtualStation
-from tasks.station.virtual.faults import Condition, Fault, condition
-from tasks.station.virtual.fixture import Fixture
+from tasks.station.virtual.faults import Condition, StationFault, condition
+from tasks.station.virtual.fixture import VirtualFixture
 from tasks.station.virtual.sensors import Ahrs, UnitUnderTest
-from tasks.station.virtual.table import Table
+from tasks.station.virtual.table import VirtualTable
 
 STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e-15
 
@@ -20,12 +20,12 @@ STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e
 class Simulation:
     """Moves on in steps of a millisecond of station time."""
 
-    def __init__(self, config: VirtualStation, faults: Iterable[Fault] = ()) -> None:
+    def __init__(self, config: VirtualStation, faults: Iterable[StationFault] = ()) -> None:
         self.config = config
         self.faults = tuple(faults)
-        self.table = Table(config.table)
+        self.table = VirtualTable(config.table)
         self.condition = Condition()
-        self.fixture = Fixture(config.mount)
+        self.fixture = VirtualFixture(config.mount)
         self.is_supplied = True
         self.supplied_steps = 0  # when the supply was last switched on
         self._body = Body(config)

@@ -33,7 +33,7 @@ class Drive:
     unsettled_s: float = 0.0  # station time when it was last out of tolerance
 
 
-class Table:
+class VirtualTable:
     """The table's state at `steps` milliseconds after it was switched on."""
 
     def __init__(self, design: TableDesign) -> None:

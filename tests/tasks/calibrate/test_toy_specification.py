@@ -17,7 +17,7 @@ from tasks.specifications.estimate import (
     linear_estimate,
     scaled,
 )
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import gather
 from tasks.specifications.items import ItemDefinition
 from tasks.specifications.specification import Section, Specification
@@ -32,7 +32,7 @@ def check(recording: Recording) -> None:
         raise Unusable(f"{recording.manifest.recording_id}: the toy needs gyro_* columns")
 
 
-def resting_rate(evidence: Evidence, equipment: Equipment) -> ClauseResult:
+def resting_rate(evidence: ClauseEvidence, equipment: Equipment) -> ClauseResult:
     """The mean reading of each gyro over all rests."""
     rests = evidence.of_kind("static")
     weights = np.isin(np.arange(len(evidence.segments)), rests) / len(rests)

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.recording import Manifest, Station, Unit
-from schemas.station import Equipment
+from schemas.station import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Decision, Limit, Tolerance
 from tasks.certificate.content import Content, in_languages
@@ -144,7 +144,7 @@ def laboratory(**changes: Any) -> Laboratory:
             address_zh="北京市海淀区学院路12号（100191）",
         ),
         "equipment": (
-            Equipment(
+            MeasurementStandard(
                 name="Three-axis position and rate table",
                 name_zh="三轴位置速率转台",
                 serial="TT3-0417",
@@ -152,7 +152,7 @@ def laboratory(**changes: Any) -> Laboratory:
                 certificate="JL-2026-01873",
                 valid_until=date(2027, 3, 14),
             ),
-            Equipment(
+            MeasurementStandard(
                 name="Thermo-hygrometer",
                 name_zh="温湿度计",
                 serial="TH-2209",

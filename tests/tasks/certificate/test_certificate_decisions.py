@@ -9,7 +9,7 @@ import pytest
 from sample_certificate import AXES, calibration, certificate, content, item, items, tolerance
 
 from schemas.certificate import Certificate
-from schemas.tolerance import Limit, Prior, Tolerance
+from schemas.tolerance import Limit, ProductionPrior, Tolerance
 from tasks.certificate.content import Content
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
@@ -98,7 +98,7 @@ def test_relative_limits_are_told_both_ways() -> None:
 
 
 def test_a_prior_gives_the_risks_over_the_production() -> None:
-    limits = limited(Limit(**BIAS, magnitude=0.05, prior=Prior(mean=0.045, sd=0.01)))
+    limits = limited(Limit(**BIAS, magnitude=0.05, prior=ProductionPrior(mean=0.045, sd=0.01)))
     said = fields(content(made([0.01, 0.01, 0.02], limits)))
     found = re.fullmatch(
         r"Gyro bias: consumer's (\d\.\d) %, producer's (\d\.\d) % \(JCGM 106, 9\.5\)",

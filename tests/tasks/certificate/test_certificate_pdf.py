@@ -26,7 +26,7 @@ from sample_certificate import (
 from schemas.base import Unusable
 from schemas.calibration import EnvironmentSeen
 from schemas.certificate import Certificate, Party
-from schemas.station import Equipment
+from schemas.station import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Limit
 from tasks.certificate.pdf import render
@@ -91,7 +91,9 @@ def failed() -> Certificate:
 
 def stretched(text: str) -> Certificate:
     party = Party(name=text, name_zh=text, address=text, address_zh=text)
-    standard = Equipment(name=text, name_zh=text, serial=text, accuracy=text, certificate=text)
+    standard = MeasurementStandard(
+        name=text, name_zh=text, serial=text, accuracy=text, certificate=text
+    )
     return certificate(
         laboratory=laboratory(
             party=party, equipment=(standard,), operator=text, checker=text, issuer=text,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 
 from schemas.base import Unusable
-from schemas.station import Equipment
+from schemas.station import MeasurementStandard
 from schemas.text import Remark, Statement
 from schemas.tolerance import Decision, Limit
 from tasks.conformity import decide, expired
@@ -254,8 +254,8 @@ def test_further_doubts_prevent_a_pass_and_stand_among_the_reasons() -> None:
     assert (decision.reasons, decision.reasons_zh) == (("the lamp flickered",), ("灯闪烁",))
 
 
-def standard(valid_until: date | None) -> Equipment:
-    return Equipment(
+def standard(valid_until: date | None) -> MeasurementStandard:
+    return MeasurementStandard(
         name="Table", name_zh="转台", serial="T-1", accuracy="", certificate="",
         valid_until=valid_until,
     )  # fmt: skip

@@ -7,7 +7,7 @@ from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_
 from scipy.special import ndtr
 
 from schemas.text import Remark, Statement
-from schemas.tolerance import Limit, Prior
+from schemas.tolerance import Limit, ProductionPrior
 from schemas.uncertainty import Budget
 from tasks.conformity import decide
 
@@ -90,7 +90,7 @@ def test_few_degrees_of_freedom_make_a_decision_riskier() -> None:
 
 
 def test_a_prior_gives_the_risks_over_the_production() -> None:
-    limited = tolerance(bias_limit(prior=Prior(mean=0.0, sd=0.025)))
+    limited = tolerance(bias_limit(prior=ProductionPrior(mean=0.0, sd=0.025)))
     made = decide(calibration({"gyro_bias": item(BIAS)}), limited).limits[0]
     assert made.global_risks is not None
     assert 0 < made.global_risks.consumer < made.global_risks.producer < 0.002

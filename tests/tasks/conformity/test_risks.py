@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import stats
 
-from schemas.tolerance import Prior
+from schemas.tolerance import ProductionPrior
 from tasks.conformity.risks import (
     global_risks,
     probability_of_conformity,
@@ -67,7 +67,7 @@ def test_largest_risk_of_a_guard_band_is_that_of_ilac_g8(r: float, published: fl
 def test_published_global_risks_are_met(
     sd: float, u: float, accepted: float, consumer: float, producer: float
 ) -> None:
-    risks = global_risks(Prior(mean=0.0, sd=sd), u, (-2.0, 2.0), (-accepted, accepted))
+    risks = global_risks(ProductionPrior(mean=0.0, sd=sd), u, (-2.0, 2.0), (-accepted, accepted))
     assert risks.consumer == pytest.approx(consumer, abs=0.0006)
     assert risks.producer == pytest.approx(producer, abs=0.0006)
 
@@ -82,7 +82,7 @@ def test_a_probability_is_the_integral_of_the_density(dof: float) -> None:
 
 @pytest.mark.parametrize("limits", [(-0.5, 1.2), (-math.inf, 0.7), (0.2, math.inf)])
 def test_global_risks_are_those_of_the_bivariate_normal(limits: tuple[float, float]) -> None:
-    prior, u, shift = Prior(mean=0.3, sd=0.6), 0.2, 0.15
+    prior, u, shift = ProductionPrior(mean=0.3, sd=0.6), 0.2, 0.15
     accepted = limits[0] + shift, limits[1] - shift
     risks = global_risks(prior, u, limits, accepted)
     joint = stats.multivariate_normal(
@@ -107,7 +107,7 @@ def test_a_small_risk_does_not_drown_in_rounding() -> None:
 
 
 def test_a_measurement_far_finer_than_the_production_makes_no_wrong_decision() -> None:
-    risks = global_risks(Prior(mean=0.0, sd=1.0), 1e-5, (-2.0, 2.0), (-2.0, 2.0))
+    risks = global_risks(ProductionPrior(mean=0.0, sd=1.0), 1e-5, (-2.0, 2.0), (-2.0, 2.0))
     assert risks.consumer < 1e-5
     assert risks.producer < 1e-5
 

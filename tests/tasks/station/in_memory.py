@@ -11,7 +11,7 @@ from schemas.station import AXIS_STATUS, CAPTURE_VALUES, MODES, TABLE_STATUS, St
 from tasks.station.acquisition import Acquired, RunRequest, run
 from tasks.station.bench import Bench, ByHand
 from tasks.station.clock import wall_s
-from tasks.station.drivers.unit import Unit
+from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import (
     TRIPS,
     AxisState,
@@ -21,7 +21,7 @@ from tasks.station.ports import (
     check_trips,
 )
 from tasks.station.virtual.config import VirtualStation, station_file
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated
@@ -149,7 +149,7 @@ class InMemoryStation:
     """
 
     def __init__(
-        self, config: VirtualStation, speed: float = 20.0, faults: Iterable[Fault] = ()
+        self, config: VirtualStation, speed: float = 20.0, faults: Iterable[StationFault] = ()
     ) -> None:
         self.file: StationFile = station_file(config, speed, "in-memory", 1, 1)
         self.simulation = Simulation(config, faults)
@@ -179,7 +179,7 @@ class InMemoryStation:
         time_passes = asyncio.ensure_future(keep_time(self.simulation, self._speed, line.send))
         fixture = self.fixture if request.ask is None else ByHand(request.ask)
         chamber = InMemoryChamber(self.simulation)
-        bench = Bench(self.table, chamber, fixture, Unit(request.station.unit_link, line))
+        bench = Bench(self.table, chamber, fixture, UnitDriver(request.station.unit_link, line))
         try:
             return await run(request, bench)
         finally:

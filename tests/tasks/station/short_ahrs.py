@@ -16,7 +16,7 @@ from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station.acquisition import Acquired
 from tasks.station.virtual.config import VirtualStation, station_file, truth, virtual_station
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation
 
 AXES = "xyz"
@@ -53,7 +53,7 @@ class Run:
     truth: dict[str, Any]
 
 
-def run_of(folder: Any, procedure: Procedure, faults: tuple[Fault, ...] = ()) -> Run:
+def run_of(folder: Any, procedure: Procedure, faults: tuple[StationFault, ...] = ()) -> Run:
     """A run by way of a raw file, as the line makes it."""
     path, config = folder / "run.mcap", settled()
     with RawWriter(path) as sink:

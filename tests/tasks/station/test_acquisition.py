@@ -19,7 +19,7 @@ from tasks.station.drivers.modbus_table import ModbusTable
 from tasks.station.ports import TableState
 from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
 
@@ -246,7 +246,7 @@ def kept_until(stop: pytest.ExceptionInfo[Unusable], kept: Any, seconds: float) 
 
 @pytest.mark.parametrize("name", STOPS)
 def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, long, kept):
-    station = InMemoryStation(VirtualStation(), faults=[Fault(name, 60.0)])
+    station = InMemoryStation(VirtualStation(), faults=[StationFault(name, 60.0)])
     with pytest.raises(Unusable, match=STOPS[name]) as stop:
         station.acquire(long, kept)
     kept_until(stop, kept, 56.0)  # 60 s of the station, which began with the run; a flush is 4 s
@@ -257,7 +257,7 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
 @pytest.mark.parametrize("name", LINK_STOPS)
 def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
     with (
-        running(VirtualStation(), SPEED, (Fault(name, 40.0),)) as station,
+        running(VirtualStation(), SPEED, (StationFault(name, 40.0),)) as station,
         pytest.raises(Unusable, match=LINK_STOPS[name]) as stop,
     ):
         over_sockets(station, long, kept)
@@ -279,7 +279,7 @@ WARNS = {
 def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
     steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
     patient = short.model_copy(update={"steps": tuple(steps)})
-    acquired = InMemoryStation(VirtualStation(), faults=[Fault(name)]).acquire(patient, kept)
+    acquired = InMemoryStation(VirtualStation(), faults=[StationFault(name)]).acquire(patient, kept)
     assert {remark.code for remark in acquired.warnings} == set(WARNS[name])
     rates = {"rate_x_-50", "rate_x_+100"}
     for remark in acquired.warnings:
@@ -337,7 +337,7 @@ def test_run_after_one_that_was_killed_needs_no_reset(real):
 
 @pytest.mark.real_time
 def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
-    with running(VirtualStation(), SPEED, (Fault("emergency_stop"),)) as station:
+    with running(VirtualStation(), SPEED, (StationFault("emergency_stop"),)) as station:
         asyncio.run(_let_the_watchdog_bite(station))
         for _ in range(2):
             with pytest.raises(Unusable, match="reports emergency_stop"):

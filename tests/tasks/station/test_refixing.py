@@ -14,7 +14,7 @@ from tasks.station import procedures
 from tasks.station.acquisition import RunRequest, acquire
 from tasks.station.requirements import check_procedure
 from tasks.station.virtual.config import virtual_station
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
@@ -26,7 +26,7 @@ def ignore(progress: object) -> None:
 
 def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_path):
     procedure = part("fix_x_up", "rest_x", "scale_x", "rest2_x")
-    made = run_of(tmp_path, procedure, (Fault("fixture_stays"),))
+    made = run_of(tmp_path, procedure, (StationFault("fixture_stays"),))
     result = calibrate(JJF1536, made.recording, run="r", code_version="test")
     blocking = {(r.code, *r.segments) for r in result.remarks if r.blocks_pass}
     assert {("position_contradicted", "rest_x"), ("position_contradicted", "rest2_x")} <= blocking

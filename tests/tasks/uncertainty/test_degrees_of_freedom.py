@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.specifications.evidence import Evidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.gather import gather
 from tasks.uncertainty.drift import DRIFTS
 from tasks.uncertainty.type_a import type_a_dof
 
 
 @pytest.fixture(scope="module")
-def evidence(ideal_run) -> Evidence:
+def evidence(ideal_run) -> ClauseEvidence:
     """A run with white noise, of which no drift is left to tell."""
     recording = ideal_run()
     rng = np.random.default_rng(1)
@@ -23,12 +23,12 @@ def evidence(ideal_run) -> Evidence:
     return replace(found, noise=replace(found.noise, drift=np.zeros((DRIFTS, 6))))
 
 
-def dof_of(evidence: Evidence, weights: np.ndarray) -> float:
+def dof_of(evidence: ClauseEvidence, weights: np.ndarray) -> float:
     variance = float(weights @ evidence.noise_covariance(0) @ weights)
     return type_a_dof(weights, evidence.segments, evidence.noise, 0, variance)
 
 
-def only(evidence: Evidence, count: int) -> np.ndarray:
+def only(evidence: ClauseEvidence, count: int) -> np.ndarray:
     weights = np.zeros(len(evidence.segments))
     weights[:count] = 1.0 / count
     return weights

@@ -19,7 +19,7 @@ from tasks.uncertainty.equipment import (
     RATE,
     UNKNOWN,
     Equipment,
-    Limit,
+    ErrorLimit,
     with_limits,
 )
 from tasks.uncertainty.type_b import Weights
@@ -124,7 +124,7 @@ def test_jjf1536_rate_uncertainty_depends_on_the_rate(deg_s: float, u: float) ->
     [("normal", 2.0), ("rectangular", 3**0.5), ("triangular", 6**0.5), ("arcsine", 2**0.5)],
 )
 def test_half_widths_are_divided_as_the_distribution_asks(distribution, divisor) -> None:
-    limit = Limit("a", "a", "1", 6.0, distribution, "clause")
+    limit = ErrorLimit("a", "a", "1", 6.0, distribution, "clause")
     assert limit.quantity().u == pytest.approx(6.0 / divisor)
 
 

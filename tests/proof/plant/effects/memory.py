@@ -30,22 +30,27 @@ class Hysteresis(Effect):
 
     def sense(self, world: World) -> np.ndarray:
         states = [
-            _remembered(rate * world.motion.step / self.parameters["angle"], AT_REST, rate)
+            _remembered(rate * world.motion.step / self.parameters["angle"], rate)
             for rate in world.motion.rates
         ]
         return on_gyros(self.column("amplitude") * np.stack(states))
 
 
-def _remembered(turned: np.ndarray, least: float, rate: np.ndarray) -> np.ndarray:
-    """State between −1 and 1 that relaxes to the sign of the motion as motion goes on."""
-    sign = np.where(np.abs(rate) > least, np.sign(rate), 0.0)
-    state = np.zeros(len(rate))
+def in_one_direction(rate: np.ndarray) -> list[tuple[int, int, float]]:
+    """(first, past last, sign of the rate or 0 at rest) of each stretch."""
+    sign = np.where(np.abs(rate) > AT_REST, np.sign(rate), 0.0)
     edges = np.concatenate([[0], np.flatnonzero(np.diff(sign)) + 1, [len(sign)]])
+    return [(int(low), int(high), float(sign[low])) for low, high in pairwise(edges)]
+
+
+def _remembered(turned: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """State between −1 and 1 that relaxes to the sign of the motion as motion goes on."""
+    state = np.zeros(len(rate))
     last = 0.0
-    for low, high in pairwise(edges):
-        if sign[low] != 0.0:
+    for low, high, sign in in_one_direction(rate):
+        if sign != 0.0:
             travel = np.cumsum(np.abs(turned[low:high]))
-            state[low:high] = sign[low] + (last - sign[low]) * np.exp(-travel)
+            state[low:high] = sign + (last - sign) * np.exp(-travel)
         else:
             state[low:high] = last
         last = state[high - 1]

@@ -7,15 +7,8 @@ import numpy as np
 
 from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
 from tests.proof.plant.effects.environment import both
-from tests.proof.plant.effects.memory import AT_REST
+from tests.proof.plant.effects.memory import in_one_direction
 from tests.proof.plant.world import Setting, World, on_gyros
-
-
-def in_one_direction(rate: np.ndarray) -> list[tuple[int, int, float]]:
-    """(first, past last, sign of the rate or 0 at rest) of each stretch."""
-    sign = np.where(np.abs(rate) > AT_REST, np.sign(rate), 0.0)
-    edges = np.concatenate([[0], np.flatnonzero(np.diff(sign)) + 1, [len(sign)]])
-    return [(int(low), int(high), float(sign[low])) for low, high in pairwise(edges)]
 
 
 class HysteresisPlay(Effect):

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
 from tests.proof.plant.effects.base import Effect, Parameters, unit_vector
+from tests.proof.plant.effects.memory import in_one_direction
 from tests.proof.plant.hearing import fine_rate
-from tests.proof.plant.rough.forms_memory import in_one_direction
 from tests.proof.plant.seeds import generator
 from tests.proof.plant.world import Setting, World
 

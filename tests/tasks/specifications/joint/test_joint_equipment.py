@@ -8,7 +8,7 @@ import pytest
 from schemas.calibration import Calibration
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
-from tasks.uncertainty.equipment import JJF2003, Limit
+from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run2003
 from tasks.validation.draw import Case, draw_case
 
@@ -27,11 +27,11 @@ class Planted(Case):
     symbol: str = ""
     axis: int = 0
 
-    def error(self, *limits: Limit | None) -> float:
+    def error(self, *limits: ErrorLimit | None) -> float:
         wrong = [limit for limit in limits if limit is not None and limit.symbol == self.symbol]
         return SIZES[self.symbol] if wrong and len(limits) == 1 else 0.0
 
-    def errors(self, count: int, *limits: Limit | None) -> np.ndarray:
+    def errors(self, count: int, *limits: ErrorLimit | None) -> np.ndarray:
         return self.error(*limits) * np.eye(count)[min(self.axis, count - 1)]
 
 

@@ -25,7 +25,7 @@ from schemas.station import (
     StationFile,
 )
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.registers import ChamberRegisters, TableRegisters
 from tasks.station.virtual.simulation import Simulation
 
@@ -107,7 +107,7 @@ class SocketConsole(Console):
 class InMemoryConsole(Console):
     """The registers of a station in this process, whose time passes by 10 ms from look to look."""
 
-    def __init__(self, *faults: Fault) -> None:
+    def __init__(self, *faults: StationFault) -> None:
         self.simulation = Simulation(VirtualStation(), faults)
         self.sent = [*self.simulation.advance(1)]  # the unit's frames so far
         self._devices = {
@@ -144,7 +144,7 @@ def consoles() -> Iterator[Callable[..., SocketConsole]]:
 
 @pytest.fixture
 def in_memory() -> Callable[[str], InMemoryConsole]:
-    return lambda fault: InMemoryConsole(Fault.parse(fault))
+    return lambda fault: InMemoryConsole(StationFault.parse(fault))
 
 
 FRAME = struct.Struct("<HIQ3i3ihH")  # written here once more, to judge what comes

@@ -7,7 +7,7 @@ from pymodbus.exceptions import ModbusIOException
 from schemas.base import Unusable
 from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import FAULTS, Fault, condition
+from tasks.station.virtual.faults import FAULTS, StationFault, condition
 from tasks.station.virtual.process import running
 from tasks.station.virtual.simulation import Simulation
 
@@ -16,29 +16,29 @@ SETTLED = AXIS_STATUS["settled"]
 
 
 def suffering(text: str):
-    return running(VirtualStation(), SPEED, [Fault.parse(text)])
+    return running(VirtualStation(), SPEED, [StationFault.parse(text)])
 
 
 def test_a_fault_is_read_with_and_without_its_time():
-    assert Fault.parse("spike") == Fault("spike", 0.0)
-    assert Fault.parse("spike@12.5") == Fault("spike", 12.5)
-    assert Fault.parse(str(Fault("spike", 12.5))) == Fault("spike", 12.5)
+    assert StationFault.parse("spike") == StationFault("spike", 0.0)
+    assert StationFault.parse("spike@12.5") == StationFault("spike", 12.5)
+    assert StationFault.parse(str(StationFault("spike", 12.5))) == StationFault("spike", 12.5)
 
 
 def test_an_unknown_fault_is_refused_with_all_names():
     with pytest.raises(Unusable) as refusal:
-        Fault.parse("gremlins@3")
+        StationFault.parse("gremlins@3")
     assert all(name in str(refusal.value) for name in ("gremlins", *FAULTS))
 
 
 @pytest.mark.parametrize("text", ["spike@", "spike@soon", "spike@-1", "spike@nan", "spike@inf"])
 def test_a_time_that_is_none_is_refused(text):
     with pytest.raises(Unusable, match="give station seconds"):
-        Fault.parse(text)
+        StationFault.parse(text)
 
 
 def test_a_fault_holds_from_its_time_on_and_faults_add_up():
-    faults = [Fault("chamber_hot", 10.0), Fault("never_settles", 20.0)]
+    faults = [StationFault("chamber_hot", 10.0), StationFault("never_settles", 20.0)]
     assert condition(faults, 9.9).air_degc is None
     assert condition(faults, 10.0).air_degc == 30.0
     assert condition(faults, 20.0).air_degc == 30.0
@@ -133,7 +133,7 @@ def test_dropped_frames_show_as_a_jump_of_the_counter(in_memory, whole):
 
 
 def counts_under(name: str, seconds: int = 40) -> np.ndarray:
-    simulation = Simulation(VirtualStation(), [Fault.parse(name)])
+    simulation = Simulation(VirtualStation(), [StationFault.parse(name)])
     sent = b"".join(b"".join(simulation.advance(1000)) for _ in range(seconds))
     rows = np.frombuffer(sent, np.dtype([("head", "V14"), ("counts", "<i4", 6), ("tail", "V4")]))
     return rows["counts"]

@@ -9,8 +9,8 @@ from schemas.station import MODES
 from tasks.station.virtual import quaternions
 from tasks.station.virtual.body import Body
 from tasks.station.virtual.config import VirtualStation, truth
-from tasks.station.virtual.sensors import Noise, UnitUnderTest
-from tasks.station.virtual.table import Table
+from tasks.station.virtual.sensors import SensorNoise, UnitUnderTest
+from tasks.station.virtual.table import VirtualTable
 from tasks.station.virtual.unit import UnitTruth, draw_unit
 
 DEG = np.pi / 180.0
@@ -37,7 +37,7 @@ def ideal(**changes) -> UnitTruth:
 
 def samples(config: VirtualStation, orders, seconds: float) -> np.ndarray:
     """Counts of the last second as (n, 6) in SI, after orders (axis, mode, angle, rate)."""
-    table, body = Table(config.table), Body(config)
+    table, body = VirtualTable(config.table), Body(config)
     unit = UnitUnderTest(config.unit, config.air.temperature_degc)
     for axis, mode, angle, rate in orders:
         drive = table.drives[axis]
@@ -154,7 +154,11 @@ def test_samples_do_not_depend_on_how_time_is_cut():
     config = VirtualStation()
 
     def run(cuts):
-        table, body, unit = Table(config.table), Body(config), UnitUnderTest(config.unit, 20.0)
+        table, body, unit = (
+            VirtualTable(config.table),
+            Body(config),
+            UnitUnderTest(config.unit, 20.0),
+        )
         table.command(2, MODES["rate"])
         return np.concatenate([unit.sense(*body.move(table.advance(cut)), 20.0)[2] for cut in cuts])
 
@@ -166,7 +170,7 @@ def test_noise_has_the_random_walk_it_is_told_to_have():
     unit = draw_unit(2)
     quiet = {name: getattr(unit, name).model_copy(update={"flicker": 0.0})
              for name in ("gyro", "accel")}  # fmt: skip
-    drawn = Noise(unit.model_copy(update=quiet)).draw(40_000)
+    drawn = SensorNoise(unit.model_copy(update=quiet)).draw(40_000)
     spread = drawn.std(axis=0) / np.sqrt(unit.rate_hz)
     np.testing.assert_allclose(spread[:3], unit.gyro.white, rtol=0.03)
     np.testing.assert_allclose(spread[3:], unit.accel.white, rtol=0.03)
@@ -176,7 +180,7 @@ def test_flicker_keeps_its_level_over_many_averaging_times():
     unit = draw_unit(2)
     silent = {name: getattr(unit, name).model_copy(update={"white": 0.0})
               for name in ("gyro", "accel")}  # fmt: skip
-    drawn = Noise(unit.model_copy(update=silent)).draw(400_000)[:, :3] / unit.gyro.flicker
+    drawn = SensorNoise(unit.model_copy(update=silent)).draw(400_000)[:, :3] / unit.gyro.flicker
     for samples_each in (100, 1000, 10_000):
         means = drawn.reshape(-1, samples_each, 3).mean(axis=1)
         deviation = np.sqrt(0.5 * np.mean(np.diff(means, axis=0) ** 2))
@@ -185,7 +189,7 @@ def test_flicker_keeps_its_level_over_many_averaging_times():
 
 def test_the_units_own_clock_runs_off_by_offset_and_skew():
     config = VirtualStation(unit=ideal(clock_offset_s=0.25, clock_skew=1e-3))
-    table, body, unit = Table(config.table), Body(config), UnitUnderTest(config.unit, 20.0)
+    table, body, unit = VirtualTable(config.table), Body(config), UnitUnderTest(config.unit, 20.0)
     numbers, stamps, _, _ = unit.sense(*body.move(table.advance(10_001)), 20.0)
     assert numbers[0] == 0
     assert stamps[1] == 10_000

@@ -11,7 +11,7 @@ from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
 from tasks.station.virtual.config import VirtualStation, truth
-from tasks.station.virtual.faults import Fault
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
 
@@ -57,7 +57,7 @@ def test_a_speed_that_is_none_is_refused_in_one_sentence():
 
 
 def test_a_station_ends_quietly_with_clients_on_the_line(consoles, capfd):
-    with running(VirtualStation(), 20.0, [Fault("modbus_silent", 2.0)]) as found:
+    with running(VirtualStation(), 20.0, [StationFault("modbus_silent", 2.0)]) as found:
         host, port = found.unit_link.url.removeprefix("socket://").split(":")
         with socket.create_connection((host, int(port))) as line:
             assert line.recv(42)

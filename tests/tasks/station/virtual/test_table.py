@@ -9,24 +9,24 @@ from schemas.recording import TableAxis
 from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import TableDesign
 from tasks.station.virtual.profile import to_angle, to_rate
-from tasks.station.virtual.table import Table
+from tasks.station.virtual.table import VirtualTable
 
 DEG = np.pi / 180.0
 
 
-def ordered(mode: str, angle: float = 0.0, rate: float = 100.0) -> Table:
-    table = Table(TableDesign())
+def ordered(mode: str, angle: float = 0.0, rate: float = 100.0) -> VirtualTable:
+    table = VirtualTable(TableDesign())
     send(table, mode, angle, rate)
     return table
 
 
-def send(table: Table, mode: str, angle: float = 0.0, rate: float = 100.0) -> None:
+def send(table: VirtualTable, mode: str, angle: float = 0.0, rate: float = 100.0) -> None:
     drive = table.drives[1]
     drive.target_angle, drive.target_rate = angle * DEG, rate * DEG
     table.command(1, MODES[mode])
 
 
-def settled(table: Table) -> bool:
+def settled(table: VirtualTable) -> bool:
     return bool(table.axis_status(1) & AXIS_STATUS["settled"])
 
 
@@ -41,7 +41,7 @@ def settled(table: Table) -> bool:
     ],
 )
 def test_ramps_keep_the_acceleration_limit(orders):
-    table = Table(TableDesign())
+    table = VirtualTable(TableDesign())
     angles = [np.zeros((1, 3))]
     for order in orders:
         send(table, *order)
@@ -129,7 +129,7 @@ def test_a_tripped_table_ramps_to_rest_and_refuses_until_reset(bit):
 
 
 def test_a_table_has_as_many_axes_as_it_was_given():
-    table = Table(TableDesign(axes=(TableAxis(name="only", direction=(0, 0, 1)),)))
+    table = VirtualTable(TableDesign(axes=(TableAxis(name="only", direction=(0, 0, 1)),)))
     assert table.advance(10).shape == (10, 1)
 
 
