@@ -17,6 +17,7 @@ from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
+MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body that moves slowly
 VIBRATING = 1.3  # times the noise variance at rest
 BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
@@ -48,18 +49,20 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
 
     Where poses tell the motion up to some frequency only, blocks are as long as that asks for.
     masked: (n, 6) bool, samples that must not be used.
-    Raises Unusable where there are fewer than 200 blocks.
+    Raises Unusable where there are fewer than 200 blocks, or than 30 that are as long as poses ask.
     """
     t = full.motion.t
     own = 1.0 / max(float(np.median(np.diff(t))), 1e-9)
+    needed = MIN_BLOCKS
     if full.motion.tracking is not None:
-        rate = min(rate, 2.0 * full.motion.tracking.edge)
+        told = min(rate, 2.0 * full.motion.tracking.edge)
+        rate, needed = told, max(MIN_OF_POSES, round(MIN_BLOCKS * told / rate))
     step = max(1, round(own / rate))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
-    if count < MIN_BLOCKS:
+    if count < needed:
         raise Unusable(
-            f"the recording lasts {t[-1]:.1f} s; explain needs {MIN_BLOCKS / rate:.0f} s or more"
+            f"the recording lasts {t[-1]:.1f} s; explain needs {needed * step / own:.0f} s or more"
         )
     usable = np.isfinite(full.readings) & full.motion.felt
     if masked is not None:

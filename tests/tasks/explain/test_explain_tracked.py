@@ -59,3 +59,9 @@ def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_
     assert rms(explanation, explanation.found, broad) < 0.42
     late = parameters(explanation, "time_offset")["seconds"].value
     assert late == pytest.approx(0.00415, abs=6e-4)
+
+
+def test_half_a_minute_of_poses_that_tell_slow_motion_only_is_explained() -> None:
+    reference = poses(turn_noise=0.01, place_noise=0.01, seconds=32.0)
+    explanation = explain(recording(readings(seconds=32.0), reference))
+    assert explanation.verdict == "no_mismatch"
