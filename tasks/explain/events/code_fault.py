@@ -1,19 +1,21 @@
 """Codes wrongly joined, or with a bit lost: readings are off by whole multiples of 2ᵇ codes.
 
-A low byte taken as signed, a sign that was not extended, a bit that sticks: each errs by a fixed
-power of two of the output's step, for some codes and not for others. So readings jump to and fro
-by it while little moves, and put right they follow one another: that is how a fault differs from
-a bias that jumps, which does not ask what the code is.
+A low byte taken as signed, a sign that was not extended, a high byte read before the low one moved
+on, a bit that sticks: each errs by a fixed power of two of the output's step, for some codes and
+not for others. So readings jump to and fro by it while little moves, and put right they follow one
+another: that is how a fault differs from a bias that jumps, which does not ask what the code is.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import CHANNELS, UNITS, Event
 from tasks.explain.events.quantisation import quantiser_of
+from tasks.explain.events.stuck_bit import put_back, stuck_bit
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import message
@@ -21,13 +23,17 @@ from tasks.words import message
 BITS = tuple(range(3, 18))  # a jump of fewer codes is noise; of more, no word of any format
 CLEAR = 8.0  # times the scatter of what changes from row to row: a jump
 NEAR, BETWEEN = (0.7, 1.3), (0.3, 0.7)  # of a jump: changes that are one, and that nothing makes
-MAX_BETWEEN = 0.02  # of the number of jumps
+MAX_BETWEEN = 0.05  # of the number of jumps
 MIN_JUMPS = 15  # in each direction
 SLOW = 1.0  # of a jump: change of the prediction from a row to the next
 ROUNDS = 4  # of a fit to what was put right
 MAX_LEFT = 0.2  # of a jump: what readings put right change by from row to row
 BINS = 256  # of codes, by which the fault must be decided
 MAX_UNDECIDED = 0.2  # of the readings that are off: codes that err at times only
+NEIGHBOURS = 9  # rows about one, most of which are right
+MIN_TORN = 0.9  # of the readings that are off: with the high byte of the row before
+MAX_CARRIES = 0.3  # of the rows: where more change their high byte, chance does the same
+ROUNDING = 1e-6  # of a jump
 P_VALUE = 1e-9  # of so many jumps to and fro with nothing between, at most
 
 
@@ -58,24 +64,37 @@ class FaultyChannel:
 def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
     """Errors by whole multiples of a power of two of the step in readings (n, 6)."""
     quantisers = [quantiser_of(reading) for reading in readings.T]
-    if all(quantiser is None for quantiser in quantisers):
+    steps = {c: each.step for c, each in enumerate(quantisers) if each is not None}
+    if not steps:
         return None
-    predicted = plain_prediction(readings, motion)
-    jumps, codes = dict[int, float](), dict[int, int]()
-    for c, quantiser in enumerate(quantisers):
-        if quantiser is not None:
-            bits = _jump_bits(readings[:, c], predicted[:, c], quantiser.step)
-            if bits is not None:
-                jumps[c], codes[c] = 2.0**bits * quantiser.step, 2**bits
-    tried = [_put_right(readings, predicted, motion, jumps, way) for way in WAYS if jumps]
-    off = np.zeros_like(readings)
-    found = []
+    stuck = {c: bit for c, step in steps.items() if (bit := stuck_bit(readings[:, c] / step))}
+    off = put_back(readings, motion, {c: bit * steps[c] for c, bit in stuck.items()})
+    found = [_faulty(c, abs(bit), steps[c], off) for c, bit in stuck.items()]
+    right = readings - off
+    predicted = plain_prediction(right, motion)
+    codes = {
+        c: 2**bits for c, step in steps.items()
+        if c not in stuck and (bits := _jump_bits(right[:, c], predicted[:, c], step)) is not None
+    }  # fmt: skip
+    jumps = {c: number * steps[c] for c, number in codes.items()}
+    tried = [_put_right(right, predicted, motion, jumps, way) for way in WAYS if jumps]
     for c, jump in jumps.items():
-        added, left = min(((off[:, c], left[c]) for off, left in tried), key=lambda one: one[1])
-        if left < MAX_LEFT * jump and _decided_by_code(readings[:, c] - added, added != 0.0, jump):
-            off[:, c] = added
-            found.append(FaultyChannel(c, jump, codes[c], float(np.mean(added != 0.0))))
+        for added, left in sorted(((off[:, c], left[c]) for off, left in tried), key=_left):
+            if left < MAX_LEFT * jump and _of_code(right[:, c] - added, added, jump):
+                off[:, c] = added
+                found.append(_faulty(c, codes[c], steps[c], off))
+                break
     return _event(found, off) if found else None
+
+
+def _left(one: tuple[np.ndarray, float]) -> float:
+    return one[1]
+
+
+def _faulty(channel: int, codes: int, step: float, off: np.ndarray) -> FaultyChannel:
+    jump = codes * step
+    share = float(np.mean(np.minimum(np.abs(off[:, channel]) / jump, 1.0)))
+    return FaultyChannel(channel, jump, codes, share)
 
 
 def _put_right(
@@ -133,13 +152,37 @@ def _by_continuity(residual: np.ndarray, jump: float) -> np.ndarray:
     return _about_usual(number) * jump
 
 
-WAYS = (_by_prediction, _by_continuity)
+def _by_neighbours(residual: np.ndarray, jump: float) -> np.ndarray:
+    """The same where single rows are off and most of those about them are right."""
+    usual = median_filter(np.nan_to_num(residual), NEIGHBOURS, mode="nearest")
+    return np.nan_to_num(np.round((residual - usual) / jump)) * jump
+
+
+WAYS = (_by_prediction, _by_continuity, _by_neighbours)
 
 
 def _about_usual(number: np.ndarray) -> np.ndarray:
     """Whole numbers (n,) counted from the most frequent one; 0 where they are not known."""
     values, counts = np.unique(number[np.isfinite(number)], return_counts=True)
     return np.nan_to_num(number - values[counts.argmax()])
+
+
+def _of_code(right: np.ndarray, added: np.ndarray, jump: float) -> bool:
+    """Whether what was added (n,) to a right reading (n,) is what its code makes of it."""
+    return _decided_by_code(right, added != 0.0, jump) or _torn(right, added, jump)
+
+
+def _torn(right: np.ndarray, added: np.ndarray, jump: float) -> bool:
+    """Whether the readings that are off have the high byte of the row before."""
+    high = np.floor(right / jump + ROUNDING)
+    carry = np.diff(high)
+    off = added[1:] != 0.0
+    before = np.round(added[1:] / jump) == -carry
+    return bool(
+        off.sum() >= MIN_JUMPS
+        and before[off].mean() > MIN_TORN
+        and np.mean(carry[np.isfinite(carry)] != 0.0) < MAX_CARRIES
+    )
 
 
 def _decided_by_code(right: np.ndarray, off: np.ndarray, jump: float) -> bool:

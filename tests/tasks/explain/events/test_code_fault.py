@@ -65,6 +65,32 @@ def test_a_bit_that_sticks_is_told_with_the_codes_that_it_hits() -> None:
     assert jump.value == pytest.approx(512 * STEP[1], rel=1e-3)
 
 
+def test_a_bit_that_sticks_below_the_noise_is_told_and_the_mean_put_right() -> None:
+    right = codes(2)
+    faulty = right.copy()
+    faulty[:, 1] = stuck(right[:, 1], 3)
+    found = fault(faulty)
+    assert found is not None
+    assert found.channels == (1,)
+    (jump,) = found.parameters
+    assert jump.value == pytest.approx(8 * STEP[1], rel=1e-3)
+    wrong = (found.undone(faulty * STEP) - right * STEP)[:, 1] / STEP[1]
+    assert abs(wrong.mean()) < 0.2
+
+
+def test_a_high_byte_of_the_row_before_is_put_right() -> None:
+    right = codes(9)
+    faulty, late = right.copy(), np.random.default_rng(9).random(len(right)) < 0.4
+    late[0] = False
+    mixed = (np.roll(right[:, 4], 1) >> 8 << 8) + (right[:, 4] & 0xFF)
+    faulty[:, 4] = np.where(late, mixed, right[:, 4])
+    found = fault(faulty)
+    assert found is not None
+    assert found.channels == (4,)
+    wrong = (found.undone(faulty * STEP) - right * STEP)[:, 4] / STEP[4]
+    assert np.mean(np.abs(wrong) > 0.5) < 1e-3
+
+
 def test_a_sign_that_was_not_extended_is_a_fault_of_the_whole_word() -> None:
     right = codes(3)
     right[:, 0] -= np.round(np.mean(right[:, 0])).astype(int)  # rests near zero, of either sign
