@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 def to_numpy(column: "pa.ChunkedArray") -> np.ndarray:
     """(n,) float64, NaN where the column is null; without a copy where it has one chunk."""
-    import pyarrow.compute as pc
-
     if column.null_count:
+        import pyarrow.compute as pc  # late: what was kept has no nulls
+
         column = pc.fill_null(column, from_numpy(np.array([np.nan]))[0])
     parts = [np.from_dlpack(chunk) for chunk in column.chunks]
     return parts[0] if len(parts) == 1 else np.concatenate(parts)

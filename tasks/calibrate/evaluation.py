@@ -29,9 +29,6 @@ EFFECTIVE_BITS = TypeAdapter(Annotated[float, Field(ge=1.0, le=MAX_BITS)])
 EXAMPLE: UncertaintyKind = "as the specification's example"
 BY_EXAMPLE = "the example's"
 NO_SPECIFICATION = (UNKNOWN, "table and fixture not known")
-EQUIPMENT_UNKNOWN = remark(
-    "equipment_unknown", message("specifications-equipment-unknown"), blocks_pass=True
-)
 
 
 @dataclass(frozen=True)
@@ -142,7 +139,8 @@ def evaluation_for(
         for name, limit in own.items():
             settings[f"limit of {name}"] = f"{limit.half_width:g} ({limit.source})"
         known = equipment.rates and equipment.angles
-        remarks = () if known else (EQUIPMENT_UNKNOWN,)
+        phrase = message("specifications-equipment-unknown")
+        remarks = () if known else (remark("equipment_unknown", phrase, blocks_pass=True),)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
         table = equipment.rates[0][1].u

@@ -10,7 +10,7 @@ Softw. 8, 1986): 1/(1 + (f/f₀)⁸), without a shift in time.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.fft import irfft, rfft, rfftfreq
+from numpy.fft import irfft, rfft, rfftfreq
 
 WINDOW = 4.0  # s: of the spectrum
 LOWEST, HIGHEST = 0.5, 60.0  # Hz: bodies that are tracked move within

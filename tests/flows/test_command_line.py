@@ -388,11 +388,14 @@ def test_help_shows_what_an_option_takes(mimucal) -> None:
     assert "The virtual station." in mimucal().out
 
 
-HEAVY = {"prefect", "numpy", "pandas", "pyarrow", "alembic", "sqlalchemy", "typst", "pymodbus"}
+HEAVY = {
+    "prefect", "numpy", "pandas", "pyarrow", "alembic", "sqlalchemy", "typst", "pymodbus",
+    "matplotlib", "fluent", "pyarrow.compute", "scipy.optimize", "scipy.fft",
+}  # fmt: skip
 
 
 def loaded(*command: str) -> tuple[str, set[str]]:
-    """What a command prints, and which of the heavy libraries it loaded for that."""
+    """What a command prints, and which of the heavy modules it loaded for that."""
     code = (
         f"import sys; sys.argv = ['mimucal', *{command!r}]\n"
         "from flows import cli\n"
@@ -418,6 +421,14 @@ def test_runs_are_listed_with_the_catalogue_alone(mimucal, shared) -> None:
     text, heavy = loaded("runs")
     assert run in text
     assert heavy == {"sqlalchemy"}
+
+
+def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
+    mimucal, shared
+) -> None:
+    run = mimucal("import", shared / "plant/plant_clean").out.split()[0]
+    _, heavy = loaded("calibrate", run, "--json")
+    assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
 
 def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, shared) -> None:

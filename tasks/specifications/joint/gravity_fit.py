@@ -7,7 +7,6 @@ without external equipments», ICRA 2014, eq. (10); the body axes as in `joint.g
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from tasks.specifications.linear import BirgeRatio, Solution, birge_ratio
 
@@ -43,6 +42,8 @@ def fit_gravity(means: np.ndarray, gravity: float, noise: np.ndarray) -> Gravity
     noise: (3, n, n) covariance of the means of each channel. Levenberg and Marquardt from an
     ideal unit.
     """
+    from scipy.optimize import least_squares  # late: most rests have a label
+
     if len(means) < FEWEST_RESTS:
         return None
     start = np.append([float(i == j) for i, j in UPPER], np.zeros(3))

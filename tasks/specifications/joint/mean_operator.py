@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from schemas.recording import AXES
 from tasks.model.parameters import ACCEL_FIRST, own
@@ -47,6 +46,8 @@ def operator_of(
     covariances: np.ndarray,
 ) -> Operator:
     """Both steps over all channels; those that share a parameter are solved together."""
+    from scipy.linalg import block_diag  # late: of the joint method alone
+
     mean = motion.mean
     own_axis = own(ACCEL_FIRST, mean.rate**2)  # fitted beside the model: see `_roles`
     every = [_regressor(column) for column in (*columns, *own_axis)]

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from schemas.recording import GYRO, Stream
 from tasks.segments.summarise import GYRO_COLUMNS, SegmentMean
@@ -75,6 +74,8 @@ def fit_moves(moves: Moves) -> MovesFit | None:
     The uncertainty is that of the scatter of the misses: what shakes and slips during a move by
     hand is more than the gyro's noise.
     """
+    from scipy.optimize import least_squares  # late: few recordings are moved by hand
+
     count = len(moves.turns)
     if count < FEWEST_MOVES:
         return None

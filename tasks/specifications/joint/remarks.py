@@ -16,7 +16,6 @@ from tasks.specifications.joint.solution import Joint
 from tasks.words import message, remark
 
 FEWEST_RATES = 4  # claim 4 of the patent, in each direction
-EARTH_NOT_REMOVED = remark("earth_not_removed", message("joint-earth-not-removed"))
 
 
 def procedure_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
@@ -44,7 +43,7 @@ def earth_remarks(
     if not motion.gyro.any():
         return
     if latitude is None:
-        yield EARTH_NOT_REMOVED
+        yield remark("earth_not_removed", message("joint-earth-not-removed"))
         return
     shown = earth_rotation_message(joint.earth)
     if joint.earth and joint.earth.refuted:
@@ -75,7 +74,7 @@ def gravity_remarks(
         phrase = message("joint-moves-residual", moves=moved.moves, angle=angle)
         yield remark("moves_residual", phrase)
     if evidence.latitude_deg is None:
-        yield EARTH_NOT_REMOVED
+        yield remark("earth_not_removed", message("joint-earth-not-removed"))
     else:
         yield remark("north_unknown", message("joint-vertical-removed"))
 
