@@ -7,6 +7,30 @@ import numpy as np
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
 NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
 SAMPLE = 20_000  # differences that a quantile is taken of
+SPAN = 50  # rows, longer than any batch in which stamps are written
+USUAL = 0.25  # of the usual time of so many rows: more is a gap
+
+
+def sample_interval(t: np.ndarray) -> float:
+    """Seconds between rows stamped t (n,) s, and be it that stamps come in batches; gaps apart."""
+    rows = max(1, min(SPAN, len(t) // 4))
+    spans = t[rows:] - t[:-rows]
+    usual = float(np.median(spans))
+    return float(spans[np.abs(spans - usual) <= USUAL * usual].mean()) / rows
+
+
+def gaps(t: np.ndarray, interval: float, wide: float) -> np.ndarray:
+    """(k,) rows after which others are missing: stamps t (n,) s are late by `wide` intervals from
+    there on. The first row of a batch only is late.
+    """
+    course = t - interval * np.arange(len(t))
+    after = np.flatnonzero(np.diff(t) > (wide + 1.0) * interval)
+    ends = after + 1
+    late = [
+        float(np.median(course[end : end + SPAN]) - np.median(course[max(0, end - SPAN) : end]))
+        for end in ends
+    ]
+    return after[np.array(late) > wide * interval]
 
 
 def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:

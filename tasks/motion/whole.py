@@ -15,6 +15,7 @@ import numpy as np
 from schemas.recording import AXES, Recording, Stream, Up
 from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
+from tasks.motion.samples import sample_interval
 from tasks.motion.smooth import smooth_derivatives
 from tasks.motion.table import TableAxes, axis_directions, mount_of
 
@@ -66,7 +67,7 @@ class Motion:
     @cached_property
     def interval(self) -> float:
         """Time between rows, s."""
-        return float(np.median(np.diff(self.t)))
+        return sample_interval(self.t)
 
     @cached_property
     def takes(self) -> tuple[slice, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.motion.samples import in_blocks
+from tasks.motion.samples import in_blocks, sample_interval
 from tasks.motion.whole import Motion
 
 SLOPE_WINDOW = 1.0  # s, within which the delay is read off the slope
@@ -107,7 +107,7 @@ def delays_by_grid(t: np.ndarray, gyros: np.ndarray, predicted: np.ndarray) -> G
     the slope. Within a window a gyro has a scale factor and a bias of its own. The noise of each
     gyro is what the best delays leave in the median window.
     """
-    interval = float(np.median(np.diff(t)))
+    interval = sample_interval(t)
     lags = np.arange(EARLIEST, LATEST + GRID_STEP / 2, GRID_STEP)
     window, count = _windows(t, GRID_WINDOW)
     total = np.zeros((count, len(lags)))

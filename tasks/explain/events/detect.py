@@ -37,7 +37,8 @@ def events_in_readings(
     used = np.where(masked, np.nan, readings)
     if masked.any():
         quantisers = [quantiser_of(column) for column in used.T]
-    jitter = find_jitter(t, readings, motion, predicted, masked)
+    held = masked if repeats is None else masked | repeats.held
+    jitter = find_jitter(t, readings, motion, predicted, held)
     lost = find_lost_samples(t, readings, motion, predicted, masked, start)
     times = (event for event in (jitter, repeats, lost) if event is not None)
     events: tuple[Event, ...] = (*times, *limits)

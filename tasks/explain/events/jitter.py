@@ -11,19 +11,21 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.signal import savgol_filter
 from scipy.stats import norm
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import CHANNELS, GYROS
 from tasks.explain.events.event import Event
-from tasks.motion.samples import interpolated
+from tasks.motion.samples import gaps, interpolated, sample_interval
 from tasks.motion.whole import Motion
 from tasks.words import message
 
-GAP = 2.5  # sample intervals: rows are missing, and evenness begins anew
+GAP = 1.5  # sample intervals by which stamps are late: rows are missing, evenness begins anew
 SMOOTH = 101  # rows over which the true instants are even
 LEAST = 1e-6  # s: less is the rounding of stamps in double precision
 NEAR_ONE = 0.15  # how near the share of what the stamps claim must be to one
+SLOPE_WINDOW, FEWEST = 0.15, 5  # s, and rows at least, of a parabola whose slope is the motion's
 SIGNIFICANT = 1e-7
 TRIMMED = 6.0  # times the scatter: rows with more are left out
 
@@ -78,9 +80,9 @@ def find_jitter(
 
 def _uneven(t: np.ndarray) -> np.ndarray:
     """(n,) s by which stamps are after an even course, between gaps each for itself."""
-    interval = float(np.median(np.diff(t)))
+    interval = sample_interval(t)
     late = np.zeros(len(t))
-    edges = [0, *(np.flatnonzero(np.diff(t) > GAP * interval) + 1).tolist(), len(t)]
+    edges = [0, *(gaps(t, interval, GAP) + 1).tolist(), len(t)]
     for start, stop in pairwise(edges):
         if stop - start < SMOOTH:
             continue
@@ -99,9 +101,12 @@ def _share(
 
     From second differences, in which only what changes from row to row is left.
     """
-    slope = np.gradient(predicted, t)
-    left = _rough(reading - predicted)
+    even = np.interp(t - late, t, predicted)
+    # The noise of a reference makes slopes of its own, which are no motion.
+    rows = max(FEWEST, 2 * round(0.5 * SLOPE_WINDOW / sample_interval(t)) + 1)
+    slope = savgol_filter(even, rows, 2, 1, mode="nearest") / sample_interval(t)
     column = _rough(-slope * late)
+    left = _rough(reading - savgol_filter(even, rows, 2, mode="nearest")) + column
     known = np.isfinite(left) & np.isfinite(column)
     if known.sum() < SMOOTH:
         return None

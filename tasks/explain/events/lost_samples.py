@@ -21,13 +21,13 @@ from tasks.explain.events.event import Event
 from tasks.explain.events.noise import noise_by_rate
 from tasks.explain.events.staircase import Staircase, fit_staircase
 from tasks.model.plain_fit import plain_prediction
-from tasks.motion.samples import interpolated
+from tasks.motion.samples import gaps, interpolated, sample_interval
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 from tasks.words.quantities import moment
 
 FLAT = 0.5  # of the noise: what changes less from sample to sample is the encoders' noise
-GAP = 1.5  # sample intervals between two stamps, from which rows are missing
+GAP = 0.5  # sample intervals by which stamps are late after a gap
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def find_lost_samples(
     """
     if len(t) < 3 or not motion.known.any():
         return None
-    interval = float(np.median(np.diff(t)))
+    interval = sample_interval(t)
     noise = noise_by_rate(readings - predicted, motion)
     slope = np.gradient(predicted, t, axis=0) * interval  # per sample interval
     slope = np.where(np.abs(slope) > FLAT * noise, slope, 0.0)
@@ -124,10 +124,11 @@ def _event(
 
 def gap_remarks(t: np.ndarray) -> tuple[Message, ...]:
     """Rows that are missing by the stamps themselves."""
-    apart = np.diff(t)
-    interval = float(np.median(apart)) if len(apart) else 1.0
-    wide = apart > GAP * interval
-    if not wide.any():
+    if len(t) < 2:
         return ()
-    missing = int(np.round(apart[wide] / interval - 1).sum())
-    return (message("events-gaps", gaps=int(wide.sum()), missing=missing),)
+    interval = sample_interval(t)
+    before = gaps(t, interval, GAP)
+    if not len(before):
+        return ()
+    missing = int(np.round((t[before + 1] - t[before]) / interval - 1).sum())
+    return (message("events-gaps", gaps=len(before), missing=missing),)

@@ -41,6 +41,11 @@ class RepeatedSamples(Event):
     source: np.ndarray
     slipped: np.ndarray
 
+    @property
+    def held(self) -> np.ndarray:
+        """(n, 6) bool: the reading of another row."""
+        return np.asarray(self.source != np.arange(len(self.source))[:, None])
+
     def sampled_at(self, t: np.ndarray) -> np.ndarray:
         return t - self.slipped
 

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter1d
 from schemas.base import Unusable
 from schemas.recording import Segment
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.motion.samples import bridged
+from tasks.motion.samples import bridged, sample_interval
 from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
@@ -52,7 +52,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     Raises Unusable where there are fewer than 200 blocks, or than 30 that are as long as poses ask.
     """
     t = full.motion.t
-    own = 1.0 / max(float(np.median(np.diff(t))), 1e-9)
+    own = 1.0 / max(sample_interval(t), 1e-9)
     needed = MIN_BLOCKS
     if full.motion.tracking is not None:
         told = min(rate, 2.0 * full.motion.tracking.edge)

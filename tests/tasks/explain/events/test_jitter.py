@@ -67,3 +67,21 @@ def test_a_delay_of_all_stamps_is_no_jitter() -> None:
     readings = counted(noisy(mean_readings(moved(MADE.t - 0.01)), 30))
     t = MADE.t + 1e-4 * np.sin(MADE.t)  # a clock that wanders slowly
     assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
+
+
+def test_stamps_that_close_up_to_a_batch_s_arrival_are_told() -> None:
+    away = (5 - np.arange(COUNT) % 6) / 100.0
+    t = MADE.t + 0.9 * (away - away.mean())
+    events = found(t, counted(noisy(mean_readings(MADE), 5)))
+    assert [event.effect for event in events.events] == ["timestamp_jitter"]
+    assert events.remarks == ()  # no rows are missing
+    assert np.std(events.events[0].sampled_at(t) - MADE.t) < 1e-3
+
+
+def test_a_noisy_reference_does_not_hide_stamps_that_scatter() -> None:
+    t = MADE.t + jitter(1e-3, 6)
+    readings = counted(noisy(mean_readings(MADE), 7))
+    seen = replace(moved(t), t=t)
+    rough = seen.rate + 0.03 * np.random.default_rng(8).standard_normal(seen.rate.shape)
+    events = events_in_readings(t, readings, replace(seen, rate=rough))
+    assert "timestamp_jitter" in [event.effect for event in events.events]
