@@ -8,7 +8,7 @@ from rich.text import Text
 
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
-from schemas.tolerance import Verdict
+from schemas.decision import Verdict
 from tasks.specifications.items import item_title
 from tasks.words import say
 from tasks.words.rounding import column

@@ -7,9 +7,9 @@ from pydantic import Field, model_validator
 
 from schemas.base import Frozen
 from schemas.calibration import Calibration
+from schemas.decision import Decision
 from schemas.recording import Manifest
 from schemas.station import LimitShape, MeasurementStandard
-from schemas.tolerance import Decision
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]

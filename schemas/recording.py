@@ -19,6 +19,7 @@ STREAMS = ("imu", "table", "reference", "environment")
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, Axis, Axis] = ("x", "y", "z")
 Up = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+UPS: tuple[Up, ...] = ("+x", "-x", "+y", "-y", "+z", "-z")
 Kind = Literal["static", "rate", "rotation", "settle", "transition"]
 MEASURED: tuple[Kind, ...] = ("static", "rate", "rotation")
 Standard = Literal["JJF 2003-2022", "JJF 1536-2015", "other"]

@@ -1,23 +1,19 @@
-"""Limits of a product model, and what a result is worth against them."""
+"""Limits of a product model, and the decision rules that it wants held."""
 
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from schemas.base import Finite, Frozen
+from schemas.base import Frozen
 
-Verdict = Literal["pass", "fail", "inconclusive"]
 Quantity = Literal["value", "value_without_earth_rotation", "value_model"]
 Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
-Probability = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
 Signed = Annotated[float, Field(allow_inf_nan=False, strict=True)]
 Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False, strict=True)]
 
 FACTOR = "r in w = r·U; below −1 a value wholly outside its limits would pass"
 MIN_CAPABILITY = "smallest C_m = T/(2·U) at which a two-sided limit is decided on"
-FULL_GUARD_BAND = 1.0  # w = U
-USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 
 
 class ProductionPrior(Frozen):
@@ -74,6 +70,19 @@ class Limit(Frozen):
             raise ValueError(f"the limit on {self.item} has a nominal but is not relative")
         return self
 
+    @property
+    def bounds(self) -> tuple[float | None, float | None]:
+        """Lower and upper limit, signed, in the limit's unit; None where there is none."""
+        if self.magnitude is not None:
+            return self._from_nominal(-self.magnitude), self._from_nominal(self.magnitude)
+        return self._from_nominal(self.lower), self._from_nominal(self.upper)
+
+    def _from_nominal(self, given: float | None) -> float | None:
+        """12 digits: 1.05 × 3.2 is 3.3600000000000003 in binary and stays 3.36."""
+        if given is None or self.nominal is None:
+            return given
+        return float(f"{self.nominal + given * abs(self.nominal):.12g}")
+
 
 class Tolerance(Frozen):
     """The limits of one product model (a TOML or JSON file, format `mimu-tolerance/1`).
@@ -95,11 +104,11 @@ class Tolerance(Frozen):
     def _rules_are_complete(self) -> Self:
         """A factor needs a guard band; a shared risk needs its agreed bound on U."""
         if self.guard_band_factor is not None and not any(
-            rule_of(self, limit) == "guard_band" for limit in self.limits
+            self.rule_of(limit) == "guard_band" for limit in self.limits
         ):
             raise ValueError("guard_band_factor is given, but no limit has the rule guard_band")
         for limit in self.limits:
-            rule = rule_of(self, limit)
+            rule = self.rule_of(limit)
             if rule != "guard_band" and limit.guard_band_factor is not None:
                 raise ValueError(
                     f"the limit on {limit.item} has a guard_band_factor but the rule {rule}"
@@ -113,98 +122,8 @@ class Tolerance(Frozen):
 
     def _has_capability(self, limit: Limit) -> bool:
         agreed = limit.min_capability or self.min_capability
-        return agreed is not None and None not in bounds(limit)
+        return agreed is not None and None not in limit.bounds
 
-
-def rule_of(tolerance: Tolerance, limit: Limit) -> Rule:
-    """The decision rule of a limit: its own, else that of the file."""
-    return limit.rule or tolerance.rule
-
-
-def guard_band_factor(tolerance: Tolerance, limit: Limit) -> float:
-    """r of the guard band w = r·U of a limit; 0 where its rule has none (JCGM 106, 8.3)."""
-    if rule_of(tolerance, limit) != "guard_band":
-        return 0.0
-    given = (limit.guard_band_factor, tolerance.guard_band_factor)
-    return next((r for r in given if r is not None), FULL_GUARD_BAND)
-
-
-def min_capability(tolerance: Tolerance, limit: Limit) -> float | None:
-    """Smallest C_m = T/(2·U) at which a limit with two sides is decided on.
-
-    1 where nothing is given; None for a shared risk, whose parties agreed on U_max alone.
-    """
-    usual = None if rule_of(tolerance, limit) == "shared_risk" else USUAL_CAPABILITY
-    return limit.min_capability or tolerance.min_capability or usual
-
-
-def bounds(limit: Limit) -> tuple[float | None, float | None]:
-    """Lower and upper limit, signed, in the limit's unit; None where there is none."""
-    if limit.magnitude is not None:
-        lower, upper = -limit.magnitude, limit.magnitude
-        return _from_nominal(limit, lower), _from_nominal(limit, upper)
-    return _from_nominal(limit, limit.lower), _from_nominal(limit, limit.upper)
-
-
-def _from_nominal(limit: Limit, given: float | None) -> float | None:
-    """12 digits: 1.05 × 3.2 is 3.3600000000000003 in binary and stays 3.36."""
-    if given is None or limit.nominal is None:
-        return given
-    return float(f"{limit.nominal + given * abs(limit.nominal):.12g}")
-
-
-class GlobalRisks(Frozen):
-    """Risks over a whole production that is measured with this uncertainty (JCGM 106, 9.5)."""
-
-    consumer: Probability = Field(description="a unit does not conform and is accepted")
-    producer: Probability = Field(description="a unit conforms and is rejected")
-
-
-class LimitDecision(Frozen):
-    """One element against one limit.
-
-    A value is accepted between `accept_lower` and `accept_upper`, which are the limits moved
-    inwards by the guard band. `marginal`: it was decided on and lies within U of a limit, or was
-    accepted outside one, so the verdict is a conditional one (ILAC-G8:09/2019). The risk of the
-    verdict is a probability of false acceptance for a pass, of false rejection for a fail.
-    """
-
-    item: str
-    element: str
-    unit: str
-    applied_to: Quantity
-    value: Finite | None
-    U: Finite | None
-    lower: Finite | None
-    upper: Finite | None
-    verdict: Verdict
-    k: Finite | None = None
-    nominal: Finite | None = Field(default=None, description="what relative limits count from")
-    rule: Rule = "simple_acceptance"
-    guard_band_factor: Finite = Field(default=0.0, description="r in w = r·U")
-    accept_lower: Finite | None = None
-    accept_upper: Finite | None = None
-    capability: Finite | None = Field(default=None, description="C_m = T/(2·U)")
-    min_capability: Finite | None = Field(default=None, description="C_m that the rule asks for")
-    U_max: Finite | None = Field(default=None, description="U that the rule allows")
-    marginal: bool = False
-    probability_of_conformity: Probability | None = None
-    false_acceptance: Probability | None = None
-    false_rejection: Probability | None = None
-    global_risks: GlobalRisks | None = None
-
-
-class Decision(Frozen):
-    """The verdict on a unit, and what it rests on.
-
-    `marginal`: a pass that a limited element only just reaches, or a fail of which none is
-    beyond doubt.
-    """
-
-    verdict: Verdict
-    rule: str
-    document: str | None
-    limits: tuple[LimitDecision, ...]
-    reasons: tuple[str, ...] = ()
-    reasons_zh: tuple[str, ...] = ()
-    marginal: bool = False
+    def rule_of(self, limit: Limit) -> Rule:
+        """The decision rule of a limit: its own, else that of the file."""
+        return limit.rule or self.rule

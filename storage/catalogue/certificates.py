@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, State
-from schemas.tolerance import Verdict
+from schemas.decision import Verdict
 from storage.catalogue import database, tables
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Party
-from schemas.tolerance import Decision
+from schemas.decision import Decision
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, slug
 from tasks.conformity.limits import verdict_title
 from tasks.specifications.items import ITEMS

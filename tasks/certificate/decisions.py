@@ -1,6 +1,6 @@
 """The statement of conformity: limits, decision rules, risks of a wrong decision, verdict."""
 
-from schemas.tolerance import Decision, GlobalRisks, LimitDecision
+from schemas.decision import Decision, GlobalRisks, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.fields import Field, field, given, slug
 from tasks.conformity.limits import probability_text

@@ -6,8 +6,8 @@ Numbers are texts by JJF 1059.1, in units of 10^exponent.
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
+from schemas.decision import Decision, LimitDecision
 from schemas.text import Statement
-from schemas.tolerance import Decision, LimitDecision
 from tasks.certificate.fields import first_known, slug
 from tasks.certificate.information import contained
 from tasks.certificate.rows import Row, rows

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from schemas.tolerance import LimitDecision, Verdict
+from schemas.decision import LimitDecision, Verdict
 from tasks.certificate.fields import given
 from tasks.conformity.limits import accepted_text, limits_text, probability_text, verdict_title
 from tasks.specifications.items import ItemDefinition, second_value

@@ -5,8 +5,8 @@ import re
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, Item
+from schemas.decision import Decision
 from schemas.text import Remark
-from schemas.tolerance import Decision
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, quoted, slug

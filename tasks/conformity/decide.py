@@ -10,9 +10,10 @@ from datetime import date
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
+from schemas.decision import Decision, LimitDecision, Verdict
 from schemas.station import MeasurementStandard
 from schemas.text import Statement
-from schemas.tolerance import Decision, Limit, LimitDecision, Tolerance, Verdict
+from schemas.tolerance import Limit, Tolerance
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (
     global_risks,

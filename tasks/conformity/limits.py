@@ -2,7 +2,7 @@
 
 from decimal import Decimal
 
-from schemas.tolerance import Decision, LimitDecision
+from schemas.decision import Decision, LimitDecision
 from tasks.words import Message, message
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from decimal import Decimal
 
 from schemas.calibration import Calibration
+from schemas.decision import Decision, LimitDecision
 from schemas.text import Statement
-from schemas.tolerance import Decision, LimitDecision
 from tasks.conformity.limits import (
     accepted_text,
     limits_text,

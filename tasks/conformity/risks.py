@@ -4,7 +4,8 @@ import math
 
 from scipy.special import ndtr, stdtr
 
-from schemas.tolerance import GlobalRisks, ProductionPrior
+from schemas.decision import GlobalRisks
+from schemas.tolerance import ProductionPrior
 
 REACH = 12.0  # standard deviations from the mean beyond which a normal density is 0
 Interval = tuple[float, float]

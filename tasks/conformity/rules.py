@@ -3,17 +3,11 @@
 import math
 from dataclasses import dataclass
 
-from schemas.tolerance import (
-    Limit,
-    Rule,
-    Tolerance,
-    Verdict,
-    bounds,
-    guard_band_factor,
-    min_capability,
-    rule_of,
-)
+from schemas.decision import Verdict
+from schemas.tolerance import Limit, Rule, Tolerance
 
+FULL_GUARD_BAND = 1.0  # w = U
+USUAL_CAPABILITY = 1.0  # T = 2 U: U is half the interval of the limits
 CLEAR = 0.95  # probability at which a one-sided limit without a bound on U is decided on
 
 
@@ -86,12 +80,29 @@ class Criterion:
 
 def criterion(tolerance: Tolerance, limit: Limit) -> Criterion:
     """A limit with the rule that holds for it."""
-    lower, upper = bounds(limit)
+    lower, upper = limit.bounds
     return Criterion(
         lower=-math.inf if lower is None else lower,
         upper=math.inf if upper is None else upper,
-        rule=rule_of(tolerance, limit),
-        factor=guard_band_factor(tolerance, limit),
-        min_capability=min_capability(tolerance, limit),
+        rule=tolerance.rule_of(limit),
+        factor=_guard_band_factor(tolerance, limit),
+        min_capability=_min_capability(tolerance, limit),
         U_max=limit.U_max,
     )
+
+
+def _guard_band_factor(tolerance: Tolerance, limit: Limit) -> float:
+    """r of the guard band w = r·U of a limit; 0 where its rule has none (JCGM 106, 8.3)."""
+    if tolerance.rule_of(limit) != "guard_band":
+        return 0.0
+    given = (limit.guard_band_factor, tolerance.guard_band_factor)
+    return next((r for r in given if r is not None), FULL_GUARD_BAND)
+
+
+def _min_capability(tolerance: Tolerance, limit: Limit) -> float | None:
+    """Smallest C_m = T/(2·U) at which a limit with two sides is decided on.
+
+    1 where nothing is given; None for a shared risk, whose parties agreed on U_max alone.
+    """
+    usual = None if tolerance.rule_of(limit) == "shared_risk" else USUAL_CAPABILITY
+    return limit.min_capability or tolerance.min_capability or usual

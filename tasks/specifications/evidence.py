@@ -6,13 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.recording import AXES, Axis, Kind, Recording, Segment, Up
+from schemas.recording import AXES, UPS, Axis, Kind, Recording, Segment, Up
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
 from tasks.specifications.earth_rotation import EarthRotationGain
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
-UPS: tuple[Up, ...] = ("+x", "-x", "+y", "-y", "+z", "-z")
 NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is not known
 
 

@@ -100,13 +100,13 @@ class ClimateReader:
 class UnitReader:
     """The unit's samples over its own time stamps, moved only if its clock is not the station's.
 
-    `shifts_s` is by how much they were moved, for each time the unit was switched on: first 0,
+    `clock_shifts_s`: by how much they were moved, for each time the unit was switched on; first 0,
     unless the first stamps disagree with station time by more than SHIFT_THRESHOLD_S (and by more
     than the delay of the line can explain).
     """
 
     def __init__(self, unit: UnitDriver, clock: StationClock, note: Note) -> None:
-        self.shifts_s = [0.0]
+        self.clock_shifts_s = [0.0]
         self.lost_samples = 0
         self._unit = unit
         self._clock = clock
@@ -142,7 +142,7 @@ class UnitReader:
         if not len(after):
             return stream
         self._begin()
-        self.shifts_s.append(0.0)
+        self.clock_shifts_s.append(0.0)
         return joined([stream, self._timed(after, final)])
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
@@ -150,13 +150,13 @@ class UnitReader:
         if not self._is_shift_known:
             self._compare(frames)
             frames = self._held = np.concatenate([self._held, frames])
-            on_s = self._on_s if len(self.shifts_s) > 1 else None
+            on_s = self._on_s if len(self.clock_shifts_s) > 1 else None
             enough = on_s is not None or len(self._differences) >= SHIFT_TAKES
             self._is_shift_known = final or (enough and not self._unit.is_off)
             if not self._is_shift_known:
                 return to_stream(frames[:0], link)
             self._settle_shift(on_s)
-        stream = to_stream(frames, link, round(self.shifts_s[-1] * 1e6))
+        stream = to_stream(frames, link, round(self.clock_shifts_s[-1] * 1e6))
         self._note_lost(np.concatenate([self._last, frames]))
         if len(frames):
             self._last = frames[-1:]
@@ -170,15 +170,15 @@ class UnitReader:
     def _settle_shift(self, on_s: float | None) -> None:
         """The delay of the line makes every difference too large, so the least is the best."""
         if on_s is not None:
-            self.shifts_s[-1] = on_s
+            self.clock_shifts_s[-1] = on_s
         elif self._differences:
             best = min(self._differences)
             if abs(best) > SHIFT_THRESHOLD_S + LINE_DELAY_WALL_S * self._clock.speed:
-                self.shifts_s[-1] = round(best, 6)
+                self.clock_shifts_s[-1] = round(best, 6)
 
     def _note_lost(self, frames: np.ndarray) -> None:
         lost = lost_between(frames["counter"])
         for place in np.flatnonzero(lost):
-            before, after = frames["stamp"][place : place + 2] / 1e6 + self.shifts_s[-1]
+            before, after = frames["stamp"][place : place + 2] / 1e6 + self.clock_shifts_s[-1]
             self.lost_samples += int(lost[place])
             self._note(Anomaly("unit_lost_samples", before, after, int(lost[place])))

@@ -68,7 +68,7 @@ class Recorder:
 
     def write_manifest(self) -> None:
         """Write the manifest with the segments finished so far."""
-        first_s, *again_s = self.unit.shifts_s
+        first_s, *again_s = self.unit.clock_shifts_s
         if first_s:
             self.manifest.extra["unit_clock_shift_s"] = first_s
         if again_s:

@@ -17,13 +17,13 @@ from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
 from schemas.validation import Check, Coverage
 from tasks.validation import run1536, run2003
-from tasks.validation.draw import Case, draw_case
+from tasks.validation.draw import SimulatedUnit, draw_simulated_unit
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
 from tasks.words import message
 
 Calibrate = Callable[..., Calibration]
 Truth = dict[str, dict[str, float]]
-Run = Callable[[Case, int], tuple[Recording, Truth]]
+Run = Callable[[SimulatedUnit, int], tuple[Recording, Truth]]
 
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
 TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval: less is no evidence
@@ -41,7 +41,7 @@ Errors = dict[str, dict[str, tuple[float, float, float, float]]]
 def simulate(method: str, seed: int, ideal: bool = False) -> tuple[Recording, Truth]:
     """A recording for a method of the unit with this seed, and the truth of its items."""
     record, rate_hz = RUNS[method]
-    recording, truth = record(draw_case(seed, rate_hz, ideal), seed)
+    recording, truth = record(draw_simulated_unit(seed, rate_hz, ideal), seed)
     if method == "joint":  # its g-sensitivity is without Earth's rotation
         truth = {**truth, G_SENSITIVITY: truth[WITHOUT_EARTH]}
     return recording, truth

@@ -19,7 +19,7 @@ FLICKER_GRADES = (0.1, 10.0)  # times the unit's usual flicker, evenly in its lo
 
 
 @dataclass(frozen=True)
-class Case:
+class SimulatedUnit:
     """One simulated unit, its random numbers, and whether noise and equipment are ideal."""
 
     unit: UnitTruth
@@ -46,7 +46,7 @@ class Case:
         return None if self.ideal else SensorNoise(self.unit)
 
 
-def draw_case(seed: int, rate_hz: float, ideal: bool = False) -> Case:
+def draw_simulated_unit(seed: int, rate_hz: float, ideal: bool = False) -> SimulatedUnit:
     """A unit of the virtual station, with a grade of flicker of its own.
 
     A quarter of the units have white noise alone, as often as not in either triad.
@@ -59,7 +59,7 @@ def draw_case(seed: int, rate_hz: float, ideal: bool = False) -> Case:
         low, high = np.log(FLICKER_GRADES)
         grade = float(np.exp(random.uniform(low, high))) * (random.random() >= NO_FLICKER)
         triads[name] = triad.model_copy(update={"flicker": triad.flicker * grade})
-    return Case(unit.model_copy(update={**triads, "rate_hz": rate_hz}), random, ideal)
+    return SimulatedUnit(unit.model_copy(update={**triads, "rate_hz": rate_hz}), random, ideal)
 
 
 def recording_of(

@@ -5,7 +5,7 @@ import numpy as np
 from schemas.recording import ANGLE, AXES, Recording
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF1536
-from tasks.validation.draw import Case, recording_of
+from tasks.validation.draw import SimulatedUnit, recording_of
 from tasks.validation.journey import Journey, TableErrors, accumulated_angles
 from tasks.validation.run2003 import matrix, vector
 
@@ -21,29 +21,31 @@ FOUR = {"x": ("ENU", "ESD", "WSU", "WND"), "y": ("UEN", "DES", "UWS", "DWN"),
         "z": ("NUE", "SDE", "SUW", "NDW")}  # fmt: skip
 
 
-def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, float]]]:
-    """The recording of a case, and the truth of every item by its elements, in printed units.
+def record(
+    simulated: SimulatedUnit, number: int = 0
+) -> tuple[Recording, dict[str, dict[str, float]]]:
+    """A simulated unit's recording, and the truth of each element of every item, in printed units.
 
     Errors of Table 1: the rate's for the run; the fixture's for each mounting; the table's angle
     creeps while a position is held.
     """
-    errors = TableErrors(rate=case.error(*RATE_LIMIT))
-    site = case.site(JJF1536.gravity, JJF1536.latitude)
-    journey = _journey(case)
-    angles = accumulated_angles(journey.track(), errors, site, case.unit, case.noise())
+    errors = TableErrors(rate=simulated.error(*RATE_LIMIT))
+    site = simulated.site(JJF1536.gravity, JJF1536.latitude)
+    journey = _journey(simulated)
+    angles = accumulated_angles(journey.track(), errors, site, simulated.unit, simulated.noise())
     imu = dict(zip(ANGLE, angles, strict=True))
-    K = np.array(case.unit.gyro.scale)
+    K = np.array(simulated.unit.gyro.scale)
     truth = {
         "ahrs_scale_factor": vector(np.diag(K)),
-        "ahrs_zero_offset": vector(np.array(case.unit.gyro.bias) / DEGREE),
+        "ahrs_zero_offset": vector(np.array(simulated.unit.gyro.bias) / DEGREE),
         "ahrs_misalignment": matrix(K / DEGREE, off_diagonal=True),
     }
     return recording_of("JJF 1536-2015", number, journey, imu), truth
 
 
-def _journey(case: Case) -> Journey:
+def _journey(simulated: SimulatedUnit) -> Journey:
     journey = Journey(RATE_HZ)
-    fixed = {axis: case.errors(3, JJF1536.fixture) for axis in AXES}
+    fixed = {axis: simulated.errors(3, JJF1536.fixture) for axis in AXES}
     for axis in AXES:
         upright = {"axis": axis, "up": f"+{axis}"}
         journey.place(*_angles(UPRIGHT[axis]), fixed[axis])
@@ -58,11 +60,11 @@ def _journey(case: Case) -> Journey:
                               "item": "scale_factor"})  # fmt: skip
     for held, positions in FOUR.items():
         for points in positions:
-            journey.place(*_angles(points), case.errors(3, JJF1536.fixture))
+            journey.place(*_angles(points), simulated.errors(3, JJF1536.fixture))
             journey.stay(POSITION_S, {
                 "name": f"zero_{held}_{points}", "kind": "static", "item": "four_position",
                 "axis": held, "points": dict(zip(AXES, points, strict=True)),
-            }, creep=case.errors(3, *JJF1536.angles))  # fmt: skip
+            }, creep=simulated.errors(3, *JJF1536.angles))  # fmt: skip
     for axis in AXES:
         journey.place(*_angles(UPRIGHT[axis]), fixed[axis])
         for sign in (1.0, -1.0):

@@ -6,7 +6,7 @@ from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.station.virtual.config import EARTH_RATE_RAD_S
 from tasks.station.virtual.unit import DEGREE
 from tasks.uncertainty.equipment import JJF2003
-from tasks.validation.draw import Case, recording_of
+from tasks.validation.draw import SimulatedUnit, recording_of
 from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
 from tasks.validation.record import WITHOUT_EARTH
 
@@ -19,36 +19,40 @@ PLACES = {  # middle and inner angle, degrees, that bring an axis up
 }  # fmt: skip
 
 
-def record(case: Case, number: int = 0) -> tuple[Recording, dict[str, dict[str, float]]]:
-    """The recording of a case, and the truth of every item by its elements, in printed units.
+def record(
+    simulated: SimulatedUnit, number: int = 0
+) -> tuple[Recording, dict[str, dict[str, float]]]:
+    """A simulated unit's recording, and the truth of each element of every item, in printed units.
 
     Errors of Table 1: the rate's for the run; the outer axis off the vertical for the run; table
     angles anew for each setting of middle and inner axis; one fixture and one set of axes that are
-    not square for the run. The ideal case turns whole turns, in which the level part of
+    not square for the run. An ideal one turns whole turns, in which the level part of
     Earth's rotation averages out.
     """
     errors = TableErrors(
-        rate=case.error(*JJF2003.rate_at(RATES[0] * DEGREE)),
-        ripple=case.error(JJF2003.ripple),
-        phase=case.random.uniform(0.0, 2.0 * np.pi),
-        level=(case.error(*JJF2003.angles, JJF2003.axes),
-               case.error(*JJF2003.angles, JJF2003.axes)),
+        rate=simulated.error(*JJF2003.rate_at(RATES[0] * DEGREE)),
+        ripple=simulated.error(JJF2003.ripple),
+        phase=simulated.random.uniform(0.0, 2.0 * np.pi),
+        level=(simulated.error(*JJF2003.angles, JJF2003.axes),
+               simulated.error(*JJF2003.angles, JJF2003.axes)),
     )  # fmt: skip
-    site = case.site(JJF2003.gravity, JJF2003.latitude)
-    journey = _journey(case)
+    site = simulated.site(JJF2003.gravity, JJF2003.latitude)
+    journey = _journey(simulated)
     track = journey.track()
-    read = sensed_rates(track, errors, site, case.unit, case.noise())
+    read = sensed_rates(track, errors, site, simulated.unit, simulated.noise())
     imu = dict(zip(GYRO + ACCEL, read, strict=True))
-    return recording_of("JJF 2003-2022", number, journey, imu, track[:3, ::2]), truth(case, site)
+    return recording_of("JJF 2003-2022", number, journey, imu, track[:3, ::2]), truth(
+        simulated, site
+    )
 
 
-def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
+def truth(simulated: SimulatedUnit, site: Site) -> dict[str, dict[str, float]]:
     """What each item of JJF 2003 should find of a unit: element to value, in printed units.
 
     The clause's g-sensitivity and the fit offset hold Earth's rotation, as their equations do;
     WITHOUT_EARTH does not.
     """
-    unit, K = case.unit, np.array(case.unit.gyro.scale)
+    unit, K = simulated.unit, np.array(simulated.unit.gyro.scale)
     bias, still = np.array(unit.gyro.bias), np.array(unit.g_sensitivity) * site.gravity
     felt = still + K * EARTH_RATE_RAD_S * np.sin(site.latitude)
     p = -unit.rate_sensitivity_m
@@ -57,13 +61,13 @@ def truth(case: Case, site: Site) -> dict[str, dict[str, float]]:
     return {**items, WITHOUT_EARTH: matrix(still / DEGREE)}
 
 
-def _journey(case: Case) -> Journey:
-    journey, dwell = Journey(RATE_HZ), WHOLE_TURNS_S if case.ideal else DWELL_S
-    fixture, axes = case.errors(3, JJF2003.fixture), case.errors(2, JJF2003.axes)
+def _journey(simulated: SimulatedUnit) -> Journey:
+    journey, dwell = Journey(RATE_HZ), WHOLE_TURNS_S if simulated.ideal else DWELL_S
+    fixture, axes = simulated.errors(3, JJF2003.fixture), simulated.errors(2, JJF2003.axes)
     faces = {up: fixture + _tilt_by_axes(axes, *np.radians(PLACES[up])) for up in PLACES}
     for up, (middle, inner) in PLACES.items():
         for turn in (0.0, 180.0):
-            setting = faces[up] + case.errors(3, *JJF2003.angles)
+            setting = faces[up] + simulated.errors(3, *JJF2003.angles)
             journey.place(turn * DEGREE, middle * DEGREE, inner * DEGREE, setting)
             label = {"name": f"position_{up}_{turn:03.0f}", "kind": "static", "up": up,
                      "item": "twelve_position", "turn_deg": turn}  # fmt: skip
@@ -71,7 +75,7 @@ def _journey(case: Case) -> Journey:
     for axis in AXES:
         up = f"+{axis}"
         middle, inner = PLACES[up]
-        setting = faces[up] + case.errors(3, *JJF2003.angles)
+        setting = faces[up] + simulated.errors(3, *JJF2003.angles)
         journey.place(0.0, middle * DEGREE, inner * DEGREE, setting)
         rest = {"kind": "static", "item": "rate_sensitivity", "up": up}
         journey.stay(dwell, {"name": f"rest_before_{axis}", **rest})

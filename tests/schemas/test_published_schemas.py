@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from schemas.calibration import Calibration
 from schemas.publish import FOLDER, PUBLISHED, schema_text
 from schemas.recording import Manifest, Mount, Segment, Station
-from schemas.tolerance import Limit, bounds
+from schemas.tolerance import Limit
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 
@@ -64,5 +64,5 @@ def test_what_makes_no_sense_is_refused(model, document) -> None:
 
 
 def test_a_magnitude_is_a_limit_on_both_sides() -> None:
-    assert bounds(Limit(item="gyro_bias", unit="deg/s", magnitude=0.5)) == (-0.5, 0.5)
-    assert bounds(Limit(item="gyro_bias", unit="deg/s", upper=0.5)) == (None, 0.5)
+    assert Limit(item="gyro_bias", unit="deg/s", magnitude=0.5).bounds == (-0.5, 0.5)
+    assert Limit(item="gyro_bias", unit="deg/s", upper=0.5).bounds == (None, 0.5)

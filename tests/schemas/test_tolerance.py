@@ -6,7 +6,7 @@ import pytest
 from pydantic import ValidationError
 
 from schemas.certificate import EquipmentLimit
-from schemas.tolerance import Limit, Tolerance, bounds, guard_band_factor, min_capability, rule_of
+from schemas.tolerance import Limit, Tolerance
 
 LIMIT = {"item": "gyro_bias", "unit": "deg/s"}
 
@@ -30,20 +30,7 @@ def tolerance(limit: dict[str, Any], **file: Any) -> Tolerance:
 def test_relative_limits_count_from_their_nominal(
     written: dict[str, Any], absolute: tuple[float | None, float | None]
 ) -> None:
-    assert bounds(Limit(**LIMIT, relative=True, **written)) == absolute
-
-
-def test_a_file_of_the_first_kind_is_read_as_before() -> None:
-    (limit,) = (made := tolerance({"magnitude": 1.0}, rule="simple_acceptance")).limits
-    assert (rule_of(made, limit), guard_band_factor(made, limit), min_capability(made, limit)) == (
-        "simple_acceptance", 0.0, 1.0,
-    )  # fmt: skip
-    assert bounds(limit) == (-1.0, 1.0)
-
-
-def test_a_guard_band_is_u_where_no_factor_is_given() -> None:
-    made = tolerance({"magnitude": 1.0}, rule="guard_band")
-    assert guard_band_factor(made, made.limits[0]) == 1.0
+    assert Limit(**LIMIT, relative=True, **written).bounds == absolute
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
+from schemas.decision import Decision
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
-from schemas.tolerance import Decision
 from storage.catalogue.listing import Run
 from storage.home import Home
 

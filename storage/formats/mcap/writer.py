@@ -50,14 +50,14 @@ class RawWriter:
         self._giving = threading.Lock()  # held for a moment only: acquisition never waits
         self._writing = threading.Lock()
         self._done = threading.Event()
-        self._fault: BaseException | None = None
+        self._write_error: BaseException | None = None
         self._thread = threading.Thread(target=self._keep_flushing, daemon=True)
         self._thread.start()
 
     def append(self, name: str, stream: Stream) -> None:
         """Appends rows of a stream: imu, table (its encoders), reference or environment."""
-        if self._fault is not None:
-            raise self._fault
+        if self._write_error is not None:
+            raise self._write_error
         if len(stream) and stream.t.min() < 0:
             raise Unusable(
                 f"The {name} stream has a time of {stream.t.min()} s, and a raw recording knows no "
@@ -98,12 +98,12 @@ class RawWriter:
             try:
                 self._flush()
             except BaseException as error:
-                self._fault = error
+                self._write_error = error
                 return
 
     def _flush(self) -> None:
-        if self._fault is not None:
-            raise self._fault
+        if self._write_error is not None:
+            raise self._write_error
         with self._writing:
             with self._giving:
                 given, self._given = self._given, []

@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
+from schemas.decision import Decision
 from schemas.discrepancy import Consequence, VerdictChange
 from schemas.recording import ANGLE, Recording
-from schemas.tolerance import Decision, Tolerance
+from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.corrected import corrected

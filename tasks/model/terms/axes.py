@@ -135,7 +135,7 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
         return tilt
     joints = _joints(axes)
     square = (axis_nonorthogonality(joints),) if joints else ()
-    upright = abs(float(_mean(np.abs((axes.directions[:, 0] * motion.up).sum(axis=1))))) > UPRIGHT
+    upright = abs(_known_mean(np.abs((axes.directions[:, 0] * motion.up).sum(axis=1)))) > UPRIGHT
     wobbles = (axis_wobble(1), axis_wobble(2)) if upright and axes.speeds[:, 0].any() else ()
     return (*tilt, *square, *wobbles)
 
@@ -144,9 +144,9 @@ def _joints(axes: TableAxes) -> tuple[int, ...]:
     """The axes that are not parallel to the next one inside them."""
     normals = np.cross(axes.directions[:, :-1], axes.directions[:, 1:])
     sines = np.linalg.norm(normals, axis=2)
-    return tuple(k for k in range(sines.shape[1]) if _mean(sines[:, k]) > PARALLEL)
+    return tuple(k for k in range(sines.shape[1]) if _known_mean(sines[:, k]) > PARALLEL)
 
 
-def _mean(signal: np.ndarray) -> float:
+def _known_mean(signal: np.ndarray) -> float:
     known = signal[np.isfinite(signal)]
     return float(known.mean()) if len(known) else 0.0

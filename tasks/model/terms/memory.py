@@ -31,8 +31,9 @@ BIAS_RANDOM_WALK = Term(
 
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """A jump of each triad and one of all channels, half-way: when is searched elsewhere."""
-    half = 0.5 * float(motion.t[0] + motion.t[-1])
+    middle_s = 0.5 * float(motion.t[0] + motion.t[-1])
     steps = (
-        bias_step(GYRO_FIRST, half), bias_step(ACCEL_FIRST, half), bias_step(GYRO_FIRST, half, 6)
+        bias_step(GYRO_FIRST, middle_s), bias_step(ACCEL_FIRST, middle_s),
+        bias_step(GYRO_FIRST, middle_s, 6),
     )  # fmt: skip
     return (*steps, BIAS_RANDOM_WALK)

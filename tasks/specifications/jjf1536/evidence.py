@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.base import Unusable
 from schemas.recording import ACCEL, ANGLE, AXES, GYRO, MEASURED, Axis, Recording, Up
+from tasks.segments.attitude import attitude_vector, with_attitude
 from tasks.segments.find import find_segments, up_of
 from tasks.segments.rates import turning_points
 from tasks.segments.summarise import (
@@ -21,7 +22,6 @@ from tasks.segments.summarise import (
 from tasks.segments.units import wrong_rate_unit
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536.angles import as_rates, has_angles, summarise_angles
-from tasks.specifications.jjf1536.attitudes import attitude_vector, with_attitude
 from tasks.uncertainty.type_a import covariance_of_means, fit_noise
 
 SCALE_ITEMS = ("scale_factor", "rate_sensitivity")  # rests with these labels are no positions
@@ -33,7 +33,7 @@ OTHER_RATE = np.radians(2.0)  # rad/s: a zero offset is no other rate
 class AhrsEvidence(ClauseEvidence):
     """Evidence with what JJF 1536 needs beside it.
 
-    attitude: (3, 15) of each rest (`attitudes.attitude_vector`), None where it is not known and
+    attitude: (3, 15) of each rest (`attitude_vector`), None where it is not known and
     where it turns.
     angle_noise: (3,) rad², variance of one reading of the angle; 0 for rates.
     by_angle: whether the rates are increments of accumulated angles.

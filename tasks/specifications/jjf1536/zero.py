@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.recording import AXES, Axis
 from schemas.text import Remark
+from tasks.segments.attitude import COMPONENTS, VERTICAL, attitude_contradicted
 from tasks.specifications.estimate import (
     DEG,
     ClauseResult,
@@ -17,11 +18,6 @@ from tasks.specifications.estimate import (
     linear_estimate,
     u_of_means,
     undetermined,
-)
-from tasks.specifications.jjf1536.attitudes import (
-    COMPONENTS,
-    VERTICAL,
-    attitude_contradicted,
 )
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, is_zero_position
 from tasks.specifications.jjf1536.scale import scatter_remark

@@ -7,11 +7,11 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.recording import AXES
+from schemas.recording import AXES, UPS
 from schemas.text import Remark
 from tasks.segments.summarise import SegmentMean
 from tasks.specifications.estimate import Estimate, fit_means, u_of_means
-from tasks.specifications.evidence import UPS, ClauseEvidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.linear import Solution, solve
 from tasks.uncertainty.type_b import Weights
 from tasks.words import message, remark

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from schemas.recording import AXES
+from schemas.recording import AXES, UPS
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.estimate import (
     DEG,
@@ -21,7 +21,7 @@ from tasks.specifications.estimate import (
     scaled,
     undetermined,
 )
-from tasks.specifications.evidence import NOMINAL_GRAVITY, UPS, ClauseEvidence
+from tasks.specifications.evidence import NOMINAL_GRAVITY, ClauseEvidence
 from tasks.specifications.items import MATRIX_ELEMENTS
 from tasks.specifications.jjf2003.earth import earth_remarks, without_earth
 from tasks.specifications.jjf2003.positions import (

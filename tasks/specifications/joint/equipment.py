@@ -135,7 +135,7 @@ def equipment_response(
     terms = terms_at(0.0)
     reads = predict(terms, motion, values)
 
-    def changed(other: Motion, model: tuple[Term, ...] = terms) -> np.ndarray:
+    def reading_change(other: Motion, model: tuple[Term, ...] = terms) -> np.ndarray:
         return np.nan_to_num((predict(model, other, values) - reads) / STEP)
 
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
@@ -147,13 +147,16 @@ def equipment_response(
     mount = face if not evidence.mounted_once else [""] * len(face)
     level = _level_directions(evidence, motion)
     return EquipmentResponse(
-        tilt=np.array([changed(_tilted(motion, axis)) for axis in np.eye(3)]),
+        tilt=np.array([reading_change(_tilted(motion, axis)) for axis in np.eye(3)]),
         lean=np.array(
-            [changed(replace(motion, up=motion.up + STEP * direction)) for direction in level]
+            [
+                reading_change(replace(motion, up=motion.up + STEP * direction))
+                for direction in level
+            ]
         ),
-        rate=changed(replace(motion, rate=motion.rate * (1.0 + STEP))),
-        gravity=changed(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
-        latitude=changed(motion, terms_at(STEP)),
+        rate=reading_change(replace(motion, rate=motion.rate * (1.0 + STEP))),
+        gravity=reading_change(replace(motion, gravity=motion.gravity * (1.0 + STEP))),
+        latitude=reading_change(motion, terms_at(STEP)),
         settings=_numbered(place),
         faces=_numbered(face),
         mountings=_numbered(mount),

@@ -1,5 +1,6 @@
 """The joint method on a recording whose attitudes and rates are known: items and remarks."""
 
+from schemas.recording import UPS
 from tasks.specifications.estimate import (
     UNDETERMINED,
     ClauseResult,
@@ -7,7 +8,7 @@ from tasks.specifications.estimate import (
     excess_remarks,
     undetermined,
 )
-from tasks.specifications.evidence import UPS, ClauseEvidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.items import MIMU_ITEMS
 from tasks.specifications.jjf2003.positions import position_remarks
 from tasks.specifications.joint.items import joint_items

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.recording import AXES
+from schemas.recording import AXES, UPS
 from tasks.specifications.estimate import ItemEstimate
-from tasks.specifications.evidence import UPS, ClauseEvidence
+from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.gravity_fit import FEWEST_RESTS
 from tasks.specifications.joint.segment_motion import SegmentMotion
 from tasks.words import Message, Sayable, clauses, message

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from schemas.tolerance import Verdict
+from schemas.decision import Verdict
 
 LIMIT = 4.0  # of U: the tightest limits that a test accuracy of 4 to 1 lets anybody judge by
 SPREAD = LIMIT / 3.0  # of U: standard deviation of what a unit's values changed by in its service

@@ -19,8 +19,9 @@ from sample_certificate import (
 
 from schemas.calibration import Calibration, EnvironmentSeen, Item, Method
 from schemas.certificate import State
+from schemas.decision import Verdict
 from schemas.text import Remark
-from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
+from schemas.tolerance import Limit, Quantity, Tolerance
 from schemas.uncertainty import Distribution
 from tasks.certificate.fields import literal, slug
 from tasks.certificate.results import Group

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_uncertainty
 
 from schemas.base import Unusable
+from schemas.decision import Decision
 from schemas.station import MeasurementStandard
 from schemas.text import Remark, Statement
-from schemas.tolerance import Decision, Limit
+from schemas.tolerance import Limit
 from tasks.conformity import decide, expired
 from tasks.conformity.reasons import conditional
 from tasks.words import say, statement

@@ -40,6 +40,11 @@ def test_a_negative_factor_rejects_only_beyond_doubt() -> None:
     assert [verdict(guarded, v, 0.25) for v in (1.2, 1.3)] == ["pass", "fail"]
 
 
+def test_a_file_without_rules_asks_for_simple_acceptance_and_a_capability_of_one() -> None:
+    usual = rule()
+    assert (usual.rule, usual.factor, usual.min_capability) == ("simple_acceptance", 0.0, 1.0)
+
+
 def test_the_rule_of_a_limit_outranks_that_of_its_file() -> None:
     own = rule({"rule": "guard_band", "guard_band_factor": 0.5}, rule="simple_acceptance")
     assert own.accepted(0.2) == (-0.9, 0.9)

@@ -6,15 +6,15 @@ import pytest
 from tasks.station.virtual.config import EARTH_RATE_RAD_S
 from tasks.station.virtual.unit import DEGREE
 from tasks.validation import run1536, run2003
-from tasks.validation.draw import GRAVITY, LATITUDE, Case, draw_case
+from tasks.validation.draw import GRAVITY, LATITUDE, SimulatedUnit, draw_simulated_unit
 from tasks.validation.journey import Journey, Site, TableErrors, sensed_rates
 
 SITE = Site(GRAVITY, LATITUDE)
 
 
-def perfect(case: Case) -> Case:
+def perfect(simulated: SimulatedUnit) -> SimulatedUnit:
     """A unit without errors."""
-    unit = case.unit
+    unit = simulated.unit
     ideal = {"scale": np.eye(3).tolist(), "bias": (0.0, 0.0, 0.0)}
     changed = {
         "gyro": unit.gyro.model_copy(update=ideal),
@@ -22,17 +22,17 @@ def perfect(case: Case) -> Case:
         "g_sensitivity": np.zeros((3, 3)).tolist(),
         "places_m": np.zeros((3, 3)).tolist(),
     }
-    return Case(unit.model_copy(update=changed), case.random, ideal=True)
+    return SimulatedUnit(unit.model_copy(update=changed), simulated.random, ideal=True)
 
 
 def held(rate_deg_s: float, errors: TableErrors) -> np.ndarray:
     """What a perfect unit reads, z up, turning at a steady rate; (6, n)."""
-    case = perfect(draw_case(1, 20.0))
+    simulated = perfect(draw_simulated_unit(1, 20.0))
     journey = Journey(20.0)
     journey.place(0.0, 0.0, 0.0, np.zeros(3))
     journey.change_rate(rate_deg_s * DEGREE)
     journey.stay(36.0, {"name": "held"})
-    read = sensed_rates(journey.track(), errors, SITE, case.unit, None)
+    read = sensed_rates(journey.track(), errors, SITE, simulated.unit, None)
     segment = journey.segments[0]
     t = np.arange(read.shape[1]) / 20.0
     return read[:, (t >= segment["t_start"]) & (t < segment["t_end"])]
@@ -66,8 +66,8 @@ def test_a_leaning_axis_is_felt_at_rest_and_averages_out_turning() -> None:
 
 @pytest.mark.parametrize("run", [run2003, run1536])
 def test_the_same_seed_gives_the_same_recording(run) -> None:
-    first, second = (run.record(draw_case(5, run.RATE_HZ))[0] for _ in range(2))
+    first, second = (run.record(draw_simulated_unit(5, run.RATE_HZ))[0] for _ in range(2))
     for name, values in first.imu.columns.items():
         assert (values == second.imu.columns[name]).all()
-    other = run.record(draw_case(6, run.RATE_HZ))[0]
+    other = run.record(draw_simulated_unit(6, run.RATE_HZ))[0]
     assert any((v != other.imu.columns[n]).any() for n, v in first.imu.columns.items())

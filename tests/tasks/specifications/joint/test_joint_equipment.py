@@ -10,7 +10,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.joint import JOINT
 from tasks.uncertainty.equipment import JJF2003, ErrorLimit
 from tasks.validation import run2003
-from tasks.validation.draw import Case, draw_case
+from tasks.validation.draw import SimulatedUnit, draw_simulated_unit
 
 LIMITS = {
     limit.symbol: limit
@@ -21,7 +21,7 @@ SIZES = {"ε1": 1e-4, "g": 1e-2, "φ": 1e-3, "α4": 1e-4}  # in the unit of each
 
 
 @dataclass(frozen=True)
-class Planted(Case):
+class Planted(SimulatedUnit):
     """A unit with noise on equipment without errors but one: the noise is the same each time."""
 
     symbol: str = ""
@@ -36,8 +36,8 @@ class Planted(Case):
 
 
 def calibrated(symbol: str = "", axis: int = 0) -> Calibration:
-    case = draw_case(4, run2003.RATE_HZ)
-    recording, _ = run2003.record(Planted(case.unit, case.random, False, symbol, axis))
+    simulated = draw_simulated_unit(4, run2003.RATE_HZ)
+    recording, _ = run2003.record(Planted(simulated.unit, simulated.random, False, symbol, axis))
     return calibrate(JOINT, recording, run="r", code_version="v")
 
 

@@ -7,9 +7,8 @@ counted is not recorded, so the level directions of each axis up are a plane of 
 
 import numpy as np
 
-from schemas.recording import AXES, Recording, Segment, Up
+from schemas.recording import AXES, UPS, Recording, Segment, Up
 from tasks.motion.table import mount_of, payload_attitude, table_angles
-from tasks.specifications.evidence import UPS
 
 VERTICAL = 2
 COMPONENTS = 3 + 2 * len(UPS)
