@@ -7,6 +7,8 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, HeldOut, Verdict
 from schemas.recording import Recording
+from tasks.explain.correction.determined import DeterminedModel
+from tasks.model.term import TermKey
 from tasks.words import Sayable, message
 
 UNNAMED = "unnamed"
@@ -59,7 +61,8 @@ class Finding:
     share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
     same in all parts of the recording; None where no parts determine them. group: catalogue names
     that make up for each other here, its own included; common: what their combinations have in
-    common. refusal: why its name was withdrawn. behaviour: what it is called without a name; empty
+    common. terms: keys of its terms in the explanation's determined model; an event has none.
+    refusal: why its name was withdrawn. behaviour: what it is called without a name; empty
     for physics that is known beforehand.
     """
 
@@ -81,6 +84,7 @@ class Finding:
     group: tuple[str, ...] = ()
     common: tuple[FoundParameter, ...] = ()
     refusal: Refusal | None = None
+    terms: tuple[TermKey, ...] = ()
     behaviour: Sayable = ""
 
     @property
@@ -99,7 +103,7 @@ class Explanation:
     findings: ordered by share. model: what `nominal` is of. left_over: (6,) chi-squared per degree
     of freedom of what is left after all of them, against the sensor's noise at rest; NaN where a
     channel was not recorded. explained_share: of the mismatch above noise. small: findings that
-    remove less of it than a stated share.
+    remove less of it than a stated share. determined: the model by which findings are taken off.
     """
 
     recording: Recording
@@ -115,3 +119,14 @@ class Explanation:
     left_over: np.ndarray = field(default_factory=lambda: np.full(6, np.nan))
     explained_share: float = 0.0
     small: tuple[Finding, ...] = ()
+    determined: DeterminedModel | None = None
+
+    @property
+    def by_name(self) -> dict[str, Finding]:
+        """The findings that have a name, by each name that they may bear; the largest goes first.
+
+        Of small remainders too: what is told in one line is as well determined.
+        """
+        named = [one for one in (*self.findings, *self.small) if one.effect != UNNAMED]
+        own = {one.effect: one for one in reversed(named)}
+        return {name: one for one in reversed(named) for name in one.group} | own

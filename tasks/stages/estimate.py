@@ -17,6 +17,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.stages.stage import stage
 from tasks.version import code_version
+from tasks.words import say
 
 UNCERTAINTIES: dict[UncertaintyName, UncertaintyKind] = {
     "gum": "GUM",
@@ -64,12 +65,11 @@ def _with_terms(
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
     from tasks.explain.inputs.full_rate import full_rate
+    from tasks.explain.report.unnamed import refused
     from tasks.model.catalogue import catalogue
 
     recording_id = recording.manifest.recording_id
-    motion = full_rate(recording).motion
-    terms = catalogue(recording, motion)
-    known = {term.name for term in terms}
+    known = {term.name for term in catalogue(recording, full_rate(recording).motion)}
     unknown = [name for name in names if name not in known]
     if unknown or not names:
         raise Unusable(
@@ -77,10 +77,16 @@ def _with_terms(
             f"{', '.join(sorted(known))}; name some of these with commas between"
         )
     # What explain found is taken off as it found it; else what is asked for is fitted.
-    findings = {finding.effect: finding for finding in explain(recording).findings}
+    explanation = explain(recording)
+    findings = explanation.by_name
     if not findings.keys() >= set(names):
-        findings = {each.effect: each for each in explain(recording, only=names).findings}
+        explanation = explain(recording, only=names)
+        findings = explanation.by_name
     for name in names:
         if name not in findings:
             raise Unusable(f"--terms {name}: {recording_id} does not determine it; leave it out")
-    return adopt(recording, [findings[name] for name in names], calibrate, terms, motion)
+        if refusal := findings[name].refusal:
+            why = say(refused(refusal, setting=False), "en")
+            raise Unusable(f"--terms {name}: {recording_id}: {why} Leave it out")
+    taken = list({id(findings[name]): findings[name] for name in names}.values())
+    return adopt(recording, taken, calibrate, explanation.determined)

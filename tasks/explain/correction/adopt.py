@@ -7,14 +7,14 @@ import numpy as np
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording
 from schemas.text import Remark
-from tasks.explain.correction.budget import CorrectionLine, with_lines
+from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.sensitivity import sensitivities
+from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
 from tasks.explain.explanation import Finding
-from tasks.model.term import Term
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
-from tasks.motion.whole import Motion
 from tasks.words import Message, clauses, message, remark, say
+from tasks.words.rounding import USUAL_K
 
 Calibrate = Callable[[Recording], Calibration]
 EARTH, G_SENSITIVITY = "earth_rotation", "gyro_g_sensitivity"
@@ -24,31 +24,35 @@ def adopt(
     recording: Recording,
     findings: Sequence[Finding],
     calibrate: Calibrate,
-    terms: Sequence[Term],
-    motion: Motion,
+    determined: DeterminedModel | None,
 ) -> Calibration:
     """The clause method on the readings less what the findings add.
 
-    terms: of the catalogue, among which are those of the findings; motion: at the unit's rows.
-    U holds the parameters' uncertainties beside all the rest: u² = u₀² + Σ(∂y/∂p·u_p)², each by
-    a difference, the parameters independent of each other and of the readings' noise. A random
-    walk has no parameter whose uncertainty U could hold: it stays in the readings, as noise.
+    determined: of the explanation that the findings are of. U holds the parameters' uncertainties
+    beside all the rest: u² = u₀² + ΣΣ ∂y/∂pᵢ·u(pᵢ, pⱼ)·∂y/∂pⱼ, each by a difference; with the
+    noise of the clauses' own means they are not correlated where these are as good as a fit of
+    all rows. A random walk has no parameter whose uncertainty U could hold: it stays in the
+    readings, as noise.
     """
     random = [finding for finding in findings if finding.effect == BIAS_RANDOM_WALK.name]
     findings = [finding for finding in findings if finding.effect != BIAS_RANDOM_WALK.name]
     contributions = [finding.contribution for finding in findings]
     result = calibrate(corrected(recording, contributions))
+    inputs = uncertain_inputs(findings, determined)
+    correlation = correlation_of(inputs, determined)
     moved = [
-        (sensitivity, calibrate(corrected(recording, (*contributions, sensitivity.change))))
-        for finding in findings
-        for sensitivity in sensitivities(finding, terms, motion)
+        calibrate(corrected(recording, (*contributions, one.change(determined)))).items
+        for one in inputs
     ]
     items = {
-        name: with_lines(item, [CorrectionLine.of(s, item, m.items[name]) for s, m in moved])
+        name: with_lines(
+            item, CorrectionLines.of(inputs, correlation, item, [items[name] for items in moved])
+        )
         for name, item in result.items.items()
     }
+    terms = tuple(_adopted_term(finding, determined) for finding in findings)
     remarks = (
-        *_remarks(result, recording, findings),
+        *_remarks(result, recording, findings, terms),
         *(
             remark("term_not_taken_off", message("explain-not-adopted-random", term=_named(walk)))
             for walk in random
@@ -58,7 +62,7 @@ def adopt(
     result = result.model_copy(
         update={
             "items": items,
-            "terms": tuple(map(_adopted_term, findings)),
+            "terms": terms,
             "information": calibrate(recording).information,  # of the readings as they are
             "remarks": remarks,
         }
@@ -66,12 +70,14 @@ def adopt(
     return _without_earth(result) if EARTH in [f.effect for f in findings] else result
 
 
-def _adopted_term(finding: Finding) -> AdoptedTerm:
+def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> AdoptedTerm:
+    """With the parameters that were taken off; of known physics those that it is checked by."""
+    taken = determined.parameters(finding.terms) if determined else ()
     return AdoptedTerm(
         name=finding.effect,
         title=say(finding.title, "en"),
         title_zh=say(finding.title, "zh"),
-        parameters=finding.parameters,
+        parameters=tuple(one.found for one in taken) or finding.parameters,
     )
 
 
@@ -102,14 +108,22 @@ def _with_own_values(item: Item) -> Item:
 
 
 def _remarks(
-    result: Calibration, recording: Recording, findings: Sequence[Finding]
+    result: Calibration,
+    recording: Recording,
+    findings: Sequence[Finding],
+    terms: Sequence[AdoptedTerm],
 ) -> Iterator[Remark]:
-    """What was taken off, what of it is not shown by the recording, and where it is not known."""
+    """What was taken off with its U, what of it is not determined, and where it is not known."""
     if not findings:
         return
-    terms = clauses([_described(finding) for finding in findings])
-    yield remark("terms_adopted", message("explain-adopted", terms=terms), blocks_pass=True)
-    for finding in findings:
+    described = clauses([_described(*each) for each in zip(findings, terms, strict=True)])
+    yield remark("terms_adopted", message("explain-adopted", terms=described), blocks_pass=True)
+    for finding, term in zip(findings, terms, strict=True):
+        taken = {p.name for p in term.parameters}
+        left = tuple(p.name for p in finding.parameters if p.name not in taken)
+        if left:
+            loose = message("explain-adopted-undetermined", term=_named(finding), parameters=left)
+            yield remark("parameters_not_taken_off", loose)
         if finding.delta_bic <= 0.0:
             bic = f"{finding.delta_bic:.1f}"
             not_shown = message("explain-adopted-not-shown", term=_named(finding), bic=bic)
@@ -124,11 +138,14 @@ def _named(finding: Finding) -> Message:
     return message("explain-adopted-term", title=finding.title, name=finding.effect)
 
 
-def _described(finding: Finding) -> Message:
-    """A finding with its parameters."""
-    if not finding.parameters:
+def _described(finding: Finding, term: AdoptedTerm) -> Message:
+    """A finding with the parameters that were taken off."""
+    if not term.parameters:
         return _named(finding)
-    values = (f"{p.name} = {p.value:.4g} {p.unit} (u = {p.u:.2g})" for p in finding.parameters)
+    values = (
+        f"{p.name} = {p.value:.4g} {p.unit}" + (f" (U = {USUAL_K * p.u:.2g})" if p.u else "")
+        for p in term.parameters
+    )
     return message(
         "explain-adopted-term-parameters",
         title=finding.title, name=finding.effect, parameters=tuple(values),

@@ -1,53 +1,78 @@
 """Items with further lines in their uncertainty budgets, of corrections that are uncertain."""
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from schemas.calibration import Elements, Item
-from schemas.uncertainty import Budget, BudgetInput
+from schemas.uncertainty import Budget, BudgetInput, Correlation
 from tasks.calibrate.evaluation import common_factor, expanded
-from tasks.explain.correction.sensitivity import Sensitivity
+from tasks.explain.correction.sensitivity import UncertainInput
 from tasks.uncertainty.coverage import half_width
-from tasks.uncertainty.propagation import coverage_factor
+from tasks.uncertainty.propagation import coverage_factor, variance_terms
 from tasks.words import message, say
 
 
 @dataclass(frozen=True)
-class CorrectionLine:
-    """A budget's line, by how much each element changes with the parameter's uncertainty."""
+class CorrectionLines:
+    """The budget lines of what was taken off: inputs with their correlation (m, m).
 
-    sensitivity: Sensitivity
-    change: Elements
+    changes: for each input, by how much each element changes with its standard uncertainty.
+    """
+
+    inputs: Sequence[UncertainInput]
+    correlation: np.ndarray
+    changes: Sequence[Elements]
 
     @classmethod
-    def of(cls, sensitivity: Sensitivity, item: Item, moved: Item) -> "CorrectionLine":
-        """moved: the item with the parameter greater by its standard uncertainty."""
-        change: Elements = {}
-        for element, value in item.value.items():
-            other = moved.value.get(element)
-            change[element] = None if value is None or other is None else other - value
-        return cls(sensitivity, change)
+    def of(
+        cls, inputs: Sequence[UncertainInput], correlation: np.ndarray,
+        item: Item, moved: Sequence[Item],
+    ) -> "CorrectionLines":  # fmt: skip
+        """moved: the item with each parameter greater by its standard uncertainty."""
+        return cls(inputs, correlation, [_change(item, other) for other in moved])
 
-    def at(self, element: str) -> float:
-        return self.change.get(element) or 0.0
+    def at(self, element: str) -> np.ndarray:
+        """(m,) changes of one element."""
+        return np.array([change.get(element) or 0.0 for change in self.changes])
 
-    def input(self, element: str, u_c: float) -> BudgetInput:
-        """The line in the budget of one element, whose combined uncertainty is u_c."""
-        finding, parameter = self.sensitivity.finding, self.sensitivity.parameter
-        name = message("explain-budget-line", title=finding.title, parameter=parameter.name)
-        change = self.at(element)
-        return BudgetInput(
-            name=say(name, "en"), name_zh=say(name, "zh"),
-            symbol=f"{finding.effect}.{parameter.name}", kind="A", distribution="normal",
-            u=parameter.u, unit=parameter.unit, sensitivity=change / parameter.u,
-            contribution=abs(change), share=(change / u_c) ** 2,
-        )  # fmt: skip
+    def u(self, element: str) -> float:
+        """What is taken off adds to the standard uncertainty of an element, in quadrature."""
+        return math.sqrt(max(float(variance_terms(self.at(element), self.correlation).sum()), 0.0))
+
+    @property
+    def symbols(self) -> list[str]:
+        """One for each input; those of one name are numbered."""
+        seen, symbols = Counter[str](), []
+        for one in self.inputs:
+            symbol = f"{one.finding.effect}.{one.parameter.name}"
+            seen[symbol] += 1
+            symbols.append(symbol if seen[symbol] == 1 else f"{symbol}.{seen[symbol]}")
+        return symbols
+
+    def budget_inputs(self, element: str, u_c: float) -> tuple[BudgetInput, ...]:
+        """The lines in the budget of one element, whose combined uncertainty is u_c."""
+        changes = self.at(element)
+        shares = variance_terms(changes, self.correlation) / u_c**2
+        every = zip(self.inputs, self.symbols, changes.tolist(), shares.tolist(), strict=True)
+        return tuple(_line(one, symbol, change, share) for one, symbol, change, share in every)
+
+    def correlations(self, element: str) -> tuple[Correlation, ...]:
+        """Of the inputs that change an element."""
+        changes, symbols = self.at(element), self.symbols
+        both = np.triu(self.correlation, 1) * (changes[:, None] * changes != 0.0)
+        return tuple(
+            Correlation(first=symbols[i], second=symbols[j], r=float(np.clip(both[i, j], -1, 1)))
+            for i, j in zip(*np.nonzero(both), strict=True)
+        )
 
 
-def with_lines(item: Item, lines: Sequence[CorrectionLine]) -> Item:
+def with_lines(item: Item, lines: CorrectionLines) -> Item:
     """An item with further lines in the budget of each element."""
-    if not lines:
+    if not lines.inputs:
         return item
     budgets = {e: _with_lines(budget, e, lines) for e, budget in item.budgets.items()}
     k = common_factor(budgets)
@@ -60,7 +85,7 @@ def with_lines(item: Item, lines: Sequence[CorrectionLine]) -> Item:
     }
     if item.u_without_earth_rotation:
         u = {
-            e: None if u is None else math.hypot(u, *(line.at(e) for line in lines))
+            e: None if u is None else math.hypot(u, lines.u(e))
             for e, u in item.u_without_earth_rotation.items()
         }
         update["u_without_earth_rotation"] = u
@@ -68,20 +93,40 @@ def with_lines(item: Item, lines: Sequence[CorrectionLine]) -> Item:
     return item.model_copy(update=update)
 
 
-def _with_lines(budget: Budget, element: str, lines: Sequence[CorrectionLine]) -> Budget:
-    """A budget with further independent lines of infinitely many degrees of freedom."""
-    u_c = math.hypot(budget.u_c, *(line.at(element) for line in lines))
+def _with_lines(budget: Budget, element: str, lines: CorrectionLines) -> Budget:
+    """A budget with further lines, of infinitely many degrees of freedom, beside its own."""
+    u_c = math.hypot(budget.u_c, lines.u(element))
     if u_c == 0.0:
         return budget
     share = (budget.u_c / u_c) ** 2
     before = (line.model_copy(update={"share": line.share * share}) for line in budget.inputs)
-    inputs = (*before, *(line.input(element, u_c) for line in lines))
+    inputs = (*before, *lines.budget_inputs(element, u_c))
+    correlations = (*budget.correlations, *lines.correlations(element))
     dof = budget.dof * (u_c / budget.u_c) ** 4 if budget.u_c > 0.0 else math.inf
     k = coverage_factor(dof, budget.coverage_probability)
     shapes = [(line.distribution, line.contribution, line.dof) for line in inputs]
+    by_shapes = budget.half_width_95 is not None and not correlations
     return budget.model_copy(
         update={
-            "inputs": inputs, "u_c": u_c, "dof": dof, "k": k, "U": k * u_c,
-            "half_width_95": None if budget.half_width_95 is None else half_width(shapes),
+            "inputs": inputs, "correlations": correlations, "u_c": u_c, "dof": dof, "k": k,
+            "U": k * u_c, "half_width_95": half_width(shapes) if by_shapes else None,
         }
+    )  # fmt: skip
+
+
+def _change(item: Item, moved: Item) -> Elements:
+    change: Elements = {}
+    for element, value in item.value.items():
+        other = moved.value.get(element)
+        change[element] = None if value is None or other is None else other - value
+    return change
+
+
+def _line(one: UncertainInput, symbol: str, change: float, share: float) -> BudgetInput:
+    parameter = one.parameter
+    name = message("explain-budget-line", title=one.finding.title, parameter=parameter.name)
+    return BudgetInput(
+        name=say(name, "en"), name_zh=say(name, "zh"), symbol=symbol, kind="A",
+        distribution="normal", u=parameter.u, unit=parameter.unit,
+        sensitivity=change / parameter.u, contribution=abs(change), share=share,
     )  # fmt: skip

@@ -8,6 +8,7 @@ from schemas.discrepancy import Verdict
 from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Events
+from tasks.explain.evidence.determination import determined_model
 from tasks.explain.evidence.event_findings import event_findings, removed_by
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
@@ -51,7 +52,8 @@ def explanation_of(
         LeftOver.of(full, nominal, events.applied(t, predicted), events.masked),
     )  # fmt: skip
     scrutinies = scrutinised(evidence)
-    terms = findings_of(evidence, scrutinies, full, predicted, to_noise, ordered)
+    determined = determined_model(evidence, scrutinies, full)
+    terms = findings_of(evidence, scrutinies, full, determined, to_noise, ordered)
     gains = [max(evidence.together(number), 0.0) for number in scrutinies]
     if reference is not None:
         deviations = reference_deviation(standard, nominal, full, fit)
@@ -88,6 +90,7 @@ def explanation_of(
         left_over=left.chi2_per_degree,
         explained_share=left.explained_share,
         small=tuple(small),
+        determined=determined,
     )
 
 

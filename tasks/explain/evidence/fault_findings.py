@@ -62,6 +62,7 @@ def with_faults(
         explained_share=explanation.explained_share if explanation.findings else 1.0,
         findings=(*own, *(_moved(one, matrix, place) for one in explanation.findings)),
         small=tuple(_moved(one, matrix, place) for one in explanation.small),
+        determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )
 
 

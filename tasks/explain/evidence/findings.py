@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.correction.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.pruning import unsupported
@@ -17,21 +18,20 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 from tasks.explain.search.scores import INDISTINGUISHABLE
-from tasks.model.term import Parameter, Term, TermKey, places
+from tasks.model.term import Parameter, Term, places
 from tasks.words import Sayable, message
 
 JUMPS = message("explain-jumps")
 MOVING = 100.0  # chi-squared of what a finding moves in a channel: ten standard deviations
-WITHIN = 2.0  # standard uncertainties: U
 MAX_U = 0.9  # of what is plausible: a parameter known no better than before is not listed
 MIN_SHARE = 0.02  # of a finding's power: a channel with less is not named
 
 
 def findings_of(
     evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate,
-    predicted: np.ndarray, to_noise: Collection[int] = (), ordered: bool = False,
+    determined: DeterminedModel, to_noise: Collection[int] = (), ordered: bool = False,
 ) -> list[Finding]:  # fmt: skip
-    """The findings of a fitted selection. predicted: (n, 6) by its whole model, at full rate.
+    """The findings of a fitted selection. determined: what of it is taken off the readings.
 
     scrutinies: of those that are findings, by number. to_noise: numbers of what only makes the
     noise of the reference smaller. ordered: somebody asked for just these terms: they keep the
@@ -49,7 +49,7 @@ def findings_of(
         left = [evidence.scatter.dispersion(n) for n in range(len(groups))]
         groups = without_leakage(refused, left)
     return [
-        _finding(evidence, number, groups[number], scrutinies[number], full, predicted)
+        _finding(evidence, number, groups[number], scrutinies[number], full, determined)
         for number in scrutinies
     ]
 
@@ -81,10 +81,10 @@ def _finding(
     group: FindingGroup,
     scrutiny: Scrutiny,
     full: FullRate,
-    predicted: np.ndarray,
+    determined: DeterminedModel,
 ) -> Finding:
     keys = {term.key for term in group.terms}
-    contribution = _contribution(evidence, number, keys, full, predicted)
+    contribution = determined.contribution(keys)
     absorbed = group.absorbed_by is not None
     gain = group.selected[0].gain if absorbed else evidence.evidence(number)
     named, first = group.name != UNNAMED, group.terms[0]
@@ -98,6 +98,7 @@ def _finding(
         channels=_channels(contribution, full.rest_variance),
         parameters=_parameters(evidence, number, scrutiny, full.start),
         contribution=contribution,
+        terms=tuple(keys),
         gain=gain,
         delta_bic=gain if absorbed else evidence.delta_bic(number),
         held_out_gain=evidence.held_out_gain(number),
@@ -121,26 +122,6 @@ def _common_part(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[F
         if column < len(free) and model.u[free[column]] > 0.0:
             widening[free[column]] = u / model.u[free[column]]
     return common_part(model, group.terms, widening)
-
-
-def _contribution(
-    evidence: Evidence, number: int, keys: set[TermKey], full: FullRate, predicted: np.ndarray
-) -> np.ndarray:
-    """(n, 6) what a finding adds to the readings, by the parameters that are determined.
-
-    One that is no better known than its size is taken off nothing: what the standard's parameters
-    make up for would be moved by whatever it happens to be.
-    """
-    model = evidence.fit.model
-    limit = WITHIN * np.sqrt(evidence.scatter.dispersion(number)) * model.u
-    own = np.zeros(len(model.values), bool)
-    for key in keys:
-        own[model.places[key]] = True
-    loose = own & model.free & (np.abs(model.values) <= limit)
-    if evidence.groups[number].random or not loose.any() or (own & model.free & ~loose).sum() == 0:
-        return model.effect_of(keys, full.motion, predicted)
-    known = replace(model, values=np.where(loose, 0.0, model.values))
-    return known.effect_of(keys, full.motion, known.prediction(full.motion))
 
 
 def _behaviour(group: FindingGroup) -> Sayable:

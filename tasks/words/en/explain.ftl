@@ -57,6 +57,7 @@ explain-adopted = Before the clauses were followed, the readings had taken off w
 explain-adopted-term = { $title } ({ $name })
 explain-adopted-term-parameters = { $title } ({ $name }: { $parameters })
 explain-adopted-not-shown = The recording does not show { $term } above its noise (ΔBIC { $bic }); it was taken off all the same, as ordered.
+explain-adopted-undetermined = The recording does not determine { $parameters } of { $term } better than its size: it was held at nothing while all else was fitted, and nothing was taken off for it.
 explain-adopted-motion-unknown = The motion is not known in all rows, and nothing was taken off where it is not: { $segments }.
 explain-not-adopted-random = { $term } was not taken off: its course is random and has no parameter, so that U could not say how well it is known; it stays in the readings, as noise.
 explain-budget-line = { $title }, { $parameter }

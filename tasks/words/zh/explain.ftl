@@ -57,6 +57,7 @@ explain-adopted = 按规范计算之前，已从读数中扣除规范模型未�
 explain-adopted-term = { $title } ({ $name })
 explain-adopted-term-parameters = { $title } ({ $name }: { $parameters })
 explain-adopted-not-shown = 记录未显示高于噪声的{ $term }（ΔBIC { $bic }）；按指令仍予扣除。
+explain-adopted-undetermined = 记录对{ $term }的{ $parameters }的确定程度不优于其自身大小：拟合其余参数时取为零，未作扣除。
 explain-adopted-motion-unknown = 部分数据行的运动未知，未作扣除：{ $segments }。
 explain-not-adopted-random = 未扣除{ $term }：其过程随机、无参数，不确定度无从给出；仍作为噪声留在读数中。
 explain-budget-line = { $title }，{ $parameter }

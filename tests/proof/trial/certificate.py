@@ -11,8 +11,6 @@ from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.explanation import Explanation
-from tasks.explain.inputs.full_rate import full_rate
-from tasks.model.catalogue import catalogue
 from tasks.specifications.register import specification_for
 
 CERTIFICATE = "certificate.json"
@@ -41,9 +39,8 @@ def certificate_less(recording: Recording, explanation: Explanation) -> dict[str
     named = [finding for finding in explanation.findings if finding.effect != UNNAMED]
     if not named:
         return None
-    motion = full_rate(recording).motion
     try:
-        return _stated(adopt(recording, named, _by_clauses, catalogue(recording, motion), motion))
+        return _stated(adopt(recording, named, _by_clauses, explanation.determined))
     except Unusable:
         return None
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,9 +14,12 @@ from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
+from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.sensitivity import sensitivities
+from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
 from tasks.explain.explanation import Finding
+from tasks.model.model import Model
 from tasks.model.simulate import predict
 from tasks.model.term import nominal_values
 from tasks.model.terms.geometry import LEVER_ARM
@@ -25,6 +29,7 @@ from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
 
 TITLE = Statement(en="unit beside the axis", zh="安装偏心")
+STANDARD_VALUES = nominal_values(STANDARD_TERMS)
 ARM, U_ARM = (0.05, -0.03, 0.02), (1e-4, 2e-4, 3e-4)
 
 
@@ -33,7 +38,7 @@ def calibrated(recording: Recording) -> Calibration:
 
 
 def added_by(term, recording: Recording, values: tuple[float, ...]) -> np.ndarray:
-    motion, ideal = whole_motion(recording), nominal_values(STANDARD_TERMS)
+    motion, ideal = whole_motion(recording), STANDARD_VALUES
     whole = np.concatenate([ideal, values])
     return predict((*STANDARD_TERMS, term), motion, whole) - predict(STANDARD_TERMS, motion, ideal)
 
@@ -46,8 +51,19 @@ def lever_arm(recording: Recording) -> Finding:
     )
     return finding(
         added_by(LEVER_ARM, recording, ARM), "lever_arm", parameters=parameters,
-        title=TITLE, family="geometry",
+        title=TITLE, family="geometry", terms=(LEVER_ARM.key,),
     )  # fmt: skip
+
+
+def determined(recording: Recording, r_xy: float = 0.0) -> DeterminedModel:
+    """The arm of `lever_arm`, x and y of it correlated by r."""
+    values = np.concatenate([STANDARD_VALUES, ARM])
+    free = np.arange(len(values)) >= len(values) - 3
+    model = Model.of((*STANDARD_TERMS, LEVER_ARM), values, free)
+    correlation = np.eye(3)
+    correlation[0, 1] = correlation[1, 0] = r_xy
+    covariance = correlation * np.outer(U_ARM, U_ARM)
+    return DeterminedModel(model, covariance, whole_motion(recording))
 
 
 @pytest.fixture
@@ -64,7 +80,7 @@ def displaced(run: Recording) -> tuple[Recording, Finding]:
 
 def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [found], calibrated, determined(recording))
     clean = calibrated(run)
     for name, item in clean.items.items():
         for element, value in item.value.items():
@@ -74,7 +90,7 @@ def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
 def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displaced) -> None:
     """At a steady rate an arm r reads r_i·ω_j² along the axis i: u(p_ij) has u(r_i) in it."""
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [found], calibrated, determined(recording))
     before, after = (c.items["accel_rate_sensitivity"] for c in (calibrated(run), adopted))
     for element, u in after.u.items():
         along = "xyz".index(element[0])
@@ -93,7 +109,7 @@ def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displa
 
 def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, (LEVER_ARM,), whole_motion(recording))
+    adopted = adopt(recording, [found], calibrated, determined(recording))
     (term,) = adopted.terms
     assert (term.name, term.title_zh) == ("lever_arm", TITLE.zh)
     assert [(p.value, p.u) for p in term.parameters] == list(zip(ARM, U_ARM, strict=True))
@@ -101,14 +117,15 @@ def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
     assert (first.code, first.blocks_pass) == ("terms_adopted", True)
     assert "lever_arm" in first.en
     assert "lever_arm" in first.zh
+    assert "r_x = 0.05 m (U = 0.0002)" in first.en
     assert not any(remark.code == "term_not_shown" for remark in adopted.remarks)
     assert Calibration.model_validate_json(adopted.model_dump_json()) == adopted
 
 
 def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced) -> None:
     recording, found = displaced
-    weak = finding(found.contribution, "lever_arm", parameters=found.parameters, delta_bic=-3.0)
-    adopted = adopt(recording, [weak], calibrated, (LEVER_ARM,), whole_motion(recording))
+    weak = replace(found, delta_bic=-3.0)
+    adopted = adopt(recording, [weak], calibrated, determined(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_shown"]
     assert "-3.0" in said.en
 
@@ -126,7 +143,7 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     on_earth = corrected(recording, (-found.contribution,))
     by_clause = calibrated(on_earth).items["gyro_g_sensitivity"]
     assert by_clause.value["xx"] == pytest.approx(math.degrees(7.292115e-5), rel=1e-4)
-    adopted = adopt(on_earth, [found], calibrated, (term,), whole_motion(on_earth))
+    adopted = adopt(on_earth, [found], calibrated, None)
     item = adopted.items["gyro_g_sensitivity"]
     assert item.value["xx"] == pytest.approx(0.0, abs=1e-9)
     assert item.value_without_earth_rotation == item.value
@@ -134,32 +151,49 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
 
 
 def test_each_parameter_is_spread_by_its_own_term(run) -> None:
-    found = lever_arm(run)
-    spreads = list(sensitivities(found, (LEVER_ARM,), whole_motion(run)))
-    for k, (spread, u) in enumerate(zip(spreads, U_ARM, strict=True)):
+    found, model = lever_arm(run), determined(run)
+    for k, (one, u) in enumerate(zip(uncertain_inputs([found], model), U_ARM, strict=True)):
         alone = np.zeros(3)
         alone[k] = u
         np.testing.assert_allclose(
-            spread.change, added_by(LEVER_ARM, run, tuple(alone)), atol=1e-12
+            one.change(model), added_by(LEVER_ARM, run, tuple(alone)), atol=1e-12
         )
 
 
-def test_physics_without_a_free_parameter_has_no_spread(run) -> None:
+def test_correlation_of_what_was_taken_off_is_in_u(run) -> None:
+    """What two parameters that make up for each other do to one element nearly cancels."""
+    item, model = calibrated(run).items["gyro_bias"], determined(run, r_xy=-0.9)
+    inputs = uncertain_inputs([lever_arm(run)], model)
+    own = item.u["x"]
+    assert own is not None
+    changes = [{"x": 3.0 * own}, {"x": 2.0 * own}, {"x": 0.0}]
+    lines = CorrectionLines(inputs, correlation_of(inputs, model), changes)
+    budget = with_lines(item, lines).budgets["x"]
+    factor = math.sqrt(1.0 + 9.0 + 4.0 - 2.0 * 0.9 * 3.0 * 2.0)
+    assert budget.u_c == pytest.approx(factor * own)
+    (pair,) = budget.correlations
+    assert (pair.first, pair.second) == ("lever_arm.r_x", "lever_arm.r_y")
+    assert pair.r == pytest.approx(-0.9)
+    assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
+
+
+def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
     """Earth's rate that was found is a check of the one that was taken off."""
     term = earth_rotation(0.5)
+    model = Model.of((*STANDARD_TERMS, term), free=np.zeros(len(STANDARD_VALUES), bool))
+    known = DeterminedModel(model, np.zeros((0, 0)), whole_motion(run))
     seen = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
-    added = added_by(term, run, ())
-    added[:, 3:] += 1e-8  # in channels that it is not seen in
-    found = finding(added, "earth_rotation", parameters=(seen,), channels=(0, 1, 2))
-    assert list(sensitivities(found, (term,), whole_motion(run))) == []
+    found = finding(
+        added_by(term, run, ()), "earth_rotation", parameters=(seen,), terms=(term.key,)
+    )
+    assert uncertain_inputs([found], known) == []
 
 
 def test_contribution_that_no_term_makes_is_uncertain_as_a_whole(run) -> None:
     added = nothing_added(run)
     added[:, 0] = 1e-4
-    found = finding(added)  # 0.01 deg/s, u 0.001 deg/s
-    (spread,) = sensitivities(found, (LEVER_ARM,), whole_motion(run))
-    np.testing.assert_allclose(spread.change, 0.1 * added)
+    (one,) = uncertain_inputs([finding(added)], determined(run))  # 0.01 deg/s, u 0.001 deg/s
+    np.testing.assert_allclose(one.change(None), 0.1 * added)
 
 
 def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
@@ -167,8 +201,8 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     holed = found.contribution.copy()
     segment = (recording.manifest.segments or ())[3]
     holed[recording.imu.rows(segment.t_start, segment.t_start + 1.0)] = np.nan
-    partly = finding(holed, "lever_arm", parameters=found.parameters)
-    adopted = adopt(recording, [partly], calibrated, (LEVER_ARM,), whole_motion(recording))
+    partly = replace(found, contribution=holed)
+    adopted = adopt(recording, [partly], calibrated, determined(recording))
     (said,) = [remark for remark in adopted.remarks if remark.code == "term_not_known"]
     assert said.segments == (segment.name,)
 
@@ -179,7 +213,7 @@ def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run) -> No
         "bias_random_walk", parameters=(),
     )  # fmt: skip
     plain = calibrated(run)
-    result = adopt(run, [wander], calibrated, (), whole_motion(run))
+    result = adopt(run, [wander], calibrated, None)
     assert result.items == plain.items
     assert result.terms == ()
     assert result.remarks[0].code == "term_not_taken_off"

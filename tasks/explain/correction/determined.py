@@ -1,0 +1,97 @@
+"""The part of a fit that the recording determines: it alone is taken off the readings."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import CHANNELS
+from tasks.explain.evidence.si_units import unit_of
+from tasks.model.model import Model
+from tasks.model.term import Parameter, TermKey
+from tasks.motion.whole import Motion
+
+
+@dataclass(frozen=True)
+class DeterminedParameter:
+    """A parameter as it was taken off; place: its row of the covariance, none where not fitted."""
+
+    found: FoundParameter
+    place: int | None
+
+
+@dataclass(frozen=True)
+class DeterminedModel:
+    """A fitted model whose findings have those parameters alone that are known better than their
+    size: the others are nothing, and all the rest was fitted without them.
+
+    covariance: (q, q) of the free parameters, then of the fitted shapes, widened by what is left
+    of the mismatch. motion: at the unit's rows; start: of its t = 0 on the recording's clock, s.
+    axes: (6, 6) from readings put right to those that were recorded.
+    """
+
+    model: Model
+    covariance: np.ndarray
+    motion: Motion
+    start: float = 0.0
+    axes: np.ndarray = field(default_factory=lambda: np.eye(len(CHANNELS)))
+
+    @cached_property
+    def u(self) -> np.ndarray:
+        """(q,) standard uncertainties."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @cached_property
+    def correlation(self) -> np.ndarray:
+        """(q, q)"""
+        scale = np.divide(1.0, self.u, out=np.zeros_like(self.u), where=self.u > 0.0)
+        return np.asarray(self.covariance * scale[:, None] * scale)
+
+    def contribution(self, keys: Collection[TermKey]) -> np.ndarray:
+        """(n, 6) rad/s and m/s², what some terms add to the readings."""
+        added = self.model.effect_of(keys, self.motion, self._prediction)
+        return np.asarray(added @ self.axes.T)
+
+    def parameters(self, keys: Collection[TermKey]) -> tuple[DeterminedParameter, ...]:
+        """Of some terms, in SI: what was fitted, and the shapes, of which some were only tried."""
+        model, found = self.model, list[DeterminedParameter]()
+        free = np.flatnonzero(model.free).tolist()
+        for k, term in enumerate(model.terms):
+            if term.key not in keys:
+                continue
+            first = model.places[term.key].start
+            for p, parameter in enumerate(term.parameters, first):
+                if model.free[p]:
+                    found.append(self._known(parameter, float(model.values[p]), free.index(p)))
+            place = len(free) + model.fitted_shapes.index(k) if k in model.fitted_shapes else None
+            for shape, value in zip(term.shapes, term.at, strict=True):
+                value += self.start if shape.name == "time" else 0.0
+                found.append(self._known(shape, value, place))
+        return tuple(found)
+
+    def change(self, place: int) -> np.ndarray:
+        """(n, 6) by which the readings grow with one parameter, by its standard uncertainty."""
+        more, less = (self._moved(place, sign).prediction(self.motion) for sign in (1.0, -1.0))
+        return np.asarray((more - less) / 2.0 @ self.axes.T)
+
+    def _known(self, parameter: Parameter, value: float, place: int | None) -> DeterminedParameter:
+        u = 0.0 if place is None else float(self.u[place])
+        found = FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)
+        return DeterminedParameter(found, place)
+
+    def _moved(self, place: int, sign: float) -> Model:
+        """The model with one parameter greater or smaller by its standard uncertainty."""
+        model, free, step = self.model, np.flatnonzero(self.model.free), sign * self.u[place]
+        if place < len(free):
+            values = model.values.copy()
+            values[free[place]] += step
+            return replace(model, values=values)
+        k, terms = model.fitted_shapes[place - len(free)], list(model.terms)
+        terms[k] = terms[k].shaped((terms[k].at[0] + float(step),))
+        return replace(model, terms=tuple(terms))
+
+    @cached_property
+    def _prediction(self) -> np.ndarray:
+        return self.model.prediction(self.motion)

@@ -1,0 +1,98 @@
+"""Which parameters of the findings the recording determines, and the model of these alone."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.scrutiny import COVERAGE, Scrutiny
+from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.regression.spectrum import equations_of
+from tasks.explain.search.refit import fitted
+from tasks.model.model import Model
+from tasks.model.regression import inverse
+
+
+def determined_model(
+    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate
+) -> DeterminedModel:
+    """The fitted model with its undetermined parameters held at nothing and the rest fitted again.
+
+    What the standard's parameters make up for would be moved by whatever a parameter happens to
+    be that is no better known than its size. scrutinies: of the findings, by number.
+    """
+    fit, model = evidence.fit, evidence.fit.model
+    widening = _widening(evidence, scrutinies)
+    loose = _undetermined(evidence, scrutinies, widening)
+    if loose.any():
+        model = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
+    widening, spread = widening[model.free], [1.0] * len(model.fitted_shapes)
+    for number, group in enumerate(evidence.groups):
+        for n, k in enumerate(model.fitted_shapes):
+            if model.terms[k].key in {term.key for term in group.terms}:
+                spread[n] = float(np.sqrt(evidence.scatter.dispersion(number)))
+    wide = np.concatenate([widening, spread])
+    covariance = _covariance(model, evidence) * wide[:, None] * wide
+    return DeterminedModel(model, covariance, full.motion, full.start)
+
+
+def _widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
+    """(p,) by which what is left, and what the parts differ by, make each u larger."""
+    model, widening = evidence.fit.model, np.ones(len(evidence.fit.model.values))
+    free = np.flatnonzero(model.free)
+    for number, scrutiny in scrutinies.items():
+        for q, u in zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True):
+            if q < len(free) and model.u[free[q]] > 0.0:
+                widening[free[q]] = u / model.u[free[q]]
+    return widening
+
+
+def _own(evidence: Evidence, number: int) -> list[int]:
+    """The places of a finding's fitted parameters in the model."""
+    free = np.flatnonzero(evidence.fit.model.free)
+    return [int(free[q]) for q in evidence.own[number][0] if q < len(free)]
+
+
+def _undetermined(
+    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], widening: np.ndarray
+) -> np.ndarray:
+    """(p,) bool: parameters no larger than their U once those less clear are nothing.
+
+    One by one, the least clear first, since what makes up for it becomes clearer; the last of a
+    finding stays, and so do effects that are told together because each makes up for the others.
+    """
+    model = evidence.fit.model
+    values, covariance = model.values.copy(), model.covariance.copy()
+    owned = [
+        set(_own(evidence, n))
+        for n in scrutinies
+        if not (evidence.groups[n].random or evidence.groups[n].selected[0].group)
+    ]
+    loose = np.zeros(len(values), bool)
+    while True:
+        u = widening * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        tried = [p for own in owned if len(own) > 1 for p in own if u[p] > 0.0]
+        least = min(tried, key=lambda p: abs(values[p]) / u[p], default=None)
+        if least is None or abs(values[least]) > COVERAGE * u[least]:
+            return loose
+        loose[least] = True
+        for own in owned:
+            own.discard(least)
+        gain = covariance[:, least] / covariance[least, least]
+        values = values - gain * values[least]
+        covariance = covariance - np.outer(gain, covariance[least])
+
+
+def _covariance(model: Model, evidence: Evidence) -> np.ndarray:
+    """(q, q) of the free parameters and the fitted shapes, by the fit's noise."""
+    blocks, noises = evidence.fit.blocks, evidence.fit.noises
+    if not model.fitted_shapes:
+        return model.covariance[np.ix_(model.free, model.free)]
+    design = model.design(blocks.motion)
+    normal, _, _ = equations_of(
+        design.columns, blocks.readings - design.prediction, blocks, noises
+    ).normal()
+    prior = np.zeros(len(normal))
+    prior[: int(model.free.sum())] = model.prior[model.free]
+    return inverse(normal + np.diag(prior))
