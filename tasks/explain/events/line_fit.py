@@ -12,6 +12,8 @@ from tasks.explain.events.spectrum import Spectrum
 PIECES = 24  # of the recording, in each of which a line must be
 LOUDEST = 8  # pieces without which a line must still be there
 MIN_IN_OTHERS = 0.4  # of what a line would have in the other pieces, that must be there
+MIN_IN_PIECE = 0.4  # of its mean amplitude: with less in a piece a line is not there
+MAX_WITHOUT = 1  # pieces without it: a line that fades or begins later is not there all the time
 MIN_IN_STATE = 0.5  # of what a line would have at rest, or in rotation, that must be there
 SIGNIFICANT = 3.0  # standard uncertainties from which a channel has the line
 OFFSETS = np.linspace(-1.0, 1.0, 401)  # frequencies that are tried, over one per span
@@ -74,10 +76,15 @@ def is_steady(residual: Residual, line: FittedLine) -> bool:
     """Whether a line is there all the time, at rest and in rotation, as far as noise allows."""
     wave = np.exp(-2j * np.pi * line.frequency * residual.t)
     weighted = (residual.white * residual.weight) @ line.amplitudes.conj()
-    part = (wave * weighted).real
+    turning = wave * weighted
+    part = turning.real
     expected = residual.weight**2 @ np.abs(line.amplitudes) ** 2 / 2
     starts = _piece_starts(len(residual.t))
     parts, wholes = (np.add.reduceat(values, starts) for values in (part, expected))
+    # By its size in each piece, whatever its phase there: what wanders is there all the same.
+    sizes = np.abs(np.add.reduceat(turning, starts))
+    if (sizes + np.sqrt(wholes) < MIN_IN_PIECE * wholes).sum() > MAX_WITHOUT:
+        return False
     others = np.argsort(parts)[:-LOUDEST]
     if parts[others].sum() <= MIN_IN_OTHERS * wholes[others].sum():
         return False

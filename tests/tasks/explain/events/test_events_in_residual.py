@@ -97,6 +97,13 @@ def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
     assert _detected(made, left).events == ()
 
 
+def test_line_that_ends_before_the_recording_does_is_not_there_all_the_time() -> None:
+    made = motion()
+    left = _noise(made, 14)
+    left[:, 1] += 5e-4 * np.cos(2 * np.pi * 9.18 * made.t) * (made.t < 0.74 * made.t[-1])
+    assert _detected(made, left).events == ()
+
+
 def test_mains_on_either_side_of_a_fold_cannot_be_told_apart() -> None:
     harmonic, sources = mains_of(49.92, RATE) or (0, ())
     assert harmonic == 1
