@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter, HeldOut, Verdict
 from schemas.recording import Recording
-from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.determined import DeterminedModel
 from tasks.model.term import TermKey
 from tasks.words import Sayable, message
 

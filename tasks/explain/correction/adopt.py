@@ -9,8 +9,8 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.determined import DeterminedModel
-from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
+from tasks.explain.correction.sensitivity import correlation_of, in_si, uncertain_inputs
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
 from tasks.words import Message, clauses, message, remark, say
@@ -77,7 +77,7 @@ def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> Adopt
         name=finding.effect,
         title=say(finding.title, "en"),
         title_zh=say(finding.title, "zh"),
-        parameters=tuple(one.found for one in taken) or finding.parameters,
+        parameters=tuple(map(in_si, taken)) or finding.parameters,
     )
 
 

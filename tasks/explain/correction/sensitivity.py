@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.determined import DeterminedModel, DeterminedParameter
+from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import Finding
 
 
@@ -46,9 +47,9 @@ def uncertain_inputs(
             every += _as_a_whole(finding)
             continue
         every += [
-            UncertainInput(finding, one.found, one.place)
+            UncertainInput(finding, in_si(one), one.place)
             for one in determined.parameters(finding.terms)
-            if one.place is not None and one.found.u > 0.0
+            if one.place is not None and one.u > 0.0
         ]
     return every
 
@@ -63,6 +64,13 @@ def correlation_of(
         rows, places = np.array(placed).T
         correlation[np.ix_(rows, rows)] = determined.correlation[np.ix_(places, places)]
     return correlation
+
+
+def in_si(one: DeterminedParameter) -> FoundParameter:
+    """A parameter that was taken off, as it is told."""
+    return FoundParameter(
+        name=one.parameter.name, value=one.value, unit=unit_of(one.parameter), u=one.u
+    )
 
 
 def _as_a_whole(finding: Finding) -> Iterator[UncertainInput]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.scrutiny import COVERAGE, Scrutiny
 from tasks.explain.inputs.full_rate import FullRate

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
-from tasks.explain.correction.determined import DeterminedModel
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.pruning import unsupported

@@ -16,8 +16,8 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.determined import DeterminedModel
 from tasks.explain.correction.sensitivity import correlation_of, uncertain_inputs
+from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding
 from tasks.model.model import Model
 from tasks.model.simulate import predict

@@ -6,9 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import CHANNELS
-from tasks.explain.evidence.si_units import unit_of
 from tasks.model.model import Model
 from tasks.model.term import Parameter, TermKey
 from tasks.motion.whole import Motion
@@ -16,10 +14,15 @@ from tasks.motion.whole import Motion
 
 @dataclass(frozen=True)
 class DeterminedParameter:
-    """A parameter as it was taken off; place: its row of the covariance, none where not fitted."""
+    """A parameter of a term as it was taken off, SI.
 
-    found: FoundParameter
-    place: int | None
+    place: its row of the covariance; none where it was not fitted, and u is 0.
+    """
+
+    parameter: Parameter
+    value: float
+    u: float = 0.0
+    place: int | None = None
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class DeterminedModel:
         return np.asarray(added @ self.axes.T)
 
     def parameters(self, keys: Collection[TermKey]) -> tuple[DeterminedParameter, ...]:
-        """Of some terms, in SI: what was fitted, and the shapes, of which some were only tried."""
+        """Of some terms: what was fitted, and the shapes, of which some were only tried."""
         model, found = self.model, list[DeterminedParameter]()
         free = np.flatnonzero(model.free).tolist()
         for k, term in enumerate(model.terms):
@@ -78,8 +81,7 @@ class DeterminedModel:
 
     def _known(self, parameter: Parameter, value: float, place: int | None) -> DeterminedParameter:
         u = 0.0 if place is None else float(self.u[place])
-        found = FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)
-        return DeterminedParameter(found, place)
+        return DeterminedParameter(parameter, value, u, place)
 
     def _moved(self, place: int, sign: float) -> Model:
         """The model with one parameter greater or smaller by its standard uncertainty."""
