@@ -101,13 +101,18 @@ class Evidence:
         return float(readings * np.log1p(gain / readings))
 
     def delta_bic(self, number: int) -> float:
-        """The evidence less what the parameters cost that the data determine (Schwarz); of a
-        random drift the search has charged all but its strength.
+        """The evidence less what the parameters cost that the data determine: ln(1 + n) of each, n
+        the cells that tell of it, since readings within a cell repeat each other (effective sample
+        size; Bayarri and others, Prior-based Bayesian information criterion, 2019). Of a random
+        drift the search has charged all but its strength.
         """
-        group = self.groups[number]
-        count = group.parameter_count if group.random else len(self.scatter.determined(number))
-        count -= len(set(self.own[number][0]) & set(self.known))
-        return self.evidence(number) - count * float(np.log(self._independent(number)))
+        counts = self.scatter.effective_cells(number)
+        if self.groups[number].random:
+            counts = np.full(self.groups[number].parameter_count, float(self.scatter.cells.cells))
+        else:
+            mine = np.array(self.own[number][0], int)[self.scatter.determined(number)]
+            counts = counts[~np.isin(mine, self.known)]
+        return self.evidence(number) - float(np.log1p(counts).sum())
 
     def together(self, number: int) -> float:
         """Chi-squared that a finding removes in the company of all others: the mean of what it

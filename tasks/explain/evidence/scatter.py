@@ -38,6 +38,10 @@ class Scatter:
         """Which of a finding's own columns (m,) the data determine, by their place among them."""
         return self._influences[number][0]
 
+    def effective_cells(self, number: int) -> np.ndarray:
+        """(m,) number of equal cells that would tell as much of each column that is determined."""
+        return self._influences[number][1].effective_cells
+
     def information_by_cell(self, number: int) -> np.ndarray:
         """(cells,) share of what is known of a finding's parameters that each cell tells."""
         influence = self._influences[number][1]

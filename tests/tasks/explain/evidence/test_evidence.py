@@ -20,7 +20,7 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
-from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
 from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
 
@@ -139,6 +139,15 @@ def test_what_is_there_is_needed_and_what_is_not_is_needless(
     one, groups = three
     weak = {group.name: unsupported(one, n, TRIED) for n, group in enumerate(groups)}
     assert weak == {"lever_arm": False, "thermal_gradient": True, "earth_rotation": False}
+
+
+def test_nine_parameters_that_stand_ten_times_above_noise_are_worth_their_price() -> None:
+    """Readings of one dwell repeat each other: a price by their number would ask for more."""
+    places = 6.5e-5 * np.array([1.0, -2.0, 1.0, 2.0, 1.0, -1.0, -1.0, 2.0, 1.0])
+    made = read(RUN, (SIZE_EFFECT, places)) + noise(len(RUN.t), 43, NOISY)
+    one, _ = weighed(made, [picked(SIZE_EFFECT)])
+    assert 80.0 < one.gain(0) < 9.0 * np.log(one.used)
+    assert not unsupported(one, 0, TRIED)
 
 
 def test_what_is_there_earns_on_segments_that_were_not_seen(
