@@ -1,6 +1,7 @@
 """What an accelerometer does that model (2) has no place for."""
 
 import numpy as np
+from numpy.polynomial import Chebyshev
 
 from schemas.recording import Recording
 from tasks.model.parameters import ACCEL_FIRST, G, each_axis, own, same, turned
@@ -8,6 +9,7 @@ from tasks.model.term import Parameter, SensorTerm, Term
 from tasks.motion.whole import Motion
 
 ORDERS = (2, 3)
+WAVES = (4, 5, 6, 7)  # of the errors that a converter makes along its range
 EXPONENTS = (1.0, 2.0)  # of the speed: power of the vibration
 MAX_POWER_RATIO = 1e5  # times the observed vibration power: what lies above the unit's band
 
@@ -22,6 +24,23 @@ def accel_nonlinearity(order: int) -> SensorTerm:
             ACCEL_FIRST, inputs.force ** int(at[0]) / motion.gravity ** (int(at[0]) - 1)
         ),
         confused_with=("accel_saturation", "vibration_rectification", "structural_compliance"),
+    )  # fmt: skip
+
+
+def converter_nonlinearity(order: int) -> SensorTerm:
+    """An error that goes up and down along the range, as a converter's integral one does."""
+
+    def waves(force: np.ndarray) -> np.ndarray:
+        top = np.maximum(np.abs(np.nan_to_num(force)).max(axis=0, initial=0.0), 1e-9)
+        return np.asarray(Chebyshev.basis(order)(force / top))
+
+    return SensorTerm(
+        "accel_nonlinearity", "accelerometer", "sensor", f"a′ᵢ = cᵢ·g·T{order}(fᵢ/f_top)",
+        "IEEE Std 1241 (integral non-linearity), in Chebyshev's polynomials",
+        each_axis("coefficient", "c", ("1", 1.0, 0.02)),
+        (Parameter("order", "n", "1", 1.0, (4.0, 7.0)),), (float(order),),
+        reads=lambda motion, inputs, at: own(ACCEL_FIRST, waves(inputs.force) * motion.gravity),
+        confused_with=("accel_saturation", "structural_compliance"),
     )  # fmt: skip
 
 
@@ -69,6 +88,7 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     )
     return (
         *(accel_nonlinearity(order) for order in ORDERS),
+        *(converter_nonlinearity(order) for order in WAVES),
         *observed,
         *(unobserved if turned(motion) else ()),
     )

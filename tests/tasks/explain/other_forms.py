@@ -240,6 +240,12 @@ def size_of_force(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
     return on_accelerometers(np.abs(run.force), signs(rng))
 
 
+def wave_of_a_converter(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
+    """An error of the codes that goes round once in so much of the range."""
+    wave = np.sin(2.0 * np.pi * run.force / rng.uniform(8.0, 12.0))
+    return on_accelerometers(wave, signs(rng))
+
+
 def _bent(run: ShortRun, turn: np.ndarray) -> np.ndarray:
     """What a small rotation (n, 3) of the unit makes of rate and force."""
     faster = np.gradient(turn, run.t, axis=0)
@@ -290,7 +296,9 @@ FORMS: dict[str, dict[str, Form]] = {
     "gyro_scale_nonlinearity": {f.__name__: f for f in (
         bent_as_a_sine, compressed, root_of_rate, dead_band,
     )},
-    "accel_nonlinearity": {f.__name__: f for f in (bent_force, size_of_force)},
+    "accel_nonlinearity": {f.__name__: f for f in (
+        bent_force, size_of_force, wave_of_a_converter,
+    )},
     "structural_compliance": {f.__name__: f for f in (sag, late_bend)},
     "temperature_bias": {f.__name__: f for f in (late_warmth,)},
     "thermal_transient": {f.__name__: f for f in (two_warm_ups,)},

@@ -18,6 +18,7 @@ from tasks.explain.explain import explain
         ("bias_step", "gradual_step", 100.0),
         ("vibration_rectification", "rectified", 30.0),
         ("gyro_scale_nonlinearity", "dead_band", 30.0),
+        ("accel_nonlinearity", "wave_of_a_converter", 30.0),
         ("structural_compliance", "sag", 30.0),
     ],
 )

@@ -118,7 +118,7 @@ def test_the_contracts_variants_are_there() -> None:
     count = Counter(term.name for term in TERMS)
     assert count["rate_ripple"] == 23  # only the outer axis goes round
     assert count["axis_wobble"] == 2
-    assert count["accel_nonlinearity"] == 2
+    assert count["accel_nonlinearity"] == 6
     assert count["gyro_scale_nonlinearity"] == 3
     assert count["thermal_transient"] == 5
     hysteresis = {term.equation for term in TERMS if term.name == "hysteresis"}

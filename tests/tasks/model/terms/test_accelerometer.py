@@ -7,6 +7,7 @@ from table_run import GRAVITY, motion, read
 from tasks.model.terms.accelerometer import (
     VIBRATION_RECTIFICATION,
     accel_nonlinearity,
+    converter_nonlinearity,
     rectification_of_speed,
 )
 
@@ -18,6 +19,14 @@ THREE = np.array([1e-3, -2e-3, 3e-3])
 def test_nonlinearity_is_a_share_of_g_at_one_g(order: int) -> None:
     change = read((accel_nonlinearity(order),), THREE) - read((), [])
     assert change[:, 3:] == pytest.approx(THREE * GRAVITY * RUN.up**order)
+    assert not change[:, :3].any()
+
+
+@pytest.mark.parametrize("order", [4, 5, 6, 7])
+def test_a_converter_errs_up_and_down_along_the_range_of_each_axis(order: int) -> None:
+    change = read((converter_nonlinearity(order),), THREE) - read((), [])
+    along = np.arccos(RUN.up / np.abs(RUN.up).max(axis=0))
+    assert change[:, 3:] == pytest.approx(THREE * GRAVITY * np.cos(order * along), abs=1e-12)
     assert not change[:, :3].any()
 
 
