@@ -2,6 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
@@ -12,6 +16,7 @@ from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.corrected import corrected
+from tasks.explain.correction.sensitivity import uncertain_inputs
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import Sayable, message
@@ -19,6 +24,7 @@ from tasks.words import Sayable, message
 NOTICEABLE = 0.05  # of U: what moves an element by less is not listed
 SEVERITY = ("pass", "inconclusive", "fail")
 OVERALL = "certificate"
+COLLINEAR = 0.7  # correlation of parameters from which on two findings are told of together
 
 
 @dataclass(frozen=True)
@@ -40,10 +46,13 @@ def consequences(
 ) -> Consequences:
     """Every item by the recording's clause method, as read and less what the findings add.
 
-    An element is listed where it moves by more than 0.05 U. Verdicts are compared where limits
-    are given. Empty, with the reason as a remark, where the clauses give no items.
+    Findings whose parameters make up for each other are taken off together: each by itself would
+    move what the others move back. An element is listed where it moves by more than 0.05 U.
+    Verdicts are compared where limits are given. Empty, with the reason as a remark, where the
+    clauses give no items.
     """
-    contributions = [finding.contribution for finding in explanation.findings]
+    findings = explanation.findings
+    contributions = [finding.contribution for finding in findings]
     count = len(contributions)
     none = Consequences(((),) * count, ((),) * count)
     if not count:
@@ -52,17 +61,42 @@ def consequences(
         return replace(none, remarks=(message("explain-items-by-angles"),))
     try:
         before = _calibrated(recording)
-        after = [_calibrated(corrected(recording, (each,))) for each in contributions]
-        whole = after[0] if count == 1 else _calibrated(corrected(recording, contributions))
+        sets = collinear_sets(explanation)
+        of_set = {
+            some: _calibrated(corrected(recording, [contributions[n] for n in some]))
+            for some in {*sets, tuple(range(count))}
+        }
     except Unusable as fault:
         return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
+    after, whole = [of_set[some] for some in sets], of_set[tuple(range(count))]
     changes = _verdict_changes(tolerance, before, [*after, whole])
     return Consequences(
         of_findings=tuple(tuple(moved(before, each)) for each in after),
         changes=tuple(changes[:-1]),
         together=tuple(moved(before, whole)),
         changes_together=changes[-1],
+        remarks=tuple(
+            message("explain-told-together", titles=tuple(findings[n].title for n in some))
+            for some in dict.fromkeys(sets)
+            if len(some) > 1
+        ),
     )
+
+
+def collinear_sets(explanation: Explanation) -> list[tuple[int, ...]]:
+    """For each finding the numbers of those that it cannot be told from well, its own included."""
+    findings, determined = explanation.findings, explanation.determined
+    alike = np.eye(len(findings), dtype=bool)
+    places = [
+        [one.place for one in uncertain_inputs([finding], determined) if one.place is not None]
+        for finding in findings
+    ]
+    for i, j in combinations(range(len(findings)), 2):
+        if determined is not None and places[i] and places[j]:
+            r = np.abs(determined.correlation[np.ix_(places[i], places[j])])
+            alike[i, j] = r.max() > COLLINEAR
+    which = connected_components(alike, directed=False)[1]
+    return [tuple(np.flatnonzero(which == own).tolist()) for own in which]
 
 
 def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:

@@ -1,6 +1,7 @@
 """What a finding does to the certificate: its own elements move, the others do not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,12 @@ from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.consequences import consequences
 from tasks.explain.correction.corrected import corrected
+from tasks.explain.determined import DeterminedModel
+from tasks.model.model import Model
+from tasks.model.term import nominal_values
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.standard import STANDARD_TERMS
+from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
 
@@ -70,6 +77,28 @@ def test_each_finding_moves_its_own_and_all_together_move_both(run: Recording) -
     assert ("gyro_bias", "y") in items[0] - items[1]
     assert ("accel_bias", "y") in items[1] - items[0]
     assert {(c.item, c.element) for c in found.together} == items[0] | items[1]
+
+
+def test_findings_that_make_up_for_each_other_are_told_of_together(run: Recording) -> None:
+    """Two arms of which the recording tells the sum alone, each large and all but opposite."""
+    arms = [replace(LEVER_ARM, variant=variant) for variant in (0, 1)]
+    values = np.concatenate([nominal_values(STANDARD_TERMS), [0.5, 0, 0], [-0.49, 0, 0]])
+    terms = (*STANDARD_TERMS, *arms)
+    free = np.zeros(len(values), bool)
+    free[[-6, -3]] = True
+    model = Model.of(terms, values, free)
+    for r, others in ((-0.99, 1), (-0.5, 0)):
+        covariance = 1e-4 * np.array([[1.0, r], [r, 1.0]])
+        determined = DeterminedModel(model, covariance, whole_motion(run))
+        found = [
+            finding(determined.contribution([arm.key]), "lever_arm", terms=(arm.key,))
+            for arm in arms
+        ]
+        explained = replace(explanation(run, *found), determined=determined)
+        told = consequences(run, explained)
+        assert len(told.remarks) == others
+        assert (told.of_findings[0] == told.together) == bool(others)
+        assert (told.of_findings[0] == told.of_findings[1]) == bool(others)
 
 
 def test_a_verdict_that_changes_is_told(run: Recording) -> None:
