@@ -5,6 +5,7 @@ from math import comb
 import numpy as np
 
 FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near nothing is known
+LOST = 2.5  # intervals: a longer step is a gap, a shorter one may be stamps that scatter
 NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
 SAMPLE = 20_000  # differences that a quantile is taken of
 SPAN = 50  # rows, longer than any batch in which stamps are written
@@ -38,18 +39,23 @@ def interpolated(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarra
     return np.column_stack([np.interp(at, t, column) for column in values.T])
 
 
-def covered(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+def covered(t: np.ndarray, at: np.ndarray, reach: float = 0.0) -> np.ndarray:
     """Whether samples at t (n,) s lie near the times asked: (m,) bool.
 
     Before and behind a time there is one within FARTHEST or, where it samples more slowly, within
     INTERVALS of its usual interval; at either end of the samples, one on the other side will do.
+    reach: s, of what is made of the samples around a time: none of them in a row may be LOST.
     """
     if len(t) < 2:
         return np.zeros(len(at), bool)
-    reach = max(FARTHEST, INTERVALS * float(np.median(np.diff(t))))
+    steps = np.diff(t)
+    interval = float(np.median(steps))
     before = np.maximum(np.searchsorted(t, at, "right") - 1, 0)
     after = np.minimum(np.searchsorted(t, at, "left"), len(t) - 1)
-    return np.asarray(np.maximum(np.abs(at - t[before]), np.abs(t[after] - at)) <= reach)
+    away = np.maximum(np.abs(at - t[before]), np.abs(t[after] - at))
+    gaps = np.flatnonzero(steps > LOST * interval) if reach else np.empty(0, int)
+    begun, ended = np.searchsorted(t[gaps], at + reach), np.searchsorted(t[gaps + 1], at - reach)
+    return np.asarray((away <= max(FARTHEST, INTERVALS * interval)) & (begun == ended))
 
 
 def bridged(values: np.ndarray) -> np.ndarray:

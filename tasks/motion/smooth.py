@@ -30,7 +30,8 @@ def smooth_derivatives(
     """Angle, rate and acceleration (m, k) at the times `at` (m,) s.
 
     t: (n,) s, rising; angle: (n, k), continuous (no jumps of a whole turn). NaN in gaps of the
-    samples, before the first and after the last, and where fewer than three have no derivative.
+    samples, before the first and after the last, and where fewer than three have no derivative;
+    a derivative is NaN, too, where a line drawn over a gap would be part of it.
     """
     shape = (len(at), angle.shape[1])
     if len(t) < 3:
@@ -38,16 +39,25 @@ def smooth_derivatives(
     even, thinned = even_grid(t, angle)
     interval = even[1] - even[0]
     noise = _noise(thinned)
-    rate = _filtered(thinned, rate_kernel(thinned, interval) / interval)
+    slope = rate_kernel(thinned, interval)
+    rate = _filtered(thinned, slope / interval)
     quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
     half = _half(min(quiet, LONGEST_WINDOW), interval, len(even))
-    acceleration = _filtered(thinned, _bend_kernel(half) / interval**2)
-    known = covered(t, at)[:, None]
+    bend = _bend_kernel(half)
+    acceleration = _filtered(thinned, bend / interval**2)
+    reaches = (0.0, _reach(slope), _reach(bend))
     angle, rate, acceleration = (
-        np.where(known, interpolated(at, *sampled), np.nan)
-        for sampled in ((t, angle), (even, rate), (even, acceleration))
+        np.where(covered(t, at, reach * interval)[:, None], interpolated(at, *sampled), np.nan)
+        for reach, sampled in zip(
+            reaches, ((t, angle), (even, rate), (even, acceleration)), strict=True
+        )
     )
     return angle, rate, acceleration
+
+
+def _reach(kernel: np.ndarray) -> float:
+    # A time between two samples has what is made of both.
+    return len(kernel) // 2 + 1.0
 
 
 def rate_kernel(angle: np.ndarray, interval: float) -> np.ndarray:

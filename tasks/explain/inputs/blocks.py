@@ -8,7 +8,7 @@ full rate, so that the corners of a ramp are not missed.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
 from schemas.base import Unusable
 from schemas.recording import Segment
@@ -20,6 +20,7 @@ MIN_BLOCKS = 200
 MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body that moves slowly
 VIBRATING = 1.3  # times the noise variance at rest
 BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
+REACH = 5  # blocks on each side that delays and filters make a reading of
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
@@ -79,7 +80,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     weight /= np.sqrt(1.0 + _corners(motion, known_errors) / at_rest)
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
-    weight[~motion.felt] = 0.0
+    weight[~_told(motion)] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
 
@@ -103,6 +104,17 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
     recorded = {**means.recorded, "fixing": np.round(means.recorded["fixing"])}  # no mean of two
     t = (np.arange(count) + 0.5) * width - 0.5 * width / max(1, round(rows.max()))
     return replace(means, t=t, recorded=recorded)
+
+
+def _told(motion: Motion) -> np.ndarray:
+    """(n, 6) bool: what is felt is known, and where encoders tell it also just before and after.
+
+    Every effect is judged by the same blocks: beside a gap of the encoders one that needs no
+    neighbours would have blocks that others cannot say anything about.
+    """
+    if motion.axes is None:
+        return motion.felt
+    return np.asarray(minimum_filter1d(motion.felt, 2 * REACH + 1, axis=0, mode="nearest"))
 
 
 def _corners(motion: Motion, known_errors: np.ndarray) -> np.ndarray:

@@ -56,6 +56,16 @@ def test_nothing_is_known_in_a_gap_of_the_samples() -> None:
         assert np.isfinite(each[:, 0]).tolist() == [True, False, True, False]
 
 
+def test_no_derivative_is_made_of_a_line_drawn_over_a_gap() -> None:
+    kept = (T < 4.0) | (T > 4.08)  # short enough for the angle to be known all through
+    angle, rate, acceleration = smooth_derivatives(T[kept], swing(T[kept])[0][:, None], T[100:-100])
+    assert np.isfinite(angle).all()
+    for found, true in ((rate, 2 * np.cos(2 * T)), (acceleration, -4 * np.sin(2 * T))):
+        known = np.isfinite(found[:, 0])
+        assert 10 <= (~known).sum() <= 20
+        assert found[known, 0] == pytest.approx(true[100:-100][known], abs=0.02)
+
+
 def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
     rate = 2.5 * (1.0 - np.cos(np.pi * T / 2.0))
     angle = (2.5 * (T - 2.0 / np.pi * np.sin(np.pi * T / 2.0)))[:, None]

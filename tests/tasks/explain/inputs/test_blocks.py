@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from schemas.base import Unusable
-from schemas.recording import Manifest, Recording, Segment, Stream
+from schemas.recording import Manifest, Recording, Segment, Stream, TableAxis
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -212,3 +212,20 @@ def test_blocks_are_no_shorter_than_poses_tell_the_motion() -> None:
     full = full_rate(recording())
     assert full.motion.tracking is not None
     assert block_means(full, 50.0).rate == pytest.approx(2.0 * full.motion.tracking.edge, rel=0.05)
+
+
+def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect() -> None:
+    """Delays and filters make a reading of its neighbours, which are not known there."""
+    rests = rested()
+    axis = TableAxis(name="table", direction=(0.0, 0.0, 1.0))
+    station = rests.manifest.station.model_copy(update={"table_axes": (axis,)})
+    t = rests.imu.t[(rests.imu.t < 20.0) | (rests.imu.t > 21.0)]
+    turned = replace(
+        rests,
+        manifest=rests.manifest.model_copy(update={"station": station}),
+        table=Stream(t, {"table_angle": np.zeros(len(t))}),
+    )
+    blocks = block_means(full_rate(turned), 25.0)
+    unused = blocks.t[blocks.weight[:, 0] == 0.0]
+    assert unused.min() == pytest.approx(20.0 - 5 / 25.0, abs=0.06)
+    assert unused.max() == pytest.approx(21.0 + 5 / 25.0, abs=0.06)
