@@ -19,18 +19,23 @@ SEEDS = 20
 
 @dataclass(frozen=True)
 class Case:
-    """seed: of the unit, its corners and its delay; which of low-pass and delay it has."""
+    """seed: of the unit, its corners and its delay; which of low-pass and delay it has.
+
+    is_loaded: whether the computer that records is busy with other work, too.
+    """
 
     seed: int
     procedure: ProcedureName
     has_low_pass: bool
     has_delay: bool
+    is_loaded: bool = False
 
     @property
     def name(self) -> str:
         parts = [name for name, has in (("low-pass", self.has_low_pass),
                                         ("delay", self.has_delay)) if has]  # fmt: skip
-        return f"{self.procedure}-{self.seed:02d}-{'+'.join(parts) or 'neither'}"
+        loaded = "-loaded" if self.is_loaded else ""
+        return f"{self.procedure}-{self.seed:02d}-{'+'.join(parts) or 'neither'}{loaded}"
 
     @property
     def corners_hz(self) -> tuple[float, float] | None:
@@ -81,11 +86,17 @@ class Case:
 def cases(count: int) -> tuple[Case, ...]:
     """The first so many of 160: each unit with both, one or neither, by one procedure or the other.
 
-    In the first eighty every condition has both procedures, in turn; then they change places.
+    In the first eighty every condition has both procedures in turn, and each of these a busy
+    computer every other time; then procedures and computers change places.
     """
     conditions = tuple(product((True, False), repeat=2))
     every = (
-        Case(seed, PROCEDURES[(seed + k + turn) % 2], *condition)
+        Case(
+            seed,
+            PROCEDURES[(seed + k + turn) % 2],
+            *condition,
+            is_loaded=(seed // 2 + k + turn) % 2 == 0,
+        )
         for turn in range(2)
         for seed in range(1, SEEDS + 1)
         for k, condition in enumerate(conditions)

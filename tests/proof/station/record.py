@@ -12,6 +12,7 @@ from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from tasks.station import procedures
 from tests.proof.station.case import Case
+from tests.proof.station.load import BusyStation
 from tests.tasks.station.in_memory import InMemoryStation
 
 DWELL_S, WARM_UP_S = 4.0, 5.0
@@ -23,12 +24,18 @@ def recording_of(case: Case) -> Recording:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         with RawWriter(path) as sink:
-            InMemoryStation(case.station, SPEED).acquire(_shortened(case.procedure), sink)
+            _station(case).acquire(_shortened(case.procedure), sink)
         made = read_mcap(path)
     stamps = np.round(made.imu.t + case.delay_s, 9)
     name = f"station_{case.name}"
     manifest = made.manifest.model_copy(update={"recording_id": name})
     return replace(made, manifest=manifest, imu=Stream(stamps, made.imu.columns))
+
+
+def _station(case: Case) -> InMemoryStation:
+    if case.is_loaded:
+        return BusyStation(case.station, SPEED, case.seed)
+    return InMemoryStation(case.station, SPEED)
 
 
 def _shortened(name: str) -> Procedure:
