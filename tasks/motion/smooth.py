@@ -10,6 +10,7 @@ the encoder's own noise asks for.
 """
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
 
@@ -19,6 +20,7 @@ QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a wind
 LONGEST_WINDOW = 0.5  # s
 FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
+BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
 ROUNDING = 1e-12  # rad: an angle that changes by less stands still
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
@@ -40,24 +42,27 @@ def smooth_derivatives(
     interval = even[1] - even[0]
     noise = _noise(thinned)
     slope = rate_kernel(thinned, interval)
-    rate = _filtered(thinned, slope / interval)
     quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
     half = _half(min(quiet, LONGEST_WINDOW), interval, len(even))
     bend = _bend_kernel(half)
-    acceleration = _filtered(thinned, bend / interval**2)
-    reaches = (0.0, _reach(slope), _reach(bend))
-    angle, rate, acceleration = (
-        np.where(covered(t, at, reach * interval)[:, None], interpolated(at, *sampled), np.nan)
-        for reach, sampled in zip(
-            reaches, ((t, angle), (even, rate), (even, acceleration)), strict=True
+    angles = np.where(covered(t, at)[:, None], interpolated(at, t, angle), np.nan)
+    rates, accelerations = (
+        np.where(
+            covered(t, at, (len(kernel) // 2 + BETWEEN) * interval)[:, None],
+            _between(at, even, _filtered(thinned, kernel)),
+            np.nan,
         )
+        for kernel in (slope / interval, bend / interval**2)
     )
-    return angle, rate, acceleration
+    return angles, rates, accelerations
 
 
-def _reach(kernel: np.ndarray) -> float:
-    # A time between two samples has what is made of both.
-    return len(kernel) // 2 + 1.0
+def _between(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Values (n, k) at even times t (n,) by cubics through four: a straight line would lose
+    ω²x(h − x)/2 of an oscillation at x of an interval h, as no unit does.
+    """
+    slopes = np.gradient(values, t, axis=0)
+    return np.asarray(CubicHermiteSpline(t, values, slopes)(np.clip(at, t[0], t[-1])))
 
 
 def rate_kernel(angle: np.ndarray, interval: float) -> np.ndarray:

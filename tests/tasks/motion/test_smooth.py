@@ -66,6 +66,14 @@ def test_no_derivative_is_made_of_a_line_drawn_over_a_gap() -> None:
         assert found[known, 0] == pytest.approx(true[100:-100][known], abs=0.02)
 
 
+def test_a_fast_oscillation_is_as_large_between_the_samples_as_at_them() -> None:
+    """Else every unit whose clock is late would seem to amplify, as one that has a lead does."""
+    pulse = 2 * np.pi * 3.0
+    middles = T[100:-100] + 0.005
+    _, rate, _ = smooth_derivatives(T, np.sin(pulse * T)[:, None], middles)
+    assert rate[:, 0] == pytest.approx(pulse * np.cos(pulse * middles), abs=3e-3 * pulse)
+
+
 def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
     rate = 2.5 * (1.0 - np.cos(np.pi * T / 2.0))
     angle = (2.5 * (T - 2.0 / np.pi * np.sin(np.pi * T / 2.0)))[:, None]
