@@ -91,14 +91,10 @@ def cases(count: int) -> tuple[Case, ...]:
     """
     conditions = tuple(product((True, False), repeat=2))
     every = (
-        Case(
-            seed,
-            PROCEDURES[(seed + k + turn) % 2],
-            *condition,
-            is_loaded=(seed // 2 + k + turn) % 2 == 0,
-        )
+        Case(seed, procedure, low_pass, delay, (seed // 2 + k + turn) % 2 == 0)
         for turn in range(2)
         for seed in range(1, SEEDS + 1)
-        for k, condition in enumerate(conditions)
+        for k, (low_pass, delay) in enumerate(conditions)
+        for procedure in [PROCEDURES[(seed + k + turn) % 2]]
     )
     return tuple(islice(every, count))

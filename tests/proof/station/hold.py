@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from tasks.version import code_version
 from tests.proof.real.hold import write
 from tests.proof.station.case import Case, cases
 from tests.proof.station.record import recording_of
@@ -17,13 +18,17 @@ COLUMNS = ("recording", "low-pass", "delay", "wrong names", "told", "s")
 
 
 def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[Score]:
-    """Recordings, answers and station.md in a new folder; the scores of the first `count` cases."""
+    """Recordings, answers, station.md and station.json in a new folder; the scores of the first
+    `count` cases.
+    """
     asked = {f"{number:03d}": case for number, case in enumerate(cases(count), start=1)}
     for label, case in asked.items():
         write(recording_of(case), folder / RECORDINGS / label)
     explain_blind(folder, report)
     scores = [score(case, _answer(folder / ANSWERS / label)) for label, case in asked.items()]
     (folder / "station.md").write_text(as_markdown(scores), encoding="utf-8")
+    data = json.dumps(as_data(scores), indent=1, ensure_ascii=False) + "\n"
+    (folder / "station.json").write_text(data, encoding="utf-8")
     return scores
 
 
@@ -43,13 +48,33 @@ def summary(scores: Sequence[Score]) -> list[str]:
         f"{len(scores)} recordings of the virtual station: right in all "
         f"{sum(one.is_right for one in scores)}, a wrong name in "
         f"{sum(bool(one.wrong) for one in scores)}, failed "
-        f"{sum(one.failed is not None for one in scores)}."
+        f"{sum(one.failed is not None for one in scores)}; "
+        f"{sum(one.case.is_loaded for one in scores)} by a busy computer."
     ]
     for what in ("low_pass", "delay"):
         told = Counter(getattr(one, what) for one in scores)
         counts = ", ".join(f"{how} {n}" for how, n in told.most_common())
         lines.append(f"{what.replace('_', '-')}: {counts}.")
     return lines
+
+
+def as_data(scores: Sequence[Score]) -> dict[str, object]:
+    """What station.md says, and of each recording the truth beside what was said of it."""
+    return {
+        "code_version": code_version(),
+        "summary": summary(scores),
+        "recordings": [_data(one) for one in scores],
+    }
+
+
+def _data(one: Score) -> dict[str, object]:
+    case = one.case
+    return {
+        "name": case.name, "is_loaded": case.is_loaded, "corners_hz": case.corners_hz,
+        "delay_s": case.delay_s, "group_delays_s": case.group_delays_s, "is_right": one.is_right,
+        "low_pass": one.low_pass, "delay": one.delay, "wrong": one.wrong, "told": one.names,
+        "failed": one.failed, "seconds": round(one.seconds, 2),
+    }  # fmt: skip
 
 
 def _row(one: Score) -> tuple[str, ...]:
