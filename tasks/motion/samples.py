@@ -8,15 +8,17 @@ FARTHEST, INTERVALS = 0.1, 4.0  # s, and intervals: with no sample that near not
 LOST = 2.5  # intervals: a longer step is a gap, a shorter one may be stamps that scatter
 NORMAL_QUANTILES = {0.5: 0.6745, 0.9: 1.645}  # of the absolute value of a standard normal variable
 SAMPLE = 20_000  # differences that a quantile is taken of
-SPAN = 50  # rows, longer than any batch in which stamps are written
+SPAN = 60  # rows: whole batches of most sizes in which stamps are written
 USUAL = 0.25  # of the usual time of so many rows: more is a gap
 
 
 def sample_interval(t: np.ndarray) -> float:
-    """Seconds between rows stamped t (n,) s, and be it that stamps come in batches; gaps apart."""
+    """Seconds between rows stamped t (n,) s, whether or not stamps come in batches; gaps apart."""
     rows = max(1, min(SPAN, len(t) // 4))
     spans = t[rows:] - t[:-rows]
-    usual = float(np.median(spans))
+    usual, next_to = float(np.median(spans)), float(np.median(np.diff(t)))
+    if abs(rows * next_to - usual) <= USUAL * usual:
+        return next_to
     return float(spans[np.abs(spans - usual) <= USUAL * usual].mean()) / rows
 
 
@@ -28,7 +30,7 @@ def gaps(t: np.ndarray, interval: float, wide: float) -> np.ndarray:
     after = np.flatnonzero(np.diff(t) > (wide + 1.0) * interval)
     ends = after + 1
     late = [
-        float(np.median(course[end : end + SPAN]) - np.median(course[max(0, end - SPAN) : end]))
+        float(course[end : end + SPAN].mean() - course[max(0, end - SPAN) : end].mean())
         for end in ends
     ]
     return after[np.array(late) > wide * interval]
