@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.special import ndtr
 from scipy.stats import chi2
 
@@ -29,7 +30,10 @@ MIN_MIDDLE = 3
 WITHIN, MIN_WITHIN = 4.0, 0.95  # noise by which a zero may lie beyond, and the share that does not
 ROUNDS = 2
 STILL, MIN_REST = 0.005, 200  # rad/s, rows of a rest
+CALM = 0.5  # s of a mean rate
 MIN_RESTS = 8
+SOON = 0.4  # s from the start of a rest: firmware waits longer
+GONE, LASTING = 4.0, 3.0  # of a mean's variance that is left, and of what is left that was there
 DITHERED = 0.5  # step: less noise lets means lie anywhere
 SIGNIFICANT = 1e-7
 
@@ -71,11 +75,11 @@ def find_dead_zone(
     }
     if holes:
         return _set_to_zero(readings, motion, holes)
-    rests = _rests(motion)
+    rests, soon = _rests(motion), max(1, round(SOON / max(motion.interval, 1e-9)))
     zeroed = tuple(
         c
         for c in GYROS
-        if len(rests) >= MIN_RESTS and _zeroed(readings[:, c], rests, quantisers[c])
+        if len(rests) >= MIN_RESTS and _zeroed(readings[:, c], rests, quantisers[c], soon)
     )
     if not zeroed:
         return None, masked
@@ -158,22 +162,35 @@ def _within(predicted: np.ndarray, limit: float) -> bool:
 
 
 def _rests(motion: Motion) -> list[np.ndarray]:
-    """The rows of the later half of each rest: by then a bias has been estimated."""
-    still = np.linalg.norm(motion.rate, axis=1) < STILL
+    """The rows of each rest; by its later half a bias has been estimated."""
+    rows = max(1, round(CALM / max(motion.interval, 1e-9)))
+    mean = uniform_filter1d(np.nan_to_num(motion.rate), rows, axis=0)  # an encoder's noise is rough
+    still = (np.linalg.norm(mean, axis=1) < STILL) & np.isfinite(motion.rate).all(axis=1)
     edges = np.flatnonzero(np.diff(still.astype(int), prepend=0, append=0))
     runs = [(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a >= MIN_REST]
-    return [np.arange((a + b) // 2, b) for a, b in runs]
+    return [np.arange(a, b) for a, b in runs]
 
 
-def _zeroed(reading: np.ndarray, rests: Sequence[np.ndarray], quantiser: Quantiser | None) -> bool:
-    """Whether the means of rests lie nearer to zero than their noise lets them."""
-    parts = [reading[rows][np.isfinite(reading[rows])] for rows in rests]
-    parts = [part for part in parts if len(part) >= MIN_REST // 4]
+def _zeroed(
+    reading: np.ndarray, rests: Sequence[np.ndarray], quantiser: Quantiser | None, soon: int
+) -> bool:
+    """Whether the bias of each rest is taken off: there in its first `soon` rows and then gone.
+
+    Or the means of rests lie nearer to zero than their noise lets them.
+    """
+    parts = [reading[rows] for rows in rests if np.isfinite(reading[rows]).all()]
     if len(parts) < MIN_RESTS:
         return False
     rough = np.concatenate([np.diff(part, 2) for part in parts])
     noise = float(np.std(rough)) / np.sqrt(6.0)
     if noise <= (0.0 if quantiser is None else DITHERED * quantiser.step):
         return False
-    misfit = sum(len(part) * float(part.mean()) ** 2 for part in parts) / noise**2
-    return bool(chi2.cdf(misfit, len(parts)) < SIGNIFICANT)
+    early = np.array([np.sqrt(soon) * part[:soon].mean() for part in parts]) / noise
+    late = [part[len(part) // 2 :] for part in parts]
+    late = np.array([np.sqrt(len(part)) * part.mean() for part in late]) / noise
+    if chi2.cdf(float(late @ late), len(parts)) < SIGNIFICANT:
+        return True
+    gone = np.median(late**2) < GONE and np.median(np.abs(early)) > LASTING * np.median(
+        np.abs(late)
+    )
+    return bool(gone and chi2.sf(float(early @ early), len(parts)) < SIGNIFICANT)

@@ -87,3 +87,19 @@ def test_a_bias_taken_off_once_is_no_dead_zone(seed: int) -> None:
     readings[:, :3] -= readings[REST, :3].mean(axis=0)
     assert found(readings).events == ()
     assert SIGMA[0] > 0.0
+
+
+def test_a_bias_that_is_estimated_anew_while_the_unit_rests_is_told() -> None:
+    readings = noisy(mean_readings(MADE), 8)
+    starts = np.flatnonzero(np.diff(REST.astype(int), prepend=0) == 1)
+    since = np.arange(len(REST)) - np.maximum.accumulate(
+        np.where(np.isin(np.arange(len(REST)), starts), np.arange(len(REST)), 0)
+    )
+    drift = 3e-3 * np.random.default_rng(9).standard_normal((len(starts) + 1, 3))
+    left = np.where(since > 100, np.exp(-(since - 100) / 30.0), 1.0)[:, None]
+    readings[:, :3] -= 0.004
+    readings[:, :3] += drift[np.searchsorted(starts, np.arange(len(REST)), "right")] * np.where(
+        REST[:, None], left, 1.0
+    )
+    events = found(readings)
+    assert "dead_zone" in [event.effect for event in events.events]
