@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tasks.motion.samples import in_blocks, sample_interval
+from tasks.motion.samples import in_blocks, interpolated, sample_interval
 from tasks.motion.whole import Motion
 
 SLOPE_WINDOW = 1.0  # s, within which the delay is read off the slope
@@ -17,8 +17,9 @@ MODEL_U = 0.08  # of a sample interval: what else may look like a delay in a win
 MIN_INDEPENDENT = 0.1  # of a window's information that must remain beside a bias
 
 GRID_WINDOW = 4.0  # s: in a shorter one, one oscillation passes for the next
-GRID_STEP = 0.1  # of a sample interval: delays that are tried
-EARLIEST, LATEST = -8, 40  # sample intervals that are tried
+GRID_ROWS = 200  # of a window that are compared
+GRID_STEP = 0.2  # of a sample interval: delays that are tried
+EARLIEST, LATEST = -32, 40  # sample intervals that are tried
 GRID_OUTLIER = 100.0  # chi-squared that one window may cost at most
 GRID_U = 0.05  # of a sample interval
 MIN_CONTRAST = 100.0  # chi-squared between a window's best delay and the worst
@@ -100,31 +101,39 @@ def _projected(gram: np.ndarray, q: int) -> np.ndarray:
     return np.asarray(gram - shares[:, None] * gram[q][None])
 
 
-def delays_by_grid(t: np.ndarray, gyros: np.ndarray, predicted: np.ndarray) -> GridDelays:
-    """The misfit of each window at each delay; gyros, predicted: (n, 3), NaN where not usable.
+def delays_by_grid(t: np.ndarray, gyros: np.ndarray, rates: np.ndarray) -> GridDelays:
+    """The misfit of each window at each delay; gyros, rates of the motion: (n, 3), NaN: unknown.
 
     For a motion that oscillates: a delay of more than a quarter of a period cannot be read off
-    the slope. Within a window a gyro has a scale factor and a bias of its own. The noise of each
-    gyro is what the best delays leave in the median window.
+    the slope. Within a window each gyro follows the three rates in a way of its own, and has a
+    bias: a matrix fitted to readings that the losses have put off would look like delays. The
+    noise is what the best delays leave in the median window.
     """
     interval = sample_interval(t)
     lags = np.arange(EARLIEST, LATEST + GRID_STEP / 2, GRID_STEP)
     window, count = _windows(t, GRID_WINDOW)
-    total = np.zeros((count, len(lags)))
-    for reading, signal in zip(gyros.T, predicted.T, strict=True):
-        known = np.isfinite(reading) & np.isfinite(signal)
-        if not known.any() or not np.ptp(signal[known]):
+    some = np.isfinite(gyros).any(axis=0)
+    known = np.isfinite(gyros[:, some]).all(axis=1)
+    unknown = np.concatenate([[0], np.cumsum(np.isnan(rates).any(axis=1))])
+    total, rows = np.zeros((count, len(lags))), np.zeros(count)
+    for number in range(count):
+        first, last = np.searchsorted(window, (number, number + 1))
+        own = first + np.flatnonzero(known[first:last])
+        reach = (first + EARLIEST, last + LATEST)
+        if len(own) < 0.5 * GRID_WINDOW / interval or np.ptp(unknown[np.clip(reach, 0, len(t))]):
             continue
-        at, y, number = t[known], reading[known], window[known]
-        rows = np.bincount(number, minlength=count)
-        misfit = np.column_stack([
-            _line_misfit(y, np.interp(at + lag * interval, t, signal), number, rows)
-            for lag in lags
-        ])  # fmt: skip
-        full = rows > 0.5 * rows.max()
-        variance = float(np.median(misfit.min(axis=1)[full] / np.maximum(rows - 2, 1)[full]))
-        total += np.where(full[:, None], misfit, 0.0) / max(variance, 1e-300)
-    table = total - total.min(axis=1, keepdims=True)
+        own = own[:: 1 + len(own) // GRID_ROWS]
+        read = gyros[own][:, some]
+        rows[number] = read.size
+        total[number] = [
+            _matrix_misfit(read, interpolated(t[own] + lag * interval, t, rates)) for lag in lags
+        ]
+    if not rows.any():
+        nothing = np.zeros(0)
+        return GridDelays(nothing, nothing, nothing, GRID_WINDOW, total[:0])
+    full = rows > 0
+    variance = float(np.median(total[full].min(axis=1) / rows[full]))
+    table = (total - total.min(axis=1, keepdims=True)) / max(variance, 1e-300)
     sharp = table.max(axis=1) > MIN_CONTRAST
     middle = t[0] + (np.flatnonzero(sharp) + 0.5) * GRID_WINDOW
     best = lags[table.argmin(axis=1)][sharp]
@@ -132,16 +141,11 @@ def delays_by_grid(t: np.ndarray, gyros: np.ndarray, predicted: np.ndarray) -> G
     return GridDelays(middle, best, np.full(len(best), GRID_U), GRID_WINDOW, costs)
 
 
-def _line_misfit(y: np.ndarray, x: np.ndarray, number: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Sum of squares (windows,) that a straight line in x leaves of y in each window."""
-    starts = np.searchsorted(number, np.arange(len(rows)))
-    sums = np.zeros((5, len(rows)))
-    sums[:, rows > 0] = np.add.reduceat([x, y, x * x, x * y, y * y], starts[rows > 0], axis=1)
-    sx, sy, sxx, sxy, syy = sums
-    held = np.maximum(rows, 1)
-    sxx, sxy, syy = sxx - sx * sx / held, sxy - sx * sy / held, syy - sy * sy / held
-    gained = np.divide(sxy**2, sxx, out=np.zeros(len(rows)), where=sxx > 0)
-    return np.asarray(np.maximum(syy - gained, 0.0))
+def _matrix_misfit(read: np.ndarray, rates: np.ndarray) -> float:
+    """Sum of squares that a matrix and a bias leave of readings (n, k), given rates (n, 3)."""
+    basis, _ = np.linalg.qr(rates - rates.mean(axis=0))
+    off = read - read.mean(axis=0)
+    return float((off**2).sum() - ((basis.T @ off) ** 2).sum())
 
 
 def _windows(t: np.ndarray, width: float) -> tuple[np.ndarray, int]:

@@ -70,7 +70,7 @@ def find_lost_samples(
     event: LostSamples | None = None
     for _ in range(2):  # the second time with a fit that the losses do not disturb
         if oscillating:
-            steps = fit_staircase(delays_by_grid(t, used[:, :3], predicted[:, :3]))
+            steps = fit_staircase(delays_by_grid(t, used[:, :3], motion.rate))
         else:
             steps = fit_staircase(delays_by_slope(t, used - predicted, predicted, slope, noise))
         if steps is None:
