@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from schemas.calibration import Calibration, Item
+from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
 from schemas.text import Remark
 from tasks.certificate.cover import by_document, by_method
@@ -13,6 +13,7 @@ from tasks.certificate.fields import given, quoted, slug
 from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, statement
+from tasks.words.quantities import quantity
 from tasks.words.rounding import USUAL_K
 from tasks.words.typography import clause
 
@@ -32,7 +33,9 @@ def determined(item: Item | None) -> bool:
 
 
 def basis(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
-    """Which clauses the values follow, whether to the letter, and which items have none."""
+    """Which clauses the values follow, whether to the letter, what was taken off the readings
+    before, and which items have no value.
+    """
     statements = []
     values = [item for item in calibration.items.values() if determined(item)]
     if values:
@@ -43,6 +46,7 @@ def basis(calibration: Calibration, specification: Specification) -> tuple[Messa
         if named:
             followed = message("certificate-basis.clauses", basis=followed, clauses=tuple(named))
         statements.append(message("certificate-basis.end", basis=followed))
+    statements += map(_taken_off, calibration.terms)
     absent = tuple(
         item_title(name)
         for name in specification.required
@@ -51,6 +55,15 @@ def basis(calibration: Calibration, specification: Specification) -> tuple[Messa
     if absent:
         statements.append(message(by_document("absent", specification), items=absent))
     return tuple(statements)
+
+
+def _taken_off(term: AdoptedTerm) -> Message:
+    """What was taken off the readings: its parameters that the recording determines, with U."""
+    title = quoted(term.title, term.title_zh)
+    if not term.parameters:
+        return message("certificate-taken-off", title=title)
+    sizes = tuple(f"{p.name} = {quantity(p.value, USUAL_K * p.u, p.unit)}" for p in term.parameters)
+    return message("certificate-taken-off.sizes", title=title, sizes=sizes)
 
 
 def uncertainty_in_short(calibration: Calibration) -> Message | None:

@@ -16,26 +16,30 @@ from tasks.motion.whole import Motion
 class DeterminedParameter:
     """A parameter of a term as it was taken off, SI.
 
-    place: its row of the covariance; none where it was not fitted, and u is 0.
+    place: its row of the covariance; none where it was not fitted, and u is 0. held: at nothing,
+    because it is not determined: then u is what it may be.
     """
 
     parameter: Parameter
     value: float
     u: float = 0.0
     place: int | None = None
+    held: bool = False
 
 
 @dataclass(frozen=True)
 class DeterminedModel:
     """A fitted model whose findings have those parameters alone that are known better than their
-    size: the others are nothing, and all the rest was fitted without them.
+    size: the others are held at nothing, and all the rest was fitted without them.
 
-    covariance: (q, q) of the free parameters, then of the fitted shapes, widened by what is left
-    of the mismatch. motion: at the unit's rows; start: of its t = 0 on the recording's clock, s.
-    axes: (6, 6) from readings put right to those that were recorded.
+    held: (p,) bool. covariance: (q, q) of the free parameters, those held included since they may
+    be something, then of the fitted shapes, widened by what is left of the mismatch. motion: at
+    the unit's rows; start: of its t = 0 on the recording's clock, s. axes: (6, 6) from readings
+    put right to those that were recorded.
     """
 
     model: Model
+    held: np.ndarray
     covariance: np.ndarray
     motion: Motion
     start: float = 0.0
@@ -67,21 +71,23 @@ class DeterminedModel:
             first = model.places[term.key].start
             for p, parameter in enumerate(term.parameters, first):
                 if model.free[p]:
-                    found.append(self._known(parameter, float(model.values[p]), free.index(p)))
-            place = len(free) + model.fitted_shapes.index(k) if k in model.fitted_shapes else None
+                    place, value = free.index(p), float(model.values[p])
+                    held = bool(self.held[p])
+                    u = float(self.u[place])
+                    found.append(DeterminedParameter(parameter, value, u, place, held))
             for shape, value in zip(term.shapes, term.at, strict=True):
                 value += self.start if shape.name == "time" else 0.0
-                found.append(self._known(shape, value, place))
+                if k not in model.fitted_shapes:
+                    found.append(DeterminedParameter(shape, value))
+                    continue
+                place = len(free) + model.fitted_shapes.index(k)
+                found.append(DeterminedParameter(shape, value, float(self.u[place]), place))
         return tuple(found)
 
     def change(self, place: int) -> np.ndarray:
         """(n, 6) by which the readings grow with one parameter, by its standard uncertainty."""
         more, less = (self._moved(place, sign).prediction(self.motion) for sign in (1.0, -1.0))
         return np.asarray((more - less) / 2.0 @ self.axes.T)
-
-    def _known(self, parameter: Parameter, value: float, place: int | None) -> DeterminedParameter:
-        u = 0.0 if place is None else float(self.u[place])
-        return DeterminedParameter(parameter, value, u, place)
 
     def _moved(self, place: int, sign: float) -> Model:
         """The model with one parameter greater or smaller by its standard uncertainty."""

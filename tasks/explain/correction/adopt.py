@@ -29,10 +29,10 @@ def adopt(
     """The clause method on the readings less what the findings add.
 
     determined: of the explanation that the findings are of. U holds the parameters' uncertainties
-    beside all the rest: u² = u₀² + ΣΣ ∂y/∂pᵢ·u(pᵢ, pⱼ)·∂y/∂pⱼ, each by a difference; with the
-    noise of the clauses' own means they are not correlated where these are as good as a fit of
-    all rows. A random walk has no parameter whose uncertainty U could hold: it stays in the
-    readings, as noise.
+    beside all the rest, and what the undetermined ones may be:
+    u² = u₀² + ΣΣ ∂y/∂pᵢ·u(pᵢ, pⱼ)·∂y/∂pⱼ, each by a difference; with the noise of the clauses' own
+    means they are not correlated where these are as good as a fit of all rows. A random walk has
+    no parameter whose uncertainty U could hold: it stays in the readings, as noise.
     """
     random = [finding for finding in findings if finding.effect == BIAS_RANDOM_WALK.name]
     findings = [finding for finding in findings if finding.effect != BIAS_RANDOM_WALK.name]
@@ -72,7 +72,8 @@ def adopt(
 
 def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> AdoptedTerm:
     """With the parameters that were taken off; of known physics those that it is checked by."""
-    taken = determined.parameters(finding.terms) if determined else ()
+    every = determined.parameters(finding.terms) if determined else ()
+    taken = [one for one in every if not one.held]
     return AdoptedTerm(
         name=finding.effect,
         title=say(finding.title, "en"),

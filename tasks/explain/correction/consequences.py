@@ -16,7 +16,6 @@ from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.sensitivity import uncertain_inputs
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
 from tasks.words import Sayable, message
@@ -88,7 +87,11 @@ def collinear_sets(explanation: Explanation) -> list[tuple[int, ...]]:
     findings, determined = explanation.findings, explanation.determined
     alike = np.eye(len(findings), dtype=bool)
     places = [
-        [one.place for one in uncertain_inputs([finding], determined) if one.place is not None]
+        [
+            one.place
+            for one in (determined.parameters(finding.terms) if determined else ())
+            if one.place is not None and not one.held
+        ]
         for finding in findings
     ]
     for i, j in combinations(range(len(findings)), 2):

@@ -1,6 +1,7 @@
 """Which parameters of the findings the recording determines, and the model of these alone."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.refit import fitted
 from tasks.model.model import Model
 from tasks.model.regression import inverse
+from tasks.model.term import TermKey
 
 
 def determined_model(
@@ -20,21 +22,25 @@ def determined_model(
     """The fitted model with its undetermined parameters held at nothing and the rest fitted again.
 
     What the standard's parameters make up for would be moved by whatever a parameter happens to
-    be that is no better known than its size. scrutinies: of the findings, by number.
+    be that is no better known than its size. What it may be, with all that makes up for it, stays
+    in the covariance. scrutinies: of the findings, by number.
     """
     fit, model = evidence.fit, evidence.fit.model
     widening = _widening(evidence, scrutinies)
     loose = _undetermined(evidence, scrutinies, widening)
     if loose.any():
-        model = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
-    widening, spread = widening[model.free], [1.0] * len(model.fitted_shapes)
-    for number, group in enumerate(evidence.groups):
-        for n, k in enumerate(model.fitted_shapes):
-            if model.terms[k].key in {term.key for term in group.terms}:
-                spread[n] = float(np.sqrt(evidence.scatter.dispersion(number)))
-    wide = np.concatenate([widening, spread])
+        without = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
+        model = replace(without, free=without.free | loose)
+    spread = [_spread(evidence, model.terms[k].key) for k in model.fitted_shapes]
+    wide = np.concatenate([widening[model.free], spread])
     covariance = _covariance(model, evidence) * wide[:, None] * wide
-    return DeterminedModel(model, covariance, full.motion, full.start)
+    return DeterminedModel(model, loose, covariance, full.motion, full.start)
+
+
+def _spread(evidence: Evidence, key: TermKey) -> float:
+    """By which what is left makes the u of a term's shape larger."""
+    numbers = [n for n, group in enumerate(evidence.groups) if key in {t.key for t in group.terms}]
+    return float(np.sqrt(max((evidence.scatter.dispersion(n) for n in numbers), default=1.0)))
 
 
 def _widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
@@ -87,8 +93,6 @@ def _undetermined(
 def _covariance(model: Model, evidence: Evidence) -> np.ndarray:
     """(q, q) of the free parameters and the fitted shapes, by the fit's noise."""
     blocks, noises = evidence.fit.blocks, evidence.fit.noises
-    if not model.fitted_shapes:
-        return model.covariance[np.ix_(model.free, model.free)]
     design = model.design(blocks.motion)
     normal, _, _ = equations_of(
         design.columns, blocks.readings - design.prediction, blocks, noises

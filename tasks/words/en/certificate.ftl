@@ -87,6 +87,8 @@ certificate-basis =
     .jjf1536-deviating = Calibrated after { $specification }, with deviations, see Remarks
     .clauses = { $basis }; clauses { $clauses }
     .end = { $basis }.
+certificate-taken-off = Taken off the readings before: { $title }.
+    .sizes = Taken off the readings before: { $title }, { $sizes } (k = 2); U of each item holds their U.
 certificate-absent =
     .jjf-2003-2022 = Items of Table 2 not determined: { $items }.
     .jjf-1536-2015 = Items of clause 7 not determined: { $items }.

@@ -87,6 +87,8 @@ certificate-basis =
     .jjf1536-deviating = 本次校准参照 { $specification }，有偏离，见“说明”
     .clauses = { $basis }；条款 { $clauses }
     .end = { $basis }。
+certificate-taken-off = 事先从读数中扣除：{ $title }。
+    .sizes = 事先从读数中扣除：{ $title }，{ $sizes }（k = 2）；各项目的 U 已包含其 U。
 certificate-absent =
     .jjf-2003-2022 = 表 2 中未得出结果的项目：{ $items }。
     .jjf-1536-2015 = 第 7 章中未得出结果的项目：{ $items }。

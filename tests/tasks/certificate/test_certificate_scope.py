@@ -16,7 +16,8 @@ from sample_certificate import (
     tolerance,
 )
 
-from schemas.calibration import Calibration, SegmentUsed
+from schemas.calibration import AdoptedTerm, Calibration, SegmentUsed
+from schemas.discrepancy import FoundParameter
 from schemas.recording import Kind, Manifest, Mount, Segment
 from schemas.text import Remark
 from schemas.tolerance import Limit
@@ -116,6 +117,16 @@ def test_the_basis_names_only_what_was_determined_and_lists_the_rest() -> None:
         "表 2 中未得出结果的项目：陀螺标度因数。",
         "Items of Table 2 not determined: Gyro scale factor.",
     )
+
+
+def test_the_basis_says_what_was_taken_off_with_its_u() -> None:
+    arm = FoundParameter(name="r_x", value=0.05, unit="m", u=1e-4)
+    taken = AdoptedTerm(name="lever_arm", title="lever arm", title_zh="杆臂", parameters=(arm,))
+    zh, en = content(certificate(calibration(terms=(taken,)))).statement[1]
+    assert en.startswith(
+        "Taken off the readings before: lever arm, r_x = (50.00 ± 0.20) mm (k = 2)"
+    )
+    assert "杆臂" in zh
 
 
 def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:

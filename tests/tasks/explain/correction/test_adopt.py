@@ -63,7 +63,9 @@ def determined(recording: Recording, r_xy: float = 0.0) -> DeterminedModel:
     correlation = np.eye(3)
     correlation[0, 1] = correlation[1, 0] = r_xy
     covariance = correlation * np.outer(U_ARM, U_ARM)
-    return DeterminedModel(model, covariance, whole_motion(recording))
+    return DeterminedModel(
+        model, np.zeros(len(model.values), bool), covariance, whole_motion(recording)
+    )
 
 
 @pytest.fixture
@@ -177,11 +179,30 @@ def test_correlation_of_what_was_taken_off_is_in_u(run) -> None:
     assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
 
 
+def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run) -> None:
+    """Along its own axis a steady rate shows the arm by p_xy alone."""
+    values = np.concatenate([STANDARD_VALUES, [0.0, *ARM[1:]]])
+    full = determined(run)
+    held = full.model.free & (values == 0.0)
+    arm = replace(full, model=replace(full.model, values=values), held=held)
+    loose = replace(lever_arm(run), contribution=arm.contribution([LEVER_ARM.key]))
+    recording = corrected(run, (-loose.contribution,))
+    adopted, clean = adopt(recording, [loose], calibrated, arm), calibrated(run)
+    assert [p.name for p in adopted.terms[0].parameters] == ["r_y", "r_z"]
+    (said,) = [each for each in adopted.remarks if each.code == "parameters_not_taken_off"]
+    assert "r_x" in said.en
+    before, after = (c.items["accel_rate_sensitivity"] for c in (clean, adopted))
+    assert after.value["xy"] == pytest.approx(before.value["xy"], abs=1e-9)
+    assert after.u["xy"] == pytest.approx(math.hypot(before.u["xy"], U_ARM[0]), rel=1e-3)
+
+
 def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
     """Earth's rate that was found is a check of the one that was taken off."""
     term = earth_rotation(0.5)
     model = Model.of((*STANDARD_TERMS, term), free=np.zeros(len(STANDARD_VALUES), bool))
-    known = DeterminedModel(model, np.zeros((0, 0)), whole_motion(run))
+    known = DeterminedModel(
+        model, np.zeros(len(model.values), bool), np.zeros((0, 0)), whole_motion(run)
+    )
     seen = FoundParameter(name="vertical_rate", value=7.0, unit="deg/h", u=20.0)
     found = finding(
         added_by(term, run, ()), "earth_rotation", parameters=(seen,), terms=(term.key,)

@@ -89,7 +89,9 @@ def test_findings_that_make_up_for_each_other_are_told_of_together(run: Recordin
     model = Model.of(terms, values, free)
     for r, others in ((-0.99, 1), (-0.5, 0)):
         covariance = 1e-4 * np.array([[1.0, r], [r, 1.0]])
-        determined = DeterminedModel(model, covariance, whole_motion(run))
+        determined = DeterminedModel(
+            model, np.zeros(len(model.values), bool), covariance, whole_motion(run)
+        )
         found = [
             finding(determined.contribution([arm.key]), "lever_arm", terms=(arm.key,))
             for arm in arms
