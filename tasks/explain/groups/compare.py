@@ -202,13 +202,16 @@ class _Family:
 
     @cached_property
     def _triads_differ(self) -> bool:
-        """Whether gyros and accelerometers are late unlike each other, which linear forms tell."""
+        """Whether gyros and accelerometers are late unlike each other, which linear forms tell.
+
+        Of filters alone: a long delay and a filter differ in their linear forms already.
+        """
         both = next((form for form in self.forms if _is_by_triad(form)), None)
-        whole = [form for form in self.forms
-                 if form[0].name in ("time_offset", "bandwidth") and form is not both]  # fmt: skip
-        if both is None or not whole:
+        whole = next((form for form in self.forms
+                      if form[0].name == "bandwidth" and form is not both), None)  # fmt: skip
+        if both is None or whole is None:
             return both is not None
-        more = self._linear_gain(both) - max(map(self._linear_gain, whole))
+        more = self._linear_gain(both) - self._linear_gain(whole)
         return more > DISTINGUISHABLE * self._dispersion
 
     @cached_property
