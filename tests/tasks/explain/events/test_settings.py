@@ -46,8 +46,9 @@ def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> N
     assert found.triad == triad
     (parameter,) = found.parameters
     assert abs(parameter.value - factor) <= 2.0 * parameter.u + 1e-12
-    assert found.undone(readings) == pytest.approx(right, rel=0.01, abs=1e-9)
-    assert found.applied(motion().t, found.undone(readings)) == pytest.approx(readings)
+    undone = found.undone(readings)
+    np.testing.assert_allclose(undone, right, rtol=0.01, atol=1e-9)
+    np.testing.assert_allclose(found.applied(motion().t, undone), readings, rtol=1e-6, atol=1e-12)
 
 
 def test_one_axis_off_by_a_factor_is_no_setting_of_the_triad() -> None:
@@ -85,7 +86,7 @@ def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np
     (found,) = settings(readings, tracked=True)
     assert isinstance(found, AxisMapping)
     assert np.array_equal(found.matrix, matrix)
-    assert found.undone(readings) == pytest.approx(right)
+    np.testing.assert_allclose(found.undone(readings), right, rtol=1e-6, atol=1e-12)
     assert found.indistinguishable == ()
 
 
@@ -106,4 +107,4 @@ def test_axes_and_range_are_undone_together() -> None:
     assert [setting.effect for setting in found] == ["axis_mapping", "range_setting"]
     for setting in reversed(found):
         readings = setting.undone(readings)
-    assert readings == pytest.approx(right)
+    np.testing.assert_allclose(readings, right, rtol=1e-6, atol=1e-12)

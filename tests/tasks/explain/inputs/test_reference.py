@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from short_run import short_run
 
+from schemas.recording import Recording
 from tasks.explain.evidence.reference_deviation import OTHER
 from tasks.explain.explain import explain
 from tasks.explain.inputs.reference import ReferencePrediction
@@ -12,33 +14,36 @@ from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 
 
-def reference_of(recording, change: float = 0.0) -> ReferencePrediction:
-    """What the standard's model fitted to the recording says, its first scale factor changed."""
-    fitted = explain(recording)
-    more = np.zeros_like(fitted.nominal)
+@pytest.fixture(scope="module")
+def clean() -> Recording:
+    return short_run(3).recording
+
+
+@pytest.fixture(scope="module")
+def right(clean) -> ReferencePrediction:
+    """What the standard's model fitted to the recording says."""
+    return ReferencePrediction(explain(clean).nominal, "the test's prediction")
+
+
+def with_scale_factor(right: ReferencePrediction, recording: Recording, change: float):
+    """The prediction with its first scale factor changed."""
     ideal = nominal_values(STANDARD_TERMS)
     moved = ideal.copy()
     moved[0] += change
     motion = whole_motion(recording)
     more = predict(STANDARD_TERMS, motion, moved) - predict(STANDARD_TERMS, motion, ideal)
-    return ReferencePrediction(fitted.nominal + more, "the test's prediction")
+    return ReferencePrediction(right.readings + more, right.model)
 
 
-@pytest.fixture(scope="module")
-def clean(plant):
-    return plant("plant_clean")
-
-
-def test_a_right_prediction_leaves_nothing_to_say(clean) -> None:
-    said = reference_of(clean)
-    answer = explain(clean, reference=said)
+def test_a_right_prediction_leaves_nothing_to_say(clean, right) -> None:
+    answer = explain(clean, reference=right)
     assert answer.verdict == "no_mismatch"
-    assert answer.model == said.model
-    np.testing.assert_array_equal(answer.nominal, said.readings)
+    assert answer.model == right.model
+    np.testing.assert_array_equal(answer.nominal, right.readings)
 
 
-def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean) -> None:
-    answer = explain(clean, reference=reference_of(clean, change=1e-3))
+def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean, right) -> None:
+    answer = explain(clean, reference=with_scale_factor(right, clean, 1e-3))
     (finding,) = answer.findings
     assert (finding.effect, finding.follows) == ("unnamed", OTHER)
     (parameter,) = [p for p in finding.parameters if p.name == "gyro_matrix_xx"]
