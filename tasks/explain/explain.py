@@ -14,19 +14,21 @@ from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
 from tasks.explain.groups.compare import compared
 from tasks.explain.groups.families import searched_by_name
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.budget import SEARCH_BUDGET, Budget
 from tasks.explain.search.candidates import (
+    Candidate,
     candidates_of,
     plausible_half_ranges,
     with_nuisances,
 )
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import empirical
-from tasks.explain.search.fitted import all_fitted, searched, with_delay
+from tasks.explain.search.fitted import FittedSelection, all_fitted, searched, with_delay
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
@@ -67,18 +69,12 @@ def explain(
     share = min(1.0, LONG / float(full.motion.t[-1]))
     coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
     tell(progress, "candidates")
-    candidates, columns = candidates_of(_terms(recording, coarse.motion, only), coarse.motion)
-    if coarse.motion.tracking is not None and only is None:
-        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
-    half = plausible_half_ranges(candidates, len(columns))
-    design = banded_design(coarse, coarse.readings, columns, half)
-    tell(progress, "search")
+    terms = _terms(recording, coarse.motion, only)
+    candidates, fit = _fitted(terms, coarse, fine, only is None, progress, budget)
     if only is None:
-        done = partial(tell, progress, "search")
-        fit = searched(design, searched_by_name(candidates), fine, Budget.of(budget), done)
-        evidence = with_absorbed(pruned(fit, len(candidates)), candidates, design)
+        evidence = with_absorbed(pruned(fit, len(candidates)), candidates, coarse)
     else:
-        evidence = Evidence.of(all_fitted(design, candidates, fine))
+        evidence = Evidence.of(fit)
     if clean.delay:
         as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
         fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
@@ -95,6 +91,33 @@ def explain(
         stopped = message("explain-search-stopped", seconds=f"{budget:g}")
         explanation = replace(explanation, remarks=(*explanation.remarks, stopped))
     return with_faults(explanation, recorded, faults)
+
+
+def _fitted(
+    terms: Sequence[Term],
+    coarse: Blocks,
+    fine: Blocks,
+    searching: bool,
+    progress: Progress,
+    budget: float,
+) -> tuple[tuple[Candidate, ...], FittedSelection]:
+    """The candidates of some terms; and a fit of those that a search selects, else of all.
+
+    The design, half a gigabyte of an hour's columns, ends with the search that refines it.
+    """
+    candidates, columns = candidates_of(terms, coarse.motion)
+    if coarse.motion.tracking is not None and searching:
+        candidates = tuple(with_nuisances(candidates, OF_TRACKING))
+    half = plausible_half_ranges(candidates, len(columns))
+    tell(progress, "search")
+    if not searching:
+        design = banded_design(coarse, coarse.readings, columns, half)
+        return candidates, all_fitted(design, candidates, fine)
+    fit = searched(
+        banded_design(coarse, coarse.readings, columns, half),
+        searched_by_name(candidates), fine, Budget.of(budget), partial(tell, progress, "search"),
+    )  # fmt: skip
+    return candidates, fit
 
 
 def _terms(recording: Recording, motion: Motion, only: Sequence[str] | None) -> list[Term]:

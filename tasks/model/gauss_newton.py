@@ -98,20 +98,36 @@ def gauss_newton(
     they overshoot; without, every step is taken whole.
     """
     for _ in range(max_steps):
-        step = _step(model, motion, readings, whiten)
-        stepped = model.stepped(step.change, step.covariance)
-        if stepped.negative.any():  # the others' step made up for it: they are solved again
-            model = model.held_at_zero(stepped.negative)
-            continue
-        if settled(stepped, step):
-            return stepped, True
-        if scores is None:
-            model = stepped
-            continue
-        model, fell = _by_chords(model, step, motion, readings, settled, scores)
-        if settled(model, replace(step, gain=fell)):  # no step keeps what it promises
-            return model, False
+        model, end = _iterated(model, motion, readings, whiten, settled, scores)
+        if end is not None:
+            return model, end
     return model, False
+
+
+def _iterated(
+    model: Model,
+    motion: Motion,
+    readings: np.ndarray,
+    whiten: Whiten,
+    settled: Callable[[Model, Step], bool],
+    scores: Scores | None,
+) -> tuple[Model, bool | None]:
+    """The model after one linearisation, and whether it settled; None where it goes on.
+
+    The columns, which are large, end with it: those of the next never stand beside them.
+    """
+    step = _step(model, motion, readings, whiten)
+    stepped = model.stepped(step.change, step.covariance)
+    if stepped.negative.any():  # the others' step made up for it: they are solved again
+        return model.held_at_zero(stepped.negative), None
+    if settled(stepped, step):
+        return stepped, True
+    if scores is None:
+        return stepped, None
+    model, fell = _by_chords(model, step, motion, readings, settled, scores)
+    if settled(model, replace(step, gain=fell)):  # no step keeps what it promises
+        return model, False
+    return model, None
 
 
 def _by_chords(

@@ -51,8 +51,10 @@ class Inputs:
         it is not known, gravity alone stands for it, or none.
         """
         force = motion.force
-        filled = np.where(np.isfinite(force), force, np.nan_to_num(motion.gravity * motion.up))
-        return cls(motion.rate, filled)
+        known = np.isfinite(force)
+        if not known.all():
+            force = np.where(known, force, np.nan_to_num(motion.gravity * motion.up))
+        return cls(motion.rate, force)
 
 
 @dataclass(frozen=True)

@@ -198,7 +198,7 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
 ) -> None:
     asked = engine(1)
     plain = mimucal("calibrate", shared / PLANT, "--json").json
-    done = mimucal("calibrate", shared / PLANT, "--terms", "bias_step", "--json")
+    done = mimucal("calibrate", plain["run"], "--terms", "bias_step", "--json")
     assert done.code == 0, done.err
     assert "only" not in asked  # what explain found is taken off as it found it
     (term,) = done.json["terms"]
@@ -209,9 +209,9 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
     assert before["value"]["x"] - after["value"]["x"] == pytest.approx(STEP, rel=1e-6)
     assert after["u"]["x"] == pytest.approx(np.hypot(before["u"]["x"], STEP / 20), rel=1e-4)
     assert after["u"]["y"] == pytest.approx(before["u"]["y"])
-    again = mimucal("calibrate", shared / PLANT, "--json").json
+    again = mimucal("calibrate", plain["run"], "--json").json
     assert again["items"] == plain["items"]
-    mimucal("calibrate", shared / PLANT, "--terms", "bias_step")
+    mimucal("calibrate", plain["run"], "--terms", "bias_step")
     kept = mimucal("show", plain["run"], "--json").json["results"]
     assert [len(result["calibration"]["terms"]) for result in kept] == [0, 1]
     assert [result["supersedes"] for result in kept] == [None, None]
@@ -234,11 +234,12 @@ def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
         'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
         encoding="utf-8",
     )
-    assert mimucal("calibrate", shared / PLANT, "--terms", "bias_step").code == 0
+    run = mimucal("import", shared / PLANT).out.strip()
+    assert mimucal("calibrate", run, "--terms", "bias_step").code == 0
     limits = ("--tolerance", tolerance, "--json")
-    without = mimucal("certify", shared / PLANT, *limits)
+    without = mimucal("certify", run, *limits)
     assert without.json["verdict"] == "pass"
-    ordered = mimucal("certify", shared / PLANT, "--terms", "bias_step", "--budget", *limits)
+    ordered = mimucal("certify", run, "--terms", "bias_step", "--budget", *limits)
     assert ordered.code == 0, ordered.err
     assert (ordered.json["verdict"], ordered.json["state"]) == ("inconclusive", "draft")
     assert any("bias_step" in reason for reason in ordered.json["reasons"])

@@ -75,7 +75,7 @@ def papers(tmp_path: Path, station: StationFile) -> tuple[Path, Path]:
     return station_file, procedure
 
 
-def mimucal(home: Path, *arguments: object) -> list[str]:
+def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "flows.cli", *map(str, arguments)]
 
 
@@ -122,20 +122,16 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home,
     assert list((home / "certificates").glob("*.pdf"))
 
 
-def test_acquire_prints_the_run_and_the_run_can_be_calibrated(own_home, papers) -> None:
-    home, (station_file, procedure) = own_home, papers
+def test_acquire_prints_the_run_and_the_run_can_be_calibrated(own_home, papers, mimucal) -> None:
+    station_file, procedure = papers
     done = subprocess.run(
-        mimucal(home, "acquire", station_file, "--procedure", procedure, "--json"),
-        capture_output=True, text=True, timeout=600, env=environment(home),
+        command("acquire", station_file, "--procedure", procedure, "--json"),
+        capture_output=True, text=True, timeout=600, env=environment(own_home),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     acquired = json.loads(done.stdout)
     assert acquired["lost_samples"] == 0
-    calibrated = subprocess.run(
-        mimucal(home, "calibrate", acquired["run"], "--json"),
-        capture_output=True, text=True, timeout=600, env=environment(home),
-    )  # fmt: skip
-    scale = json.loads(calibrated.stdout)["items"]["gyro_scale_factor"]
+    scale = mimucal("calibrate", acquired["run"], "--json").json["items"]["gyro_scale_factor"]
     assert scale["value"]["z"] == pytest.approx(draw_unit(7).gyro.scale[2][2], abs=2e-4)
     assert scale["value"]["x"] is None
 
@@ -148,7 +144,7 @@ def broken_off(home: Path, papers: tuple[Path, Path], how: signal.Signals) -> tu
     station_file, procedure = papers
     procedure.write_text(SHORT.format(dwell=60.0), encoding="utf-8")
     started = subprocess.Popen(
-        mimucal(home, "acquire", station_file, "--procedure", procedure),
+        command("acquire", station_file, "--procedure", procedure),
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment(home),
         start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
@@ -184,40 +180,30 @@ def servers_of(home: Path) -> list[int]:
     return found
 
 
-def ordered(home: Path, *arguments: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        mimucal(home, *arguments), capture_output=True, text=True, timeout=600,
-        env=environment(home),
-    )  # fmt: skip
-
-
-def test_what_was_recorded_survives_a_kill(own_home, papers) -> None:
-    home = own_home
-    broken_off(home, papers, signal.SIGKILL)
-    (found,) = (home / "acquiring").glob("*.mcap")
-    refused = ordered(home, "import", found)
-    assert refused.returncode == 2
-    assert "--salvage" in refused.stderr
-    saved = ordered(home, "import", found, "--salvage", "--json")
-    assert saved.returncode == 0, saved.stderr
-    run = json.loads(saved.stdout)["runs"][0]["run"]
-    document = json.loads(ordered(home, "show", run, "--json").stdout)
+def test_what_was_recorded_survives_a_kill(own_home, papers, mimucal) -> None:
+    broken_off(own_home, papers, signal.SIGKILL)
+    (found,) = (own_home / "acquiring").glob("*.mcap")
+    refused = mimucal("import", found)
+    assert refused.code == 2
+    assert "--salvage" in refused.err
+    saved = mimucal("import", found, "--salvage", "--json")
+    assert saved.code == 0, saved.err
+    document = mimucal("show", saved.json["runs"][0]["run"], "--json").json
     assert document["run"]["seconds"] > 10
     assert document["manifest"]["unit"]["serial"] == "V00007"
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
 def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
-    own_home, papers, how: signal.Signals
+    own_home, papers, how: signal.Signals, mimucal
 ) -> None:
-    home = own_home
-    code, said = broken_off(home, papers, how)
-    (found,) = (home / "acquiring").glob("*.mcap")
+    code, said = broken_off(own_home, papers, how)
+    (found,) = (own_home / "acquiring").glob("*.mcap")
     assert code == 1
     assert said.strip().count("\n") == 0
     assert said.startswith("stopped by the operator")
     assert str(found) in said
-    assert ordered(home, "import", "--salvage", found).returncode == 0
+    assert mimucal("import", "--salvage", found).code == 0
 
 
 RETRIED = """

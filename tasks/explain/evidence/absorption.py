@@ -14,12 +14,12 @@ from scipy.special import chdtrc
 
 from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise, transformed, weighted, whitened_gram
-from tasks.explain.search.candidates import Candidate
-from tasks.explain.search.design import BandedDesign
+from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
 from tasks.model.regression import inverse
-from tasks.model.terms.standard import GYRO_G_SENSITIVITY
+from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 
 ABSORBING = GYRO_G_SENSITIVITY  # absorbs a rate that turns with the vertical
 MIN_LOG_ODDS = 12.0  # twice the log of the odds that a claim asks for
@@ -27,29 +27,27 @@ MAX_MISFIT = 1e-3  # p value of what the parameters are beyond the known physics
 OBSERVABLE = 1e-9  # of a column's power: less is left of it beside the standard's other columns
 
 
-def with_absorbed(
-    evidence: Evidence, candidates: Sequence[Candidate], design: BandedDesign
-) -> Evidence:
+def with_absorbed(evidence: Evidence, candidates: Sequence[Candidate], blocks: Blocks) -> Evidence:
     """The evidence with the known physics that the readings ask for though it is absorbed.
 
-    design: that of the search, as it began.
+    blocks: those of the search.
     """
     fit, names = evidence.fit, {one.name for one in evidence.fit.selection.candidates}
     for known in (one for one in candidates if one.known and one.name not in names):
-        claim = absorbed(known, design, fit.selection.noises)
+        claim = absorbed(known, blocks, fit.selection.noises)
         if claim is not None:
             selected = (*fit.selection.selected, claim)
             fit = fit.reselected(replace(fit.selection, selected=selected))
     return evidence if fit is evidence.fit else Evidence.of(fit)
 
 
-def absorbed(known: Candidate, design: BandedDesign, noises: Sequence[Noise]) -> Selected | None:
+def absorbed(known: Candidate, blocks: Blocks, noises: Sequence[Noise]) -> Selected | None:
     """The candidate, selected, where the readings ask for it instead of what absorbs it.
 
-    noises: of a coefficient at the design's rate.
+    noises: of a coefficient at the blocks' rate.
     """
-    effect = design.columns[known.members[0]]
-    gains = [_gains(signal, design, c, noises[c]) for c, signal in effect.items()]
+    (effect,) = columns_of(known.term, blocks.motion)
+    gains = [_gains(signal, blocks, c, noises[c]) for c, signal in effect.items()]
     gain, absorbing, occam, count = np.sum(gains, axis=0) if gains else np.zeros(4)
     if count == 0 or gain <= 0:
         return None
@@ -61,19 +59,18 @@ def absorbed(known: Candidate, design: BandedDesign, noises: Sequence[Noise]) ->
 
 
 def _gains(
-    effect: np.ndarray, design: BandedDesign, number: int, noise: Noise
+    effect: np.ndarray, blocks: Blocks, number: int, noise: Noise
 ) -> tuple[float, float, float, int]:
     """Chi-squared gained over a model without the absorbing parameters, by the known physics and
     by those parameters; the Occam factor of the parameters and their number.
     """
-    blocks, channel = design.blocks, design.channels[number]
-    if channel is None:
+    if not blocks.weight[:, number].any():
         return 0.0, 0.0, 0.0, 0
-    signals = weighted([effect, blocks.readings[:, number]], blocks.weight[:, number])
-    rows = np.vstack([channel.base, transformed(signals)])
-    gram = whitened_gram(rows, blocks.rate, noise)
+    base = regressors(blocks.motion, number).T
+    signals = weighted([*base, effect, blocks.readings[:, number]], blocks.weight[:, number])
+    gram = whitened_gram(transformed(signals), blocks.rate, noise)
     count = len(AXES)  # the absorbing parameters of a channel are the last of its base
-    first = len(channel.base) - count
+    first = len(base) - count
     shared = gram[:first, first:]
     left = gram[first:, first:] - shared.T @ inverse(gram[:first, :first]) @ shared
     observable = np.flatnonzero(

@@ -63,7 +63,7 @@ def weighted(signals: Sequence[np.ndarray] | np.ndarray, weight: np.ndarray) -> 
     stack = np.zeros((len(signals), padded_length(len(weight))))
     for row, signal in zip(stack, signals, strict=True):
         np.multiply(signal, weight, out=row[: len(weight)])
-    np.nan_to_num(stack, copy=False)
+    np.copyto(stack, 0.0, where=np.isnan(stack))
     return stack
 
 

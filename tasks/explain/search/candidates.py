@@ -110,7 +110,7 @@ def _readings(term: Term, motion: Motion, values: np.ndarray) -> np.ndarray:
 
 def _column(change: np.ndarray) -> Column:
     """The channels that change beyond what rounding leaves."""
-    size = np.nanmax(np.abs(change), axis=0, initial=0.0)
+    size = np.fmax.reduce(np.abs(change), axis=0, initial=0.0)
     triads = np.repeat([np.nanmax(size[:3]), np.nanmax(size[3:])], 3)
     return {c: change[:, c] for c in EVERY if size[c] > NUMERICAL_ZERO * triads[c] > 0.0}
 

@@ -10,7 +10,6 @@ from tasks.explain.evidence.absorption import MIN_LOG_ODDS, absorbed
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate, columns_of
-from tasks.explain.search.design import BandedDesign, banded_design
 from tasks.explain.search.stepwise import Selected
 from tasks.model.terms.site import earth_rotation
 from tasks.motion.table import EARTH_RATE
@@ -46,14 +45,9 @@ def unit(sigma: float, sensitivity: float, seed: int = 0) -> tuple[Blocks, tuple
     return blocks, noises
 
 
-def design_of(blocks: Blocks) -> BandedDesign:
-    columns = columns_of(EARTH, blocks.motion)
-    return banded_design(blocks, blocks.readings, columns, np.array([np.inf]))
-
-
 def claimed(sigma: float, sensitivity: float, seed: int = 0) -> Selected | None:
     blocks, noises = unit(sigma, sensitivity, seed)
-    return absorbed(KNOWN, design_of(blocks), noises)
+    return absorbed(KNOWN, blocks, noises)
 
 
 def test_the_effect_is_that_of_the_vertical_part_where_north_is_not_known() -> None:
@@ -88,4 +82,4 @@ def test_without_a_change_of_attitude_nothing_is_claimed() -> None:
         blocks, t=blocks.t[first], motion=blocks.motion.taken(first),
         readings=blocks.readings[first], weight=blocks.weight[first], segment=blocks.segment[first],
     )  # fmt: skip
-    assert absorbed(KNOWN, design_of(rested), noises) is None
+    assert absorbed(KNOWN, rested, noises) is None

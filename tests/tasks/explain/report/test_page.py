@@ -1,7 +1,10 @@
 """The folder of a report: whole files, one page without anything from elsewhere, the prediction."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
@@ -42,27 +45,45 @@ def written(explained: Explanation, folder) -> str:
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def report(tmp_path_factory) -> Callable[[str], Path]:
+    """The folder of each case's report, written once."""
+
+    @cache
+    def folder_of(case: str) -> Path:
+        folder = tmp_path_factory.mktemp("report") / "out"
+        written(CASES[case], folder)
+        return folder
+
+    return folder_of
+
+
+@pytest.fixture
+def page_of(report) -> Callable[[str], str]:
+    return lambda case: (report(case) / "report.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("verdict", CASES)
-def test_every_verdict_has_a_page_pictures_and_data(verdict, tmp_path) -> None:
-    page = written(CASES[verdict], tmp_path / "out")
-    assert {path.name for path in (tmp_path / "out").iterdir()} == NAMES
-    assert 'class="badge' in page
+def test_every_verdict_has_a_page_pictures_and_data(verdict, report, page_of) -> None:
+    folder = report(verdict)
+    assert {path.name for path in folder.iterdir()} == NAMES
+    assert 'class="badge' in page_of(verdict)
     for name in PICTURES:
-        root = ElementTree.fromstring((tmp_path / "out" / name).read_bytes())
+        root = ElementTree.fromstring((folder / name).read_bytes())
         assert root.tag.endswith("svg")
-    told = Discrepancy.model_validate_json((tmp_path / "out" / "report.json").read_bytes())
+    told = Discrepancy.model_validate_json((folder / "report.json").read_bytes())
     assert told.verdict == verdict
 
 
 @pytest.mark.parametrize("verdict", CASES)
-def test_the_page_needs_nothing_from_elsewhere(verdict, tmp_path) -> None:
-    page = re.sub(r'xmlns(:xlink)?="[^"]*"', "", written(CASES[verdict], tmp_path))
+def test_the_page_needs_nothing_from_elsewhere(verdict, page_of) -> None:
+    page = re.sub(r'xmlns(:xlink)?="[^"]*"', "", page_of(verdict))
     page = re.sub(r'href="#|url\(#', "", page)  # within the page itself
     assert not re.search(r"https?:|//\w|@import|url\(|<link|<script|src=|href=", page)
 
 
-def test_the_page_holds_both_languages_and_every_picture(tmp_path) -> None:
-    page = written(CASES["explained"], tmp_path)
+def test_the_page_holds_both_languages_and_every_picture(page_of) -> None:
+    page = page_of("explained")
     assert page.count('lang="en"') - 1 == page.count('lang="zh"')  # one more on the page itself
     assert page.count("<svg") == 3
     for words in ("Table not level", "转台不水平", "axis_wobble", "<b>", "不合格 → 合格",
@@ -70,21 +91,21 @@ def test_the_page_holds_both_languages_and_every_picture(tmp_path) -> None:
         assert words in page
 
 
-def test_what_was_written_by_others_is_escaped(tmp_path) -> None:
-    page = written(CASES["explained"], tmp_path)
+def test_what_was_written_by_others_is_escaped(page_of) -> None:
+    page = page_of("explained")
     assert "run &lt;7&gt; &amp; more" in page
     assert "a &lt; b" in page
 
 
-def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(tmp_path) -> None:
-    page = written(CASES["no_mismatch"], tmp_path)
+def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of) -> None:
+    page = page_of("no_mismatch")
     assert "The certificate</span>" not in page
     assert "with the findings" not in page
     assert "p = 0.41" in page
 
 
-def test_the_page_names_the_recording_its_digest_and_the_code(tmp_path) -> None:
-    page = written(CASES["explained"], tmp_path)
+def test_the_page_names_the_recording_its_digest_and_the_code(page_of) -> None:
+    page = page_of("explained")
     assert "ab12" in page
     assert re.search(r"mimucal \d+\.\d+\.\d+\+[0-9a-f]{12}", page)
 
@@ -108,11 +129,11 @@ def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_p
         0).compression == "ZSTD"  # fmt: skip
 
 
-def test_a_report_written_again_is_the_same_and_leaves_no_drafts(tmp_path) -> None:
-    written(CASES["explained"], tmp_path)
-    first = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    written(CASES["explained"], tmp_path)
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == first
+def test_a_report_written_again_is_the_same_and_leaves_no_drafts(report) -> None:
+    folder = report("explained")
+    first = {path.name: path.read_bytes() for path in folder.iterdir()}
+    written(CASES["explained"], folder)
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == first
 
 
 def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path) -> None:
