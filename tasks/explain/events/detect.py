@@ -50,7 +50,7 @@ def events_in_readings(
     level = without_dead(noise_by_rate(used - predicted, motion))
     if steps is not None:
         level = steps.noise_floor(level)
-    spikes, at_spikes = find_spikes(np.where(masked, np.nan, residual), level, motion)
+    spikes, at_spikes = find_spikes(used, np.where(masked, np.nan, residual), level, motion)
     # In the order in which they act: when a reading was taken, limit, rounding, threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
     return Events(events + last, masked | at_spikes, gap_remarks(t))

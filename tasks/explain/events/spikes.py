@@ -17,12 +17,14 @@ MIN_REST = 0.05  # share of the rows at rest, so that spikes may be missing ther
 
 
 def find_spikes(
-    residual: np.ndarray, noise: np.ndarray, motion: Motion
+    readings: np.ndarray, residual: np.ndarray, noise: np.ndarray, motion: Motion
 ) -> tuple[Event | None, np.ndarray]:
-    """Single readings far from both their neighbours, and which (n, 6) bool to mask for them."""
-    white = np.divide(residual, noise, out=np.full(residual.shape, np.nan), where=noise > 0)
-    apart = np.zeros(residual.shape)
-    apart[1:-1] = np.abs(white[1:-1] - 0.5 * (white[:-2] + white[2:])) / np.sqrt(1.5)
+    """Single readings far from both their neighbours, and which (n, 6) bool to mask for them.
+
+    In the readings and in what a plain fit leaves of them (n, 6): the one has the motion's corners,
+    the other those of the reference's noise.
+    """
+    apart = np.minimum(_apart(readings, noise), _apart(residual, noise))
     far = (apart > THRESHOLD) & _steady(motion.rate)[:, None]
     masked = np.asarray(binary_dilation(far, np.ones((3, 1))))
     # A neighbour of a spike stands out as well, by less.
@@ -43,6 +45,14 @@ def find_spikes(
     expected = far.size * 2 * norm.sf(THRESHOLD)
     p_value = float(min(1.0, expected**MIN_SPIKES))
     return Event("unnamed", channels, parameters, p_value, description), masked
+
+
+def _apart(values: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """(n, 6) times the noise by which values are off the middle of their neighbours."""
+    white = np.divide(values, noise, out=np.full(values.shape, np.nan), where=noise > 0)
+    apart = np.zeros(values.shape)
+    apart[1:-1] = np.abs(white[1:-1] - 0.5 * (white[:-2] + white[2:])) / np.sqrt(1.5)
+    return apart
 
 
 def _steady(rate: np.ndarray) -> np.ndarray:
