@@ -1,5 +1,7 @@
 """A dead zone: readings below a threshold are set to zero, or the bias is taken off at rest.
 
+Larger readings stay as they are, or have the threshold taken off.
+
 Where readings about zero are missing while others as small as the threshold abound, and those that
 read zero are predicted to lie within it, they were set to zero. Where the means of many rests lie
 nearer to zero than the noise of so many samples lets them, the bias was estimated and taken off.
@@ -18,6 +20,8 @@ from tasks.explain.channels import GYROS
 from tasks.explain.events.event import CHANNELS, UNITS, Event, channel_names
 from tasks.explain.events.quantisation import Quantiser
 from tasks.model.plain_fit import plain_prediction
+from tasks.model.regression import inverse
+from tasks.model.terms.standard import regressors
 from tasks.motion.whole import Motion
 from tasks.words import message
 
@@ -28,6 +32,7 @@ MIN_CODES = 3  # below the threshold: fewer are the step of the output
 MIDDLE = (1.2, 1.8)  # of the threshold: a step as wide would leave nothing there, either
 MIN_MIDDLE = 3
 WITHIN, MIN_WITHIN = 4.0, 0.95  # noise by which a zero may lie beyond, and the share that does not
+CLEAR = 10.0  # times its uncertainty: a threshold that is taken off
 ROUNDS = 2
 STILL, MIN_REST = 0.005, 200  # rad/s, rows of a rest
 CALM = 0.5  # s of a mean rate
@@ -40,18 +45,26 @@ SIGNIFICANT = 1e-7
 
 @dataclass(frozen=True)
 class DeadZone(Event):
-    """thresholds, noise: by channel; none where only the bias is taken off at rest."""
+    """thresholds, noise: by channel; none where only the bias is taken off at rest. less: the
+    channels whose larger readings have the threshold taken off.
+    """
 
     linear = False
 
     thresholds: dict[int, float]
     noise: dict[int, float]
+    less: frozenset[int] = frozenset()
 
     def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         kept = predicted.copy()
         for channel, threshold in self.thresholds.items():
             lost = mean_within(predicted[:, channel], threshold, self.noise[channel])
             kept[:, channel] -= lost
+            if channel in self.less:
+                spread = self.noise[channel]
+                above = ndtr((predicted[:, channel] - threshold) / spread)
+                below = ndtr((-threshold - predicted[:, channel]) / spread)
+                kept[:, channel] -= threshold * (above - below)
         return kept
 
 
@@ -73,8 +86,13 @@ def find_dead_zone(
         for c, quantiser in enumerate(quantisers)
         if (hole := _hole(readings[:, c], quantiser)) is not None
     }
-    if holes:
-        return _set_to_zero(readings, motion, holes)
+    less = {
+        c: found
+        for c, quantiser in enumerate(quantisers)
+        if not holes and (found := _taken_off(readings[:, c], motion, c, quantiser)) is not None
+    }
+    if holes or less:
+        return _set_to_zero(readings, motion, holes | less, frozenset(less))
     rests, soon = _rests(motion), max(1, round(SOON / max(motion.interval, 1e-9)))
     zeroed = tuple(
         c
@@ -110,22 +128,26 @@ def _hole(reading: np.ndarray, quantiser: Quantiser | None) -> tuple[float, floa
 
 
 def _set_to_zero(
-    readings: np.ndarray, motion: Motion, holes: dict[int, tuple[float, float]]
-) -> tuple[DeadZone | None, np.ndarray]:
+    readings: np.ndarray, motion: Motion, holes: dict[int, tuple[float, float]],
+    less: frozenset[int] = frozenset(),
+) -> tuple[DeadZone | None, np.ndarray]:  # fmt: skip
     """The event of the holes whose zeros are predicted to lie within, and the readings there."""
     zero = np.abs(readings) <= ZERO * np.nanmax(np.abs(readings), axis=0, initial=0.0)
     masked = np.zeros(readings.shape, bool)
     masked[:, list(holes)] = zero[:, list(holes)]
     noise: dict[int, float] = {}
-    predicted = plain_prediction(readings, motion, masked)
+    whole = readings.copy()
+    for c in less:
+        whole[:, c] += np.sign(whole[:, c]) * holes[c][0]
+    predicted = plain_prediction(whole, motion, masked)
     for _ in range(ROUNDS):
         masked[:] = False
         for c, (threshold, _) in holes.items():
             beyond = np.abs(predicted[:, c]) > 2.0 * threshold
-            left = np.diff((readings - predicted)[beyond, c])
+            left = np.diff((whole - predicted)[beyond, c])
             noise[c] = max(float(np.nanstd(left)) / np.sqrt(2.0), 1e-3 * threshold)
             masked[:, c] = zero[:, c] | (np.abs(predicted[:, c]) < threshold + WITHIN * noise[c])
-        predicted = plain_prediction(readings, motion, masked)
+        predicted = plain_prediction(whole, motion, masked)
     found = {
         c: hole
         for c, hole in holes.items()
@@ -143,7 +165,8 @@ def _set_to_zero(
     )  # fmt: skip
     limits = tuple(
         message(
-            "events-dead-zone-at", channel=message(f"channel-{CHANNELS[c]}"),
+            "events-dead-zone-less" if c in less else "events-dead-zone-at",
+            channel=message(f"channel-{CHANNELS[c]}"),
             threshold=f"{threshold:.4g} {UNITS[c // 3]}", count=int(zero[:, c].sum()),
         )
         for c, (threshold, _) in found.items()
@@ -151,8 +174,38 @@ def _set_to_zero(
     return DeadZone(
         "dead_zone", tuple(found), parameters, SIGNIFICANT,
         message("events-dead-zone", limits=limits),
-        {c: threshold for c, (threshold, _) in found.items()}, noise,
+        {c: threshold for c, (threshold, _) in found.items()}, noise, less,
     ), masked  # fmt: skip
+
+
+def _taken_off(
+    reading: np.ndarray, motion: Motion, channel: int, quantiser: Quantiser | None
+) -> tuple[float, float] | None:
+    """The threshold that is taken off the readings (n,) of a channel, and how well it is known.
+
+    Readings other than zero follow the standard's model and a step with their sign; what is
+    predicted within the step is read as zero, and nothing else is.
+    """
+    known = motion.felt[:, channel] & np.isfinite(reading)
+    zero = known & (np.abs(reading) <= ZERO * np.nanmax(np.abs(reading), initial=0.0))
+    used = known & ~zero
+    if zero.sum() < MIN_ZEROS or used.sum() < MIN_ZEROS:
+        return None
+    columns = regressors(motion, channel)
+    design = np.column_stack([columns, np.sign(reading)])[used]
+    covariance = inverse(design.T @ design)
+    fitted = covariance @ (design.T @ reading[used])
+    left = reading[used] - design @ fitted
+    noise, threshold = float(np.std(left)), -float(fitted[-1])
+    u = noise * float(np.sqrt(covariance[-1, -1]))
+    step = 0.0 if quantiser is None else quantiser.step
+    if threshold < max(CLEAR * u, MIN_CODES * step, noise):
+        return None
+    within = np.abs(columns @ fitted[:-1]) < threshold - np.minimum(noise, 0.5 * threshold)
+    inside = known & within
+    if inside.sum() < MIN_ZEROS or zero[inside].mean() < MIN_WITHIN:
+        return None
+    return threshold, np.sqrt(12.0) * u + step
 
 
 def _within(predicted: np.ndarray, limit: float) -> bool:

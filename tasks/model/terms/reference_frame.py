@@ -20,7 +20,9 @@ from tasks.motion.whole import Motion
 class ReferenceFrame(Term):
     """The true vertical leans in the tracking system's room by a level vector, always the same.
 
-    Positions are measured in that room: what moves the body stays as it is.
+    Positions are measured in that room: what moves the body stays as it is. A turn between the
+    tracked body and the unit is no parameter of this term, and cannot be told from the standard's
+    cross coupling: of how far the gyros' matrix is turned as a whole, a remark tells.
     """
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:

@@ -103,3 +103,19 @@ def test_a_bias_that_is_estimated_anew_while_the_unit_rests_is_told() -> None:
     )
     events = found(readings)
     assert "dead_zone" in [event.effect for event in events.events]
+
+
+@pytest.mark.parametrize("steps", [None, (1e-4, 2e-3)])
+def test_a_threshold_taken_off_all_readings_is_told(steps: tuple[float, float] | None) -> None:
+    readings = noisy(mean_readings(MADE), 1)
+    readings = readings if steps is None else counted(readings, steps)
+    right, threshold = readings.copy(), 0.02
+    gyros = readings[:, :3]
+    readings[:, :3] = np.sign(gyros) * np.maximum(np.abs(gyros) - threshold, 0.0)
+    events = found(readings)
+    assert [event.effect for event in events.events] == ["dead_zone"]
+    for parameter in events.events[0].parameters:
+        assert parameter.value == pytest.approx(threshold, rel=0.02)
+    shown = events.corrected(MADE.t, readings, mean_readings(MADE))
+    off = np.where(events.masked, np.nan, shown - right)[:, :3]
+    assert np.nanmax(np.abs(off)) < 0.05 * threshold
