@@ -46,7 +46,9 @@ def summary(scores: Sequence[Score]) -> list[str]:
     """Of all recordings: wrong names, and how low-pass and delay were told."""
     lines = [
         f"{len(scores)} recordings of the virtual station: right in all "
-        f"{sum(one.is_right for one in scores)}, a wrong name in "
+        f"{sum(one.is_right for one in scores)} "
+        f"({sum(one.is_right and one.is_silent for one in scores)} of them by silence, where "
+        f"`explain` looks at nothing that would show it), a wrong name in "
         f"{sum(bool(one.wrong) for one in scores)}, failed "
         f"{sum(one.failed is not None for one in scores)}; "
         f"{sum(one.case.is_loaded for one in scores)} by a busy computer."

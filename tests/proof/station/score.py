@@ -32,6 +32,11 @@ class Score:
     failed: str | None
 
     @property
+    def is_silent(self) -> bool:
+        """Whether a low-pass or a delay is not told."""
+        return "not told" in (self.low_pass, self.delay)
+
+    @property
     def is_right(self) -> bool:
         """No name is wrong, and low-pass and delay are told or cannot be seen."""
         fine = {"right", "group", "absent"} | ({"not told"} if _is_blind(self.case) else set())
@@ -57,8 +62,8 @@ def score(case: Case, answer: Mapping[str, Any]) -> Score:
 
 
 def _is_blind(case: Case) -> bool:
-    """Whether neither can be seen: an AHRS gives angles, which have no rate to be late, and the
-    accelerometers of an upright single axis read the same at all angles.
+    """Whether neither shows in what `explain` reads: it does not look at the angles of an AHRS,
+    and the accelerometers of an upright single axis read the same at all angles.
     """
     return case.procedure == "jjf1536"
 
