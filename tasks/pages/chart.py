@@ -45,13 +45,13 @@ def draw(title: str, width: float, height: float, content: "Callable[[Figure], N
     return f'<svg role="img" aria-label="{escape(title)}"{body}'
 
 
-def time_axis(axes: "Axes", most: int = 10) -> None:
+def time_axis(axes: "Axes") -> None:
     """Ticks of an axis of seconds in h, min or s, by the length of the run."""
     from matplotlib.ticker import MaxNLocator
 
     start, end = axes.get_xlim()
     unit, size = next(clock for clock in CLOCKS if end - start > 3.0 * clock[1] or clock[0] == "s")
-    ticks = MaxNLocator(most, steps=[1, 2, 5, 10]).tick_values(start / size, end / size)
+    ticks = MaxNLocator(10, steps=[1, 2, 5, 10]).tick_values(start / size, end / size)
     inside = [tick for tick in ticks if start <= tick * size <= end]
     axes.set_xticks([tick * size for tick in inside], [f"{tick:g}" for tick in inside])
     axes.set_xlabel(f"time / {unit}", loc="right")
