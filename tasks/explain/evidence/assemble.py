@@ -9,7 +9,7 @@ from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_residual
 from tasks.explain.events.event import Events
 from tasks.explain.evidence.determination import determined_model
-from tasks.explain.evidence.event_findings import event_findings, removed_by
+from tasks.explain.evidence.event_findings import event_findings
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.left_over import LeftOver
@@ -62,30 +62,26 @@ def explanation_of(
         predicted = predicted + reference.beyond_ideal(full.motion)
     residual = full.readings - events.applied(t, predicted)
     events = events_in_residual(events, t, residual, noise, full.motion, full.start)
-    every = LeftOver.of(full, nominal, events.applied(t, predicted), events.masked)
-    artefacts, events = event_findings(events, full, predicted, every)
-    found = events.applied(t, predicted)
-    left = LeftOver.of(full, nominal, found, events.masked)
-    removed = removed_by(events, full, predicted, left)
-    by_terms = max(left.removed - sum(removed), 0.0)
-    by_term = [by_terms * gain / max(sum(gains), 1e-300) for gain in gains]
-    removed += by_term
+    artefacts = event_findings(events, full, nominal, predicted)
+    left, total = artefacts.left, max(sum(gains), 1e-300)
+    by_terms = max(left.removed - sum(artefacts.removed), 0.0)
+    by_term = [by_terms * gain / total for gain in gains]
     if not ordered:
         terms = without_shadows(terms, by_term, left)
-    findings = with_shares([*artefacts, *terms], removed, left)
+    findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
-    p_value = min([fit.selection.p_value, *(event.p_value for event in events.events)])
+    p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
     return Explanation(
         recording=recording,
         nominal=nominal,
-        found=found,
+        found=artefacts.found,
         noise=noise,
         p_value=p_value,
         verdict=_verdict(reported, p_value, left),
         held_out=evidence.held_out(),
         findings=tuple(reported),
-        remarks=(*full.remarks, *events.remarks),
+        remarks=(*full.remarks, *artefacts.events.remarks),
         model=FITTED if reference is None else reference.model,
         left_over=left.chi2_per_degree,
         explained_share=left.explained_share,

@@ -1,6 +1,6 @@
 """From events to findings: what each changes, and whether the readings bear it out."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,33 +14,80 @@ LEAST_P = 1e-300
 CONTRADICTED = 3.0  # standard deviations of a gain by which readings speak against an event
 
 
-def event_findings(
-    events: Events, full: FullRate, predicted: np.ndarray, left: LeftOver
-) -> tuple[list[Finding], Events]:
-    """Findings of the events, each with what it changes after those before it; and the events
-    that are findings: what gains nothing is a remark on the readings.
+@dataclass(frozen=True)
+class EventFindings:
+    """The events that are findings, and what all findings leave beside them.
 
-    predicted: (n, 6) readings without events. left: of all that was found, all events included.
+    events: as many, in the order in which they act. found: (n, 6) predicted readings with them.
+    removed: chi-squared at the unit's rows that each of them removes, not below zero.
     """
-    before = predicted
-    found, kept, remarks = list[Finding](), list[Event](), list(events.remarks)
+
+    findings: list[Finding]
+    events: Events
+    found: np.ndarray
+    left: LeftOver
+    removed: list[float]
+
+
+def event_findings(
+    events: Events, full: FullRate, nominal: np.ndarray, predicted: np.ndarray
+) -> EventFindings:
+    """Findings of the events, each with what it changes after those before it; what gains nothing
+    is a remark on the readings.
+
+    nominal, predicted: (n, 6) readings without events, by the standard's model and with all else
+    that was found.
+    """
+    t, before = full.motion.t, predicted
+    every = LeftOver.of(full, nominal, events.applied(t, predicted), events.masked)
+    findings, kept, remarks = list[Finding](), list[Event](), list(events.remarks)
     for event in events.events:
-        after = event.applied(full.motion.t, before)
-        gain = _gain(event, _without(event, events, full, predicted), left)
-        finding = _finding(event, after - before, gain, full)
+        after = event.applied(t, before)
+        gain = _gain(event, _without(event, events, full, predicted), every)
+        rows = np.isfinite(full.readings[:, list(event.channels)]).sum()
+        finding = event_finding(event, after - before, gain, len(event.parameters), int(rows))
         if finding.delta_bic > 0.0 and finding.held_out_gain > 0.0:
-            found.append(finding)
+            findings.append(finding)
             kept.append(event)
         else:
             remarks.append(event.description)
         before = after
-    return found, replace(events, events=tuple(kept), remarks=tuple(remarks))
+    borne_out = replace(events, events=tuple(kept), remarks=tuple(remarks))
+    found = borne_out.applied(t, predicted)
+    left = (
+        LeftOver.of(full, nominal, found, events.masked)
+        if len(kept) < len(events.events)
+        else every
+    )
+    removed = _removed_by(borne_out, full, predicted, left)
+    return EventFindings(findings, borne_out, found, left, removed)
 
 
-def removed_by(
+def event_finding(
+    event: Event, contribution: np.ndarray, gain: float, charged: int = 0, rows: int = 1
+) -> Finding:
+    """The finding of an event or a fault. charged: parameters that were fitted to `rows`."""
+    effect = EVENTS.get(event.effect)
+    return Finding(
+        effect=event.effect,
+        family=effect.family if effect else UNNAMED,
+        title=effect.title if effect else event.description,
+        equation=effect.equation if effect else "",
+        source=effect.source if effect else "",
+        channels=event.channels,
+        parameters=event.parameters,
+        contribution=contribution,
+        gain=gain,
+        delta_bic=gain - charged * float(np.log(max(1, rows))),
+        held_out_gain=0.5 * gain - charged,
+        indistinguishable=event.indistinguishable,
+        separated_by=effect.separated_by if effect else None,
+    )
+
+
+def _removed_by(
     events: Events, full: FullRate, predicted: np.ndarray, left: LeftOver
 ) -> list[float]:
-    """Chi-squared at the unit's rows that each event removes, not below zero."""
     residuals = (_without(event, events, full, predicted) for event in events.events)
     return [max(0.0, float(np.nansum(left.squares(one) - left.after))) for one in residuals]
 
@@ -65,24 +112,3 @@ def _gain(event: Event, residual: np.ndarray, left: LeftOver) -> float:
     if gain < -CONTRADICTED * spread * float(np.sqrt(np.nansum(moved**2))):
         return gain / spread
     return max(gain / spread, -2.0 * float(np.log(max(event.p_value, LEAST_P))))
-
-
-def _finding(event: Event, contribution: np.ndarray, gain: float, full: FullRate) -> Finding:
-    effect = EVENTS.get(event.effect)
-    count = len(event.parameters)
-    rows = max(1, int(np.isfinite(full.readings[:, list(event.channels)]).sum()))
-    return Finding(
-        effect=event.effect,
-        family=effect.family if effect else UNNAMED,
-        title=effect.title if effect else event.description,
-        equation=effect.equation if effect else "",
-        source=effect.source if effect else "",
-        channels=event.channels,
-        parameters=event.parameters,
-        contribution=contribution,
-        gain=gain,
-        delta_bic=gain - count * float(np.log(rows)),
-        held_out_gain=0.5 * gain - count,
-        indistinguishable=event.indistinguishable,
-        separated_by=effect.separated_by if effect else None,
-    )

@@ -14,8 +14,8 @@ from schemas.recording import Recording, Stream
 from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.faults import Fault
+from tasks.explain.evidence.event_findings import event_finding
 from tasks.explain.explanation import Explanation, Finding
-from tasks.model.effect import EVENTS
 
 
 def put_right(recording: Recording, faults: Sequence[Fault]) -> Recording:
@@ -92,23 +92,7 @@ def _moved(finding: Finding, matrix: np.ndarray, place: np.ndarray) -> Finding:
 
 def _finding(fault: Fault, contribution: np.ndarray, noise: np.ndarray) -> Finding:
     """The finding of a fault; what codes are off by is held against the noise (6,)."""
-    effect = EVENTS[fault.effect]
     gain = float(-2.0 * np.log(fault.p_value))
     if isinstance(fault, CodeFault):
         gain = float(np.nansum((contribution / np.where(noise > 0, noise, np.inf)) ** 2))
-    return Finding(
-        effect=fault.effect,
-        family=effect.family,
-        title=effect.title,
-        equation=effect.equation,
-        source=effect.source,
-        channels=fault.channels,
-        parameters=fault.parameters,
-        contribution=contribution,
-        gain=gain,
-        delta_bic=gain,
-        held_out_gain=0.5 * gain,
-        indistinguishable=fault.indistinguishable,
-        separated_by=effect.separated_by,
-        share=1.0,
-    )
+    return replace(event_finding(fault, contribution, gain), share=1.0)
