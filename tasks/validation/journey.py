@@ -127,8 +127,8 @@ def _small(turn: np.ndarray) -> np.ndarray:
 
 def turned(q: np.ndarray, later: np.ndarray, seconds: float, latitude: float) -> np.ndarray:
     """Turn vectors (3, n) in inertial space from attitudes (4, n) to later ones."""
-    axis = np.array([0.0, np.cos(latitude), np.sin(latitude)])
-    earth = quaternion.about(axis, np.array([EARTH_RATE_RAD_S * seconds]))
+    earth_axis = np.array([0.0, np.cos(latitude), np.sin(latitude)])
+    earth = quaternion.about(earth_axis, np.array([EARTH_RATE_RAD_S * seconds]))
     back = quaternion.conjugate(q)
     return quaternion.rotation_vector(quaternion.product(quaternion.product(back, earth), later))
 
