@@ -52,7 +52,9 @@ def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
         has["angle_*"] = np.ones(len(imu), dtype=bool)
     labelled = [s for s in manifest.segments or () if s.item and s.kind in MEASURED]
     for item in dict.fromkeys(s.item for s in labelled):
-        segments, serving = _needs(item, [s for s in labelled if s.item == item], tuple(has))
+        segments, serving = _triads_needed(
+            item, [s for s in labelled if s.item == item], tuple(has)
+        )
         rows = [imu.rows(segment.t_start, segment.t_end) for segment in segments]
         rows = [part for part in rows if part.start < part.stop]
         if rows and not any(has[name][part].any() for name in serving for part in rows):
@@ -63,7 +65,7 @@ def _missing_triad(manifest: Manifest, imu: Stream) -> str | None:
     return None
 
 
-def _needs(
+def _triads_needed(
     item: str | None, segments: list[Segment], triads: tuple[str, ...]
 ) -> tuple[list[Segment], list[str]]:
     """The segments an item is measured in, and the triads of which one must be there."""

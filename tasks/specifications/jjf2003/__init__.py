@@ -39,7 +39,7 @@ LAYOUT = (  # Appendix B
 )
 
 
-def check_readings(recording: Recording, use: str) -> None:
+def check_imu_columns(recording: Recording, use: str) -> None:
     """Raises Unusable where the recording holds neither gyro nor accelerometer readings.
 
     use: who needs the columns, and the way out.
@@ -75,7 +75,7 @@ JJF2003 = Specification(
     equipment=EQUIPMENT,
     equipment_source="JJF 2003-2022, Table 1",
     check=partial(
-        check_readings,
+        check_imu_columns,
         use="JJF 2003 calibrates; a recording of accumulated angles belongs to JJF 1536",
     ),
     gather=gather,

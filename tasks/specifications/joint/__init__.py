@@ -6,7 +6,7 @@ from functools import partial
 from tasks.motion.whole import attitude_stream
 from tasks.specifications.estimate import ClauseResult
 from tasks.specifications.evidence import ClauseEvidence
-from tasks.specifications.jjf2003 import JJF2003, check_readings
+from tasks.specifications.jjf2003 import JJF2003, check_imu_columns
 from tasks.specifications.joint.by_gravity import joint_by_gravity
 from tasks.specifications.joint.on_table import joint_on_table
 from tasks.uncertainty.equipment import Equipment
@@ -25,7 +25,7 @@ JOINT = replace(
     procedure="JJF 2003-2022, 5.1, 5.2, joint least squares with zero correction",
     printed_once=("gyro_g_sensitivity",),  # the fit removes Earth's rotation from it
     check=partial(
-        check_readings,
+        check_imu_columns,
         use="the joint method fits; calibrate a recording of accumulated angles with "
         "--method jjf1536",
     ),
