@@ -19,7 +19,7 @@ from tasks.explain.inputs.event_removal import cleaned
 from tasks.explain.inputs.full_rate import full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
-from tasks.explain.search.budget import SEARCH_BUDGET, Budget
+from tasks.explain.search.budget import SEARCH_BUDGET, TimeBudget
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -115,7 +115,8 @@ def _fitted(
         return candidates, all_fitted(design, candidates, fine)
     fit = searched(
         banded_design(coarse, coarse.readings, columns, half),
-        searched_by_name(candidates), fine, Budget.of(budget), partial(tell, progress, "search"),
+        searched_by_name(candidates), fine, TimeBudget.of(budget),
+        partial(tell, progress, "search"),
     )  # fmt: skip
     return candidates, fit
 

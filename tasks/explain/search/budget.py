@@ -10,14 +10,14 @@ SEARCH_BUDGET = 20.0
 
 
 @dataclass(frozen=True)
-class Budget:
+class TimeBudget:
     """Processor time until which a search goes on. clock: s of processor time."""
 
     until: float
     clock: Callable[[], float] = time.process_time
 
     @classmethod
-    def of(cls, seconds: float, clock: Callable[[], float] = time.process_time) -> "Budget":
+    def of(cls, seconds: float, clock: Callable[[], float] = time.process_time) -> "TimeBudget":
         """So many seconds from now on."""
         return cls(clock() + seconds, clock)
 
@@ -26,4 +26,4 @@ class Budget:
         return self.clock() >= self.until
 
 
-UNLIMITED = Budget(math.inf)
+UNLIMITED = TimeBudget(math.inf)

@@ -7,7 +7,7 @@ import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
-from tasks.explain.search.budget import UNLIMITED, Budget
+from tasks.explain.search.budget import UNLIMITED, TimeBudget
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, with_columns
 from tasks.explain.search.proposals import with_proposed_shapes
@@ -76,7 +76,7 @@ def searched(
     design: BandedDesign,
     candidates: Sequence[Candidate],
     blocks: Blocks,
-    budget: Budget = UNLIMITED,
+    budget: TimeBudget = UNLIMITED,
     done: Callable[[float], None] = lambda share: None,
 ) -> FittedSelection:
     """Search and fit in turn: after a fit, what is left is searched again about its values.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.regression.spectrum import Noise
-from tasks.explain.search.budget import UNLIMITED, Budget
+from tasks.explain.search.budget import UNLIMITED, TimeBudget
 from tasks.explain.search.candidates import Candidate, members_of
 from tasks.explain.search.design import BandedDesign, NormalEquations, normal_equations
 from tasks.explain.search.residuals import UNIT_NOISE, residual_noises
@@ -71,7 +71,7 @@ def search(
     candidates: Sequence[Candidate],
     start: Sequence[Candidate] = (),
     noises: tuple[Noise, ...] | None = None,
-    budget: Budget = UNLIMITED,
+    budget: TimeBudget = UNLIMITED,
 ) -> Selection:
     """The candidates that explain the design's readings.
 

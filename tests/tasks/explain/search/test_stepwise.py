@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.search.budget import Budget
+from tasks.explain.search.budget import TimeBudget
 from tasks.explain.search.candidates import (
     COSINES,
     STRENGTHS,
@@ -228,10 +228,10 @@ def test_a_search_stops_at_its_budget_and_says_so_only_where_there_was_more(
     both: Asked, nothing: Asked
 ) -> None:
     ticks = iter(range(100))
-    once = Budget(until=2.0, clock=lambda: float(next(ticks)) + 1.0)  # spent when asked again
+    once = TimeBudget(until=2.0, clock=lambda: float(next(ticks)) + 1.0)  # spent when asked again
     stopped = search(both.pool, both.candidates, budget=once)
     assert [one.name for one in stopped.candidates] == [LEVER_ARM.name]
     assert stopped.stopped
     assert not search(both.pool, both.candidates).stopped
-    spent = Budget(until=0.0, clock=lambda: 1.0)
+    spent = TimeBudget(until=0.0, clock=lambda: 1.0)
     assert not search(nothing.pool, nothing.candidates, budget=spent).stopped
