@@ -101,6 +101,9 @@ def _share(
 
     From second differences, in which only what changes from row to row is left.
     """
+    changes = np.diff(reading[np.isfinite(reading)])
+    if len(changes) < SMOOTH or not np.median(np.abs(changes)) > 0.0:
+        return None  # a step so coarse that most readings repeat does not tell an instant
     even = np.interp(t - late, t, predicted)
     # The noise of a reference makes slopes of its own, which are no motion.
     rows = max(FEWEST, 2 * round(0.5 * SLOPE_WINDOW / sample_interval(t)) + 1)

@@ -63,6 +63,13 @@ def test_even_stamps_do_not_scatter(seed: int) -> None:
     assert found(MADE.t, readings).events == ()
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_coarse_steps_do_not_deny_stamps_that_are_right(seed: int) -> None:
+    t = MADE.t + jitter(1e-3, seed)
+    readings = counted(noisy(mean_readings(moved(t)), seed), (0.02, 0.1))
+    assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
+
+
 def test_a_delay_of_all_stamps_is_no_jitter() -> None:
     readings = counted(noisy(mean_readings(moved(MADE.t - 0.01)), 30))
     t = MADE.t + 1e-4 * np.sin(MADE.t)  # a clock that wanders slowly
