@@ -104,16 +104,17 @@ def strings() -> Iterator[str]:
 
 def test_every_message_of_the_catalogues_is_used() -> None:
     """Whole, put together behind a beginning («item-»), or before an attribute («.heading»)."""
-    written = {*strings(), *re.findall(r"[\w.-]+", templates())}
+    said, pages = set(strings()), templates()
+    written = said | set(re.findall(r"[\w.-]+", pages))
     begun = tuple(text for text in written if re.fullmatch(r"[a-z0-9]+-([a-z0-9.-]*[-.])?", text))
     attributes = {text for text in written if re.fullmatch(r"\.[a-z-]+", text)}
-    defined = Counter(re.findall(r"^[a-z0-9-]+(?= =)", templates(), re.MULTILINE))
+    defined = Counter(re.findall(r"^[a-z0-9-]+(?= =)", pages, re.MULTILINE))
     unused = [
         name
         for name in sorted(messages())
         if not name.startswith(begun)
         and f".{name.partition('.')[2]}" not in attributes
-        and not (name in written and (name not in defined or name in set(strings())))
+        and not (name in written and (name not in defined or name in said))
     ]
     assert unused == []
 
