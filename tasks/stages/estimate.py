@@ -88,5 +88,6 @@ def _with_terms(
         if refusal := findings[name].refusal:
             why = say(refused(refusal, setting=False), "en")
             raise Unusable(f"--terms {name}: {recording_id}: {why} Leave it out")
-    taken = list({id(findings[name]): findings[name] for name in names}.values())
+    found = [findings[name] for name in names]  # two names may be one finding
+    taken = [one for k, one in enumerate(found) if all(one is not each for each in found[:k])]
     return adopt(recording, taken, calibrate, explanation.determined)

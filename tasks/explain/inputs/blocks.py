@@ -56,8 +56,8 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     own = 1.0 / max(sample_interval(t), 1e-9)
     needed = MIN_BLOCKS
     if full.motion.tracking is not None:
-        told = min(rate, 2.0 * full.motion.tracking.edge)
-        rate, needed = told, max(MIN_OF_POSES, round(MIN_BLOCKS * told / rate))
+        seen = min(rate, 2.0 * full.motion.tracking.edge)
+        rate, needed = seen, max(MIN_OF_POSES, round(MIN_BLOCKS * seen / rate))
     step = max(1, round(own / rate))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
@@ -80,7 +80,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     weight /= np.sqrt(1.0 + _corners(motion, known_errors) / at_rest)
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
-    weight[~_told(motion)] = 0.0
+    weight[~_known(motion)] = 0.0
     rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
 
@@ -106,7 +106,7 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
     return replace(means, t=t, recorded=recorded)
 
 
-def _told(motion: Motion) -> np.ndarray:
+def _known(motion: Motion) -> np.ndarray:
     """(n, 6) bool: what is felt is known, and where encoders tell it also just before and after.
 
     Every effect is judged by the same blocks: beside a gap of the encoders one that needs no
