@@ -140,12 +140,12 @@ class Evidence:
         """Log-likelihood (nats) that one finding adds on segments that a fit did not use, counted
         against what is left.
         """
-        gains = self._deviance([number]) - self._deviance_after
-        return float(0.5 * gains.sum() / self.scatter.dispersion(number))
+        gain = self._joint_deviance([number])[0] - self._joint_deviance_after[0]
+        return 0.5 * gain / self.scatter.dispersion(number)
 
     def channel_gains(self, number: int) -> np.ndarray:
-        """(6,) the same in each channel, counted against what is left there."""
-        gains = 0.5 * (self._deviance([number]) - self._deviance_after)
+        """(6,) the same in each channel beside the others, counted against what is left there."""
+        gains = 0.5 * (self._joint_deviance([number])[1] - self._joint_deviance_after[1])
         left = [self.scatter.channel_dispersion(number, c) for c in range(len(gains))]
         return np.asarray(gains / np.array(left))
 
@@ -219,6 +219,13 @@ class Evidence:
     def _deviance(self, without: Sequence[int]) -> np.ndarray:
         """(6,) of held-out segments, without some findings."""
         return self.folds.deviance(self._kept(without), self._added(without), self.prior)
+
+    @cached_property
+    def _joint_deviance_after(self) -> tuple[float, np.ndarray]:
+        return self._joint_deviance([])
+
+    def _joint_deviance(self, without: Sequence[int]) -> tuple[float, np.ndarray]:
+        return self.folds.joint_deviance(self._kept(without), self._added(without), self.prior)
 
     def _chi2(self, without: Sequence[int]) -> float:
         """Of a fit to all rows, without some findings."""

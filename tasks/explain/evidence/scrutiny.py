@@ -24,8 +24,7 @@ UNLIKE = 1e-3  # p value, corrected, from which on the parts of a recording are 
 MATERIAL = 0.25  # of a finding's amplitude: parts that differ by less are one law, and u covers it
 TOUCHED = 25.0  # chi-squared that a finding adds to a channel it materially touches
 MIN_TOUCHED = 0.02  # of what it adds to all channels
-TOLERATED = 3.0  # nats that a channel may lose by chance, and one for each parameter that
-# others determine: what it leaves uncertain, it leaves uncertain in every channel
+TOLERATED = 3.0  # nats that a channel may lose by chance
 KNOWN_SIZE = 0.3  # by which physics that is known beforehand may differ from what is known
 SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 
@@ -118,8 +117,7 @@ def _inhomogeneous(
 def _channel_worse(evidence: Evidence, number: int) -> Refusal | None:
     """Where a channel that it touches does not gain, or any channel loses."""
     gains, added = evidence.channel_gains(number), evidence.added_power(number)
-    tolerated = TOLERATED + len(evidence.scatter.determined(number))
-    tolerated = max(tolerated, MIN_TOUCHED * float(gains.max()))
+    tolerated = max(TOLERATED, MIN_TOUCHED * float(gains.max()))
     touched = (added > TOUCHED) & (added > MIN_TOUCHED * added.sum())
     worse = np.flatnonzero((touched & (gains <= 0.0)) | (gains < -tolerated))
     if not len(worse):

@@ -36,7 +36,7 @@ def predicted(made: np.ndarray, more: Sequence[Column], kept: list[int]) -> floa
     """Twice the nats that every fold costs, as a fit of some columns to the others tells it."""
     every = [*columns()[:-3], *more]
     zero = np.zeros(len(every))
-    return float(seen(made, every, NOISY).deviance(kept, zero, zero).sum())
+    return seen(made, every, NOISY).joint_deviance(kept, zero, zero)[0]
 
 
 def gained(made: np.ndarray, more: Sequence[Column]) -> float:
@@ -67,9 +67,9 @@ def test_a_run_without_segments_is_cut_by_time() -> None:
 
 def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     """By what the rows outside it tell, and how surely; in white noise, row by row."""
-    run = RUN.taken(np.arange(0, len(RUN.t), 5))
+    run = RUN.taken(np.arange(0, len(RUN.t), 40))
     made = read(run, (LEVER_ARM, ARM)) + noise(len(run.t), 20, QUIET)
-    every, blocks, misfit = columns(run), observed(made, run, RATE / 5), made - read(run)
+    every, blocks, misfit = columns(run), observed(made, run, RATE / 40), made - read(run)
     parts = cross_validation(cell_equations(every, misfit, blocks, QUIET, fold_cells(blocks)))
     zero = np.zeros(len(every))
     sigma = np.sqrt([one.white for one in QUIET])
@@ -77,7 +77,7 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
     for q, column in enumerate(every):
         for channel, course in column.items():
             design[channel, :, q] = course / sigma[channel]
-    fold, total = fold_cells(blocks) % FOLDS, np.zeros(6)
+    fold, total, joint = fold_cells(blocks) % FOLDS, np.zeros(6), np.zeros(7)
     for k in range(FOLDS):
         rows = design[:, fold != k].reshape(-1, len(every))
         target = (misfit / sigma)[fold != k].T.ravel()
@@ -89,8 +89,17 @@ def test_a_fold_is_predicted_as_gausss_formula_has_it() -> None:
             left = (misfit / sigma)[fold == k, channel] - hidden @ values
             spread = np.eye(len(left)) + hidden @ known @ hidden.T
             total[channel] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
-    found = parts.deviance(list(range(len(every))), zero, zero)
-    np.testing.assert_allclose(found, total, rtol=1e-5)
+        for without in range(7):  # the last: all channels
+            some = [c for c in range(6) if c != without]
+            hidden = design[some][:, fold == k].reshape(-1, len(every)) / size
+            left = (misfit / sigma)[fold == k][:, some].T.ravel() - hidden @ values
+            spread = np.eye(len(left)) + hidden @ known @ hidden.T
+            joint[without] += left @ np.linalg.solve(spread, left) + np.linalg.slogdet(spread)[1]
+    kept = list(range(len(every)))
+    np.testing.assert_allclose(parts.deviance(kept, zero, zero), total, rtol=1e-5)
+    together, beside = parts.joint_deviance(kept, zero, zero)
+    assert together == pytest.approx(joint[6], rel=1e-5)
+    np.testing.assert_allclose(beside, joint[6] - joint[:6], rtol=1e-4)
 
 
 def test_true_physics_predicts_what_was_not_seen() -> None:
