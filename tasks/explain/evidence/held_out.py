@@ -41,11 +41,11 @@ class CrossValidation:
         """
         together, beside = 0.0, np.zeros(len(self.whole.grams))
         for known, channels in self._hidden(fitted, values, prior):
-            whole = _deviance(known, *map(sum, zip(*channels, strict=True)))
+            whole = _deviance(known, *_summed(channels))
             together += whole
             for number in range(len(channels)):
                 others = [one for c, one in enumerate(channels) if c != number]
-                beside[number] += whole - _deviance(known, *map(sum, zip(*others, strict=True)))
+                beside[number] += whole - _deviance(known, *_summed(others))
         return together, beside
 
     def _hidden(
@@ -76,6 +76,11 @@ class CrossValidation:
                 own = more[np.ix_(rows, rows)] * scale[:, None] * scale
                 channels.append((float(left @ gram @ left), scale * gradient[rows], own))
             yield known, channels
+
+
+def _summed(channels: Sequence[HiddenChannel]) -> HiddenChannel:
+    misfits, gradients, normals = zip(*channels, strict=True)
+    return sum(misfits), np.sum(gradients, axis=0), np.sum(normals, axis=0)
 
 
 def _deviance(known: np.ndarray, misfit: float, gradient: np.ndarray, normal: np.ndarray) -> float:
