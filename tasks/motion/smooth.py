@@ -12,17 +12,15 @@ the encoder's own noise asks for.
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from tasks.motion.angle_noise import angle_variance
+from tasks.motion.encoder_rate import encoder_rate, filtered, half_window
 from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
 
-RATE_WINDOW = 0.05  # s
-QUARTIC_NOISE = 1e-4  # rad/s: noise of the first derivative at which a quartic is taken
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
-FEWEST_HALF = 2  # samples on each side that a parabola needs
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
-ROUNDING = 1e-12  # rad: an angle that changes by less stands still
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
 
 
@@ -40,19 +38,19 @@ def smooth_derivatives(
         return (np.full(shape, np.nan),) * 3
     even, thinned = even_grid(t, angle)
     interval = even[1] - even[0]
-    noise = _noise(thinned)
-    slope = rate_kernel(thinned, interval)
+    slope = encoder_rate(thinned, interval, angle_variance(t, angle, thinned))
+    noise = noise_by_differences(thinned, ORDER, 0.9)  # jerks are fewer than a tenth of them
     quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
-    half = _half(min(quiet, LONGEST_WINDOW), interval, len(even))
-    bend = _bend_kernel(half)
+    half = half_window(min(quiet, LONGEST_WINDOW), interval, len(even))
+    bend = filtered(thinned, _bend_kernel(half) / interval**2)
     angles = np.where(covered(t, at)[:, None], interpolated(at, t, angle), np.nan)
     rates, accelerations = (
         np.where(
-            covered(t, at, (len(kernel) // 2 + BETWEEN) * interval)[:, None],
-            _between(at, even, _filtered(thinned, kernel)),
+            covered(t, at, (reach + BETWEEN) * interval)[:, None],
+            _between(at, even, derivative),
             np.nan,
         )
-        for kernel in (slope / interval, bend / interval**2)
+        for reach, derivative in ((len(slope.kernels[0]) // 2, slope.rate), (half, bend))
     )
     return angles, rates, accelerations
 
@@ -65,59 +63,11 @@ def _between(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.asarray(CubicHermiteSpline(t, values, slopes)(np.clip(at, t[0], t[-1])))
 
 
-def rate_kernel(angle: np.ndarray, interval: float) -> np.ndarray:
-    """Per sample, in symmetric order: what makes the rate of angles (n, k) rad on an even grid."""
-    half = _half(RATE_WINDOW, interval, len(angle))
-    return _slope_kernel(half, angle, _noise(angle), interval)
-
-
-def _noise(angle: np.ndarray) -> float:
-    # Jerks at the ends of ramps are fewer than a tenth of the differences.
-    return noise_by_differences(angle, ORDER, 0.9)
-
-
-def _half(window: float, interval: float, count: int) -> int:
-    # Stamps are rounded: half a sample more or less must not depend on their last digit.
-    wanted = round(0.5 * window / interval - 1e-6)
-    return min(max(FEWEST_HALF, wanted), max(1, (count - 1) // 2))
-
-
-def _slope_kernel(half: int, angle: np.ndarray, noise: float, interval: float) -> np.ndarray:
-    """First derivative of the fitted quartic, or of the parabola where noise is too much for it.
-
-    Per sample, in symmetric order; angle: (n, k) rad, noise: of it, rad.
-    """
-    j = np.arange(-half, half + 1.0)
-    parabola = np.asarray(j / (j**2).sum())
-    if half < FEWEST_HALF:
-        return parabola
-    quartic = np.asarray(np.linalg.pinv(np.vander(j, 5, increasing=True))[1])
-    if noise * np.linalg.norm(quartic) <= QUARTIC_NOISE * interval:
-        return quartic
-    # The difference of both is the motion that a parabola loses, and noise; if it is twice the
-    # noise, the quartic is the nearer one (the choice of Mallows's C_p).
-    kernel = quartic - parabola
-    difference = _filtered(angle, kernel)
-    difference = difference[np.abs(difference) > ROUNDING]
-    expected = (noise * np.linalg.norm(kernel)) ** 2
-    larger = len(difference) and (difference**2).mean() > 2.0 * expected
-    return quartic if larger else parabola
-
-
 def _bend_kernel(half: int) -> np.ndarray:
     """Second derivative of the fitted parabola, per sample squared."""
     j = np.arange(-half, half + 1.0)
     centred = j**2 - (j**2).mean()
     return 2.0 * centred / (centred**2).sum()
-
-
-def _filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-    """Correlation of each column with a kernel; the ends go on straight (odd reflection)."""
-    half = len(kernel) // 2
-    before = 2 * values[:1] - values[half:0:-1]
-    after = 2 * values[-1:] - values[-2 : -half - 2 : -1]
-    padded = np.concatenate([before, values, after])
-    return np.column_stack([np.convolve(c, kernel[::-1], "valid") for c in padded.T])
 
 
 def even_grid(t: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -59,7 +59,7 @@ def with_more_noise(recording: Recording, full: FullRate) -> Motion | None:
     if encoders is None or table is None or not encoders.variance.any():
         return None
     rng, t = np.random.default_rng(SEED), table.t - full.start
-    thinned = max(1.0, encoders.interval / float(np.median(np.diff(t))))
+    thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
     columns = dict(table.columns)
     axes = recording.manifest.station.table_axes or ()
     for axis, variance in zip(axes, encoders.variance.T, strict=True):

@@ -31,8 +31,9 @@ class Blocks:
     t: (n,) s from the start of the run, block centres. readings: (n, 6); 0 where not used.
     weight: (n, 6) root of the weight of a block, 1 for a full one at rest, 0: not used.
     motion: at the blocks, with all that was recorded. rate: blocks a second.
-    segment: (n,) index into `segments`, −1 between them. rounding: (6,) variance of a block that
-    the output's step makes by itself.
+    segment: (n,) index into `segments`, −1 between them. floor: (6,) variance of a weighted block
+    that the output's step and the errors of the reference make by themselves: a model that leaves
+    less has taken the noise of the reference for the unit's.
     """
 
     t: np.ndarray
@@ -42,7 +43,7 @@ class Blocks:
     rate: float
     segment: np.ndarray
     segments: tuple[Segment, ...]
-    rounding: np.ndarray
+    floor: np.ndarray
 
 
 def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Blocks:
@@ -81,8 +82,10 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
     weight[~_known(motion)] = 0.0
-    rounding = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
-    return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, rounding)
+    floor = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
+    used = np.maximum((weight > 0).sum(axis=0), 1)
+    floor = floor + np.nansum(weight**2 * known_errors, axis=0) / used
+    return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, floor)
 
 
 def _sums(values: np.ndarray, block: np.ndarray, count: int) -> np.ndarray:

@@ -36,7 +36,7 @@ def residual_noises(
     left = residuals(design, members, noises)
     for triad in TRIADS:
         recorded = [c for c in triad if design.channels[c] is not None]
-        floors = [design.blocks.rounding[c] for c in recorded]
+        floors = [design.blocks.floor[c] for c in recorded]
         estimates = triad_noises([left[c] for c in recorded], design.bands, floors)
         for c, noise in zip(recorded, estimates, strict=True):
             found[c] = noise

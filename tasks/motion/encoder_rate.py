@@ -1,0 +1,107 @@
+"""The rate of an encoder's angle, over as long a window as the motion about each sample bears.
+
+A window that is short enough for the ends of a ramp makes a coarse encoder's noise a hundred times
+larger than it need be at rests and held rates. So of polynomials fitted to longer and longer
+windows each sample takes the longest whose rate still agrees, within its noise, with those of all
+shorter ones (intersection of confidence intervals: Goldenshluger and Nemirovski, Math. Meth.
+Statist. 6, 1997), and then one half as long, whose bias is small beside its noise.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import median_filter, minimum_filter
+
+RATE_WINDOW = 0.05  # s: the shortest
+LONGEST_HALF = 1.0  # s
+FEWEST_HALF = 2  # samples on each side that a quartic needs
+GROWTH, HALVED = np.sqrt(2.0), 2  # from window to window, and the windows that make one half
+AGREEING = 3.0  # standard deviations
+MANY = 3  # shortest windows over which a choice has to be usual
+QUIET = 1e-4  # rad/s: noise of the shortest window that no longer one has to make smaller
+ROUNDING = 1e-12  # rad: an angle that changes by less stands still
+
+
+@dataclass(frozen=True)
+class EncoderRate:
+    """Rate (n, k) rad/s of angles, and its variance.
+
+    chosen: (n, k) which of the kernels; they are per sample, in symmetric order. interval: s.
+    """
+
+    rate: np.ndarray
+    variance: np.ndarray
+    chosen: np.ndarray
+    kernels: tuple[np.ndarray, ...]
+    interval: float
+
+    def variance_of_mean(self, width: float) -> np.ndarray:
+        """(n, k) of means over `width` s."""
+        box = np.full(max(1, round(width / self.interval)), 1.0)
+        gain = [
+            (np.convolve(kernel, box / len(box)) ** 2).sum() / (kernel**2).sum()
+            for kernel in self.kernels
+        ]
+        return np.asarray(self.variance * np.array(gain)[self.chosen])
+
+
+def encoder_rate(angle: np.ndarray, interval: float, variance: np.ndarray) -> EncoderRate:
+    """Of angles (n, k) rad on an even grid, whose samples have variance (n, k) rad²."""
+    kernels = _kernels(angle, interval, variance)
+    rates, variances = [], []
+    low, high = np.full(angle.shape, -np.inf), np.full(angle.shape, np.inf)
+    chosen, agrees = np.zeros(angle.shape, int), np.ones(angle.shape, bool)
+    row = np.arange(len(angle))[:, None]
+    inside = np.minimum(row, row[::-1])  # samples to the nearer end
+    for number, kernel in enumerate(kernels):
+        rates.append(filtered(angle, kernel) / interval)
+        variances.append(np.maximum(filtered(variance, kernel**2), 0.0) / interval**2)
+        within = AGREEING * np.sqrt(variances[-1]) + ROUNDING / interval
+        low, high = np.maximum(low, rates[-1] - within), np.minimum(high, rates[-1] + within)
+        agrees &= (low <= high) & ((inside >= len(kernel) // 2) | (number == 0))
+        chosen[agrees] = number
+    # Chance ends a window at single samples, a corner of the motion at as many as it is long.
+    chosen = median_filter(chosen, size=(MANY * (len(kernels[0]) // 2) * 2 + 1, 1))
+    # Only where nothing ends the longest window all around is there no bias to keep small.
+    unlimited = minimum_filter(chosen, size=(len(kernels[-1]) // 2, 1)) == len(kernels) - 1
+    chosen = np.where(unlimited, chosen, np.maximum(chosen - HALVED, 0))
+    rate, of_rate = (
+        np.take_along_axis(np.array(every), chosen[None], axis=0)[0] for every in (rates, variances)
+    )
+    return EncoderRate(rate, of_rate, chosen, kernels, interval)
+
+
+def _kernels(angle: np.ndarray, interval: float, variance: np.ndarray) -> tuple[np.ndarray, ...]:
+    """First derivatives of quartics, from the noisiest on; last the parabola, quieter by half."""
+    half = half_window(RATE_WINDOW, interval, len(angle))
+    if half < FEWEST_HALF:
+        return (_slope(half, 2),)
+    shortest = _slope(half, 4)
+    noise = np.sqrt(variance.max(initial=0.0)) * np.linalg.norm(shortest) / interval
+    if noise <= QUIET:
+        return (shortest,)
+    longest = min(LONGEST_HALF / interval, len(angle) / 8)
+    count = 1 + max(0, int(np.log(longest / half) / np.log(GROWTH)))
+    halves = np.unique(np.round(half * GROWTH ** np.arange(count)).astype(int)).tolist()
+    return (*(_slope(each, 4) for each in halves), _slope(halves[-1], 2))
+
+
+def _slope(half: int, degree: int) -> np.ndarray:
+    place = np.arange(-half, half + 1.0) / half
+    return np.asarray(np.linalg.pinv(np.vander(place, degree + 1, increasing=True))[1] / half)
+
+
+def half_window(window: float, interval: float, count: int) -> int:
+    """Samples on each side of one of `count`, for a window in s."""
+    # Stamps are rounded: half a sample more or less must not depend on their last digit.
+    wanted = round(0.5 * window / interval - 1e-6)
+    return min(max(FEWEST_HALF, wanted), max(1, (count - 1) // 2))
+
+
+def filtered(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Correlation of each column with a kernel; the ends go on straight (odd reflection)."""
+    half = len(kernel) // 2
+    before = 2 * values[:1] - values[half:0:-1]
+    after = 2 * values[-1:] - values[-2 : -half - 2 : -1]
+    padded = np.concatenate([before, values, after])
+    return np.column_stack([np.convolve(c, kernel[::-1], "valid") for c in padded.T])

@@ -1,0 +1,52 @@
+"""Rates of coarse encoders, against the motion that was read."""
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_trapezoid
+
+from tasks.motion.encoder_rate import EncoderRate, encoder_rate
+
+T = np.arange(0.0, 60.0, 0.01)
+NOISE = 1e-3  # rad
+RAMP = np.clip((T - 20.0) / 1.5, 0.0, 1.0) - np.clip((T - 40.0) / 1.5, 0.0, 1.0)
+TRUE = 2.5 * RAMP  # rad/s: at rest, up a ramp, held, down again, at rest
+CORNERS = np.min([np.abs(T - t) for t in (20.0, 21.5, 40.0, 41.5)], axis=0)
+
+
+def found(noise: float) -> EncoderRate:
+    turned = cumulative_trapezoid(TRUE, T, initial=0.0)
+    angle = turned + noise * np.random.default_rng(7).standard_normal(len(T))
+    return encoder_rate(angle[:, None], 0.01, np.full((len(T), 1), noise**2))
+
+
+def errors(of: EncoderRate) -> np.ndarray:
+    return of.rate[:, 0] - TRUE
+
+
+def test_a_coarse_encoder_is_smoothed_by_as_much_as_rests_and_held_rates_bear() -> None:
+    of = found(NOISE)
+    steady = (CORNERS > 3.0) & (T > 1.0) & (T < 59.0)
+    shortest = NOISE * np.linalg.norm(of.kernels[0]) / 0.01
+    assert errors(of)[steady].std() < 0.02 * shortest
+
+
+def test_the_ends_of_a_ramp_are_not_rounded_off() -> None:
+    of = found(NOISE)
+    near = CORNERS < 0.5
+    assert np.sqrt((errors(of)[near] ** 2 / of.variance[near, 0]).mean()) < 1.5
+    assert np.abs(errors(of)).max() < 0.25  # half a second of smoothing would round off 0.4
+
+
+def test_the_variance_is_that_of_the_errors_and_of_their_means() -> None:
+    of = found(NOISE)
+    ratio = errors(of) ** 2 / of.variance[:, 0]
+    assert np.median(ratio) == pytest.approx(0.45, rel=0.7)
+    means = errors(of).reshape(-1, 50).mean(axis=1)
+    expected = of.variance_of_mean(0.5)[:, 0].reshape(-1, 50).mean(axis=1)
+    assert np.sqrt((means**2).mean()) == pytest.approx(np.sqrt(expected.mean()), rel=0.5)
+
+
+def test_a_fine_encoder_keeps_the_shortest_window() -> None:
+    of = found(1e-9)
+    assert len(of.kernels) == 1
+    assert np.abs(errors(of)[CORNERS > 0.1]).max() < 0.01
