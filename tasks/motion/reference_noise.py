@@ -1,6 +1,6 @@
 """Errors of the reference, estimated from itself, in what it predicts of each reading.
 
-Of encoders: what the noise of their angles leaves in the rates that are made of them. Of poses: what
+Of encoders: what the noise of their angles leaves in the rates made of them. Of poses: what
 the smoothing takes away.
 """
 
