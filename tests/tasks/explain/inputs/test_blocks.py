@@ -131,11 +131,11 @@ def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> N
 
     def rounded(step: float) -> np.ndarray:
         full = full_rate(rested(lambda readings: np.round(readings / step) * step))
-        return block_means(full, 25.0).rounding[3:]
+        return block_means(full, 25.0).floor[3:]
 
     np.testing.assert_allclose(rounded(fine), fine**2 / 12.0 / 4.0, rtol=1e-6)
     np.testing.assert_allclose(rounded(coarse), coarse**2 / 12.0, rtol=1e-6)
-    plain = block_means(full_rate(rested()), 25.0).rounding[3:]
+    plain = block_means(full_rate(rested()), 25.0).floor[3:]
     assert (plain < (0.1 * SIGMA[3:]) ** 2).all()
 
 
