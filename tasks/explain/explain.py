@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 from schemas.recording import Recording
-from tasks.explain.events.faults import find_faults
+from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
 from tasks.explain.evidence.evidence import Evidence
@@ -15,8 +15,8 @@ from tasks.explain.explanation import Explanation
 from tasks.explain.groups.compare import compared
 from tasks.explain.groups.families import searched_by_name
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.inputs.event_removal import cleaned
-from tasks.explain.inputs.full_rate import full_rate
+from tasks.explain.inputs.event_removal import Cleaned, cleaned
+from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
 from tasks.explain.search.budget import SEARCH_BUDGET, TimeBudget
@@ -57,40 +57,58 @@ def explain(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
-    as_read = full_rate(recording)
-    tracked = recording.table is None and recording.reference is not None
-    faults = find_faults(as_read.readings, as_read.motion, None if reference else tracked)
-    recorded, recording = recording, put_right(recording, faults)
-    full = full_rate(recording) if faults else as_read
+    faults, right, full = _put_right(recording, reference)
     tell(progress, "events")
-    clean = cleaned(recording, full, only is None or TIME_OFFSET.name in only)
-    clean = clean.less(reference, full)
+    clean = cleaned(right, full, only is None or TIME_OFFSET.name in only).less(reference, full)
     full = clean.as_stamped(full)
-    share = min(1.0, LONG / float(full.motion.t[-1]))
-    coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
     tell(progress, "candidates")
-    terms = _terms(recording, coarse.motion, only)
-    candidates, fit = _fitted(terms, coarse, fine, only is None, progress, budget)
-    if only is None:
-        evidence = with_absorbed(pruned(fit, len(candidates)), candidates, coarse)
-    else:
-        evidence = Evidence.of(fit)
-    if clean.delay:
-        as_recorded = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
-        fit = with_delay(evidence.fit, candidates, clean.delay, as_recorded)
-        evidence = pruned(fit, len(candidates)) if only is None else Evidence.of(fit)
-    if only is None:
-        tell(progress, "combinations")
-        fit = compared(evidence.fit, candidates)
-        evidence = evidence if fit is evidence.fit else pruned(fit, len(candidates))
+    evidence = _evidence(right, full, clean, only, progress, budget)
     tell(progress, "evidence")
-    explanation = explanation_of(
-        recording, full, clean.events, evidence, reference, ordered=only is not None
-    )
+    ordered = only is not None
+    explanation = explanation_of(right, full, clean.events, evidence, reference, ordered)
     if evidence.fit.selection.stopped:
         stopped = message("explain-search-stopped", seconds=f"{budget:g}")
         explanation = replace(explanation, remarks=(*explanation.remarks, stopped))
-    return with_faults(explanation, recorded, faults)
+    return with_faults(explanation, recording, faults)
+
+
+def _put_right(
+    recording: Recording, reference: ReferencePrediction | None
+) -> tuple[tuple[Fault, ...], Recording, FullRate]:
+    """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
+    full = full_rate(recording)
+    tracked = recording.table is None and recording.reference is not None
+    faults = find_faults(full.readings, full.motion, None if reference else tracked)
+    right = put_right(recording, faults)
+    return faults, right, full_rate(right) if faults else full
+
+
+def _evidence(
+    recording: Recording,
+    full: FullRate,
+    clean: Cleaned,
+    only: Sequence[str] | None,
+    progress: Progress,
+    budget: float,
+) -> Evidence:
+    """The evidence of what was asked for; else of what a search selects and what stays of it."""
+    share = min(1.0, LONG / float(full.motion.t[-1]))
+    coarse, fine = clean.blocks(share * SEARCH_RATE), clean.blocks(share * REFIT_RATE)
+    terms = _terms(recording, coarse.motion, only)
+    candidates, fit = _fitted(terms, coarse, fine, only is None, progress, budget)
+
+    def as_recorded(fit: FittedSelection) -> FittedSelection:
+        late = clean.with_stamps_of(full).blocks(share * REFIT_RATE)
+        return with_delay(fit, candidates, clean.delay, late)
+
+    if only is not None:
+        return Evidence.of(as_recorded(fit) if clean.delay else fit)
+    evidence = with_absorbed(pruned(fit, len(candidates)), candidates, coarse)
+    if clean.delay:
+        evidence = pruned(as_recorded(evidence.fit), len(candidates))
+    tell(progress, "combinations")
+    fit = compared(evidence.fit, candidates)
+    return evidence if fit is evidence.fit else pruned(fit, len(candidates))
 
 
 def _fitted(
