@@ -55,7 +55,6 @@ def findings(encoder_noise: float, own_samples: int) -> set[int]:
         full, standard.prediction(full.motion), found.prediction(full.motion),
         np.zeros((len(T), 6), bool),
     )  # fmt: skip
-    assert left.removed > 100.0 or encoder_noise == 0.0
     return fitted_to_reference_noise(recording, full, standard, found, KEYS, left)
 
 
