@@ -10,7 +10,6 @@ the encoder's own noise asks for.
 """
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from tasks.motion.angle_noise import angle_variance
 from tasks.motion.encoder_rate import encoder_rate, filtered, half_window
@@ -59,6 +58,8 @@ def _between(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (n, k) at even times t (n,) by cubics through four: a straight line would lose
     ω²x(h − x)/2 of an oscillation at x of an interval h, as no unit does.
     """
+    from scipy.interpolate import CubicHermiteSpline  # late: it takes a third of a start
+
     slopes = np.gradient(values, t, axis=0)
     return np.asarray(CubicHermiteSpline(t, values, slopes)(np.clip(at, t[0], t[-1])))
 
