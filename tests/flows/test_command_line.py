@@ -426,7 +426,7 @@ def test_runs_are_listed_with_the_catalogue_alone(mimucal, shared) -> None:
 def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
     mimucal, shared
 ) -> None:
-    run = mimucal("import", shared / "plant/plant_clean").out.split()[0]
+    run = mimucal("import", shared / "real/vn200_imu0_rate_table").out.split()[0]
     _, heavy = loaded("calibrate", run, "--json")
     assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
