@@ -46,11 +46,7 @@ def explanation_of(
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)
-    to_noise = fitted_to_reference_noise(
-        recording, full, standard, fit.model,
-        [{term.key for term in group.terms} for group in evidence.groups],
-        LeftOver.of(full, nominal, events.applied(t, predicted), events.masked),
-    )  # fmt: skip
+    to_noise = fitted_to_reference_noise(recording, full, standard, evidence, events.masked)
     scrutinies = scrutinised(evidence)
     determined = determined_model(evidence, scrutinies, full)
     terms = findings_of(evidence, scrutinies, full, determined, to_noise, ordered)

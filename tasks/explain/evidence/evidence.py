@@ -16,8 +16,10 @@ from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
+from tasks.model.model import Model
 from tasks.model.regression import WhitenedEquations, inverse
 from tasks.model.term import Column, Parameter, parameters_of
+from tasks.motion.whole import Motion
 
 
 @dataclass(frozen=True)
@@ -42,27 +44,25 @@ class Evidence:
     def of(cls, fit: FittedSelection) -> "Evidence":
         model, blocks = fit.model, fit.blocks
         groups = finding_groups(fit.selection)
-        design = model.linearised(blocks.motion, model.free)
+        columns, prediction = columns_of(model, groups, blocks.motion)
         free = np.flatnonzero(model.free).tolist()
-        columns: list[Column] = [design.columns[p] for p in free]
         position, own_places = {p: q for q, p in enumerate(free)}, model.places
-        own, known = [], []
+        own: list[tuple[list[int], np.ndarray]] = []
+        known: list[int] = []
         for group in groups:
             mine: list[int] = []
             values: list[float] = []
             for term in group.terms:
                 place = own_places[term.key]
                 if not term.parameters:
-                    known.append(len(columns))
-                    mine.append(len(columns))
+                    known.append(len(free) + len(known))
+                    mine.append(known[-1])
                     values.append(1.0)
-                    effect = model.effect_of({term.key}, blocks.motion, design.prediction)
-                    columns.append(dict(enumerate(effect.T)))
                 fitted = [p for p in range(place.start, place.stop) if p in position]
                 mine += [position[p] for p in fitted]
                 values += model.values[fitted].tolist()
             own.append((mine, np.array(values)))
-        misfit, fold = blocks.readings - design.prediction, fold_cells(blocks)
+        misfit, fold = blocks.readings - prediction, fold_cells(blocks)
         prior = np.concatenate([model.prior[free], np.zeros(len(known))])
         scatter = Scatter(
             cell_equations(columns, misfit, blocks, fit.noises, scatter_cells(blocks)),
@@ -248,3 +248,17 @@ class Evidence:
             mine, values = self.own[number]
             added[mine] = values
         return added
+
+
+def columns_of(
+    model: Model, groups: Sequence[FindingGroup], motion: Motion
+) -> tuple[list[Column], np.ndarray]:
+    """Of a model's free parameters, then of known physics in the order of the groups; and what
+    the model predicts, (n, 6).
+    """
+    design = model.linearised(motion, model.free)
+    columns = [design.columns[p] for p in np.flatnonzero(model.free).tolist()]
+    for term in (term for group in groups for term in group.terms if not term.parameters):
+        effect = model.effect_of({term.key}, motion, design.prediction)
+        columns.append(dict(enumerate(effect.T)))
+    return columns, design.prediction

@@ -1,71 +1,124 @@
-"""Whether findings describe the unit, or only make the noise of a coarse encoder smaller.
+"""Whether findings describe the unit, or only the errors of its reference.
 
 What smooths or shrinks the predicted motion, as a low-pass beside a lead or a dead band does, fits
 better for that alone: the motion carries the encoder's noise and the unit does not (attenuation by
-errors in the regressor; Fuller, Measurement Error Models, 1987). How much better, a motion with
-more of the same noise tells.
+errors in the regressor; Fuller, Measurement Error Models, 1987). And what follows the ends of moves
+fits what smoothing the encoder leaves there. How much either earns, a simulated reading tells: the
+motion that was found, read by the same encoders or cameras and smoothed again, beside itself
+(parametric bootstrap; Efron and Tibshirani, An Introduction to the Bootstrap, 1993, ch. 6).
 """
 
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.explain.evidence.left_over import LeftOver
+from tasks.explain.evidence.evidence import Evidence, columns_of
+from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.regression.spectrum import equations_of
 from tasks.model.model import Model
-from tasks.model.term import TermKey
+from tasks.model.regression import inverse
+from tasks.motion.pose import PLACE, POSE, Tracking
+from tasks.motion.reference_noise import EncoderNoise
+from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
-MOSTLY = 0.5  # of what all findings remove: the noise of the reference explains them
-ACTING = 0.1  # of that noise's power: a finding that changes less of it leaves it as it is
+OWED = 0.25  # of a finding's gain: what the errors of the reference alone may make of it
 SEED = 20
 
 
 def fitted_to_reference_noise(
-    recording: Recording,
-    full: FullRate,
-    standard: Model,
-    found: Model,
-    terms: list[Collection[TermKey]],
-    left: LeftOver,
+    recording: Recording, full: FullRate, standard: Model, evidence: Evidence, masked: np.ndarray
 ) -> set[int]:
-    """Numbers of the findings that owe their evidence to the noise of the encoders.
+    """Numbers of the findings that the errors of the reference would bring forth by themselves.
 
-    standard, found: models without and with all findings, fitted. terms: of each finding. left:
-    what they leave and what was left without them.
+    standard: the model without findings, fitted. masked: (n, 6) bool, readings that are not used.
     """
-    noisy = with_more_noise(recording, full) if terms else None
-    if noisy is None:
+    simulated = simulated_reading(recording, full) if evidence.groups else None
+    if simulated is None:
         return set()
-
-    def changed(model: Model) -> np.ndarray:
-        return np.nan_to_num(model.prediction(noisy) - model.prediction(full.motion))
-
-    def power(errors: np.ndarray) -> float:
-        return float(np.where(left.masked, 0.0, errors**2 / left.noise).sum())
-
-    alone, together = changed(standard), changed(found)
-    if power(alone) - power(together) < MOSTLY * left.removed:
-        return set()
-    acting = (power(together - changed(found.without(keys))) for keys in terms)
-    return {number for number, own in enumerate(acting) if own > ACTING * power(alone)}
+    true, read = simulated
+    errors = standard.prediction(true) - standard.prediction(read)
+    made = _gains(evidence, replace(full, readings=errors, motion=read), masked)
+    return {
+        number
+        for number, gain in enumerate(made)
+        if gain - len(evidence.own[number][0]) > OWED * evidence.gain(number)
+    }
 
 
-def with_more_noise(recording: Recording, full: FullRate) -> Motion | None:
-    """The motion at the unit's rows with as much noise again in each encoder; None without any."""
-    encoders, table = full.reference_noise.encoders, recording.table
-    if encoders is None or table is None or not encoders.variance.any():
+def _gains(evidence: Evidence, full: FullRate, masked: np.ndarray) -> list[float]:
+    """What each finding earns, beside the others, on readings in which none of them is."""
+    fit = evidence.fit
+    blocks = block_means(full, fit.blocks.rate, masked)
+    columns, _ = columns_of(fit.model, evidence.groups, blocks.motion)
+    normal, right, _ = equations_of(columns, blocks.readings, blocks, fit.noises).normal()
+    normal = normal + np.diag(evidence.prior)
+
+    def earned(rows: np.ndarray) -> float:
+        return float(right[rows] @ inverse(normal[np.ix_(rows, rows)]) @ right[rows])
+
+    every = np.arange(len(columns))
+    others = np.setdiff1d(every, evidence.known)
+    gains = []
+    for own, _ in evidence.own:
+        without = np.setdiff1d(others, own)
+        gains.append(earned(np.union1d(without, own).astype(int)) - earned(without))
+    return gains
+
+
+def simulated_reading(recording: Recording, full: FullRate) -> tuple[Motion, Motion] | None:
+    """The motion at the unit's rows: as it is taken to be, and as the reference would tell it.
+
+    None of a reference that does not err.
+    """
+    if full.motion.tracking is not None and recording.reference is not None:
+        pose = _with_noise(recording.reference, full.motion.tracking)
+        return full.motion, _read(replace(recording, reference=pose), full)
+    encoders, table, axes = full.reference_noise.encoders, recording.table, full.motion.axes
+    if encoders is None or table is None or axes is None or not encoders.variance.any():
         return None
+    exact, noisy = _encoders_on(recording, full, table, encoders, axes)
+    return _read(replace(recording, table=exact), full), _read(
+        replace(recording, table=noisy), full
+    )
+
+
+def _read(recording: Recording, full: FullRate) -> Motion:
+    motion = whole_motion(recording, full.motion.t + full.start)
+    return replace(motion, t=full.motion.t, recorded=full.motion.recorded)
+
+
+def _with_noise(pose: Stream, tracking: Tracking) -> Stream:
+    """Poses with as much noise again in each frame."""
+    rng, columns = np.random.default_rng(SEED), dict(pose.columns)
+    turns = np.sqrt(tracking.attitude_variance) * rng.standard_normal((len(pose.t), 3))
+    turned = Rotation.from_quat(pose.stack(POSE), scalar_first=True) * Rotation.from_rotvec(turns)
+    columns.update(zip(POSE, turned.as_quat(scalar_first=True).T, strict=True))
+    for name in PLACE:
+        if name in columns:
+            moved = np.sqrt(tracking.place_variance) * rng.standard_normal(len(pose.t))
+            columns[name] = columns[name] + moved
+    return Stream(pose.t, columns)
+
+
+def _encoders_on(
+    recording: Recording, full: FullRate, table: Stream, encoders: EncoderNoise, axes: TableAxes
+) -> tuple[Stream, Stream]:
+    """What encoders without and with noise would read on the motion as it is taken to be."""
     rng, t = np.random.default_rng(SEED), table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
-    columns = dict(table.columns)
-    axes = recording.manifest.station.table_axes or ()
-    for axis, variance in zip(axes, encoders.variance.T, strict=True):
-        deviation = np.sqrt(thinned * np.interp(t, encoders.t, variance))
+    exact, noisy = dict(table.columns), dict(table.columns)
+    rates = np.nan_to_num(axes.speeds)
+    steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(full.motion.t)[:, None]
+    angles = np.nan_to_num(axes.angles[0]) + np.concatenate([0.0 * rates[:1], steps.cumsum(axis=0)])
+    for k, axis in enumerate(recording.manifest.station.table_axes or ()):
+        turned = CubicHermiteSpline(full.motion.t, angles[:, k], rates[:, k])(t)
+        deviation = np.sqrt(thinned * np.interp(t, encoders.t, encoders.variance[:, k]))
         name = f"{axis.name}_angle"
-        columns[name] = np.unwrap(columns[name]) + deviation * rng.standard_normal(len(t))
-    noisier = replace(recording, table=Stream(table.t, columns))
-    motion = whole_motion(noisier, full.motion.t + full.start)
-    return replace(motion, t=full.motion.t, recorded=full.motion.recorded)
+        exact[name] = turned
+        noisy[name] = turned + deviation * rng.standard_normal(len(t))
+    return Stream(table.t, exact), Stream(table.t, noisy)

@@ -70,8 +70,25 @@ class _Family:
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
         found, chosen = self._fitted(self.present), self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
-            return _marked(found, ())
+            return _marked(self._special_case(found), ())
+        special = self._special_case(chosen)
+        if special is not chosen:
+            return _marked(special, ())
         return _marked(chosen, _group(best, map(_names, near)))
+
+    def _special_case(self, found: Combination) -> Combination:
+        """What was found, or the special case of it that fits no worse in its real form: linear
+        forms see neither what else was refined nor that the standard's own terms make up for it.
+        """
+        for form in self.forms:
+            general = HOLDS.get(form[0].name)
+            if general not in _names(found.members):
+                continue
+            others = tuple(one for one in found.members if one.name not in (general, form[0].name))
+            special = self._fitted((*form, *others))
+            if special.plausible and self._cost(special) < self._cost(found):
+                return special
+        return found
 
     def _holds(self, chosen: Combination, found: Combination) -> bool:
         """Whether what linear forms prefer is plausible in its real form, and fits better there."""
