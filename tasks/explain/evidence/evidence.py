@@ -11,15 +11,14 @@ from scipy.stats import f as fisher
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.cells import cell_equations, fold_cells, scatter_cells
+from tasks.explain.evidence.columns import columns_of
 from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
 from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
-from tasks.model.model import Model
 from tasks.model.regression import WhitenedEquations, inverse
-from tasks.model.term import Column, Parameter, parameters_of
-from tasks.motion.whole import Motion
+from tasks.model.term import Parameter, parameters_of
 
 
 @dataclass(frozen=True)
@@ -248,17 +247,3 @@ class Evidence:
             mine, values = self.own[number]
             added[mine] = values
         return added
-
-
-def columns_of(
-    model: Model, groups: Sequence[FindingGroup], motion: Motion
-) -> tuple[list[Column], np.ndarray]:
-    """Of a model's free parameters, then of known physics in the order of the groups; and what
-    the model predicts, (n, 6).
-    """
-    design = model.linearised(motion, model.free)
-    columns = [design.columns[p] for p in np.flatnonzero(model.free).tolist()]
-    for term in (term for group in groups for term in group.terms if not term.parameters):
-        effect = model.effect_of({term.key}, motion, design.prediction)
-        columns.append(dict(enumerate(effect.T)))
-    return columns, design.prediction

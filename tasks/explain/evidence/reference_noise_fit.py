@@ -15,7 +15,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.explain.evidence.evidence import Evidence, columns_of
+from tasks.explain.evidence.columns import columns_of
+from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.regression.spectrum import equations_of

@@ -6,7 +6,7 @@ are linear forms, by the normal equations of the search. Delays and filters are 
 that come near are fitted in their real form, and so is whatever is put in another's place.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
@@ -15,6 +15,7 @@ import numpy as np
 
 from tasks.explain.groups.combinations import Combination, chi2_of
 from tasks.explain.groups.families import FAMILIES, Form, forms_of, group_delays
+from tasks.explain.groups.marking import group_names, is_by_triad, keys_of, marked, names_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
@@ -70,11 +71,11 @@ class _Family:
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
         found, chosen = self._fitted(self.present), self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
-            return _marked(self._special_case(found), ())
+            return marked(self._special_case(found), ())
         special = self._special_case(chosen)
         if special is not chosen:
-            return _marked(special, ())
-        return _marked(chosen, _group(best, map(_names, near)))
+            return marked(special, ())
+        return marked(chosen, group_names(best, map(names_of, near)))
 
     def _special_case(self, found: Combination) -> Combination:
         """What was found, or the special case of it that fits no worse in its real form: linear
@@ -82,7 +83,7 @@ class _Family:
         """
         for form in self.forms:
             general = HOLDS.get(form[0].name)
-            if general not in _names(found.members):
+            if general not in names_of(found.members):
                 continue
             others = tuple(one for one in found.members if one.name not in (general, form[0].name))
             special = self._fitted((*form, *others))
@@ -101,11 +102,11 @@ class _Family:
         tried += [
             self._fitted(form)
             for form in self.forms
-            if form[0].term.stage == "signal" and _keys(form) != _keys(self.present)
+            if form[0].term.stage == "signal" and keys_of(form) != keys_of(self.present)
             and (self._delay_was_taken_back or self._linear_gain(form) > enough)
-            and (self._triads_differ or not _is_by_triad(form))
+            and (self._triads_differ or not is_by_triad(form))
         ]  # fmt: skip
-        alone = min((one for one in tried if len(_names(one.members)) == 1), key=self._cost,
+        alone = min((one for one in tried if len(names_of(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
         if self._triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
@@ -113,14 +114,14 @@ class _Family:
         least = min(map(self._cost, tried))
         near = [one for one in tried if self._cost(one) - least < DISTINGUISHABLE]
         best = min(near, key=lambda o: (o.count, o.members is not self.present, self._cost(o)))
-        names = [_names(one.members) for one in near]
-        if set(_names(best.members)) == {"time_offset", "bandwidth"}:
+        names = [names_of(one.members) for one in near]
+        if set(names_of(best.members)) == {"time_offset", "bandwidth"}:
             if best.with_filter(FILTER).chi2 - best.chi2 < DISTINGUISHABLE * self._dispersion:
                 names += [("bandwidth",), ("time_offset",)]
-        elif len(_names(best.members)) == 1:
+        elif len(names_of(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
-        return _marked(best, _group(best.members, names))
+        return marked(best, group_names(best.members, names))
 
     def _delay_with_filter(self) -> list[Combination]:
         """A delay with a filter of the later triad; and of both, where a filter more fits better.
@@ -128,7 +129,7 @@ class _Family:
         From nothing no step tells a filter from a delay: so it is tried at a usual size.
         """
         delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
-        both = next((form[0] for form in self.forms if _is_by_triad(form)), None)
+        both = next((form[0] for form in self.forms if is_by_triad(form)), None)
         if delay is None or both is None:
             return []
         gyro, accel = group_delays(self.fit.model, self.names)
@@ -144,8 +145,8 @@ class _Family:
         """The best of one effect with each other that promises more than its price."""
         others = [
             form for form in self.forms
-            if {form[0].name, *_names(alone.members)} not in (
-                set(_names(alone.members)), {"time_offset", "bandwidth"})
+            if {form[0].name, *names_of(alone.members)} not in (
+                set(names_of(alone.members)), {"time_offset", "bandwidth"})
         ]  # fmt: skip
         for form, gain in zip(others, alone.promises(others), strict=True):
             if gain / self._dispersion > self._price * sum(len(one.own) for one in form):
@@ -155,20 +156,22 @@ class _Family:
         """Whether a filter beside a delay promises to fit better than the one of them that fits
         best: in the delay's place one of a usual size, which is a column like any other.
         """
-        both = next((form[0] for form in self.forms if _is_by_triad(form)), None)
+        both = next((form[0] for form in self.forms if is_by_triad(form)), None)
         delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
         if delay is None or both is None:
             return False
         gain = 0.0
-        if _names(alone.members) == ("time_offset",):
+        if names_of(alone.members) == ("time_offset",):
             gain = alone.promise_of_filter(both.term, FILTER)
-        elif _names(alone.members) == ("bandwidth",):
+        elif names_of(alone.members) == ("bandwidth",):
             gain = alone.promises([delay])[0]
         return gain > DISTINGUISHABLE * self._dispersion
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
         """Whether another effect may have made a share of the best, as far as the data tell."""
-        if form[0].name in _names(best.members) or form[0].name == HOLDS.get(best.members[0].name):
+        if form[0].name in names_of(best.members) or form[0].name == HOLDS.get(
+            best.members[0].name
+        ):
             return False
         missed = self._linear_gain(best.members) - self._linear_gain(form)
         limit = DISTINGUISHABLE * self._dispersion
@@ -178,7 +181,7 @@ class _Family:
 
     def _combined(self) -> Iterator[Form]:
         """Each form alone, and pairs; but none of what was found with more, as the search would."""
-        found = set(_names(self.present))
+        found = set(names_of(self.present))
         yield from self.forms
         for one, other in combinations(self.forms, 2):
             if one[0].name != other[0].name and not found < {one[0].name, other[0].name}:
@@ -223,7 +226,7 @@ class _Family:
 
         Of filters alone: a long delay and a filter differ in their linear forms already.
         """
-        both = next((form for form in self.forms if _is_by_triad(form)), None)
+        both = next((form for form in self.forms if is_by_triad(form)), None)
         whole = next((form for form in self.forms
                       if form[0].name == "bandwidth" and form is not both), None)  # fmt: skip
         if both is None or whole is None:
@@ -235,36 +238,3 @@ class _Family:
     def _delay_was_taken_back(self) -> bool:
         """Whether the search was of readings without a delay that the model has."""
         return any(np.isinf(one.gain) for one in self.fit.selection.selected)
-
-
-def _marked(chosen: Combination, group: tuple[str, ...]) -> FittedSelection:
-    keys, selection = _keys(chosen.members), chosen.fit.selection
-    marked = tuple(
-        replace(one, group=group if one.candidate.key in keys else one.group)
-        for one in selection.selected
-    )
-    return replace(chosen.fit, selection=replace(selection, selected=marked))
-
-
-def _group(best: Form, names: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
-    """All the names, those of the best first; empty where there are no others.
-
-    What is as good with the best and something more says nothing of what is more.
-    """
-    own = _names(best)
-    others = [some for some in names if not set(own) <= set(some)]
-    return (
-        tuple(dict.fromkeys([*own, *(name for some in others for name in some)])) if others else ()
-    )
-
-
-def _is_by_triad(form: Form) -> bool:
-    return form[0].name == "bandwidth" and len(form[0].term.parameters) > 1
-
-
-def _names(members: Form) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(one.name for one in members))
-
-
-def _keys(members: Form) -> set[object]:
-    return {one.key for one in members}

@@ -1,39 +1,22 @@
 """A low-pass that only quietens the encoder is told from one that the unit has."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
-from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
+from tasks.explain.evidence.reference_noise_fit import simulated_reading
+from tasks.explain.explain import explain
 from tasks.explain.inputs.full_rate import full_rate
-from tasks.motion.whole import Motion
 
 T = np.arange(0.0, 60.0, 0.01)
 ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
-KEYS = [{("bandwidth", 0)}]
 
 
-@dataclass(frozen=True)
-class Smoothed:
-    """Predicts the motion's rates as means over so many samples."""
-
-    samples: int
-
-    def prediction(self, motion: Motion) -> np.ndarray:
-        rate = uniform_filter1d(motion.rate, self.samples, axis=0)
-        return np.column_stack([rate, motion.force])
-
-    def without(self, _: Any) -> "Smoothed":
-        return Smoothed(1)
-
-
-def findings(encoder_noise: float, own_samples: int) -> set[int]:
-    """Which are put down to the encoder, where the unit's rates are means of so many samples."""
+def shaft(encoder_noise: float, own_samples: int) -> Recording:
+    """On a shaft whose encoder errs by so many rad; its rates are means of so many samples."""
     rng = np.random.default_rng(6)
     manifest = Manifest.model_validate({
         "format": "mimu-recording/1", "recording_id": "shaft",
@@ -47,21 +30,37 @@ def findings(encoder_noise: float, own_samples: int) -> set[int]:
     accel = 1e-3 * rng.standard_normal((3, len(T))) + np.array([[0.0], [0.0], [9.8]])
     imu = Stream(T, dict(zip(GYRO + ACCEL, [*gyro, *accel], strict=True)))
     read = ANGLE + encoder_noise * rng.standard_normal(len(T))
-    recording = Recording(manifest, imu, table=Stream(T, {"a_angle": read}))
-    full = full_rate(recording)
-    standard: Any = Smoothed(1)
-    found: Any = Smoothed(max(own_samples, 9))
-    left = LeftOver.of(
-        full, standard.prediction(full.motion), found.prediction(full.motion),
-        np.zeros((len(T), 6), bool),
-    )  # fmt: skip
-    return fitted_to_reference_noise(recording, full, standard, found, KEYS, left)
+    return Recording(manifest, imu, table=Stream(T, {"a_angle": read}))
 
 
-def test_what_only_quietens_the_encoder_is_no_finding() -> None:
-    assert findings(encoder_noise=5e-4, own_samples=1) == {0}
+def refused(recording: Recording, name: str) -> list[str]:
+    """Why a term that was asked for would have no name."""
+    found = explain(recording, only=(name,)).findings
+    return [one.refusal.kind for one in found if one.refusal is not None]
 
 
 @pytest.mark.parametrize("encoder_noise", [0.0, 1e-5])
 def test_a_low_pass_of_the_unit_stands(encoder_noise: float) -> None:
-    assert findings(encoder_noise, own_samples=41) == set()
+    assert refused(shaft(encoder_noise, own_samples=41), "bandwidth") == []
+
+
+def test_what_only_quietens_the_encoder_has_no_name() -> None:
+    named = [one.effect for one in explain(shaft(3e-3, own_samples=1)).findings]
+    assert set(named) <= {"unnamed"}
+
+
+def test_a_simulated_reading_errs_as_much_as_the_encoder() -> None:
+    recording = shaft(1e-3, own_samples=1)
+    full = full_rate(recording)
+    simulated = simulated_reading(recording, full)
+    assert simulated is not None
+    true, read = simulated
+    resting = T < 19.0
+    error = (read.rate - true.rate)[resting, 2].std()
+    assert 0.5 < error / full.motion.rate[resting, 2].std() < 2.0
+
+
+def test_encoders_that_stand_still_have_no_errors_to_simulate() -> None:
+    recording = shaft(0.0, own_samples=1)
+    recording = replace(recording, table=Stream(T, {"a_angle": np.zeros(len(T))}))
+    assert simulated_reading(recording, full_rate(recording)) is None
