@@ -19,6 +19,7 @@ BEYOND = 1.02  # times the limit, from where on a prediction is beyond it
 MIN_BEYOND = 20  # readings whose prediction is beyond
 APPROACH = 0.7  # of the limit, from where on the readings must follow the prediction
 MIN_APPROACH = 30
+MOSTLY = 0.5  # of the readings at a limit, whose prediction is beyond
 FLAT = 0.1  # change of the reading with the prediction beyond a limit; one without it
 REACH = 4.0  # times the plateau's own scatter, by which the prediction passes it
 QUIET = 0.5  # of the scatter below a limit: noise is cut off
@@ -95,10 +96,22 @@ def _plateau(
     missed = float(np.sqrt(np.mean((read - expected)[approach] ** 2)))
     if scatter > MAX_SCATTER * limit or passed < REACH * max(scatter, missed):
         return None
-    if not _flat(read, expected, beyond, approach):
+    if not (
+        _mostly_beyond(read, beyond, level, scatter) and _flat(read, expected, beyond, approach)
+    ):
         return None
     noise = float(np.std(np.diff((read - expected)[approach]))) / np.sqrt(2.0)
     return Plateau(channel, side, level, scatter, noise, int(beyond.sum()))
+
+
+def _mostly_beyond(read: np.ndarray, beyond: np.ndarray, level: float, scatter: float) -> bool:
+    """Whether what reads a limit is predicted beyond it.
+
+    Of a motion that dwells at its highest rate an encoder's noise predicts a few readings beyond,
+    and they alone would look as if they stood still.
+    """
+    there = np.abs(read - level) <= REACH * scatter
+    return int((there & beyond).sum()) >= MOSTLY * int(there.sum())
 
 
 def _flat(read: np.ndarray, expected: np.ndarray, beyond: np.ndarray, approach: np.ndarray) -> bool:

@@ -8,6 +8,7 @@ from made_up import GRAVITY, counted, mean_readings, motion, noisy
 
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
+from tasks.motion.whole import Motion
 from tasks.words import texts
 
 
@@ -85,3 +86,15 @@ def test_rests_in_gravity_are_no_plateau() -> None:
     still = replace(made, up=up, rate=np.zeros_like(made.rate))
     mean = np.hstack([still.rate, GRAVITY * still.up * 0.99 + 0.05])
     assert events_in_readings(still.t, noisy(mean, 8), still).events == ()
+
+
+def test_a_motion_that_dwells_at_its_highest_rate_before_a_noisy_encoder_is_no_plateau() -> None:
+    made = motion(top=4.5)
+    readings = noisy(mean_readings(made), 9)
+    error = np.random.default_rng(10).normal(0.0, 0.05, len(made.t))
+    dwelling = np.where(np.abs(made.rate[:, 2]) > 4.4, error, 0.1 * error)
+    assert events_in_readings(made.t, readings, with_rate_error(made, dwelling)).events == ()
+
+
+def with_rate_error(made: Motion, error: np.ndarray) -> Motion:
+    return replace(made, rate=made.rate + np.outer(error, [0.0, 0.0, 1.0]))
