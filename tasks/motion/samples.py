@@ -22,6 +22,12 @@ def sample_interval(t: np.ndarray) -> float:
     return float(spans[np.abs(spans - usual) <= USUAL * usual].mean()) / rows
 
 
+def longest_step(t: np.ndarray) -> float:
+    """Longest step (s) that rows stamped t (n,) s take again and again: that between batches."""
+    steps = np.diff(t)
+    return float(np.median(in_blocks(steps, max(1, min(SPAN, len(steps)))).max(axis=1)))
+
+
 def gaps(t: np.ndarray, interval: float, wide: float) -> np.ndarray:
     """(k,) rows after which others are missing: stamps t (n,) s are late by `wide` intervals from
     there on. The first row of a batch only is late.

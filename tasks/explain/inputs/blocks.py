@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter1d, minimum_filter1d
 from schemas.base import Unusable
 from schemas.recording import Segment
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.motion.samples import bridged, sample_interval
+from tasks.motion.samples import bridged, longest_step, sample_interval
 from tasks.motion.whole import Motion
 
 MIN_BLOCKS = 200
@@ -21,6 +21,7 @@ MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body th
 VIBRATING = 1.3  # times the noise variance at rest
 BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
 REACH = 5  # blocks on each side that delays and filters make a reading of
+UNEVEN = 0.5  # of an interval: stamps that scatter by less are no batches
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
 
@@ -51,7 +52,8 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
 
     Where poses tell the motion up to some frequency only, blocks are as long as that asks for.
     masked: (n, 6) bool, samples that must not be used.
-    Raises Unusable where there are fewer than 200 blocks, or than 30 that are as long as poses ask.
+    Raises Unusable where there are fewer than 200 blocks, or than 30 that are as long as poses ask;
+    where none of them is known.
     """
     t = full.motion.t
     own = 1.0 / max(sample_interval(t), 1e-9)
@@ -59,7 +61,8 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     if full.motion.tracking is not None:
         seen = min(rate, 2.0 * full.motion.tracking.edge)
         rate, needed = seen, max(MIN_OF_POSES, round(MIN_BLOCKS * seen / rate))
-    step = max(1, round(own / rate))
+    # A block between two batches of stamps would have no row, and its neighbours none beside them.
+    step = max(1, round(own / rate), int(np.ceil(own * longest_step(t) - UNEVEN)))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
     if count < needed:
@@ -82,6 +85,11 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
     weight[~_known(motion)] = 0.0
+    if not weight.any():
+        raise Unusable(
+            f"the recording has no {(2 * REACH + 1) * step / own:.2g} s on end with both imu rows "
+            "and a known motion; give a reference that covers the readings"
+        )
     floor = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     used = np.maximum((weight > 0).sum(axis=0), 1)
     floor = floor + np.nansum(weight**2 * known_errors, axis=0) / used
