@@ -229,3 +229,16 @@ def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect() -> None:
     unused = blocks.t[blocks.weight[:, 0] == 0.0]
     assert unused.min() == pytest.approx(20.0 - 5 / 25.0, abs=0.06)
     assert unused.max() == pytest.approx(21.0 + 5 / 25.0, abs=0.06)
+
+
+def test_rows_stamped_in_batches_leave_no_block_without_a_row() -> None:
+    full = full_rate(on_a_shaft(np.radians(0.01)))
+    late = 0.0075 * (4 - np.arange(len(full.motion.t)) % 5)  # s: stamped as each fifth arrives
+    batches = replace(full, motion=replace(full.motion, t=full.motion.t + late - late[0]))
+    assert (block_means(batches, 50.0).weight[:, 0] > 0.0).mean() > 0.9
+
+
+def test_a_recording_whose_motion_is_nowhere_known_on_end_is_refused() -> None:
+    full = full_rate(rested())
+    with pytest.raises(Unusable, match="known motion"):
+        block_means(full, 25.0, np.ones(full.readings.shape, bool))
