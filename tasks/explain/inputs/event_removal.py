@@ -11,6 +11,7 @@ from tasks.explain.events.lost_samples import LostSamples
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.delay import advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.samples import interpolated
@@ -73,7 +74,9 @@ def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned
 
 def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:
     rows = full_rate(advanced(recording, delay)) if delay else full
-    return rows, events_in_readings(rows.motion.t, rows.readings, rows.motion, rows.start)
+    events = events_in_readings(rows.motion.t, rows.readings, rows.motion, rows.start)
+    unknown = within_jumps(recording, rows.motion.t + rows.start)
+    return rows, replace(events, masked=events.masked | unknown[:, None])
 
 
 def _without_events(full: FullRate, events: Events) -> tuple[FullRate, np.ndarray]:

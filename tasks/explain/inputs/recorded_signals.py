@@ -11,6 +11,9 @@ from tasks.motion.samples import bridged
 MEAN_WIDTH = 5.0  # s: a unit's temperature does not change faster
 MIN_MEANS = 6
 MAX_EXCESS = 1.3  # times what scatters from mean to mean
+JUMP = 10.0  # times what a signal usually changes by from sample to sample
+MIN_JUMP = 0.3  # of a signal's range
+MAX_UNKNOWN = 0.02  # of the rows: a signal that jumps more often is interpolated
 MAX_DEGREE = 60  # of the polynomial: cycles of a minute in a run of half an hour
 
 
@@ -34,6 +37,27 @@ def recorded_signals(
         if segment.kind == "rate":
             recorded["steady_turn"][recording.imu.rows(segment.t_start, segment.t_end)] = 1.0
     return recorded
+
+
+def within_jumps(recording: Recording, t: np.ndarray) -> np.ndarray:
+    """(n,) bool: the rows between two samples of a room's signal between which it jumps.
+
+    When it jumped is not known to the row, so that no law of the signal can be held against these
+    readings: a jump of the unit's own, whose time is fitted, would always fit better.
+    """
+    unknown = np.zeros(len(t), bool)
+    if (room := recording.environment) is None:
+        return unknown
+    for signal in room.columns.values():
+        change = np.abs(np.diff(signal))
+        if len(change) < MIN_MEANS or not np.isfinite(change).all():
+            continue
+        least = max(JUMP * float(np.quantile(change, 0.9)), MIN_JUMP * float(np.ptp(signal)))
+        jumps = np.concatenate([[False], change > least, [False]])
+        rows = jumps[np.searchsorted(room.t, t)]
+        if rows.mean() < MAX_UNKNOWN:
+            unknown |= rows
+    return unknown
 
 
 def _smoothed(t: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

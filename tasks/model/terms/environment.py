@@ -10,6 +10,8 @@ from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
 REFERENCE = 25.0  # °C
+# Of an analogue output whose zero is half the supply: 0.5 V/V over some 10 mV/(°/s) and 0.5 V/g.
+RATIOMETRIC = (1.0, 10.0)  # rad/s and m/s² per V
 LATE = 60.0  # s: a sensor behind its thermometer
 TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
 
@@ -70,7 +72,7 @@ THERMAL_GRADIENT = SensorTerm(
 )  # fmt: skip
 SUPPLY_SENSITIVITY = SensorTerm(
     "supply_sensitivity", "environment", "sensor", "bᵢ = cᵢ·(V − V̄)", "IEEE Std 1293; IEEE Std 952",
-    each_channel("c", *_per("V", 0.1, 1.0)),
+    each_channel("c", *_per("V", *RATIOMETRIC)),
     reads=lambda motion, inputs, at: same(
         motion.recorded["supply_voltage"] - np.nanmean(motion.recorded["supply_voltage"])
     ),

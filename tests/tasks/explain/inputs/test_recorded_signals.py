@@ -1,11 +1,16 @@
 """A unit's temperature without its thermometer's noise, and how fast it changes."""
 
+from types import SimpleNamespace
+from typing import cast
+
 import numpy as np
 import pytest
 
-from tasks.explain.inputs.recorded_signals import _smoothed
+from schemas.recording import Recording, Stream
+from tasks.explain.inputs.recorded_signals import _smoothed, within_jumps
 
 T = np.arange(0.0, 900.0, 0.02)  # s
+SECONDS = np.arange(900.0)
 TAU = 300.0  # s
 NOISE = 0.03  # K
 
@@ -41,3 +46,20 @@ def test_a_constant_temperature_has_no_rate(rows: int) -> None:
     course, rate = _smoothed(T[:rows], np.full(rows, 22.5))
     assert not rate.any()
     assert (course == 22.5).all()
+
+
+def of_room(voltage: np.ndarray) -> Recording:
+    return cast(Recording, SimpleNamespace(environment=Stream(SECONDS, {"supply": voltage})))
+
+
+def test_when_a_supply_jumps_between_two_samples_is_not_known() -> None:
+    wander = 1e-4 * np.round(3.0 * np.sin(SECONDS / 20.0))
+    unknown = within_jumps(of_room(5.0 + wander + 0.02 * (SECONDS > 101.0)), T)
+    assert unknown.any()
+    assert T[unknown] == pytest.approx(np.clip(T[unknown], 101.0, 102.0))
+    assert unknown.sum() == pytest.approx(50, abs=1)
+
+
+@pytest.mark.parametrize("course", [np.sin(SECONDS / 20.0), np.floor(SECONDS / 5.0)])
+def test_what_goes_its_way_without_a_jump_is_known_everywhere(course: np.ndarray) -> None:
+    assert not within_jumps(of_room(course), T).any()
