@@ -15,7 +15,7 @@ from tasks.motion.whole import Motion
 
 NEAR = 0.03  # of the largest reading: what may be disturbed by a limit, at first
 TOPMOST = 8  # readings above the one that counts as the largest, for spikes
-BEYOND = 1.02  # times the limit, from where on a prediction is beyond it
+BEYOND = 1.02  # times the limit, from where on a prediction is beyond it, be it ever so noisy
 MIN_BEYOND = 20  # readings whose prediction is beyond
 APPROACH = 0.7  # of the limit, from where on the readings must follow the prediction
 MIN_APPROACH = 30
@@ -23,6 +23,8 @@ MOSTLY = 0.5  # of the readings at a limit, whose prediction is beyond
 FLAT = 0.1  # change of the reading with the prediction beyond a limit; one without it
 REACH = 4.0  # times the plateau's own scatter, by which the prediction passes it
 QUIET = 0.5  # of the scatter below a limit: noise is cut off
+BELOW = 0.9  # of the limit: a scale factor that bends would have lost most of it there, too
+LOST_BELOW = 0.2  # of what is lost beyond a limit: more is no limit
 MAX_SCATTER = 0.01  # of the limit
 ROUNDS = 2
 TRIMMED = (0.05, 0.95)
@@ -85,20 +87,23 @@ def _plateau(
     read, expected = side * readings[:, channel], side * predicted[:, channel]
     known = np.isfinite(read) & np.isfinite(expected)
     read, expected = read[known], expected[known]
-    beyond = expected > BEYOND * limit
     approach = (expected > APPROACH * limit) & (expected < (1.0 - NEAR) * limit)
-    if beyond.sum() < MIN_BEYOND or approach.sum() < MIN_APPROACH:
+    if approach.sum() < MIN_APPROACH:
+        return None
+    missed = float(np.sqrt(np.mean((read - expected)[approach] ** 2)))
+    beyond = expected > min(BEYOND * limit, limit + REACH * missed)
+    if beyond.sum() < MIN_BEYOND:
         return None
     level = float(np.median(read[beyond]))
     low, high = np.quantile(read[beyond], TRIMMED)
     scatter = float(high - low) / 3.29
     passed = float(np.quantile(expected[beyond], TRIMMED[1])) - level
-    missed = float(np.sqrt(np.mean((read - expected)[approach] ** 2)))
     if scatter > MAX_SCATTER * limit or passed < REACH * max(scatter, missed):
         return None
-    if not (
-        _mostly_beyond(read, beyond, level, scatter) and _flat(read, expected, beyond, approach)
-    ):
+    if not _mostly_beyond(read, beyond, level, scatter):
+        return None
+    abrupt = scatter < missed and _abrupt(read, expected, beyond, level - 2.0 * missed)
+    if not (abrupt or _flat(read, expected, beyond, approach)):
         return None
     noise = float(np.std(np.diff((read - expected)[approach]))) / np.sqrt(2.0)
     return Plateau(channel, side, level, scatter, noise, int(beyond.sum()))
@@ -122,3 +127,15 @@ def _flat(read: np.ndarray, expected: np.ndarray, beyond: np.ndarray, approach: 
     if np.ptp(expected[beyond]) > REACH * 3.0 * float(np.std(noise)):
         return abs(slope) < FLAT
     return float(np.std(read[beyond])) < QUIET * float(np.std(noise))
+
+
+def _abrupt(read: np.ndarray, expected: np.ndarray, beyond: np.ndarray, level: float) -> bool:
+    """Whether readings that follow the prediction up to a level fall short of it beyond.
+
+    A unit at rest reaches a limit in one position alone, where no slope is to be seen.
+    """
+    short = expected - read
+    below = (expected > BELOW * level) & (expected < level)
+    if below.sum() < MIN_BEYOND:
+        return False
+    return abs(float(short[below].mean())) < LOST_BELOW * float(np.median(short[beyond]))

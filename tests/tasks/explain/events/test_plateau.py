@@ -62,6 +62,40 @@ def test_accelerometers_that_end_before_gravity_does_have_a_plateau() -> None:
     assert limits(events) == pytest.approx({"upper_limit_x": 6.5}, abs=0.02)
 
 
+def at_rest_in_six_positions() -> Motion:
+    """Tipped from each position to the next in 2 s, at rest in it for 13 s."""
+    made = motion()
+    corners = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, -1], [0, -1, 0], [-1, 0, 0]])
+    turn, share = np.divmod(made.t / 15.0, 1.0)
+    angle = 0.5 * np.pi * np.minimum(1.0, share * 15.0 / 2.0)[:, None]
+    before, after = corners[turn.astype(int) % 6], corners[(turn.astype(int) + 1) % 6]
+    up = np.cos(angle) * before + np.sin(angle) * after
+    return replace(made, up=up, rate=np.zeros_like(made.rate))
+
+
+def read_in_six_positions(seed: int) -> tuple[Motion, np.ndarray]:
+    still = at_rest_in_six_positions()
+    return still, noisy(np.hstack([still.rate, GRAVITY * still.up * 0.999]), seed)
+
+
+def test_a_limit_just_below_gravity_is_told_by_one_position_alone() -> None:
+    still, readings = read_in_six_positions(11)
+    limit = 9.72 + 4e-3 * np.random.default_rng(12).standard_normal(len(still.t))
+    readings[:, 4] = np.minimum(readings[:, 4], limit)
+    (event,) = events_in_readings(still.t, readings, still).events
+    assert event.effect == "accel_saturation"
+    assert {p.name: p.value for p in event.parameters} == pytest.approx(
+        {"upper_limit_y": 9.72}, abs=0.01
+    )
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_accelerometers_that_bend_towards_gravity_have_no_plateau(order: int) -> None:
+    still, readings = read_in_six_positions(13)
+    readings[:, 4] -= 0.1 * np.maximum(still.up[:, 1], 0.0) ** order
+    assert events_in_readings(still.t, readings, still).events == ()
+
+
 def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
     made = motion()
     readings = noisy(mean_readings(made), 7)
