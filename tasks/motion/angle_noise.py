@@ -28,7 +28,7 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
     changes = np.diff(even, axis=0, prepend=even[:1])
     size = _by_stretch(_size(even), len(even))
     moved = in_blocks(np.abs(changes[ORDER:]), NODE) > ROUNDING
-    steps = np.array([_step(course) for course in np.abs(np.diff(angles, axis=0)).T])
+    steps = encoder_steps(angles)
     # A single change tells its place to within one step: the rate there is as uncertain as any.
     coarse = _by_stretch(moved.any(axis=1) * steps**2 / 12.0, len(even))
     variance = np.maximum(size**2, coarse)
@@ -55,8 +55,12 @@ def _size(angles: np.ndarray) -> np.ndarray:
     return np.asarray(np.median(rough, axis=1) / NORMAL_QUANTILES[0.5] / DIFFERENCE)
 
 
+def encoder_steps(angles: np.ndarray) -> np.ndarray:
+    """(k,) rad, steps of encoders that read angles (n, k); 0 where changes are not whole steps."""
+    return np.array([_step(course) for course in np.abs(np.diff(angles, axis=0)).T])
+
+
 def _step(changes: np.ndarray) -> float:
-    """The encoder's step, rad; 0 where its changes are not whole steps."""
     moved = changes[changes > ROUNDING]
     if not len(moved):
         return 0.0

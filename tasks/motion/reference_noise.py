@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording, Stream
-from tasks.motion.angle_noise import NODE, angle_variance
+from tasks.motion.angle_noise import NODE, angle_variance, encoder_steps
 from tasks.motion.encoder_rate import EncoderRate, encoder_rate
 from tasks.motion.pose import Tracking
 from tasks.motion.reported_rate import reported_rate
@@ -22,12 +22,14 @@ class EncoderNoise:
     """Variance (m, k) rad² of a reading of each table axis at times t (m,) s.
 
     rate: what is made of the readings. reported: (k,) bool, the rate is not the angle's.
+    steps: (k,) rad, 0 of an encoder without; what rounding makes of a rest no scatter shows.
     """
 
     t: np.ndarray
     variance: np.ndarray
     rate: EncoderRate
     reported: np.ndarray
+    steps: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -84,4 +86,4 @@ def _encoder_noise(recording: Recording, table: Stream) -> EncoderNoise | None:
     variance = angle_variance(table.t, angles, even)
     rate = encoder_rate(even, float(t[1] - t[0]), variance)
     reported = np.array([reported_rate(table, axis.name) is not None for axis in axes])
-    return EncoderNoise(t, variance, rate, reported)
+    return EncoderNoise(t, variance, rate, reported, encoder_steps(angles))

@@ -28,6 +28,8 @@ from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
 OWED = 0.25  # of a finding's gain: what the errors of the reference alone may make of it
+DRAWS = 4  # of those errors, whose gains are averaged: rests are few
+SHIFT = 0.01  # of the angles: rests that far away lie anywhere between two codes
 SEED = 20
 
 
@@ -38,15 +40,17 @@ def fitted_to_reference_noise(
 
     standard: the model without findings, fitted. masked: (n, 6) bool, readings that are not used.
     """
-    simulated = simulated_reading(recording, full) if evidence.groups else None
-    if simulated is None:
-        return set()
-    true, read = simulated
-    errors = standard.prediction(true) - standard.prediction(read)
-    made = _gains(evidence, replace(full, readings=errors, motion=read), masked)
+    rng, made = np.random.default_rng(SEED), list[list[float]]()
+    for _ in range(DRAWS if evidence.groups else 0):
+        simulated = simulated_reading(recording, full, rng)
+        if simulated is None:
+            return set()
+        true, read = simulated
+        errors = standard.prediction(true) - standard.prediction(read)
+        made.append(_gains(evidence, replace(full, readings=errors, motion=read), masked))
     return {
         number
-        for number, gain in enumerate(made)
+        for number, gain in enumerate(np.mean(made, axis=0).tolist() if made else [])
         if gain - len(evidence.own[number][0]) > OWED * evidence.gain(number)
     }
 
@@ -71,18 +75,20 @@ def _gains(evidence: Evidence, full: FullRate, masked: np.ndarray) -> list[float
     return gains
 
 
-def simulated_reading(recording: Recording, full: FullRate) -> tuple[Motion, Motion] | None:
+def simulated_reading(
+    recording: Recording, full: FullRate, rng: np.random.Generator
+) -> tuple[Motion, Motion] | None:
     """The motion at the unit's rows: as it is taken to be, and as the reference would tell it.
 
     None of a reference that does not err.
     """
     if full.motion.tracking is not None and recording.reference is not None:
-        pose = _with_noise(recording.reference, full.motion.tracking)
+        pose = _with_noise(recording.reference, full.motion.tracking, rng)
         return full.motion, _read(replace(recording, reference=pose), full)
     encoders, table, axes = full.reference_noise.encoders, recording.table, full.motion.axes
     if encoders is None or table is None or axes is None or not encoders.variance.any():
         return None
-    exact, noisy = _encoders_on(recording, full, table, encoders, axes)
+    exact, noisy = _encoders_on(recording, full, table, encoders, axes, rng)
     return _read(replace(recording, table=exact), full), _read(
         replace(recording, table=noisy), full
     )
@@ -93,9 +99,9 @@ def _read(recording: Recording, full: FullRate) -> Motion:
     return replace(motion, t=full.motion.t, recorded=full.motion.recorded)
 
 
-def _with_noise(pose: Stream, tracking: Tracking) -> Stream:
+def _with_noise(pose: Stream, tracking: Tracking, rng: np.random.Generator) -> Stream:
     """Poses with as much noise again in each frame."""
-    rng, columns = np.random.default_rng(SEED), dict(pose.columns)
+    columns = dict(pose.columns)
     turns = np.sqrt(tracking.attitude_variance) * rng.standard_normal((len(pose.t), 3))
     turned = Rotation.from_quat(pose.stack(POSE), scalar_first=True) * Rotation.from_rotvec(turns)
     columns.update(zip(POSE, turned.as_quat(scalar_first=True).T, strict=True))
@@ -107,10 +113,15 @@ def _with_noise(pose: Stream, tracking: Tracking) -> Stream:
 
 
 def _encoders_on(
-    recording: Recording, full: FullRate, table: Stream, encoders: EncoderNoise, axes: TableAxes
-) -> tuple[Stream, Stream]:
-    """What encoders without and with noise would read on the motion as it is taken to be."""
-    rng, t = np.random.default_rng(SEED), table.t - full.start
+    recording: Recording, full: FullRate, table: Stream, encoders: EncoderNoise, axes: TableAxes,
+    rng: np.random.Generator,
+) -> tuple[Stream, Stream]:  # fmt: skip
+    """What encoders without and with noise would read on the motion as it is taken to be.
+
+    Rests are taken to lie where encoders with steps read them; so the motion is a little larger
+    or smaller, and rounded again.
+    """
+    t = table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
     exact, noisy = dict(table.columns), dict(table.columns)
     rates = np.nan_to_num(axes.speeds)
@@ -118,8 +129,12 @@ def _encoders_on(
     angles = np.nan_to_num(axes.angles[0]) + np.concatenate([0.0 * rates[:1], steps.cumsum(axis=0)])
     for k, axis in enumerate(recording.manifest.station.table_axes or ()):
         turned = CubicHermiteSpline(full.motion.t, angles[:, k], rates[:, k])(t)
-        deviation = np.sqrt(thinned * np.interp(t, encoders.t, encoders.variance[:, k]))
+        step, variance = encoders.steps[k], np.interp(t, encoders.t, encoders.variance[:, k])
+        if step:
+            turned = turned * (1.0 + SHIFT * rng.uniform(-1.0, 1.0)) + step * rng.uniform()
+        deviation = np.sqrt(thinned * np.maximum(variance - step**2 / 12.0, 0.0))
+        read = turned + deviation * rng.standard_normal(len(t))
         name = f"{axis.name}_angle"
         exact[name] = turned
-        noisy[name] = turned + deviation * rng.standard_normal(len(t))
+        noisy[name] = step * np.round(read / step) if step else read
     return Stream(table.t, exact), Stream(table.t, noisy)

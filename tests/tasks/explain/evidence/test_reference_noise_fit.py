@@ -12,6 +12,7 @@ from tasks.explain.explain import explain
 from tasks.explain.inputs.full_rate import full_rate
 
 T = np.arange(0.0, 60.0, 0.01)
+RNG = np.random.default_rng(7)
 ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
 
 
@@ -52,7 +53,7 @@ def test_what_only_quietens_the_encoder_has_no_name() -> None:
 def test_a_simulated_reading_errs_as_much_as_the_encoder() -> None:
     recording = shaft(1e-3, own_samples=1)
     full = full_rate(recording)
-    simulated = simulated_reading(recording, full)
+    simulated = simulated_reading(recording, full, RNG)
     assert simulated is not None
     true, read = simulated
     resting = T < 19.0
@@ -60,7 +61,22 @@ def test_a_simulated_reading_errs_as_much_as_the_encoder() -> None:
     assert 0.5 < error / full.motion.rate[resting, 2].std() < 2.0
 
 
+def test_rounding_shifts_a_rest_as_a_whole_though_nothing_scatters() -> None:
+    recording, step = shaft(0.0, own_samples=1), 2e-3
+    angle = np.interp(T, [20.0, 25.0, 40.0, 45.0], [0.0, 1.5, 1.5, 2.6])
+    rounded = Stream(T, {"a_angle": step * np.round(angle / step)})
+    recording = replace(recording, table=rounded)
+    full = full_rate(recording)
+    axes = [one.axes for one in simulated_reading(recording, full, RNG) or () if one.axes]
+    error = axes[1].angles[:, 0] - axes[0].angles[:, 0]
+    rests = [error[(first < T) & (last > T)] for first, last in ((2, 18), (27, 38), (47, 58))]
+    assert max(np.ptp(one) for one in rests) < 1e-6
+    means = np.array([one.mean() for one in rests])
+    assert np.abs(means).max() < 0.51 * step
+    assert np.ptp(means) > 0.02 * step
+
+
 def test_encoders_that_stand_still_have_no_errors_to_simulate() -> None:
     recording = shaft(0.0, own_samples=1)
     recording = replace(recording, table=Stream(T, {"a_angle": np.zeros(len(T))}))
-    assert simulated_reading(recording, full_rate(recording)) is None
+    assert simulated_reading(recording, full_rate(recording), RNG) is None
