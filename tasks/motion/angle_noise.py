@@ -1,10 +1,12 @@
 """The noise of an encoder's angles, read off themselves.
 
-Noise, steps and the scatter of stamps show in the sixth differences of the angle, stretch by
+Noise, steps and the scatter of stamps show in the twelfth differences of the angle, stretch by
 stretch, so that an axis that rests is exact and one that turns is as good as its encoder; a corner
 of the motion is rare among them and does not count. A stretch with one step is no better than the
 step, and scatter of the stamps counts by the rate. All are white from sample to sample.
 """
+
+from math import comb
 
 import numpy as np
 
@@ -13,7 +15,8 @@ from tasks.motion.samples import NORMAL_QUANTILES, in_blocks, noise_by_differenc
 
 NODE = 64  # samples that a noise is read off
 NEAR = 8  # samples over which a speed is averaged
-ORDER, DIFFERENCE = 6, float(np.sqrt(924.0))  # and what it makes of white noise
+ORDER = 12  # of the differences: what servos do at some hertz must not count as noise
+DIFFERENCE = float(np.sqrt(comb(2 * ORDER, ORDER)))  # what they make of white noise
 WHOLE, MOSTLY = 0.1, 0.9  # steps: changes that are mostly whole ones within this are quantised
 FEW_STEPS = 20.0  # more are whole within rounding whatever they are
 
