@@ -118,8 +118,8 @@ def _encoders_on(
 ) -> tuple[Stream, Stream]:  # fmt: skip
     """What encoders without and with noise would read on the motion as it is taken to be.
 
-    Rests are taken to lie where encoders with steps read them; so the motion is a little larger
-    or smaller, and rounded again.
+    A rest at which nothing scatters is off by its rounding. It is taken to lie where it was read:
+    so the motion is a little larger or smaller, and rounded again.
     """
     t = table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
@@ -130,11 +130,16 @@ def _encoders_on(
     for k, axis in enumerate(recording.manifest.station.table_axes or ()):
         turned = CubicHermiteSpline(full.motion.t, angles[:, k], rates[:, k])(t)
         step, variance = encoders.steps[k], np.interp(t, encoders.t, encoders.variance[:, k])
-        if step:
-            turned = turned * (1.0 + SHIFT * rng.uniform(-1.0, 1.0)) + step * rng.uniform()
-        deviation = np.sqrt(thinned * np.maximum(variance - step**2 / 12.0, 0.0))
-        read = turned + deviation * rng.standard_normal(len(t))
+        larger = 1.0 + SHIFT * rng.uniform(-1.0, 1.0) if step else 1.0
+        turned = larger * turned + step * rng.uniform()
+        read = turned + np.sqrt(thinned * variance) * rng.standard_normal(len(t))
         name = f"{axis.name}_angle"
         exact[name] = turned
-        noisy[name] = step * np.round(read / step) if step else read
+        noisy[name] = np.where(variance > 0.0, read, _rounded(turned, step))
+        if (reported := f"{axis.name}_rate") in table.columns:
+            exact[reported] = noisy[reported] = larger * table.columns[reported]
     return Stream(table.t, exact), Stream(table.t, noisy)
+
+
+def _rounded(angle: np.ndarray, step: float) -> np.ndarray:
+    return np.asarray(step * np.round(angle / step)) if step else angle
