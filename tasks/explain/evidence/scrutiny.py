@@ -1,8 +1,9 @@
 """Whether a finding may bear the name of a law: plausible, the same everywhere, in every channel.
 
-A name stands where each parameter lies in its plausible range and one of them at least is larger
-than its U; where they are the same in all parts of the recording; and where every channel that
-its equation touches is predicted better on cells that the fit did not use, and none worse.
+A name stands where each parameter with its U reaches its plausible range and one of them at
+least is larger than its U; where they are the same in all parts of the recording; and where every
+channel that its equation touches is predicted better on cells that the fit did not use, and none
+worse.
 """
 
 from collections.abc import Iterator
@@ -80,7 +81,7 @@ def _estimated_apart(evidence: Evidence, number: int) -> Iterator[PartwiseEstima
 def _implausible(
     evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
 ) -> Refusal | None:
-    """Where a parameter lies beyond its plausible range, the furthest."""
+    """Where a parameter lies beyond its plausible range by more than its U, the furthest."""
     furthest: tuple[float, Refusal] | None = None
     for parameter, value, own_u in zip(_parameters(evidence, number), values, u, strict=True):
         value = float(value)
@@ -88,7 +89,7 @@ def _implausible(
             value += float(evidence.scatter.change(number)[0])
         low, high = parameter.plausible
         limit = high if value > high else low
-        if low <= value <= high or (parameter is SIZE and abs(value - 1.0) < COVERAGE * own_u):
+        if low - COVERAGE * own_u <= value <= high + COVERAGE * own_u:
             continue
         off = abs(value - limit) / (high - low)
         if furthest is None or off > furthest[0]:

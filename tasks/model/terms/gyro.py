@@ -21,6 +21,7 @@ from tasks.words import message
 ORDERS = (2, 3)
 G2 = DEG * G**2
 DEAD_BAND = 0.05  # rad/s
+LARGEST_BEND = 0.05  # of full scale: what data sheets of piezoelectric gyros allow
 THRESHOLD = Parameter("threshold", "r", "deg/s", DEG, (1e-3, 0.5))
 ORDER = Parameter("order", "n", "1", 1.0, (2.0, 3.0))
 
@@ -34,10 +35,25 @@ def gyro_scale_nonlinearity(order: int, top: float) -> SensorTerm:
         "gyro_scale_nonlinearity", "gyro", "sensor",
         f"ω′ᵢ = cᵢ·ωᵢ^{order}/ω_top^{order - 1}, ω_top = {DEG * top:.0f} deg/s",
         "IEEE Std 1431; IEEE Std 952",
-        each_axis("coefficient", "c", ("1", 1.0, 0.02)), (ORDER,), (float(order),),
+        each_axis("coefficient", "c", ("1", 1.0, LARGEST_BEND)), (ORDER,), (float(order),),
         reads=lambda motion, inputs, at: own(
             GYRO_FIRST, inputs.rate ** int(at[0]) / top ** (int(at[0]) - 1)
         ),
+        confused_with=("gyro_scale_asymmetry", "gyro_saturation", "structural_compliance"),
+    )  # fmt: skip
+
+
+def gyro_odd_quadratic(top: float) -> SensorTerm:
+    """A share of the reading at the run's top rate (rad/s), as the square with the rate's sign."""
+    return SensorTerm(
+        "gyro_scale_nonlinearity", "gyro", "sensor",
+        f"ω′ᵢ = cᵢ·ωᵢ·|ωᵢ|/ω_top, ω_top = {DEG * top:.0f} deg/s",
+        "IEEE Std 1293 (odd quadratic), of a gyro as of an accelerometer",
+        each_axis("coefficient", "c", ("1", 1.0, LARGEST_BEND)),
+        reads=lambda motion, inputs, at: own(
+            GYRO_FIRST, inputs.rate * np.abs(inputs.rate) / top
+        ),
+        own_title=message("effect-gyro-scale-nonlinearity.odd-quadratic"),
         confused_with=("gyro_scale_asymmetry", "gyro_saturation", "structural_compliance"),
     )  # fmt: skip
 
@@ -98,7 +114,8 @@ def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     if top == 0.0:
         return (GYRO_G2_SENSITIVITY,)
     return (
-        *(gyro_scale_nonlinearity(order, top) for order in ORDERS), gyro_dead_band(DEAD_BAND),
+        *(gyro_scale_nonlinearity(order, top) for order in ORDERS), gyro_odd_quadratic(top),
+        gyro_dead_band(DEAD_BAND),
         GYRO_SCALE_ASYMMETRY,
         GYRO_G2_SENSITIVITY, GYRO_SCALE_G_DEPENDENCE, GYRO_ANGULAR_ACCELERATION,
     )  # fmt: skip

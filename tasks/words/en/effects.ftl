@@ -104,6 +104,7 @@ effect-gyro-scale-nonlinearity = gyro scale factor depends on rate
     .title = scale factor that depends on the rate, order { $order }
     .behaviour = a change that is no straight line of the rate
     .dead-band = dead band that a rate must overcome
+    .odd-quadratic = scale factor that grows with the size of the rate (odd quadratic)
     .separated-by = at least five rates of each sign on each axis, up to the full range and down to a hundredth of it
     .next = check that full range and output unit are those of the data sheet, and take at least five rates of each sign
 effect-vibration-rectification = vibration rectification

@@ -100,6 +100,7 @@ effect-gyro-scale-nonlinearity = 陀螺标度因数非线性
     .title = 陀螺标度因数非线性（{ $order }次）
     .behaviour = 与角速率不成线性的偏差
     .dead-band = 角速率须克服的死区（摩擦阈值）
+    .odd-quadratic = 随角速率大小变化的标度因数（奇二次）
     .separated-by = 每轴正反向各不少于5个速率点，覆盖满量程至其百分之一
     .next = 核对满量程与输出单位是否与产品手册一致，并正反向各取不少于五个速率点
 effect-vibration-rectification = 加速度计振动整流误差

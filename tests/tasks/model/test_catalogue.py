@@ -119,7 +119,7 @@ def test_the_contracts_variants_are_there() -> None:
     assert count["rate_ripple"] == 23  # only the outer axis goes round
     assert count["axis_wobble"] == 2
     assert count["accel_nonlinearity"] == 6
-    assert count["gyro_scale_nonlinearity"] == 3
+    assert count["gyro_scale_nonlinearity"] == 4
     assert count["thermal_transient"] == 5
     hysteresis = {term.equation for term in TERMS if term.name == "hysteresis"}
     assert len(hysteresis) == 14

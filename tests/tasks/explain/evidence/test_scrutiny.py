@@ -1,5 +1,7 @@
 """A name stands where its parameters are the same everywhere, and every channel is the better."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
@@ -96,6 +98,20 @@ def test_a_size_of_no_working_unit_is_not_named() -> None:
     assert one.refusal.kind == "implausible"
     assert one.refusal.limit == pytest.approx(limit)
     assert one.refusal.value == pytest.approx(3.0 * limit, rel=0.1)
+
+
+@pytest.mark.parametrize(("beyond", "refused"), [(1.0, False), (6.0, True)])
+def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refused: bool) -> None:
+    """beyond: standard uncertainties between the estimate and the end of the range."""
+    made = arms(ARM, ARM)
+    model, place = fitted(made, LEVER_ARM).model, 1
+    estimates = model.values[model.places[LEVER_ARM.key]]
+    u = model.u[model.places[LEVER_ARM.key]]
+    end = float(abs(estimates[place]) - beyond * u[place])
+    narrow = [replace(one, plausible=(-end, end)) if k == place else one
+              for k, one in enumerate(LEVER_ARM.parameters)]  # fmt: skip
+    (one,) = scrutinised(made, replace(LEVER_ARM, parameters=tuple(narrow)))
+    assert (one.refusal is not None and one.refusal.kind == "implausible") == refused
 
 
 def rough(seed: int) -> np.ndarray:

@@ -12,6 +12,7 @@ from tasks.model.terms.gyro import (
     GYRO_SCALE_G_DEPENDENCE,
     candidates,
     gyro_dead_band,
+    gyro_odd_quadratic,
     gyro_scale_nonlinearity,
     top_rate,
 )
@@ -32,6 +33,11 @@ def added(term: Term, values: np.ndarray) -> np.ndarray:
 def test_nonlinearity_is_a_share_of_the_reading_at_the_top_rate(order: int) -> None:
     at_top = added(gyro_scale_nonlinearity(order, 4.0), THREE)
     assert at_top == pytest.approx(4.0 * THREE * (W / 4.0) ** order)
+
+
+def test_an_odd_quadratic_is_a_share_of_the_reading_at_the_top_rate_with_its_sign() -> None:
+    at_top = added(gyro_odd_quadratic(4.0), THREE)
+    assert at_top == pytest.approx(THREE * np.sign(W) * W**2 / 4.0)
 
 
 def test_a_dead_band_takes_its_threshold_off_faster_rates() -> None:
