@@ -28,7 +28,7 @@ from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
 OWED = 0.25  # of a finding's gain: what the errors of the reference alone may make of it
-DRAWS = 4  # of those errors, whose gains are averaged: rests are few
+DRAWS = 4  # of those errors, averaged: what they bring forth by chance alone differs
 SHIFT = 0.01  # of the angles: rests that far away lie anywhere between two codes
 SEED = 20
 
@@ -40,34 +40,46 @@ def fitted_to_reference_noise(
 
     standard: the model without findings, fitted. masked: (n, 6) bool, readings that are not used.
     """
-    rng, made = np.random.default_rng(SEED), list[list[float]]()
-    for _ in range(DRAWS if evidence.groups else 0):
+    rng = np.random.default_rng(SEED)
+    normal, right = np.zeros(()), np.zeros(())
+    owed: set[int] = set()
+    for draws in range(1, DRAWS + 1) if evidence.groups else ():
         simulated = simulated_reading(recording, full, rng)
         if simulated is None:
             return set()
         true, read = simulated
         errors = standard.prediction(true) - standard.prediction(read)
-        made.append(_gains(evidence, replace(full, readings=errors, motion=read), masked))
-    return {
-        number
-        for number, gain in enumerate(np.mean(made, axis=0).tolist() if made else [])
-        if gain - len(evidence.own[number][0]) > OWED * evidence.gain(number)
-    }
+        more = _normal_equations(evidence, replace(full, readings=errors, motion=read), masked)
+        normal, right = normal + more[0], right + more[1]
+        made = _gains(evidence, normal / draws, right / draws)
+        owed = {
+            number
+            for number, gain in enumerate(made)
+            if gain - len(evidence.own[number][0]) / draws > OWED * evidence.gain(number)
+        }
+        if not owed:
+            break
+    return owed
 
 
-def _gains(evidence: Evidence, full: FullRate, masked: np.ndarray) -> list[float]:
-    """What each finding earns, beside the others, on readings in which none of them is."""
+def _normal_equations(
+    evidence: Evidence, full: FullRate, masked: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of the columns of all findings on readings in which none of them is."""
     fit = evidence.fit
     blocks = block_means(full, fit.blocks.rate, masked)
     columns, _ = columns_of(fit.model, evidence.groups, blocks.motion)
-    normal, right, _ = equations_of(columns, blocks.readings, blocks, fit.noises).normal()
+    return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]
+
+
+def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> list[float]:
+    """What each finding earns beside the others."""
     normal = normal + np.diag(evidence.prior)
 
     def earned(rows: np.ndarray) -> float:
         return float(right[rows] @ inverse(normal[np.ix_(rows, rows)]) @ right[rows])
 
-    every = np.arange(len(columns))
-    others = np.setdiff1d(every, evidence.known)
+    others = np.setdiff1d(np.arange(len(right)), evidence.known)
     gains = []
     for own, _ in evidence.own:
         without = np.setdiff1d(others, own)
