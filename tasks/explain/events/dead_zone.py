@@ -171,9 +171,10 @@ def _set_to_zero(
         )
         for c, (threshold, _) in found.items()
     )  # fmt: skip
+    # Of so many codes below the threshold a reading is the middle one by chance.
+    p_value = float(MIN_CODES) ** -float(sum(zero[:, c].sum() for c in found))
     return DeadZone(
-        "dead_zone", tuple(found), parameters, SIGNIFICANT,
-        message("events-dead-zone", limits=limits),
+        "dead_zone", tuple(found), parameters, p_value, message("events-dead-zone", limits=limits),
         {c: threshold for c, (threshold, _) in found.items()}, noise, less,
     ), masked  # fmt: skip
 

@@ -70,8 +70,12 @@ def find_repeats(
         known = (held | between)[:, own].all(axis=1)
         held[:, own] |= (_held(readings[:, own], steps[own]) & ~known)[:, None]
         known = (held | np.roll(held, -1, axis=0) | between)[:, own].any(axis=1)
-        straight = _between(motion.t, readings[:, own], steps[own]) & ~known
-        between[:, own] |= straight[:, None]
+        rows = np.arange(float(len(readings)))  # a log that was brought to a higher rate afterwards
+        for course in (motion.t, rows):
+            straight = _between(course, readings[:, own], steps[own]) & ~known
+            between[:, own] |= straight[:, None]
+            if straight.any():
+                break
     if not (held.any() or between.any()):
         return None
     return _event(held, between, _slipped(readings, motion, held))

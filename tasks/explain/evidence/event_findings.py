@@ -12,6 +12,7 @@ from tasks.model.effect import EVENTS
 
 LEAST_P = 1e-300
 CONTRADICTED = 3.0  # standard deviations of a gain by which readings speak against an event
+CLEAR = 3.0  # times the noise: a smaller change may be that of the reference's errors
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def event_findings(
     findings, kept, remarks = list[Finding](), list[Event](), list(events.remarks)
     for event in events.events:
         after = event.applied(t, before)
-        gain = _gain(event, _without(event, events, full, predicted), every)
+        gain = _gain(event, _without(event, events, full, predicted), after - before, every)
         rows = np.isfinite(full.readings[:, list(event.channels)]).sum()
         finding = event_finding(event, after - before, gain, len(event.parameters), int(rows))
         if finding.delta_bic > 0.0 and finding.held_out_gain > 0.0:
@@ -98,17 +99,22 @@ def _without(event: Event, events: Events, full: FullRate, predicted: np.ndarray
     return full.readings - others.applied(full.motion.t, predicted)
 
 
-def _gain(event: Event, residual: np.ndarray, left: LeftOver) -> float:
+def _gain(event: Event, residual: np.ndarray, change: np.ndarray, left: LeftOver) -> float:
     """Chi-squared that an event explains, counted against what is left in its channels.
 
     What changes no mean reading (a pile at a limit, steps, spikes) has its own test's p value;
-    but not where the readings are clearly farther from the model with the event than without.
-    residual: (n, 6) readings less what is predicted with all other events.
+    but not where the readings are clearly farther from the model with the event than without,
+    judged by those that it changes by more than the reference's own errors do.
+    residual: (n, 6) readings less what is predicted with all other events. change: (n, 6) of what
+    is predicted, by the event.
     """
     squares = left.squares(residual)
-    gain = float(np.nansum(squares - left.after))
-    moved = np.abs(np.sqrt(squares) - np.sqrt(left.after))
+    gains = squares - left.after
+    gain = float(np.nansum(gains))
+    clear = left.squares(change) > CLEAR**2
     spread = max(1.0, float(np.nanmean(left.chi2_per_degree[list(event.channels)])))
-    if gain < -CONTRADICTED * spread * float(np.sqrt(np.nansum(moved**2))):
-        return gain / spread
+    # Where a motion begins or ends a few readings lose much: the sandwich.
+    limit = CONTRADICTED * float(np.sqrt(np.nansum(gains[clear] ** 2)))
+    if float(np.nansum(gains[clear])) < -limit:
+        return min(gain, 0.0) / spread
     return max(gain / spread, -2.0 * float(np.log(max(event.p_value, LEAST_P))))

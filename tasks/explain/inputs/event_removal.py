@@ -8,13 +8,15 @@ from schemas.recording import Recording
 from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.explain.events.lost_samples import LostSamples
+from tasks.explain.events.quantisation import quantiser_of
+from tasks.explain.events.repeats import find_repeats
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.delay import advanced, coarse_delay
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.recorded_signals import within_jumps
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.model.plain_fit import plain_prediction
-from tasks.motion.samples import interpolated
+from tasks.motion.samples import bridged, interpolated
 
 ROUNDS = 4  # of a fit whose prediction shows what events did to the readings
 
@@ -58,9 +60,9 @@ class Cleaned:
 
 def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned:
     """The readings without events and delay; lost samples hide a delay until they are known, so
-    that it is sought before and after them.
+    that it is sought before and after them, and held ones feign one.
     """
-    delay = coarse_delay(full) if delay_sought else 0.0
+    delay = coarse_delay(_between_fresh(full)) if delay_sought else 0.0
     advanced_rows, events = _with_delay(recording, full, delay)
     losses = [event for event in events.events if isinstance(event, LostSamples)]
     if losses and delay_sought:
@@ -70,6 +72,17 @@ def cleaned(recording: Recording, full: FullRate, delay_sought: bool) -> Cleaned
             advanced_rows, events = _with_delay(recording, full, delay)
     without_events, masked = _without_events(advanced_rows, events)
     return Cleaned(without_events, delay, events, masked)
+
+
+def _between_fresh(full: FullRate) -> FullRate:
+    """The readings with straight lines between samples where a row holds that of another: what is
+    held is late by itself, and would be taken for a delay of all stamps.
+    """
+    repeats = find_repeats(full.readings, full.motion, [quantiser_of(c) for c in full.readings.T])
+    if repeats is None or repeats.slipped.any():
+        return full
+    lines = bridged(np.where(repeats.held, np.nan, full.readings))
+    return replace(full, readings=np.where(repeats.held, lines, full.readings))
 
 
 def _with_delay(recording: Recording, full: FullRate, delay: float) -> tuple[FullRate, Events]:

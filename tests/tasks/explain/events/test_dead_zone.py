@@ -119,3 +119,11 @@ def test_a_threshold_taken_off_all_readings_is_told(steps: tuple[float, float] |
     shown = events.corrected(MADE.t, readings, mean_readings(MADE))
     off = np.where(events.masked, np.nan, shown - right)[:, :3]
     assert np.nanmax(np.abs(off)) < 0.05 * threshold
+
+
+def test_readings_that_are_zero_by_the_thousand_are_no_chance() -> None:
+    readings = noisy(mean_readings(MADE), 2)
+    readings[:, :3][np.abs(readings[:, :3]) < 0.01] = 0.0
+    (event,) = found(readings).events
+    assert event.effect == "dead_zone"
+    assert event.p_value < 1e-100

@@ -1,5 +1,7 @@
 """Rows that repeat others are told; coarse, quiet or smooth readings repeat by themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_up import counted, mean_readings, motion, noisy
@@ -97,3 +99,15 @@ def test_rows_between_their_neighbours_are_interpolated() -> None:
     assert shares(events) == pytest.approx(
         {"interpolated_gyro": 0.5, "interpolated_accel": 0.5}, abs=0.01
     )
+
+
+def test_rows_interpolated_by_their_number_are_told_though_stamps_scatter() -> None:
+    rows, fresh = np.arange(EVERY), np.arange(0, EVERY, 3)
+    sampled = noisy(mean_readings(MADE), 14)[fresh]
+    readings = np.column_stack([np.interp(rows, fresh, column) for column in sampled.T])
+    scattered = MADE.t + 1e-3 * np.random.default_rng(15).standard_normal(EVERY)
+    quantisers = [quantiser_of(column) for column in readings.T]
+    repeats = find_repeats(readings, replace(MADE, t=scattered), quantisers)
+    assert repeats is not None
+    assert repeats.parameters[0].name == "interpolated_gyro"
+    assert repeats.parameters[0].value == pytest.approx(2 / 3, abs=0.02)
