@@ -30,6 +30,7 @@ from tasks.motion.whole import Motion, whole_motion
 OWED = 0.25  # of a finding's gain: what the errors of the reference alone may make of it
 DRAWS = 4  # of those errors, averaged: what they bring forth by chance alone differs
 SHIFT = 0.01  # of the angles: rests that far away lie anywhere between two codes
+STILL = 0.003  # rad/s
 SEED = 20
 
 
@@ -130,8 +131,8 @@ def _encoders_on(
 ) -> tuple[Stream, Stream]:  # fmt: skip
     """What encoders without and with noise would read on the motion as it is taken to be.
 
-    A rest at which nothing scatters is off by its rounding. It is taken to lie where it was read:
-    so the motion is a little larger or smaller, and rounded again.
+    Rests are off by their rounding, and taken to lie where they were read: so the motion is a
+    little larger or smaller, and rounded again.
     """
     t = table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))
@@ -144,14 +145,29 @@ def _encoders_on(
         step, variance = encoders.steps[k], np.interp(t, encoders.t, encoders.variance[:, k])
         larger = 1.0 + SHIFT * rng.uniform(-1.0, 1.0) if step else 1.0
         turned = larger * turned + step * rng.uniform()
-        read = turned + np.sqrt(thinned * variance) * rng.standard_normal(len(t))
+        rest = np.abs(np.interp(t, full.motion.t, rates[:, k])) < STILL
+        own = dither(table.columns[f"{axis.name}_angle"], rest, step)
+        scatter = np.sqrt(np.maximum(thinned * variance - step**2 / 12.0, own**2))
+        read = turned + scatter * rng.standard_normal(len(t))
         name = f"{axis.name}_angle"
         exact[name] = turned
-        noisy[name] = np.where(variance > 0.0, read, _rounded(turned, step))
+        noisy[name] = step * np.round(read / step) if step else read
         if (reported := f"{axis.name}_rate") in table.columns:
             exact[reported] = noisy[reported] = larger * table.columns[reported]
     return Stream(table.t, exact), Stream(table.t, noisy)
 
 
-def _rounded(angle: np.ndarray, step: float) -> np.ndarray:
-    return np.asarray(step * np.round(angle / step)) if step else angle
+def dither(angle: np.ndarray, rest: np.ndarray, step: float) -> float:
+    """The noise σ, rad, of an encoder before it rounds to steps q, by how its rests scatter.
+
+    Rests lie anywhere between two codes: on average they scatter by σ² + q²/12 less the square of
+    what rounding shifts their mean by, (q/πk)²/2·e^(−(2πkσ/q)²) of each k (Widrow, Kollár:
+    Quantization Noise, 2008).
+    """
+    rough = np.diff(angle, 6)[rest[3:-3]]
+    if not step or not len(rough):
+        return 0.0
+    k, ratios = np.arange(1.0, 51.0), np.linspace(0.0, 3.0, 301)
+    shifted = np.exp(-((2.0 * np.pi * np.outer(ratios, k)) ** 2)) / (np.pi * k) ** 2 / 2.0
+    scatter = ratios**2 + 1.0 / 12.0 - shifted.sum(axis=1)
+    return float(step * np.interp(np.mean(rough**2) / 924.0 / step**2, scatter, ratios))

@@ -7,7 +7,7 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
-from tasks.explain.evidence.reference_noise_fit import simulated_reading
+from tasks.explain.evidence.reference_noise_fit import dither, simulated_reading
 from tasks.explain.explain import explain
 from tasks.explain.inputs.full_rate import full_rate
 
@@ -80,3 +80,13 @@ def test_encoders_that_stand_still_have_no_errors_to_simulate() -> None:
     recording = shaft(0.0, own_samples=1)
     recording = replace(recording, table=Stream(T, {"a_angle": np.zeros(len(T))}))
     assert simulated_reading(recording, full_rate(recording), RNG) is None
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.2, 0.4, 1.5])
+def test_the_noise_before_rounding_is_told_by_how_rests_scatter(ratio: float) -> None:
+    step, rng = 1e-3, np.random.default_rng(8)
+    rests = np.repeat(rng.uniform(0.0, 1.0, 600), 60)
+    read = step * np.round(rests / step + ratio * rng.standard_normal(len(rests)))
+    level = np.diff(rests, append=rests[-1]) == 0.0
+    at_rest = np.convolve(~level, np.ones(13), "same") == 0
+    assert dither(read, at_rest, step) / step == pytest.approx(ratio, abs=0.05)
