@@ -21,6 +21,8 @@ from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 
+TAKEN_BACK = 0.5  # of the larger of two delays: what is left where one takes the other back
+
 
 @dataclass(frozen=True)
 class Combination:
@@ -50,14 +52,28 @@ class Combination:
 
     @property
     def plausible(self) -> bool:
-        """Whether each of the members' parameters lies within what a unit may have."""
+        """Whether each of the members' parameters lies within what a unit may have.
+
+        A low-pass that a lead of the clocks takes back is none: together they shape the errors of
+        the reference, or resonances, and leave hardly a delay.
+        """
         values, places = self.fit.model.values, self.fit.model.places
+        if self._taken_back():
+            return False
         return all(
             low <= values[places[one.term.key].start + q] <= high
             for one in self.members
             for q in one.own
             for low, high in [one.term.parameters[q].plausible]
         )
+
+    def _taken_back(self) -> bool:
+        delays = [
+            max(group_delays(self.fit.model, [name]), key=abs)
+            for name in ("time_offset", "bandwidth")
+            if any(one.name == name for one in self.members)
+        ]
+        return len(delays) == 2 and abs(sum(delays)) < TAKEN_BACK * max(map(abs, delays))
 
     def promises(self, others: Sequence[Form]) -> list[float]:
         """Chi-squared that each of some forms more promises to take away, by a linear step from

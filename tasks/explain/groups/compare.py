@@ -111,6 +111,7 @@ class _Family:
         if self._triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
+        tried = [one for one in tried if one.plausible] or tried
         least = min(map(self._cost, tried))
         near = [one for one in tried if self._cost(one) - least < DISTINGUISHABLE]
         best = min(near, key=lambda o: (o.count, o.members is not self.present, self._cost(o)))
