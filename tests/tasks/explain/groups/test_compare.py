@@ -92,6 +92,21 @@ def test_a_value_beyond_what_a_unit_may_have_is_not_plausible() -> None:
     assert not Combination(members, far).plausible
 
 
+@pytest.mark.parametrize(("late", "is_plausible"), [(0.001, True), (-0.012, False)])
+def test_a_low_pass_that_a_lead_takes_back_is_not_plausible(
+    late: float, is_plausible: bool
+) -> None:
+    fit, _ = found()
+    members = tuple(
+        one for one in fit.selection.candidates if one.name in ("time_offset", "bandwidth")
+    )
+    values = fit.model.values.copy()
+    values[fit.model.places[TIME_OFFSET.key]] = late
+    values[fit.model.places[BANDWIDTH.key]] = 0.0088
+    both = replace(fit, model=replace(fit.model, values=values))
+    assert Combination(members, both).plausible is is_plausible
+
+
 def test_the_common_part_is_as_uncertain_as_its_widened_parameters() -> None:
     fit, _ = found()
     delay = fit.without(
