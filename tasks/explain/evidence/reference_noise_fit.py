@@ -68,7 +68,7 @@ def _normal_equations(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Of the columns of all findings on readings in which none of them is."""
     fit = evidence.fit
-    blocks = block_means(full, fit.blocks.rate, masked)
+    blocks = block_means(full, fit.blocks.rate, masked, fewest=1)  # as long as those of the fit
     columns, _ = columns_of(fit.model, evidence.groups, blocks.motion)
     return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]
 
@@ -109,7 +109,9 @@ def simulated_reading(
 
 def _read(recording: Recording, full: FullRate) -> Motion:
     motion = whole_motion(recording, full.motion.t + full.start)
-    return replace(motion, t=full.motion.t, recorded=full.motion.recorded)
+    return replace(
+        motion, t=full.motion.t, recorded=full.motion.recorded, tracking=full.motion.tracking
+    )
 
 
 def _with_noise(pose: Stream, tracking: Tracking, rng: np.random.Generator) -> Stream:

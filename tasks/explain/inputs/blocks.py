@@ -47,13 +47,14 @@ class Blocks:
     floor: np.ndarray
 
 
-def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -> Blocks:
+def block_means(
+    full: FullRate, rate: float, masked: np.ndarray | None = None, fewest: int | None = None
+) -> Blocks:
     """Block means at a rate (Hz), or the rows themselves where they are slower.
 
     Where poses tell the motion up to some frequency only, blocks are as long as that asks for.
-    masked: (n, 6) bool, samples that must not be used.
-    Raises Unusable where there are fewer than 200 blocks, or than 30 that are as long as poses ask;
-    where none of them is known.
+    masked: (n, 6) bool, samples that must not be used. fewest: 200, or 30 that are as long as poses
+    ask, unless it is given. Raises Unusable where there are fewer; where none of them is known.
     """
     t = full.motion.t
     own = 1.0 / max(sample_interval(t), 1e-9)
@@ -65,7 +66,7 @@ def block_means(full: FullRate, rate: float, masked: np.ndarray | None = None) -
     step = max(1, round(own / rate), int(np.ceil(own * longest_step(t) - UNEVEN)))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
-    if count < needed:
+    if count < (needed if fewest is None else fewest):
         raise Unusable(
             f"the recording lasts {t[-1]:.1f} s; explain needs {needed * step / own:.0f} s or more"
         )
