@@ -10,7 +10,7 @@ from tasks.model.term import Column
 from tasks.motion.whole import Motion
 
 
-def columns_of(
+def fitted_columns(
     model: Model, groups: Sequence[FindingGroup], motion: Motion
 ) -> tuple[list[Column], np.ndarray]:
     """Of a model's free parameters, then of known physics in the order of the groups; and what

@@ -11,7 +11,7 @@ from scipy.stats import f as fisher
 from schemas.discrepancy import HeldOut
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.cells import cell_equations, fold_cells, scatter_cells
-from tasks.explain.evidence.columns import columns_of
+from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
@@ -43,7 +43,7 @@ class Evidence:
     def of(cls, fit: FittedSelection) -> "Evidence":
         model, blocks = fit.model, fit.blocks
         groups = finding_groups(fit.selection)
-        columns, prediction = columns_of(model, groups, blocks.motion)
+        columns, prediction = fitted_columns(model, groups, blocks.motion)
         free = np.flatnonzero(model.free).tolist()
         position, own_places = {p: q for q, p in enumerate(free)}, model.places
         own: list[tuple[list[int], np.ndarray]] = []

@@ -15,7 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.explain.evidence.columns import columns_of
+from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
@@ -69,7 +69,7 @@ def _normal_equations(
     """Of the columns of all findings on readings in which none of them is."""
     fit = evidence.fit
     blocks = block_means(full, fit.blocks.rate, masked, fewest=1)  # as long as those of the fit
-    columns, _ = columns_of(fit.model, evidence.groups, blocks.motion)
+    columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
     return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]
 
 

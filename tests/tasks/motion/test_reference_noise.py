@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from schemas.recording import Manifest, Recording, Stream
+from schemas.recording import Recording, Stream
 from tasks.motion.band import derivatives
 from tasks.motion.motion_noise import derivative_gain
 from tasks.motion.reference_noise import reference_noise
 from tasks.motion.whole import whole_motion
 from tests.moved_by_hand import poses, recording
+from tests.on_shaft import shaft_manifest
 
 T = np.arange(0.0, 60.0, 0.01)
 TURNING = (T > 20.0) & (T < 40.0)
@@ -17,14 +18,7 @@ WIDTH = 0.04  # s
 
 def shaft(angle: np.ndarray) -> Recording:
     """About a level axis, by an encoder."""
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "shaft",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {
-            "id": "s", "gravity_m_s2": 9.8, "table_axes": [{"name": "a", "direction": [1, 0, 0]}],
-        },
-    })  # fmt: skip
-    return Recording(manifest, Stream(T, {}), table=Stream(T, {"a_angle": angle}))
+    return Recording(shaft_manifest(1, 0, 0), Stream(T, {}), table=Stream(T, {"a_angle": angle}))
 
 
 def swing() -> np.ndarray:

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Recording, Stream
 from tasks.explain.evidence.reference_noise_fit import dither, simulated_reading
 from tasks.explain.explain import explain
 from tasks.explain.inputs.full_rate import full_rate
+from tests.on_shaft import shaft_manifest
 
 T = np.arange(0.0, 60.0, 0.01)
 RNG = np.random.default_rng(7)
@@ -19,19 +20,12 @@ ANGLE = 0.3 * np.sin(2.0 * np.pi * 0.25 * T) ** 3 * (T > 20.0)
 def shaft(encoder_noise: float, own_samples: int) -> Recording:
     """On a shaft whose encoder errs by so many rad; its rates are means of so many samples."""
     rng = np.random.default_rng(6)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "shaft",
-        "unit": {"manufacturer": "", "model": "", "serial": ""},
-        "station": {
-            "id": "s", "gravity_m_s2": 9.8, "table_axes": [{"name": "a", "direction": [0, 0, 1]}],
-        },
-    })  # fmt: skip
     gyro = 1e-4 * rng.standard_normal((3, len(T)))
     gyro[2] += uniform_filter1d(np.gradient(ANGLE, T), own_samples)
     accel = 1e-3 * rng.standard_normal((3, len(T))) + np.array([[0.0], [0.0], [9.8]])
     imu = Stream(T, dict(zip(GYRO + ACCEL, [*gyro, *accel], strict=True)))
     read = ANGLE + encoder_noise * rng.standard_normal(len(T))
-    return Recording(manifest, imu, table=Stream(T, {"a_angle": read}))
+    return Recording(shaft_manifest(0, 0, 1), imu, table=Stream(T, {"a_angle": read}))
 
 
 def refused(recording: Recording, name: str) -> list[str]:
