@@ -26,13 +26,13 @@ def determined_model(
     in the covariance. scrutinies: of the findings, by number.
     """
     fit, model = evidence.fit, evidence.fit.model
-    widening = _widening(evidence, scrutinies)
-    loose = _undetermined(evidence, scrutinies, widening)
+    wider = widening(evidence, scrutinies)
+    loose = _undetermined(evidence, scrutinies, wider)
     if loose.any():
         without = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
         model = replace(without, free=without.free | loose)
     spread = [_spread(evidence, model.terms[k].key) for k in model.fitted_shapes]
-    wide = np.concatenate([widening[model.free], spread])
+    wide = np.concatenate([wider[model.free], spread])
     covariance = _covariance(model, evidence) * wide[:, None] * wide
     return DeterminedModel(model, loose, covariance, full.motion, full.start)
 
@@ -43,15 +43,15 @@ def _spread(evidence: Evidence, key: TermKey) -> float:
     return float(np.sqrt(max((evidence.scatter.dispersion(n) for n in numbers), default=1.0)))
 
 
-def _widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
+def widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
     """(p,) by which what is left, and what the parts differ by, make each u larger."""
-    model, widening = evidence.fit.model, np.ones(len(evidence.fit.model.values))
+    model, wider = evidence.fit.model, np.ones(len(evidence.fit.model.values))
     free = np.flatnonzero(model.free)
     for number, scrutiny in scrutinies.items():
         for q, u in zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True):
             if q < len(free) and model.u[free[q]] > 0.0:
-                widening[free[q]] = u / model.u[free[q]]
-    return widening
+                wider[free[q]] = u / model.u[free[q]]
+    return wider
 
 
 def _own(evidence: Evidence, number: int) -> list[int]:
@@ -61,7 +61,7 @@ def _own(evidence: Evidence, number: int) -> list[int]:
 
 
 def _undetermined(
-    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], widening: np.ndarray
+    evidence: Evidence, scrutinies: Mapping[int, Scrutiny], wider: np.ndarray
 ) -> np.ndarray:
     """(p,) bool: parameters no larger than their U once those less clear are nothing.
 
@@ -77,7 +77,7 @@ def _undetermined(
     ]
     loose = np.zeros(len(values), bool)
     while True:
-        u = widening * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        u = wider * np.sqrt(np.maximum(np.diag(covariance), 0.0))
         tried = [p for own in owned if len(own) > 1 for p in own if u[p] > 0.0]
         least = min(tried, key=lambda p: abs(values[p]) / u[p], default=None)
         if least is None or abs(values[least]) > COVERAGE * u[least]:

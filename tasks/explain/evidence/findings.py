@@ -7,6 +7,7 @@ import numpy as np
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.determined import DeterminedModel
+from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.groups import FindingGroup, without_leakage
 from tasks.explain.evidence.pruning import unsupported
@@ -113,15 +114,10 @@ def _finding(
 
 def _common_part(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
     """Of effects that make up for each other, with uncertainties as its parameters have them."""
-    group, model = evidence.groups[number], evidence.fit.model
+    group = evidence.groups[number]
     if not group.selected[0].group:
         return ()
-    free = np.flatnonzero(model.free)
-    widening = np.ones(len(model.values))
-    for column, u in zip(evidence.own[number][0], scrutiny.u.tolist(), strict=True):
-        if column < len(free) and model.u[free[column]] > 0.0:
-            widening[free[column]] = u / model.u[free[column]]
-    return common_part(model, group.terms, widening)
+    return common_part(evidence.fit.model, group.terms, widening(evidence, {number: scrutiny}))
 
 
 def _behaviour(group: FindingGroup) -> Sayable:
