@@ -65,16 +65,12 @@ def _undetermined(
 ) -> np.ndarray:
     """(p,) bool: parameters no larger than their U once those less clear are nothing.
 
-    One by one, the least clear first, since what makes up for it becomes clearer; the last of a
-    finding stays, and so do effects that are told together because each makes up for the others.
+    One by one, the least clear first, since what makes up for it becomes clearer: of effects that
+    make up for each other one stays, and the last parameter of a finding does.
     """
     model = evidence.fit.model
     values, covariance = model.values.copy(), model.covariance.copy()
-    owned = [
-        set(_own(evidence, n))
-        for n in scrutinies
-        if not (evidence.groups[n].random or evidence.groups[n].selected[0].group)
-    ]
+    owned = [set(_own(evidence, n)) for n in scrutinies if not evidence.groups[n].random]
     loose = np.zeros(len(values), bool)
     while True:
         u = wider * np.sqrt(np.maximum(np.diag(covariance), 0.0))

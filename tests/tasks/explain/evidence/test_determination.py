@@ -10,15 +10,13 @@ from tasks.explain.evidence.determination import _undetermined
 from tasks.explain.evidence.evidence import Evidence
 
 
-def undetermined(
-    values: tuple[float, ...], covariance: np.ndarray, group: tuple[str, ...] = ()
-) -> list[bool]:
-    """Of one finding whose parameters have these values."""
+def undetermined(values: tuple[float, ...], covariance: np.ndarray) -> list[bool]:
+    """Of one finding whose parameters have these values, be it of one effect or of several."""
     count = len(values)
     model = SimpleNamespace(
         values=np.array(values), covariance=covariance, free=np.ones(count, bool)
     )
-    finding = SimpleNamespace(random=False, selected=[SimpleNamespace(group=group)])
+    finding = SimpleNamespace(random=False)
     own = ((list(range(count)), np.array(values)),)
     evidence: Any = SimpleNamespace(fit=SimpleNamespace(model=model), groups=[finding], own=own)
     return _undetermined(cast(Evidence, evidence), cast(Any, {0: None}), np.ones(count)).tolist()
@@ -39,8 +37,3 @@ def test_of_two_that_make_up_for_each_other_one_stays(r: float) -> None:
 
 def test_the_last_of_a_finding_stays() -> None:
     assert undetermined((0.3, 0.1), np.eye(2)) == [False, True]
-
-
-def test_effects_that_are_told_together_are_all_taken_off() -> None:
-    together = ("time_offset", "bandwidth")
-    assert undetermined((0.3, 0.1), np.eye(2), together) == [False, False]
