@@ -3,11 +3,16 @@
 z² = Σ |S(f)|² / L(f): S, what the effect changes in the misfit, L, the spectrum of the misfit
 without it: noise, the reference's errors and whatever else is hidden. From both the standard's
 columns took their part. With nothing but noise left, z is the visibility of the plain plant.
+
+What an effect adds at random, as a table's vibration that folds into the band, is no part of its
+truth and would look the same whatever rectifies it: it belongs to L. Without an effect that
+shakes the samples means, therefore, the same recording with the effect's strength at zero.
 """
 
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO
+from tests.proof.plant.effects.base import Effect
 from tests.proof.plant.rough.case import RoughCase
 from tests.proof.plant.rough.effects import KNOWN
 from tests.proof.plant.rough.play import Played, play
@@ -34,12 +39,19 @@ def standing(played: Played, rest: Played, by_size: bool = False) -> float:
     return float(np.sqrt(total))
 
 
+def without(rough: RoughCase, called: str) -> RoughCase:
+    """The case with all of one effect gone but the random motion of the samples it comes with."""
+    if KNOWN[called].shake is not Effect.shake:
+        return rough.with_strength(called, 0.0)
+    return rough.without(called)
+
+
 def at_standing(rough: RoughCase, called: str, z: float) -> tuple[RoughCase, float]:
     """The case with one effect's strength set so that it stands z above the rest, and z reached.
 
     What has no size, starts at a threshold or cannot grow so far gets as near as it can.
     """
-    effect, rest = KNOWN[called], play(rough.without(called))
+    effect, rest = KNOWN[called], play(without(rough, called))
     if not effect.sized and vars(effect).get("at") is None:
         return rough, standing(play(rough), rest, called in BY_SIZE)
     strength, tried = 1.0, list[tuple[float, float]]()

@@ -6,7 +6,7 @@ from pathlib import Path
 from tests.proof.plant.files import seal, write
 from tests.proof.plant.rough.effects import KNOWN
 from tests.proof.plant.rough.play import play
-from tests.proof.plant.rough.standing import BY_SIZE, at_standing, standing
+from tests.proof.plant.rough.standing import BY_SIZE, at_standing, standing, without
 from tests.proof.trial.rough.draw import OUTSIDE_STANDINGS, RoughDrawn
 from tests.proof.trial.seal import RECORDINGS, SEALED
 
@@ -30,7 +30,7 @@ def record_and_seal_rough(drawn: RoughDrawn, folder: Path) -> None:
         "kind": drawn.kind,
         "asked_z": drawn.z,
         "z": {
-            called: standing(played, play(rough.without(called)), called in BY_SIZE)
+            called: standing(played, play(without(rough, called)), called in BY_SIZE)
             for called in calls
         },
     }
