@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tasks.explain.evidence.cells import scatter_cells
+from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
 from tasks.explain.evidence.partitions import partitions
@@ -61,6 +62,7 @@ class Scrutiny:
             or _inhomogeneous(evidence, number, unlike)
             or _channel_worse(evidence, number)
             or _undetermined(evidence, number, values, u)
+            or unseen_turning(evidence, number)
         )
         return cls(p, u, refusal)
 

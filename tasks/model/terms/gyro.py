@@ -1,5 +1,7 @@
 """What a gyro does that model (1) has no place for."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from schemas.recording import Recording
@@ -21,8 +23,13 @@ from tasks.words import message
 ORDERS = (2, 3)
 G2 = DEG * G**2
 DEAD_BAND = 0.05  # rad/s
-LARGEST_BEND = 0.05  # of full scale: what data sheets of piezoelectric gyros allow
+# Of full scale: linearity ±5 % up to ±300 deg/s by the data sheet of the Murata Gyrostar ENC-03R.
+LARGEST_BEND = 0.05
 THRESHOLD = Parameter("threshold", "r", "deg/s", DEG, (1e-3, 0.5))
+# Friction takes off; it adds nothing, and takes no more than there is.
+_TAKEN_OFF = tuple(
+    replace(one, plausible=(-1.0, 0.0)) for one in each_axis("coefficient", "c", ("1", 1.0, 1.0))
+)
 ORDER = Parameter("order", "n", "1", 1.0, (2.0, 3.0))
 
 
@@ -62,7 +69,7 @@ def gyro_dead_band(threshold: float) -> SensorTerm:
     """Friction that a rate must overcome: beyond a threshold (rad/s) that much less is read."""
     return SensorTerm(
         "gyro_scale_nonlinearity", "gyro", "sensor", "ω′ᵢ = cᵢ·max(−r, min(r, ωᵢ))",
-        "IEEE Std 528 (threshold, dead zone)", each_axis("coefficient", "c", ("1", 1.0, 1.0)),
+        "IEEE Std 528 (threshold, dead zone)", _TAKEN_OFF,
         (THRESHOLD,), (threshold,),
         reads=lambda motion, inputs, at: own(GYRO_FIRST, np.clip(inputs.rate, -at[0], at[0])),
         own_title=message("effect-gyro-scale-nonlinearity.dead-band"),

@@ -224,7 +224,7 @@ def compressed(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
 def dead_band(run: ShortRun, rng: np.random.Generator) -> np.ndarray:
     """Nothing is read of rates below a threshold, and above it that much less."""
     least = rng.uniform(0.01, 0.1)
-    return on_gyros(np.clip(run.rate, -least, least), signs(rng))
+    return on_gyros(-np.clip(run.rate, -least, least), rng.uniform(0.5, 1.5, 3))
 
 
 def root_of_rate(run: ShortRun, rng: np.random.Generator) -> np.ndarray:

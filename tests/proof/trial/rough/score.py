@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tests.proof.plant.effects.memory import BiasStep
+from tests.proof.plant.effects.outside_sensors import Telegraph
 from tests.proof.trial.certificate import UNNAMED
 from tests.proof.trial.compare import Compared
 from tests.proof.trial.rough.compare import compared_rough
@@ -30,7 +32,8 @@ class RoughScore:
     """One answered recording.
 
     truth: what was hidden, as called; nuisances: what the reference brings along. wrong: names
-    that are neither true nor in a group with a true one; in_group: names that are not true
+    that are neither true nor in a group with a true one; a telegraph signal that jumps once in the
+    run is also a bias step; in_group: names that are not true
     themselves but stand in such a group. left_over: χ²/dof after explaining by channel; of an
     engine that does not tell it, that of the segments held out. z of what is outside the catalogue
     is not among `listed`.
@@ -86,7 +89,7 @@ def scored_rough(
 ) -> RoughScore:
     """The score from what truth.json, trial.json and the engine's answer say."""
     hidden = {each["called"]: each["name"] for each in told["effects"]}
-    true = {*hidden.values(), *told["nuisances"]}
+    true = {*hidden.values(), *told["nuisances"], *_also_true(told["effects"])}
     named = [one for one in answer["findings"] if one["effect"] != UNNAMED]
     false = [one for one in named if one["effect"] not in true]
     told_of = {name for one in named for name in group_of(one)}
@@ -111,6 +114,14 @@ def scored_rough(
         seconds=seconds,
         failed=failed,
     )
+
+
+def _also_true(effects: list[dict[str, Any]]) -> set[str]:
+    """Catalogue names of what is outside the catalogue but drawn so that it is one of its effects:
+    a telegraph signal that jumps once is a bias that steps.
+    """
+    telegraphs = (each for each in effects if each["name"] == Telegraph.name)
+    return {BiasStep.name for each in telegraphs if len(each["parameters"]["times"]) == 1}
 
 
 def group_of(finding: dict[str, Any]) -> set[str]:

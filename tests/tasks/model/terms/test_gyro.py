@@ -47,6 +47,10 @@ def test_a_dead_band_takes_its_threshold_off_faster_rates() -> None:
     assert change[W < -0.2] == pytest.approx((-0.2 * np.ones_like(W) * THREE)[W < -0.2])
 
 
+def test_a_dead_band_adds_nothing() -> None:
+    assert all(one.plausible == (-1.0, 0.0) for one in gyro_dead_band(0.2).parameters)
+
+
 def test_asymmetry_is_half_the_difference_of_both_signs() -> None:
     change = added(GYRO_SCALE_ASYMMETRY, THREE)
     assert change == pytest.approx(np.where(W > 0, THREE, -THREE) * W)

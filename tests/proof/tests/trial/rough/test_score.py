@@ -65,6 +65,16 @@ def test_what_is_outside_the_catalogue_has_no_right_name(scores: Scores, finding
     assert score.listed == ()
 
 
+@pytest.mark.parametrize(("times", "wrong"), [([60.0], ()), ([60.0, 90.0], ("bias_step",))])
+def test_a_telegraph_signal_of_one_jump_is_a_bias_step(
+    scores: Scores, finding: Finds, times: list[float], wrong: tuple[str, ...]
+) -> None:
+    telegraph = ("x_telegraph", "x_telegraph", 275.0)
+    score = scores([finding("bias_step")], telegraph, parameters={"times": times})
+    assert score.wrong == wrong
+    assert score.listed == ()
+
+
 def test_a_group_that_holds_a_true_name_is_counted_apart(scores: Scores, finding: Finds) -> None:
     grouped = scores([finding("bandwidth", "time_offset")], ("time_offset", "time_offset", 50.0))
     assert grouped.wrong == ()

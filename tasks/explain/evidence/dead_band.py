@@ -1,0 +1,51 @@
+"""Whether a dead band is seen where the unit turns, and not only where it rests.
+
+At rest a dead band takes nothing off; what it seems to take off there is what errs in the rate that
+the reference tells of a rest. Of faster rates it takes its whole threshold off.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from tasks.explain.evidence.columns import fitted_columns
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.si_units import unit_of
+from tasks.explain.explanation import Refusal
+from tasks.explain.regression.spectrum import equations_of
+from tasks.model.regression import inverse
+from tasks.model.term import parameters_of
+from tasks.model.terms.gyro import THRESHOLD
+
+COVERAGE = 2.0  # standard uncertainties in U
+FAST = 3.0  # thresholds: faster than what the errors of a rest make of it
+
+
+def unseen_turning(evidence: Evidence, number: int) -> Refusal | None:
+    """Where none of a dead band's coefficients is larger than its U by the faster rates alone."""
+    fit, group = evidence.fit, evidence.groups[number]
+    bands = [term for term in group.terms if THRESHOLD in term.shapes]
+    if not bands:
+        return None
+    threshold = max(band.at[band.shapes.index(THRESHOLD)] for band in bands)
+    blocks, model = fit.blocks, fit.model
+    fast = np.abs(np.nan_to_num(blocks.motion.rate)) > FAST * threshold
+    turning = replace(blocks, weight=blocks.weight * np.hstack([fast, np.ones_like(fast)]))
+    columns, prediction = fitted_columns(model, evidence.groups, blocks.motion)
+    misfit = blocks.readings - prediction
+    normal, right, _ = equations_of(columns, misfit, turning, fit.noises).normal()
+    right = right + normal @ evidence.scatter.values
+    covariance = inverse(normal + np.diag(evidence.prior))
+    free = np.flatnonzero(model.free)
+    places = [p for band in bands for p in range(*model.places[band.key].indices(len(model.free)))]
+    own = np.flatnonzero(np.isin(free, places))
+    values = (covariance @ right)[own]
+    u = np.sqrt(np.diag(covariance)[own] * evidence.scatter.dispersion(number))
+    k = int((np.abs(values) / u).argmax())
+    if abs(values[k]) > COVERAGE * u[k]:
+        return None
+    parameter = parameters_of(model.terms)[free[own[k]]]
+    return Refusal(
+        "undetermined", group.name, parameter.name, unit_of(parameter),
+        float(values[k]), COVERAGE * float(u[k]),
+    )  # fmt: skip
