@@ -63,7 +63,7 @@ class Finding:
     that make up for each other here, its own included; common: what their combinations have in
     common. terms: keys of its terms in the explanation's determined model; an event has none.
     refusal: why its name was withdrawn. behaviour: what it is called without a name; empty
-    for physics that is known beforehand.
+    for physics that is known beforehand. remainder: it is what nothing explains, and removes none.
     """
 
     effect: str
@@ -86,6 +86,7 @@ class Finding:
     refusal: Refusal | None = None
     terms: tuple[TermKey, ...] = ()
     behaviour: Sayable = ""
+    remainder: bool = False
 
     @property
     def follows(self) -> Sayable | None:

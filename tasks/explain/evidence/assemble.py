@@ -15,6 +15,7 @@ from tasks.explain.evidence.findings import findings_of, scrutinised
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.reference_deviation import reference_deviation
 from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
+from tasks.explain.evidence.remainder import remainder
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
@@ -67,6 +68,8 @@ def explanation_of(
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
+    if not reported and not ordered and (rest := remainder(full, artefacts.found, left)):
+        reported = [rest]
     p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
     return Explanation(
         recording=recording,

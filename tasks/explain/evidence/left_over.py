@@ -29,13 +29,15 @@ class LeftOver:
     before, after: (n, 6) squares of the residuals over the noise, NaN where not known.
     masked: (n, 6) bool, readings that say nothing of a model.
     noise: (n, 6) variance of a mean over `rows` readings, of the sensor at rest and of the
-    reference together. rows: as many as the reference tells apart, one of an exact reference.
+    reference together; reference: (n, 6) of it the reference's. rows: as many as the reference
+    tells apart, one of an exact reference.
     """
 
     before: np.ndarray
     after: np.ndarray
     masked: np.ndarray
     noise: np.ndarray
+    reference: np.ndarray
     rows: int
 
     @classmethod
@@ -50,7 +52,7 @@ class LeftOver:
         # What smoothing loses of the motion is as large as the noise that it lets through.
         reference = (1.0 + (rows > 1)) * full.reference_noise.variance(full.motion, rows * interval)
         noise = own / rows + reference
-        empty = cls(np.empty(0), np.empty(0), masked, noise, rows)
+        empty = cls(np.empty(0), np.empty(0), masked, noise, reference, rows)
         return replace(
             empty,
             before=empty.squares(full.readings - nominal),
@@ -70,6 +72,13 @@ class LeftOver:
         total = np.where(used, self.after, 0.0).sum(axis=0)
         rows = used.sum(axis=0)
         return np.divide(total, rows, out=np.full(len(rows), np.nan), where=rows > 0)
+
+    def beyond_reference(self, known: float) -> np.ndarray:
+        """(6,) chi-squared per degree of freedom that stays were the reference's noise power
+        `known` times its own account of itself; NaN where a channel was not recorded.
+        """
+        lower = self.noise / (self.noise + (known - 1.0) * self.reference)
+        return replace(self, after=self.after * lower).chi2_per_degree
 
     @property
     def removed(self) -> float:

@@ -34,14 +34,28 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     run = BlockedRun.of(explanation.recording)
     designs = tuple(StandardDesign.of(run, channel) for channel in range(len(CHANNELS)))
     noise = noise_scales(explanation.noise)
-    return tuple(_entries(run, finding, designs, noise) for finding in explanation.findings)
+    return tuple(
+        _entries(run, finding, _signal(finding, explanation), designs, noise)
+        for finding in explanation.findings
+    )
+
+
+def _signal(finding: Finding, explanation: Explanation) -> np.ndarray:
+    """(n, 6) what is located: a finding's contribution; of what nothing explains, the residual in
+    its channels.
+    """
+    if not finding.remainder:
+        return finding.contribution
+    residual = explanation.recording.imu.stack(CHANNELS) - explanation.found
+    return np.where(np.isin(np.arange(len(CHANNELS)), finding.channels), residual, 0.0)
 
 
 def _entries(
-    run: BlockedRun, finding: Finding, designs: tuple[StandardDesign, ...], noise: np.ndarray
-) -> tuple[Where, ...]:
-    """noise: (6,) standard deviations, which the excess is counted in."""
-    scaled = finding.contribution / noise
+    run: BlockedRun, finding: Finding, signal: np.ndarray, designs: tuple[StandardDesign, ...],
+    noise: np.ndarray,
+) -> tuple[Where, ...]:  # fmt: skip
+    """signal: (n, 6) to be located. noise: (6,) standard deviations, which it is counted in."""
+    scaled = signal / noise
     excess = [design.residual(column) for design, column in zip(designs, scaled.T, strict=True)]
     power = np.array([float((values**2).sum()) for values in excess])
     if power.sum() < ROUNDING:
@@ -49,7 +63,7 @@ def _entries(
     share = power / power.sum()
     major = [int(c) for c in np.argsort(-share) if share[c] >= MIN_SHARE]
     channels = {c: ChannelExcess.of(run, excess[c], designs[c], c, float(noise[c])) for c in major}
-    placed = places(run, channels, finding.contribution)
+    placed = places(run, channels, signal)
     entries = [_where(CHANNELS[c], placed[c], float(share[c])) for c in major]
     rest = 1.0 - sum(each.share for each in entries)
     if rest > NEGLIGIBLE:

@@ -58,12 +58,24 @@ def finding_statement(
 
     left_over: χ² per degree of freedom of each channel. together: what all findings move.
     """
+    if not finding.share and not finding.evidence.delta_bic:
+        left = _nothing_removes(finding, left_over)
+        return capital(sentences([what(finding), where(finding), left, to_do(finding)]))
     parts = (
         what(finding), finding.refused or "", where(finding), why(finding.share, finding.evidence),
         other_tests(finding, left_over), alternatives(finding),
         to_record(finding), on_certificate(finding, together), to_do(finding),
     )  # fmt: skip
     return capital(sentences(parts))
+
+
+def _nothing_removes(finding: ReportedFinding, left_over: Mapping[str, float]) -> Message:
+    """How much stays in each channel of what no finding removes any of."""
+    channels = tuple(
+        message("report-left-in", channel=channel_title(channel), chi2=chi2(left_over[channel]))
+        for channel in finding.channels if channel in left_over
+    )  # fmt: skip
+    return message("report-nothing-removes", channels=channels)
 
 
 def what(finding: ReportedFinding) -> Sayable:

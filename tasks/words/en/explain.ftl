@@ -13,6 +13,7 @@ behaviour-input = an input that differs from the reported one
 behaviour-sensor = a change that follows the input
 behaviour-signal = a change that follows the course of the signal
 behaviour-event = samples that differ from their neighbours
+explain-remainder = what is left over and follows no pattern that was looked for ({ $share } of the mismatch above noise, mostly from { $low } to { $high } Hz)
 explain-slow-drift = a slow drift that nothing recorded follows
 explain-wave = a wave with a period of about { $period } s
 explain-relaxation = a relaxation after { $event }, e-folding in about { $tau } s

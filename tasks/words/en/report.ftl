@@ -28,6 +28,7 @@ report-times = { $number } times
 report-more-than-times = more than { $number } times
 report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
 report-why-absorbed = The standard's parameters absorb it whole: it shows in their values, not in what is left over. ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
+report-nothing-removes = No effect of the catalogue and no pattern that was looked for removes it; in χ² per degree of freedom (noise of unit and reference: 1) there stays: { $channels }.
 report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence

@@ -28,6 +28,7 @@ report-times = { $number } 倍
 report-more-than-times = { $number } 倍以上
 report-why = 其消除了高出噪声的失配的 { $share }。{ $prediction }；ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
 report-why-absorbed = 规范模型的参数已将其全部吸收：它体现在参数值中，而不在剩余残差中。ΔBIC = { $bic }：{ $evidence }（已计入参数个数）。
+report-nothing-removes = 目录中的效应和所查找的规律均不能消除它；各通道剩余的每自由度 χ²（仅有产品与参考的噪声时为 1）：{ $channels }。
 report-evidence-very-strong = 证据非常强
 report-evidence-strong = 证据强
 report-evidence-some = 有一定证据

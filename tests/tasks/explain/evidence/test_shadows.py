@@ -20,7 +20,7 @@ def left(chi2: float, channel: int) -> LeftOver:
     after = np.ones((ROWS, 6))
     after[:, channel] = chi2
     none = np.zeros((ROWS, 6), bool)
-    return LeftOver(after, after, none, np.ones((ROWS, 6)), 1)
+    return LeftOver(after, after, none, np.ones((ROWS, 6)), np.zeros((ROWS, 6)), 1)
 
 
 def test_beside_ten_times_as_much_in_its_channels_a_name_is_withdrawn() -> None:

@@ -1,5 +1,7 @@
 """Planted contributions on a run made by hand: their dimension, channel and segments."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -123,6 +125,16 @@ def since_last_move(recording: Recording) -> np.ndarray:
 def one(where: tuple[Where, ...]) -> Where:
     assert where[0].share == pytest.approx(1.0)
     return where[0]
+
+
+def test_of_what_nothing_explains_the_residual_is_located(run: Recording, motion: Motion) -> None:
+    since = since_last_move(run)
+    creep = np.where(since > 0, np.exp(-np.maximum(since, 0.0) / 4.0), 0.0)
+    nothing = explained(run, np.zeros((len(since), 6)))
+    rest = replace(nothing.findings[0], channels=(4,), remainder=True)
+    left = replace(nothing, found=-in_channels(len(since), accel_y=0.02 * creep), findings=(rest,))
+    (where,) = locate(left)
+    assert (one(where).channel, one(where).dimension) == ("accel_y", "after_moves")
 
 
 def test_what_fades_after_moves_is_found_after_moves_with_its_time_constant(

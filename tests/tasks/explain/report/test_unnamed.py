@@ -143,3 +143,16 @@ def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts) -> None:
     other = refused("inhomogeneous") if parts != "rate" else refused("implausible")
     assert found.refused != other.refused
     assert found.next != other.next
+
+
+def test_of_what_nothing_explains_is_said_how_much_stays_and_what_to_do() -> None:
+    title = Statement(en="what is left over", zh="剩余残差")
+    found = unnamed(title=title, share=0.0, delta_bic=0.0, held_out_gain=0.0, channels=(0,),
+                    remainder=True)  # fmt: skip
+    left = np.array([14.0, 1.0, 1.0, 1.0, 1.0, 1.0])
+    explained = explanation(found, verdict="unexplained", left_over=left)
+    (told,) = located(explained, (where("gyro_x", 1.0),)).findings
+    assert told.title.en == "without a name: what is left over"
+    assert "there stays: gyro x 14.00" in told.statement.en
+    assert "ΔBIC" not in told.statement.en
+    assert told.statement.en.endswith(f"Next: {told.next.en}.")
