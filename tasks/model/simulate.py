@@ -1,6 +1,7 @@
 """What a unit reads by a list of terms, and how its readings follow each parameter."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -14,13 +15,17 @@ STEP = 1e-3  # of the plausible range, to differentiate by a parameter of motion
 
 def predict(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> np.ndarray:
     """Readings (n, 6) in rad/s and m/s² of a unit with the parameter values (p,)."""
+    return _passed(terms, motion, _sensed(terms, motion, values), values)
+
+
+def _sensed(terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> np.ndarray:
+    """Readings (n, 6) of the sensors, before delays and filters; NaN where they feel unknowns."""
     moved, inputs = _felt(terms, motion, values)
     readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
     for term, place in zip(terms, places(terms), strict=True):
         if term.stage == "sensor" and _has_size(term, values[place]):
             _add(readings, values[place], term.columns(moved, inputs))
-    known = np.where(motion.felt, readings.T, np.nan)
-    return _passed(terms, motion, known, values)
+    return np.where(motion.felt, readings.T, np.nan)
 
 
 def _has_size(term: Term, values: np.ndarray) -> bool:
@@ -62,11 +67,12 @@ def linearise(
     wanted = np.ones(len(values), bool) if wanted is None else wanted
     columns: list[Column] = []
     readings = np.zeros((CHANNEL_COUNT, len(motion.t)))
+    differences = _Differences(terms, motion, values)
     for term, place in zip(terms, places(terms), strict=True):
         asked = wanted[place]
         if term.stage != "sensor":
             rows = range(place.start, place.stop)
-            columns.extend(_difference(terms, motion, values, p) if wanted[p] else {} for p in rows)
+            columns.extend(differences.column(term, p) if wanted[p] else {} for p in rows)
         elif asked.any() or _has_size(term, values[place]):
             own = term.columns(moved, inputs)
             _add(readings, values[place], own)
@@ -151,25 +157,41 @@ def _side_by_side(columns: tuple[Column, ...]) -> list[dict[int, int]]:
     ]
 
 
-def _difference(terms: tuple[Term, ...], motion: Motion, values: np.ndarray, p: int) -> Column:
-    """Readings per unit of one parameter, in the channels that follow it.
+class _Differences:
+    """Central differences of the readings by parameters of motion, input and signal.
 
     Through the standard's terms: what other terms of a sensor would make of a small change of
     their input is small twice over, and an iteration does without it.
     """
-    kept = [k for k, term in enumerate(terms) if term.stage != "sensor" or term.family == STANDARD]
-    own = places(terms)
-    rows = np.concatenate([np.arange(own[k].start, own[k].stop) for k in kept])
-    p = int(np.flatnonzero(rows == p)[0])
-    terms, values = tuple(terms[k] for k in kept), values[rows]
-    low, high = parameters_of(terms)[p].plausible
-    step = STEP * (high - low)
-    moved = []
-    for sign in (1.0, -1.0):
-        shifted = values.copy()
-        shifted[p] += sign * step
-        moved.append(predict(terms, motion, shifted))
-    slope = (moved[0] - moved[1]) / (2.0 * step)
-    return {
-        channel: slope[:, channel] for channel in range(CHANNEL_COUNT) if slope[:, channel].any()
-    }
+
+    def __init__(self, terms: tuple[Term, ...], motion: Motion, values: np.ndarray) -> None:
+        own = places(terms)
+        kept = [k for k, term in enumerate(terms)
+                if term.stage != "sensor" or term.family == STANDARD]  # fmt: skip
+        self.rows = np.concatenate([np.arange(own[k].start, own[k].stop) for k in kept])
+        self.terms, self.values = tuple(terms[k] for k in kept), values[self.rows]
+        self.motion = motion
+
+    def column(self, term: Term, p: int) -> Column:
+        """Readings per unit of parameter p of a term, in the channels that follow it.
+
+        Delays and filters are linear in the readings: what the sensors read differs before them.
+        """
+        k = int(np.flatnonzero(self.rows == p)[0])
+        low, high = parameters_of(self.terms)[k].plausible
+        step = STEP * (high - low)
+        more, less = self.values.copy(), self.values.copy()
+        more[k], less[k] = more[k] + step, less[k] - step
+        terms, motion = self.terms, self.motion
+        if term.stage == "signal":
+            reads = [_passed(terms, motion, self._sensed, values) for values in (more, less)]
+            slope = (reads[0] - reads[1]) / (2.0 * step)
+        else:
+            reads = [_sensed(terms, motion, values) for values in (more, less)]
+            slope = _passed(terms, motion, (reads[0] - reads[1]) / (2.0 * step), self.values)
+        return {c: slope[:, c] for c in range(CHANNEL_COUNT) if slope[:, c].any()}
+
+    @cached_property
+    def _sensed(self) -> np.ndarray:
+        """(n, 6) which no delay or filter changes."""
+        return _sensed(self.terms, self.motion, self.values)

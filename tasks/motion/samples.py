@@ -71,10 +71,11 @@ def bridged(values: np.ndarray) -> np.ndarray:
     known = np.isfinite(values)
     if known.all():
         return values
-    rows, filled = np.arange(len(values)), np.zeros_like(values)
+    filled = np.where(known, values, 0.0)
     for k, there in enumerate(known.T):
         if there.any():
-            filled[:, k] = np.interp(rows, rows[there], values[there, k])
+            missing = np.flatnonzero(~there)
+            filled[missing, k] = np.interp(missing, np.flatnonzero(there), values[there, k])
     return filled
 
 

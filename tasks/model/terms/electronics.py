@@ -1,6 +1,7 @@
 """What the unit's electronics do to all channels: a low-pass."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
@@ -43,19 +44,23 @@ def _low_passed(readings: np.ndarray, constant: float) -> np.ndarray:
     more = int(np.ceil(SETTLED * abs(constant))) + 1
     count = next_fast_len(len(filled) + 2 * more, real=True)
     padded = np.pad(filled, ((more, count - len(filled) - more), (0, 0)), mode="edge")
-    s = 1j * _slope(2.0 * np.pi * rfftfreq(count))[:, None] * constant
-    passed = irfft(rfft(padded, axis=0) / (1.0 + np.sqrt(2.0) * s + s**2), count, axis=0)
+    s = 1j * _slope(count) * constant
+    response = 1.0 / (1.0 + np.sqrt(2.0) * s + s**2)
+    passed = irfft(rfft(padded, axis=0) * response[:, None], count, axis=0)
     reach = REACH + int(np.ceil(FADED * abs(constant)))
     clear = known.all() or minimum_filter1d(known, 2 * reach + 1, axis=0, mode="nearest")
     return np.where(clear, passed[more : more + len(filled)], np.nan)
 
 
-def _slope(x: np.ndarray) -> np.ndarray:
-    """What differentiating makes of a wave of x rad a row: x, by differences of tenth order.
+@lru_cache(maxsize=4)  # the same lengths again and again, at two rates
+def _slope(count: int) -> np.ndarray:
+    """What differentiating makes of each wave of x rad a row of `count` rows' transform: x, by
+    differences of tenth order.
 
     Unlike x itself it has no jump at the highest frequency, which would ring about every corner
     of a ramp.
     """
+    x = 2.0 * np.pi * rfftfreq(count)
     shares = (2100.0, -600.0, 150.0, -25.0, 2.0)
     return np.asarray(sum(c * np.sin(k * x) for k, c in enumerate(shares, start=1)) / 1260.0)
 

@@ -20,8 +20,8 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
     """
     whole = np.floor(-np.asarray(late, dtype=float))
     part = -np.asarray(late) - whole
-    row = np.arange(len(readings)) + whole.astype(int)
-    own = readings.take(row, axis=0, mode="clip")
+    near = _rows_about(readings, whole.astype(int))
+    own = near(0)
     shifted = own.copy()  # and what differs from it: what is constant stays so exactly
     for node in NODES:
         if node == 0:
@@ -30,8 +30,18 @@ def read_earlier(readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
         for other in NODES:
             if other != node:
                 weight = weight * (part - other) / (node - other)
-        shifted += weight[..., None] * (readings.take(row + node, axis=0, mode="clip") - own)
+        shifted += weight[..., None] * (near(node) - own)
     return shifted
+
+
+def _rows_about(readings: np.ndarray, whole: np.ndarray) -> Callable[[int], np.ndarray]:
+    """Readings (n, k) of `whole` rows, (n,) or a number for all, and a node's number later."""
+    rows = np.arange(len(readings))
+    if whole.ndim:
+        return lambda node: readings.take(rows + whole + node, axis=0, mode="clip")
+    reach = np.arange(NODES[0], len(readings) + NODES[-1])
+    near = readings.take(reach + whole, axis=0, mode="clip")
+    return lambda node: near[node - NODES[0] :][: len(readings)]
 
 
 def shifted_within(motion: Motion, readings: np.ndarray, late: float | np.ndarray) -> np.ndarray:
