@@ -118,7 +118,7 @@ class Manifest(Received):
     segments: tuple[Segment, ...] | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # one is like another only if it is that
 class Stream:
     """One time base and its columns.
 

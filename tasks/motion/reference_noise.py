@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import Recording, Stream
-from tasks.motion.angle_noise import NODE, angle_variance, encoder_steps
-from tasks.motion.encoder_rate import EncoderRate, encoder_rate
+from tasks.motion.angle_noise import NODE, encoder_steps
+from tasks.motion.encoder_rate import EncoderRate
 from tasks.motion.pose import Tracking
 from tasks.motion.reported_rate import reported_rate
-from tasks.motion.smooth import even_grid
+from tasks.motion.smooth import smooth_course
 from tasks.motion.whole import Motion, attitude_stream
 
 
@@ -79,11 +79,10 @@ def reference_noise(recording: Recording, motion: Motion) -> ReferenceNoise:
 
 def _encoder_noise(recording: Recording, table: Stream) -> EncoderNoise | None:
     axes = recording.manifest.station.table_axes or ()
-    angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
-    if len(angles) < 2 * NODE:
+    course = smooth_course(table, tuple(f"{axis.name}_angle" for axis in axes))
+    if course is None or len(table) < 2 * NODE:
         return None
-    t, even = even_grid(table.t, angles)
-    variance = angle_variance(table.t, angles, even)
-    rate = encoder_rate(even, float(t[1] - t[0]), variance)
     reported = np.array([reported_rate(table, axis.name) is not None for axis in axes])
-    return EncoderNoise(t, variance, rate, reported, encoder_steps(angles))
+    return EncoderNoise(
+        course.even, course.variance, course.slope, reported, encoder_steps(course.angle)
+    )

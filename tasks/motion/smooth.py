@@ -9,18 +9,71 @@ is too long rounds off the ramps and makes the lever arm too large. So the windo
 the encoder's own noise asks for.
 """
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 
+from schemas.recording import Stream
 from tasks.motion.angle_noise import angle_variance
-from tasks.motion.encoder_rate import encoder_rate, filtered, half_window
+from tasks.motion.encoder_rate import EncoderRate, encoder_rate, filtered, half_window
 from tasks.motion.samples import covered, in_blocks, interpolated, noise_by_differences
 
 QUIET_ACCELERATION = 0.01  # rad/s²: noise of the second derivative that a window must reach
 LONGEST_WINDOW = 0.5  # s
 FINEST = 200.0  # Hz: samples nearer to each other are averaged first
+FEWEST = 3  # samples that have derivatives
 BETWEEN = 2  # samples on each side of a time that its value is drawn through
 ORDER = 6  # of the differences that the encoder's noise is read off
 UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even grid
+
+
+@dataclass(frozen=True)
+class SmoothCourse:
+    """Angles (n, k) rad read at t (n,) s, and what is made of them on an even grid.
+
+    even: (m,) s. variance: (m, k) rad² of an angle there. slope: their rate. acceleration: (m, k)
+    rad/s², by a window of `half` samples on each side.
+    """
+
+    t: np.ndarray
+    angle: np.ndarray
+    even: np.ndarray
+    variance: np.ndarray
+    slope: EncoderRate
+    acceleration: np.ndarray
+    half: int
+
+    @classmethod
+    def of(cls, t: np.ndarray, angle: np.ndarray) -> "SmoothCourse":
+        """t: three or more, rising; angle: continuous (no jumps of a whole turn)."""
+        even, thinned = even_grid(t, angle)
+        interval = even[1] - even[0]
+        variance = angle_variance(t, angle, thinned)
+        noise = noise_by_differences(thinned, ORDER, 0.9)  # jerks are fewer than a tenth of them
+        quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
+        half = half_window(min(quiet, LONGEST_WINDOW), interval, len(even))
+        bend = filtered(thinned, _bend_kernel(half) / interval**2)
+        slope = encoder_rate(thinned, float(interval), variance)
+        return cls(t, angle, even, variance, slope, bend, half)
+
+    def at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As `smooth_derivatives`."""
+        angles = interpolated(at, self.t, self.angle)
+        angles = np.where(covered(self.t, at)[:, None], angles, np.nan)
+        shortest = len(self.slope.kernels[0]) // 2
+        rates, accelerations = (
+            np.where(
+                covered(self.t, at, (reach + BETWEEN) * self.slope.interval)[:, None],
+                _between(at, self.even, derivative),
+                np.nan,
+            )
+            for reach, derivative in (
+                (shortest, self.slope.rate),
+                (self.half, self.acceleration),
+            )
+        )
+        return angles, rates, accelerations
 
 
 def smooth_derivatives(
@@ -32,26 +85,18 @@ def smooth_derivatives(
     samples, before the first and after the last, and where fewer than three have no derivative;
     a derivative is NaN, too, where a line drawn over a gap would be part of it.
     """
-    shape = (len(at), angle.shape[1])
-    if len(t) < 3:
-        return (np.full(shape, np.nan),) * 3
-    even, thinned = even_grid(t, angle)
-    interval = even[1] - even[0]
-    slope = encoder_rate(thinned, interval, angle_variance(t, angle, thinned))
-    noise = noise_by_differences(thinned, ORDER, 0.9)  # jerks are fewer than a tenth of them
-    quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
-    half = half_window(min(quiet, LONGEST_WINDOW), interval, len(even))
-    bend = filtered(thinned, _bend_kernel(half) / interval**2)
-    angles = np.where(covered(t, at)[:, None], interpolated(at, t, angle), np.nan)
-    rates, accelerations = (
-        np.where(
-            covered(t, at, (reach + BETWEEN) * interval)[:, None],
-            _between(at, even, derivative),
-            np.nan,
-        )
-        for reach, derivative in ((len(slope.kernels[0]) // 2, slope.rate), (half, bend))
-    )
-    return angles, rates, accelerations
+    if len(t) < FEWEST:
+        return (np.full((len(at), angle.shape[1]), np.nan),) * 3
+    return SmoothCourse.of(t, angle).at(at)
+
+
+@lru_cache(maxsize=2)  # a recording's motion is asked for again and again, at other times
+def smooth_course(table: Stream, names: tuple[str, ...]) -> SmoothCourse | None:
+    """Of a table's named angles, made continuous; None of fewer samples than have derivatives."""
+    angles = table.stack(names)
+    if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
+        angles = np.unwrap(angles, axis=0)
+    return SmoothCourse.of(table.t, angles) if len(table) >= FEWEST else None
 
 
 def _between(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from schemas.recording import AXES, Recording, Stream, Up
 from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
-from tasks.motion.smooth import smooth_derivatives
+from tasks.motion.smooth import smooth_course
 from tasks.motion.table import TableAxes, axis_directions, mount_of
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
@@ -138,10 +138,9 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     turns inside them, so that its derivative is Σ sₖ·θ̈ₖ − (ω_inside × sₖ)·θ̇ₖ.
     """
     axes = recording.manifest.station.table_axes or ()
-    angles = table.stack(tuple(f"{axis.name}_angle" for axis in axes))
-    if (np.abs(np.diff(angles, axis=0)) > np.pi).any():  # an encoder that starts anew each turn
-        angles = np.unwrap(angles, axis=0)
-    angle, speed, change = smooth_derivatives(table.t, angles, at)
+    course = smooth_course(table, tuple(f"{axis.name}_angle" for axis in axes))
+    unknown = np.full((3, len(at), len(axes)), np.nan)
+    angle, speed, change = unknown if course is None else course.at(at)
     for k, axis in enumerate(axes):
         if (reported := reported_rate(table, axis.name)) is not None:
             known = np.isfinite(speed[:, k])
