@@ -21,8 +21,7 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
-# Chi-squared that tells two combinations apart: where ramps are sharp, what smooths the reference
-# alone makes twenty.
+# Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
 DISTINGUISHABLE = 30.0
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 STRETCH = 30.0  # s of what has no segments
@@ -64,18 +63,28 @@ class _Family:
     def compared(self) -> FittedSelection:
         if any(one.term.stage == "signal" for one in self.present):
             return self._by_real_fits()
+        found = self._fitted(self.present)
+        if not found.plausible and (fitting := self._plausible_alone(found)):
+            one = min(fitting, key=lambda o: (len(o.members[0].term.shapes), self._cost(o)))
+            return marked(one, group_names(one.members, [names_of(o.members) for o in fitting]))
         alike = [self.present, *self._combined()]
         costs = [self._linear_cost(one) for one in alike]
         near = [one for one, cost in zip(alike, costs, strict=True)
                 if cost - min(costs) < INDISTINGUISHABLE]  # fmt: skip
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
-        found, chosen = self._fitted(self.present), self._fitted(best)
+        chosen = self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
             return marked(self._special_case(found), ())
         special = self._special_case(chosen)
         if special is not chosen:
             return marked(special, ())
         return marked(chosen, group_names(best, map(names_of, near)))
+
+    def _plausible_alone(self, found: Combination) -> list[Combination]:
+        """Plausible effects that fit no worse in their real forms than what is not plausible."""
+        tried = [one for one in map(self._fitted, self.forms) if one.plausible]
+        least = min(map(self._cost, (found, *tried)))
+        return [one for one in tried if self._cost(one) - least < INDISTINGUISHABLE]
 
     def _special_case(self, found: Combination) -> Combination:
         """What was found, or the special case of it that fits no worse in its real form: linear

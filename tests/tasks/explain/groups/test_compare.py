@@ -15,6 +15,7 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
+from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -40,6 +41,23 @@ def found(*nuisances: str) -> tuple[FittedSelection, list[Candidate]]:
     return FittedSelection.of(selection, blocks, blocks.rate), whole
 
 
+def warmed() -> tuple[FittedSelection, list[Candidate]]:
+    """A temperature that fades, and biases that follow it, found as biases that follow its rate."""
+    fading = np.exp(-RUN.t / 150.0)
+    signals = {"temperature": 25.0 - fading, "temperature_rate": fading / 150.0}
+    run = replace(RUN, recorded={**RUN.recorded, **signals})
+    made = read(run, (TEMPERATURE_BIAS, (0.0, 0.0, 0.0, 0.08, 0.08, 0.08)))
+    made = made + noise(len(run.t), 4, NOISY)
+    blocks, own = observed(made, run), tuple(range(6))
+    gradient = Candidate(THERMAL_GRADIENT, own, own, 1)
+    bias = Candidate(TEMPERATURE_BIAS, tuple(range(6, 12)), own, 1)
+    columns = [*columns_of(THERMAL_GRADIENT, run), *columns_of(TEMPERATURE_BIAS, run)]
+    design = banded_design(blocks, made, columns, np.full(12, np.inf))
+    selection = search(design, [gradient, bias], (), NOISY)
+    selection = replace(selection, selected=(Selected(gradient, 1.0, 1.0, ()),))
+    return FittedSelection.of(selection, blocks, blocks.rate), [gradient, bias]
+
+
 def names(fit: FittedSelection) -> set[str]:
     return {one.name for one in fit.selection.candidates}
 
@@ -60,6 +78,11 @@ def test_a_family_without_the_nuisance_is_compared_as_ever() -> None:
     fit, candidates = found("lever_arm")
     after = names(compared(fit, candidates))
     assert after in ({"lever_arm", "time_offset"}, {"lever_arm", "bandwidth"})
+
+
+def test_what_is_not_plausible_gives_way_to_what_fits_as_well_and_is() -> None:
+    fit, candidates = warmed()
+    assert names(compared(fit, candidates)) == {"temperature_bias"}
 
 
 def test_each_of_several_forms_promises_what_it_promises_alone() -> None:
