@@ -125,10 +125,13 @@ class Stream:
     t: (n,) s, float64, strictly rising, whole nanoseconds.
     columns: name -> (n,) float64 in the units of `mimu-recording/1`; NaN where a triad was
         not recorded.
+    span: s about its time over which each row is a mean: rates that were made of angles, and the
+        mean of both ends of what is not a rate; 0: a row says what was so at its time.
     """
 
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
+    span: float = 0.0
 
     def __len__(self) -> int:
         return len(self.t)
@@ -147,7 +150,8 @@ class Stream:
 
     def at(self, rows: slice | np.ndarray) -> "Stream":
         """The stream at some rows: a slice, or (n,) true where a row is kept."""
-        return Stream(self.t[rows], {name: values[rows] for name, values in self.columns.items()})
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Stream(self.t[rows], columns, self.span)
 
     def rows(self, t_start: float, t_end: float) -> slice:
         """The rows with t_start ≤ t < t_end."""

@@ -14,6 +14,7 @@ from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
 from tasks.explain.groups.compare import compared
 from tasks.explain.groups.families import searched_by_name
+from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.event_removal import Cleaned, cleaned
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -57,6 +58,7 @@ def explain(
     Raises Unusable where the recording tells no motion or is too short.
     """
     tell(progress, "motion")
+    recording = as_mean_rates(recording)
     faults, right, full = _put_right(recording, reference)
     tell(progress, "events")
     clean = cleaned(right, full, only is None or TIME_OFFSET.name in only).less(reference, full)

@@ -23,6 +23,7 @@ class EncoderNoise:
 
     rate: what is made of the readings. reported: (k,) bool, the rate is not the angle's.
     steps: (k,) rad, 0 of an encoder without; what rounding makes of a rest no scatter shows.
+    span: s between the two angles that a mean rate is made of; 0: it is `rate`.
     """
 
     t: np.ndarray
@@ -30,6 +31,14 @@ class EncoderNoise:
     rate: EncoderRate
     reported: np.ndarray
     steps: np.ndarray
+    span: float = 0.0
+
+    def of_mean_rate(self, width: float) -> np.ndarray:
+        """Variance (m, k) (rad/s)² of rates that are means over `width` s."""
+        if self.span:
+            # Neighbours share an angle with opposite signs: of longer means it is an upper bound.
+            return np.asarray(2.0 * self.variance / self.span**2)
+        return self.rate.variance_of_mean(width) * ~self.reported
 
 
 @dataclass(frozen=True)
@@ -50,9 +59,8 @@ class ReferenceNoise:
             box = max(1, round(width / noise.rate.interval))
             angle, rate = (
                 np.column_stack([np.interp(motion.t, noise.t, v) for v in variance.T])
-                for variance in (noise.variance, noise.rate.variance_of_mean(width))
+                for variance in (noise.variance, noise.of_mean_rate(width))
             )
-            rate *= ~noise.reported
             directions = motion.axes.directions
             found[:, :3] = np.einsum("nk,nki->ni", rate, directions**2)
             leaning = motion.gravity * np.cross(directions, motion.up[:, None, :])
@@ -84,5 +92,6 @@ def _encoder_noise(recording: Recording, table: Stream) -> EncoderNoise | None:
         return None
     reported = np.array([reported_rate(table, axis.name) is not None for axis in axes])
     return EncoderNoise(
-        course.even, course.variance, course.slope, reported, encoder_steps(course.angle)
-    )
+        course.even, course.variance, course.slope, reported, encoder_steps(course.angle),
+        recording.imu.span,
+    )  # fmt: skip

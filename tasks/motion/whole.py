@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
+from tasks.motion.interval_means import mean_motion
 from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
@@ -103,8 +104,18 @@ class Motion:
 
 
 def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
-    """The motion at the unit's rows, or at other times t (n,) s of the same time base."""
-    at = recording.imu.t if t is None else t
+    """The motion at the unit's rows, or at other times t (n,) s of the same time base.
+
+    Means over `recording.imu.span` about each time, where its rows are such.
+    """
+    at, span = recording.imu.t if t is None else t, recording.imu.span
+    motion = _motion_at(recording, at)
+    if not span:
+        return motion
+    return mean_motion(motion, *(_motion_at(recording, at + s * span) for s in (-0.5, 0.5)), span)
+
+
+def _motion_at(recording: Recording, at: np.ndarray) -> Motion:
     stream = attitude_stream(recording)
     if stream is None:
         return _by_labels(recording, at)

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import Verdict
-from schemas.recording import Recording, Stream
+from schemas.recording import Recording
 from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.faults import Fault
@@ -26,7 +26,9 @@ def put_right(recording: Recording, faults: Sequence[Fault]) -> Recording:
     for fault in reversed(faults):
         readings = fault.undone(readings)
     right = {c: readings[:, k] for k, c in enumerate(CHANNELS) if c in recording.imu.columns}
-    return replace(recording, imu=Stream(recording.imu.t, {**recording.imu.columns, **right}))
+    return replace(
+        recording, imu=replace(recording.imu, columns={**recording.imu.columns, **right})
+    )
 
 
 def with_faults(

@@ -21,6 +21,7 @@ MIN_OF_POSES = 30  # blocks as long as poses ask for: half a minute of a body th
 VIBRATING = 1.3  # times the noise variance at rest
 BY_NOISE = 45.0  # times the noise of a block: a fourth difference that no corner makes
 REACH = 5  # blocks on each side that delays and filters make a reading of
+NEXT = 2  # blocks on each side of a corner whose means it makes wrong
 UNEVEN = 0.5  # of an interval: stamps that scatter by less are no batches
 CORNER = 0.05  # of a fourth difference: error of a block mean at a corner of the motion
 
@@ -82,7 +83,9 @@ def block_means(
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
     at_rest = full.rest_variance / step
     known_errors = full.reference_noise.variance(motion, step / own)
-    weight /= np.sqrt(1.0 + _corners(motion, known_errors) / at_rest)
+    # Rows of an AHRS are as slow as the corners: what is read between them errs as far as it reads.
+    reach = REACH if full.span else NEXT
+    weight /= np.sqrt(1.0 + _corners(motion, known_errors, reach) / at_rest)
     # Beside the noise that it has anyhow, else a rest would count more than its reference allows.
     weight /= np.sqrt(1.0 + weight**2 * known_errors / at_rest)
     weight[~_known(motion)] = 0.0
@@ -129,8 +132,9 @@ def _known(motion: Motion) -> np.ndarray:
     return np.asarray(minimum_filter1d(motion.felt, 2 * REACH + 1, axis=0, mode="nearest"))
 
 
-def _corners(motion: Motion, known_errors: np.ndarray) -> np.ndarray:
-    """(n, 6) squared error of a block's rate and force where the motion has a corner.
+def _corners(motion: Motion, known_errors: np.ndarray, reach: int) -> np.ndarray:
+    """(n, 6) squared error of a block's rate and force where the motion has a corner, and `reach`
+    blocks before and after it.
 
     Samples do not tell when within their interval a table begins to accelerate; a fourth
     difference is large there and nowhere else, but for what the noise of the reference makes of it,
@@ -143,7 +147,9 @@ def _corners(motion: Motion, known_errors: np.ndarray) -> np.ndarray:
         fourth = np.abs(np.diff(bridged(signal), 4, axis=0)).max(axis=1)
         noise = np.sqrt(known_errors[2:-2, 3 * first : 3 * first + 3].max(axis=1))
         fourth = np.maximum(fourth - BY_NOISE * noise, 0.0)
-        rough.append((CORNER * maximum_filter1d(np.pad(fourth, 2), 5, mode="constant")) ** 2)
+        rough.append(
+            (CORNER * maximum_filter1d(np.pad(fourth, 2), 2 * reach + 1, mode="constant")) ** 2
+        )
     return np.column_stack(rough).repeat(3, axis=1)
 
 

@@ -29,7 +29,7 @@ class FullRate:
     sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
     read; dithered: (6,) bool, noise is larger, so that means are finer than steps. start: of the
     motion's t = 0 on the recording's own clock, s. remarks: on what the reference tells.
-    reference_noise: errors of what it predicts.
+    reference_noise: errors of what it predicts. span: s over which each row is a mean.
     """
 
     readings: np.ndarray
@@ -42,6 +42,7 @@ class FullRate:
     start: float = 0.0
     remarks: tuple[Sayable, ...] = ()
     reference_noise: ReferenceNoise = EXACT
+    span: float = 0.0
 
     @property
     def rest_variance(self) -> np.ndarray:
@@ -87,7 +88,7 @@ def full_rate(recording: Recording) -> FullRate:
     motion = replace(motion, t=motion.t - start, recorded=recorded)
     return FullRate(
         readings, motion, segment, segments, variance, *output_steps(readings), start, remarks,
-        noise,
+        noise, recording.imu.span,
     )  # fmt: skip
 
 

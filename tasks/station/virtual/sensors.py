@@ -203,22 +203,25 @@ class Ahrs(UnitUnderTest):
         self._begin_angles()
 
     def _begin_angles(self) -> None:
-        self._angle = np.zeros((3, 1))  # after the last step
+        self._angle = np.zeros((3, 1))  # half a step after the last one
         self._drift = np.zeros(3)  # of noise and bias, up to the last sample
 
     def _moving(self, rate: np.ndarray, angular: np.ndarray, gravity: np.ndarray) -> np.ndarray:
-        angle = self._angle + np.cumsum(self._turn(rate, gravity), axis=1) * STEP_S
-        self._angle = angle[:, -1:]
-        return np.vstack([angle, self._accel(self._force(rate, angular, gravity))])
+        turned = self._turn(rate, gravity) * STEP_S
+        ends = self._angle + np.cumsum(turned, axis=1)
+        self._angle = ends[:, -1:]
+        # A rate is that of the middle of its step, which half of what it adds comes before.
+        return np.vstack([ends - 0.5 * turned, self._accel(self._force(rate, angular, gravity))])
 
     def _resting(
         self, t: np.ndarray, steps: int, rate: np.ndarray, gravity: np.ndarray
     ) -> np.ndarray:
         turn = self._turn(rate, gravity)
-        angles = self._angle + turn * (t - (self._step - 1) * STEP_S)
+        now = self._angle - 0.5 * turn * STEP_S
+        angles = now + turn * (t - (self._step - 1) * STEP_S)
         self._angle = self._angle + turn * (steps * STEP_S)
         force = self._force(rate, 0.0 * rate, gravity)
-        self._last = np.vstack([self._angle, force])
+        self._last = np.vstack([self._angle - 0.5 * turn * STEP_S, force])
         return np.vstack([angles, np.tile(force, len(t))]).T
 
     def _counts(self, values: np.ndarray, errors: np.ndarray) -> np.ndarray:
