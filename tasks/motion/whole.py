@@ -104,15 +104,15 @@ class Motion:
 
 
 def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
-    """The motion at the unit's rows, or at other times t (n,) s of the same time base.
-
-    Means over `recording.imu.span` about each time, where its rows are such.
+    """The motion at the unit's rows, or at other times t (n,) s of the same time base; means over
+    the span of its rows where they are means.
     """
     at, span = recording.imu.t if t is None else t, recording.imu.span
     motion = _motion_at(recording, at)
     if not span:
         return motion
-    return mean_motion(motion, *(_motion_at(recording, at + s * span) for s in (-0.5, 0.5)), span)
+    before, after = _motion_at(recording, at - 0.5 * span), _motion_at(recording, at + 0.5 * span)
+    return mean_motion(motion, before, after, span)
 
 
 def _motion_at(recording: Recording, at: np.ndarray) -> Motion:

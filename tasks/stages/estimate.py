@@ -64,11 +64,17 @@ def _with_terms(
     # Late: a calibration without terms needs none of it.
     from tasks.explain.correction.adopt import adopt
     from tasks.explain.explain import explain
+    from tasks.explain.inputs.angle_rates import gives_angles
     from tasks.explain.inputs.full_rate import full_rate
     from tasks.explain.report.unnamed import refused
     from tasks.model.catalogue import catalogue
 
     recording_id = recording.manifest.recording_id
+    if gives_angles(recording):
+        raise Unusable(
+            f"--terms {', '.join(names)}: {recording_id} has angle_* and no gyro_*, and terms are "
+            "taken off rates alone; calibrate it without --terms"
+        )
     known = {term.name for term in catalogue(recording, full_rate(recording).motion)}
     unknown = [name for name in names if name not in known]
     if unknown or not names:

@@ -46,12 +46,13 @@ def explain_run(
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
+    from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, write_report
 
     out = _report_folder(order)
     recording = runs.load(run, home)
-    reference = _reference(recording, home, order)
+    reference = _reference(as_mean_rates(recording), home, order)
     explanation = explain(recording, reference=reference, progress=progress)
     tell(progress, "consequences")
     unit = recording.manifest.unit

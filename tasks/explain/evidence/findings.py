@@ -115,9 +115,8 @@ def _finding(
 def _common_part(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
     """Of effects that make up for each other, with uncertainties as its parameters have them."""
     group = evidence.groups[number]
-    if not group.selected[0].group:
-        return ()
-    return common_part(evidence.fit.model, group.terms, widening(evidence, {number: scrutiny}))
+    names, wider = group.selected[0].group, widening(evidence, {number: scrutiny})
+    return common_part(evidence.fit.model, group.terms, names, wider) if names else ()
 
 
 def _behaviour(group: FindingGroup) -> Sayable:

@@ -13,7 +13,8 @@ from tasks.model.terms.electronics import BANDWIDTH_BY_TRIAD
 
 Form = tuple[Candidate, ...]
 
-DELAYING = ("time_offset", "bandwidth", "gyro_angular_acceleration", "accel_axis_skew")
+GYROS_ALONE = "gyro_angular_acceleration"
+DELAYING = ("time_offset", "bandwidth", GYROS_ALONE, "accel_axis_skew")
 FAMILIES = (
     DELAYING,
     ("temperature_bias", "thermal_gradient", "thermal_transient"),
@@ -37,9 +38,9 @@ GROUP_DELAYS = {
     ("bandwidth", "time_constant"): GroupDelay(ROOT2, ROOT2),
     ("bandwidth", "gyro_time_constant"): GroupDelay(ROOT2, 0.0),
     ("bandwidth", "accel_time_constant"): GroupDelay(0.0, ROOT2),
-    ("gyro_angular_acceleration", "A_xx"): GroupDelay(-THIRD, 0.0),
-    ("gyro_angular_acceleration", "A_yy"): GroupDelay(-THIRD, 0.0),
-    ("gyro_angular_acceleration", "A_zz"): GroupDelay(-THIRD, 0.0),
+    (GYROS_ALONE, "A_xx"): GroupDelay(-THIRD, 0.0),
+    (GYROS_ALONE, "A_yy"): GroupDelay(-THIRD, 0.0),
+    (GYROS_ALONE, "A_zz"): GroupDelay(-THIRD, 0.0),
     ("accel_axis_skew", "step"): GroupDelay(0.0, -1.0),
 }
 
@@ -98,10 +99,11 @@ def starting_values(model: Model, members: Form, delays: tuple[float, float]) ->
 
 
 def common_part(
-    model: Model, terms: Sequence[Term], widening: np.ndarray
+    model: Model, terms: Sequence[Term], names: Sequence[str], widening: np.ndarray
 ) -> tuple[FoundParameter, ...]:
     """Group delay of gyros and of accelerometers by all the terms together, with its uncertainty;
-    empty for effects that are no delay.
+    empty for effects that are no delay. names: of the group; where one that is not among the terms
+    makes gyros alone late, the accelerometers are not known to be.
 
     widening: (p,) by which what is left, and what the recording's parts differ by, make the
     uncertainty of each of the model's parameters larger.
@@ -110,11 +112,12 @@ def common_part(
     widened = weights * widening
     u = np.sqrt(np.einsum("kp,pq,kq->k", widened, model.covariance, widened))
     values = weights @ model.values
+    of_gyros = GYROS_ALONE in names and GYROS_ALONE not in [term.name for term in terms]
     pairs = zip(("gyro_group_delay", "accel_group_delay"), values.tolist(), u.tolist(), strict=True)
     return tuple(
         FoundParameter(name=name, value=value, unit="s", u=spread)
         for name, value, spread in pairs
-        if spread > 0.0
+        if spread > 0.0 and not (name == "accel_group_delay" and of_gyros)
     )
 
 

@@ -43,7 +43,11 @@ def coarse_delay(full: FullRate, until: float = np.inf) -> float:
     )
     gaps = np.cumsum(~known)
     delay, span = 0.0, MAX_DELAY
-    for width in WIDTHS:
+    # Windows shorter than the interval of a slow unit's rows show straight lines between them.
+    widths = [width for width in WIDTHS if width >= full.motion.interval]
+    if not widths:
+        return 0.0
+    for width in widths:
         edges = np.arange(t[0] + 2.0 * MAX_DELAY, t[-1] - 2.0 * MAX_DELAY, width)
         if len(edges) <= MIN_WINDOWS:
             return 0.0

@@ -58,7 +58,7 @@ class Case:
 
     @property
     def time_constants_s(self) -> tuple[float, float]:
-        """1/(2πf) of gyros and accelerometers; nothing without a filter.
+        """1/(2πf) of gyros and accelerometers; nothing without a filter, as an AHRS's gyros are.
 
         The station's filter is digital: at low frequency it acts as the analogue one from which
         the bilinear transform makes it, whose corner is 2/h·tan(π·f·h)/(2π).
@@ -66,7 +66,7 @@ class Case:
         if self.corners_hz is None:
             return 0.0, 0.0
         gyro, accel = (0.5 * STEP_S / float(np.tan(np.pi * hz * STEP_S)) for hz in self.corners_hz)
-        return gyro, accel
+        return (0.0 if self.procedure == "jjf1536" else gyro), accel
 
     @cached_property
     def station(self) -> VirtualStation:

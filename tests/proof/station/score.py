@@ -39,8 +39,9 @@ class Score:
     @property
     def is_right(self) -> bool:
         """No name is wrong, and low-pass and delay are told or cannot be seen."""
-        fine = {"right", "group", "absent"} | ({"not told"} if _is_blind(self.case) else set())
-        return self.failed is None and not self.wrong and {self.low_pass, self.delay} <= fine
+        fine = {"right", "group", "absent"}
+        filtered = self.low_pass in fine or (self.low_pass == "not told" and _is_hidden(self.case))
+        return self.failed is None and not self.wrong and filtered and self.delay in fine
 
 
 def score(case: Case, answer: Mapping[str, Any]) -> Score:
@@ -61,9 +62,9 @@ def score(case: Case, answer: Mapping[str, Any]) -> Score:
     )
 
 
-def _is_blind(case: Case) -> bool:
-    """Whether neither shows in what `explain` reads: it does not look at the angles of an AHRS,
-    and the accelerometers of an upright single axis read the same at all angles.
+def _is_hidden(case: Case) -> bool:
+    """Whether the low-pass is of accelerometers alone that hardly feel a change: those of an AHRS
+    upright on a single axis read the same at all angles, ten times a second.
     """
     return case.procedure == "jjf1536"
 

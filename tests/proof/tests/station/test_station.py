@@ -75,3 +75,18 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
     assert lost.sum() > 10
     answer = _said(explain(recording)) | {"seconds": 0.0}
     assert score(loaded, answer).is_right
+
+
+@pytest.mark.timeout(120)
+def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
+    late = Case(4, "jjf1536", True, True)
+    told = score(late, _said(explain(recording_of(late))) | {"seconds": 0.0})
+    assert (told.delay, told.wrong) == ("group", ())
+    assert told.is_right
+
+
+@pytest.mark.timeout(120)
+def test_of_an_ahrs_without_a_delay_none_is_told() -> None:
+    clean = Case(2, "jjf1536", False, False)
+    told = score(clean, _said(explain(recording_of(clean))) | {"seconds": 0.0})
+    assert (told.names, told.is_right) == (("earth_rotation",), True)

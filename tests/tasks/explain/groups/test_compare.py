@@ -136,6 +136,14 @@ def test_the_common_part_is_as_uncertain_as_its_widened_parameters() -> None:
         [one for one in fit.selection.selected if one.candidate.name == "bandwidth"]
     )
     u = float(delay.model.u[delay.model.places[TIME_OFFSET.key]][0])
-    gyro, accel = common_part(delay.model, [TIME_OFFSET], np.full(len(delay.model.values), 3.0))
+    wider = np.full(len(delay.model.values), 3.0)
+    gyro, accel = common_part(delay.model, [TIME_OFFSET], ("time_offset", "bandwidth"), wider)
     assert gyro.u == accel.u == pytest.approx(3.0 * u)
     assert gyro.value == pytest.approx(seconds(delay))
+
+
+def test_what_makes_gyros_alone_late_says_nothing_of_accelerometers() -> None:
+    fit, _ = found()
+    names = ("time_offset", "gyro_angular_acceleration")
+    common = common_part(fit.model, [TIME_OFFSET], names, np.ones(len(fit.model.values)))
+    assert [one.name for one in common] == ["gyro_group_delay"]
