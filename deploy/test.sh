@@ -2,6 +2,7 @@
 # What a change must pass: style, types, the arrows between the rooms, the tests.
 set -euo pipefail
 export DO_NOT_TRACK=1 PREFECT_SERVER_ANALYTICS_ENABLED=false
+unset PYTHONDONTWRITEBYTECODE # every worker and every command would compile this code again
 export OPENBLAS_NUM_THREADS=1 # two workers share two cores
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
