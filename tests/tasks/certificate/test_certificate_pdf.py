@@ -39,8 +39,8 @@ NASTY = r'#set text(red) *b* $x^2$ @ref <lab> `c` "q" \n [ ] { } // /* _i_ ~ -- 
 
 
 def pages(pdf: bytes) -> list[str]:
-    reader = pypdf.PdfReader(io.BytesIO(pdf))
-    return [re.sub(r"\s+", "", page.extract_text()) for page in reader.pages]
+    document = pypdfium2.PdfDocument(pdf)
+    return [squeezed(page.get_textpage().get_text_bounded()) for page in document]
 
 
 def squeezed(text: str) -> str:
