@@ -77,10 +77,15 @@ BEHAVIOUR = """\
   target rate, for 0.5 s of station time. In mode `off` it is never set.
 - `fault`, `emergency_stop` and `interlock` ramp every axis to rest. Until command `reset` a new
   `mode` is accepted, falls back to `stop`, and the bit stays.
-- `watchdog`: when no request came for that long (wall time), every axis ramps to rest and the bit
-  is set until `reset`. It does not forbid a new motion. Any request to either device counts.
+- Whoever sets the `watchdog` holds the table: until that client sets it to 0, ends its connection
+  or lets it bite, every write of another is refused with exception 6, but to stop (`command` or
+  `mode`) and to fetch (`capture_from`).
+- `watchdog`: when the client that holds the table asked nothing of device 1 for that long (wall
+  time), every axis ramps to rest and the bit is set until `reset`. It does not forbid a new motion.
+  Fetching captured encoders is no sign of life, nor is anything that another client asks.
 - The encoders are captured at whole multiples of `capture_period` and kept for at least 60 s of
-  station time. Write `capture_from`, then read the block from `capture_count` on (or both at once
+  station time; station time stands still rather than overwrite what a connected client that has
+  written `capture_from` has not fetched yet, for 30 s (wall time) at most. Write `capture_from`, then read the block from `capture_count` on (or both at once
   with function 23).
 - The encoder count turns over at ±2³¹.
 - Station time is the time of everything here but the watchdog. The virtual station runs it at

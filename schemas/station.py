@@ -53,8 +53,8 @@ TABLE_REGISTERS = (
     _register("axes", 2, "uint16", "1", "number of axes, outer first"),
     _register("status", 3, "uint16", "1", "bits of TABLE_STATUS"),
     _register("station_time", 4, "uint64", "us", "time since the station was switched on"),
-    _register("watchdog", 8, "uint16", "ms", "wall time without a poll after which the table "
-              "stops; 0 switches it off", writable=True),
+    _register("watchdog", 8, "uint16", "ms", "wall time without a poll of the client that set it "
+              "after which the table stops; 0 switches it off", writable=True),
     _register("command", 9, "uint16", "1", "1 resets faults, 2 stops every axis", writable=True),
     _register("capture_period", 10, "uint32", "us", "time between two captured encoder samples"),
 )  # fmt: skip

@@ -90,7 +90,10 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     sequencer = Sequencer(bench, request.station.mount, clock, procedure, recorder, tracker)
     try:
         await _until_the_first_ends(
-            sequencer.run(planned), recorder.encoders.run(), recorder.climate.run(), recorder.run()
+            sequencer.run(planned),
+            _beside(bench, recorder.encoders.run()),
+            recorder.climate.run(),
+            recorder.run(),
         )
         await bench.table.leave()
     except BaseException as cause:
@@ -107,6 +110,10 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
         bad_frames=bench.unit.bad_frames,
         lost_samples=recorder.unit.lost_samples,
     )
+
+
+async def _beside(bench: Bench, work: Coroutine[Any, Any, None]) -> None:
+    await bench.beside(work)
 
 
 async def _station_clock(table: Table) -> StationClock:

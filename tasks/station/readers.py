@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import astuple, dataclass, field, fields
 
@@ -17,6 +18,8 @@ from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
 Note = Callable[[Anomaly], None]
 CLIMATE = tuple(each.name for each in fields(Climate))
+MOST_BLOCKS = 2**15
+FULL_WALL_S = 0.05
 SHIFT_THRESHOLD_S = 0.5
 LINE_DELAY_WALL_S = 0.1  # what a busy machine may delay a frame by, on the wall
 SHIFT_TAKES = 3
@@ -24,18 +27,24 @@ SHIFT_TAKES = 3
 
 @dataclass
 class EncoderReader:
-    """Encoder angles, contiguous: a gap in the sample numbers is noted and never bridged."""
+    """Encoder angles, contiguous: a gap in the sample numbers is noted and never bridged.
+
+    `run` may run in another thread than `take`. What is not taken waits, up to MOST_BLOCKS (some
+    25 MB, an hour and a half at 100 Hz); then no more is fetched, and the table keeps what it can.
+    """
 
     table: Table
     clock: StationClock
     note: Note
-    blocks: list[EncoderBlock] = field(default_factory=list)
+    blocks: deque[EncoderBlock] = field(default_factory=deque)
 
     async def run(self) -> None:
         """Fetch blocks for ever, as fast as they fill."""
         period_s = self.table.period_us / 1e6
         wanted = math.floor(self.clock.station_s / period_s)
         while True:
+            while len(self.blocks) >= MOST_BLOCKS:
+                await asyncio.sleep(FULL_WALL_S)
             block = await self.table.encoder(wanted)
             count = len(block.angles)
             if count:
@@ -50,7 +59,7 @@ class EncoderReader:
 
     def take(self) -> Stream:
         """Angles in rad, columns <axis>_angle, over station time."""
-        blocks, self.blocks = self.blocks, []
+        blocks = [self.blocks.popleft() for _ in range(len(self.blocks))]
         numbers = [np.arange(len(block.angles)) + block.first for block in blocks]
         t = np.concatenate([np.empty(0, np.int64), *numbers]) * self.table.period_us / 1e6
         empty = np.empty((0, len(self.table.names)))

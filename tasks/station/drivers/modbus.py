@@ -21,7 +21,7 @@ MEANINGS = {
     2: "illegal address",
     3: "illegal value",
     4: "device failure",
-    6: "device busy",
+    6: "device busy: another client holds it",
 }
 
 Request = Callable[["AsyncModbusTcpClient"], Awaitable["ModbusPDU"]]
@@ -80,6 +80,10 @@ class ModbusLink:
         if self._client is not None:
             self._client.close()
         self._client = None
+
+    async def hang_up(self) -> None:
+        """`close`, for those who are not in the event loop of the connection."""
+        self.close()
 
     async def read(
         self, device: int, registers: Sequence[Register], base: int = 0

@@ -41,6 +41,7 @@ class ModbusTable:
         self.period_us = period_us
         self.block_samples = CAPTURE_VALUES // len(names)
         self._link = link
+        self._is_held = False  # by this client, from `home` to `leave`
         self._turns = turns  # encoder counts in one, of each axis
         self._read: np.ndarray | None = None  # the last counts read, and where they run on to
         self._counts = np.zeros(len(names), np.int64)
@@ -78,21 +79,26 @@ class ModbusTable:
         return cls(link, names, turns, head["capture_period"])
 
     async def home(self) -> None:
-        """Clear an old watchdog stop and start the watchdog; the encoders are absolute.
+        """Clear an old watchdog stop and hold the table by its watchdog; the encoders are absolute.
 
-        Raises Unusable where the table is not ready to move.
+        Raises Unusable where the table is not ready to move, or another client holds it.
         """
         state = await self.state()
         if state.trips == {"watchdog"}:  # an earlier run was cut off; nothing is wrong
             await self._command("reset")
-        await self._link.write(TABLE_DEVICE, _TABLE["watchdog"], WATCHDOG_MS)
+        self._is_held = True
         check_trips(await self.state(), self.names)
 
     async def state(self) -> TableState:
-        """One request, so that all of it is of one moment."""
+        """One request, so that all of it is of one moment; it renews the hold on the table."""
         first, last = _TABLE["status"].address, AXIS_REGISTERS[-1]
         end = _base(len(self.names) - 1) + last.address + last.words
-        words = await self._link.read_words(TABLE_DEVICE, first, end - first)
+        if self._is_held:  # the connection may be another than that which held it before
+            words = await self._link.write_then_read(
+                TABLE_DEVICE, _TABLE["watchdog"], WATCHDOG_MS, first, end - first
+            )
+        else:
+            words = await self._link.read_words(TABLE_DEVICE, first, end - first)
         head = decode_all(words, first, (_TABLE["status"], _TABLE["station_time"]))
         axes = [
             decode_all(words, first - _base(axis), AXIS_REGISTERS)
@@ -128,7 +134,8 @@ class ModbusTable:
         await self._write(axis, "mode", MODES["stop"])
 
     async def leave(self) -> None:
-        """Stop every axis and switch the watchdog off, on a fresh connection."""
+        """Stop every axis and let the table go, on a fresh connection."""
+        self._is_held = False
         self._link.close()
         await self._command("stop")
         await self._link.write(TABLE_DEVICE, _TABLE["watchdog"], 0)

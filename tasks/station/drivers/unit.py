@@ -9,20 +9,22 @@ from tasks.station.drivers.frames import RECORDS, find_frames
 from tasks.station.ports import Line
 
 SILENCE_S = 3.0
+LOOK_S = 0.5
 
 
 class UnitDriver:
     """Takes frames from a line; made when the line has just been opened.
 
-    Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time, or
-    where the unit starts its clock anew without having been switched off and on between
+    Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time (of
+    which a pause in which nobody looked counts LOOK_S at most), or where the unit starts its clock anew without having been switched off and on between
     `switched_off` and `switched_on`.
     """
 
     def __init__(self, link: AnyLink, line: Line) -> None:
         self.link = link
         self.bad_frames = 0
-        self.arrived_s = wall_s()
+        self.arrived_s = self._looked_s = wall_s()
+        self._silent_s = 0.0
         self._line = line
         self._rest = b""
         self._bytes_since = 0
@@ -42,6 +44,7 @@ class UnitDriver:
     def switched_on(self) -> None:
         """From now on its silence counts again."""
         self.is_off = False
+        self._silent_s = 0.0
         self.arrived_s = wall_s()
 
     def take(self) -> tuple[np.ndarray, np.ndarray]:
@@ -59,11 +62,15 @@ class UnitDriver:
         self._rest = found.rest
         self.bad_frames += found.bad
         self._bytes_since = 0 if len(found.frames) else self._bytes_since + len(data)
+        now_s = wall_s()
+        self._silent_s += min(now_s - self._looked_s, LOOK_S)
+        self._looked_s = now_s
         if len(found.frames):
+            self._silent_s = 0.0
             self.arrived_s = arrived_s
             restart = self._restart_in(found.frames["stamp"])
             return found.frames[:restart], found.frames[restart:]
-        if wall_s() - self.arrived_s > SILENCE_S and not self.is_off:
+        if self._silent_s > SILENCE_S and not self.is_off:
             raise Unusable(self._silence())
         if self._line.broken:
             raise Unusable(self._line.broken)

@@ -36,11 +36,17 @@ class RefusedWrite(Exception):  # noqa: N818 (the controller refuses; the client
     """A write that the controller does not take, with the code that it answers.
 
     ILLEGAL_ADDRESS: to a register that is not writable, or only to a part of one. ILLEGAL_VALUE:
-    of a value that means nothing here.
+    of a value that means nothing here. DEVICE_BUSY: another client holds the table.
     """
 
     def __init__(self, code: ExcCodes) -> None:
         self.code = code
+
+
+def is_for_all(name: str, value: Value) -> bool:
+    """Whether a write is taken from anybody while another holds the table."""
+    stops = (("command", COMMANDS["stop"]), ("mode", MODES["stop"]))
+    return name == "capture_from" or (name, value) in stops
 
 
 class DeviceRegisters:
@@ -81,8 +87,10 @@ class DeviceRegisters:
             image[address : address + register.words] = words
         return image
 
-    def write(self, address: int, words: list[int]) -> None:
+    def write(self, address: int, words: list[int], commands: bool = True) -> None:
         """Takes words from an address on: whole writable registers, each with a sane value.
+
+        commands: whether it comes from one who may command; else it may fetch and stop only.
 
         Raises RefusedWrite, and then nothing has changed. A mode is taken last, so
         that it goes toward the targets of the same write.
@@ -90,6 +98,8 @@ class DeviceRegisters:
         written = list(self._written(address, words))
         if not all(self.is_sane(name, value) for name, _, value in written):
             raise RefusedWrite(ExcCodes.ILLEGAL_VALUE)
+        if not commands and not all(is_for_all(name, value) for name, _, value in written):
+            raise RefusedWrite(ExcCodes.DEVICE_BUSY)
         for name, axis, value in sorted(written, key=lambda write: write[0] == "mode"):
             self.take(name, axis, value)
 
@@ -174,6 +184,8 @@ class TableRegisters(DeviceRegisters):
             table.reset() if value == COMMANDS["reset"] else table.stop()
         elif axis is None:
             setattr(self, name, int(value))
+            if name == "capture_from":
+                table.want(self.capture_from)
         elif name == "mode":
             table.command(axis, int(value))
         else:

@@ -5,25 +5,16 @@ import logging
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from pymodbus.constants import ExcCodes
-from pymodbus.server import ModbusTcpServer
-from pymodbus.simulator import DataType, SimData, SimDevice
-
 from schemas.base import Unusable
-from schemas.station import CHAMBER_DEVICE, FIXTURE_DEVICE, TABLE_DEVICE, StationFile
+from schemas.station import StationFile
 from tasks.station.clock import wall_s
 from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
+from tasks.station.virtual.controller import Controller, ControllerServer
 from tasks.station.virtual.faults import StationFault
-from tasks.station.virtual.registers import (
-    ChamberRegisters,
-    DeviceRegisters,
-    FixtureRegisters,
-    RefusedWrite,
-    TableRegisters,
-)
 from tasks.station.virtual.simulation import Simulation
 
 SLICE_WALL_S = 0.005
+BREATH_WALL_S = 0.0005  # where it is behind: not 0, for a request takes several turns of the loop
 MAX_STEPS = 1000  # in one go: some milliseconds of computing, so that requests are answered
 BACKLOG_BYTES = 16_000_000  # a client that reads no more is hung up on
 
@@ -38,59 +29,6 @@ def _send(clients: set[asyncio.StreamWriter], data: bytes) -> None:
             client.transport.abort()
 
 
-class Controller:
-    """Devices 1 to 3 of the register map, and the watchdog over them."""
-
-    def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._table = TableRegisters(simulation)
-        self._requested_s: float | None = None  # wall time of the last request
-        self._never = asyncio.Event()
-
-    def devices(self) -> list[SimDevice]:
-        """For pymodbus's server."""
-        return [
-            self._served(TABLE_DEVICE, self._table),
-            self._served(CHAMBER_DEVICE, ChamberRegisters(self._simulation)),
-            self._served(FIXTURE_DEVICE, FixtureRegisters(self._simulation)),
-        ]
-
-    def _served(self, number: int, device: DeviceRegisters) -> SimDevice:
-        async def action(
-            _code: int, _start: int, address: int, _count: int, words: list[int],
-            written: list[int] | list[bool] | None,
-        ) -> ExcCodes | None:  # fmt: skip
-            if failure := await self._failure():
-                return failure
-            if written is None:
-                words[: device.size] = device.words()
-                return None
-            try:
-                device.write(address, [int(word) for word in written])
-            except RefusedWrite as refusal:
-                return refusal.code
-            return None
-
-        zeros = SimData(0, count=device.size, values=0, datatype=DataType.REGISTERS)
-        return SimDevice(number, [zeros], action=action)
-
-    def watch(self) -> None:
-        """Stops the table if no request came for longer than the watchdog allows."""
-        allowed_s = self._table.watchdog / 1000.0
-        if not allowed_s or self._requested_s is None:
-            return
-        if wall_s() - self._requested_s > allowed_s:
-            self._requested_s = None  # until the next request it has done what it can
-            self._simulation.table.trip({"watchdog"})
-
-    async def _failure(self) -> ExcCodes | None:
-        modbus = self._simulation.condition.modbus
-        if modbus == "silent":
-            await self._never.wait()
-        self._requested_s = wall_s()
-        return ExcCodes.DEVICE_FAILURE if modbus == "exception" else None
-
-
 async def keep_time(
     simulation: Simulation,
     speed: float,
@@ -99,17 +37,19 @@ async def keep_time(
 ) -> None:
     """Lets station time pass at speed × wall time, slower where the machine cannot keep up.
 
+    It stands still while a captured sample would be overwritten that a client still wants.
+
     send: takes the unit's frames as they come. watch: called in every slice of wall time.
     """
     origin_s = wall_s() - simulation.table.steps * STEP_S / speed
     while True:
         behind = int((wall_s() - origin_s) * speed / STEP_S) - simulation.table.steps
-        steps = min(behind, MAX_STEPS)
         origin_s += max(behind - 2 * MAX_STEPS, 0) * STEP_S / speed
         watch()
+        steps = min(behind, MAX_STEPS, simulation.table.room())
         if steps > 0 and (sent := simulation.advance(steps)):
             send(b"".join(sent))
-        await asyncio.sleep(0 if behind > steps else SLICE_WALL_S)
+        await asyncio.sleep(BREATH_WALL_S if behind > steps > 0 else SLICE_WALL_S)
 
 
 async def serve(
@@ -136,7 +76,7 @@ async def serve(
     simulation.advance(1)  # so that the faults of second 0 hold for the first request
     controller = Controller(simulation)
     clients: set[asyncio.StreamWriter] = set()
-    modbus = ModbusTcpServer(controller.devices(), address=(host, modbus_port))
+    modbus = ControllerServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
     try:

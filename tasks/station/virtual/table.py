@@ -1,5 +1,6 @@
 """The turntable: drives that follow profiles through a servo, encoders, safety."""
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -47,6 +48,7 @@ class VirtualTable:
         self.rate_factor = 1.0
         self.hunting_rad = 0.0
         self.captured = np.zeros((design.capture_kept, axes), dtype=np.int64)
+        self.wanted: int | None = None  # the first captured sample that a client still wants
         omega = 2.0 * np.pi * design.servo_hz
         damping = 2.0 * design.servo_damping * omega
         # How far an axis lags behind its profile, from the mean rate asked in each step: exact
@@ -156,6 +158,17 @@ class VirtualTable:
         first = max(first, newest - self.design.capture_kept + 1)
         numbers = np.arange(first, min(first + count, newest + 1))
         return first, self.captured[numbers % self.design.capture_kept]
+
+    def want(self, first: int) -> None:
+        """Keeps captured samples from number `first` on, or from the oldest that there is."""
+        self.wanted = max(first, self.steps // self.design.capture_ms - self.design.capture_kept + 1)
+
+    def room(self) -> int:
+        """How many steps may pass until a sample that is wanted would be overwritten."""
+        if self.wanted is None:
+            return sys.maxsize
+        last = (self.wanted + self.design.capture_kept) * self.design.capture_ms - 1
+        return max(last - self.steps, 0)
 
     def axis_status(self, axis: int) -> int:
         """Bits of AXIS_STATUS."""

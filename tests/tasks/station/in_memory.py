@@ -1,7 +1,7 @@
 """A virtual station in this process and in simulated time: the ports, with nothing between."""
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Coroutine, Iterable
 from typing import Any
 
 import numpy as np
@@ -141,6 +141,10 @@ class InMemoryLine:
         pass
 
 
+async def _here(work: Coroutine[Any, Any, None]) -> None:
+    await work
+
+
 class InMemoryStation:
     """One run after another on a virtual station; `speed`: station seconds in a wall second.
 
@@ -179,7 +183,8 @@ class InMemoryStation:
         time_passes = asyncio.ensure_future(keep_time(self.simulation, self._speed, line.send))
         fixture = self.fixture if request.ask is None else ByHand(request.ask)
         chamber = InMemoryChamber(self.simulation)
-        bench = Bench(self.table, chamber, fixture, UnitDriver(request.station.unit_link, line))
+        unit = UnitDriver(request.station.unit_link, line)
+        bench = Bench(self.table, chamber, fixture, unit, beside=_here)
         try:
             return await run(request, bench)
         finally:

@@ -1,0 +1,130 @@
+"""The station's controller: whom its devices answer, who holds the table, and the watchdog."""
+
+import asyncio
+from contextvars import ContextVar
+
+from pymodbus.constants import ExcCodes
+from pymodbus.server import ModbusTcpServer
+from pymodbus.server.requesthandler import ServerRequestHandler
+from pymodbus.simulator import DataType, SimData, SimDevice
+
+from schemas.station import (
+    CAPTURE_REGISTERS,
+    CHAMBER_DEVICE,
+    FIXTURE_DEVICE,
+    TABLE_DEVICE,
+    TABLE_REGISTERS,
+)
+from tasks.station.clock import wall_s
+from tasks.station.virtual.registers import (
+    ChamberRegisters,
+    DeviceRegisters,
+    FixtureRegisters,
+    RefusedWrite,
+    TableRegisters,
+)
+from tasks.station.virtual.simulation import Simulation
+
+LOOK_S = 0.1  # a pause of the station itself counts for no more: it heard nobody meanwhile
+WANTED_S = 30.0  # wall time for which a client that has stopped fetching holds the clock
+
+_WATCHDOG = next(each.address for each in TABLE_REGISTERS if each.name == "watchdog")
+_CAPTURE = CAPTURE_REGISTERS[0].address
+
+client: ContextVar["Connection"] = ContextVar("client")  # whose request is being answered
+
+
+class Connection(ServerRequestHandler):
+    """One client."""
+
+    async def handle_request(self) -> None:
+        """Answer its request."""
+        client.set(self)
+        await super().handle_request()
+
+
+class ControllerServer(ModbusTcpServer):
+    """pymodbus's server, in which an answer may depend on who asks."""
+
+    def callback_new_connection(self) -> Connection:
+        return Connection(self, self.trace_packet, self.trace_pdu, self.trace_connect)
+
+
+class Controller:
+    """Devices 1 to 3 of the register map.
+
+    Whoever sets the watchdog holds the table: until it is set to 0, has bitten, or the
+    connection ends nobody else commands it, and only what its holder asks of it is a sign of life.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._table = TableRegisters(simulation)
+        self._holder: Connection | None = None
+        self._fetcher: Connection | None = None
+        self._unheard_s = self._unfetched_s = 0.0  # wall time since holder and fetcher asked
+        self._looked_s = wall_s()
+        self._never = asyncio.Event()
+
+    def devices(self) -> list[SimDevice]:
+        """For pymodbus's server."""
+        return [
+            self._served(TABLE_DEVICE, self._table),
+            self._served(CHAMBER_DEVICE, ChamberRegisters(self._simulation)),
+            self._served(FIXTURE_DEVICE, FixtureRegisters(self._simulation)),
+        ]
+
+    def _served(self, number: int, device: DeviceRegisters) -> SimDevice:
+        async def action(
+            _code: int, _start: int, address: int, _count: int, words: list[int],
+            written: list[int] | list[bool] | None,
+        ) -> ExcCodes | None:  # fmt: skip
+            if failure := await self._failure():
+                return failure
+            asking = client.get()
+            if written is not None:
+                try:
+                    commands = self._is_free() or asking is self._holder
+                    device.write(address, [int(word) for word in written], commands)
+                except RefusedWrite as refusal:
+                    return refusal.code
+            if number == TABLE_DEVICE:
+                written_to = range(address, address + len(written or ()))
+                self._heard(asking, address, _WATCHDOG in written_to)
+            if written is None:
+                words[: device.size] = device.words()
+            return None
+
+        zeros = SimData(0, count=device.size, values=0, datatype=DataType.REGISTERS)
+        return SimDevice(number, [zeros], action=action)
+
+    def _is_free(self) -> bool:
+        return self._holder is None or not self._holder.is_active()
+
+    def _heard(self, asking: Connection, address: int, sets_watchdog: bool) -> None:
+        """Whose sign of life it was, and of what; fetching encoders is none."""
+        if sets_watchdog:
+            self._holder = asking if self._table.watchdog else None
+        if address >= _CAPTURE:
+            self._fetcher, self._unfetched_s = asking, 0.0
+        elif asking is self._holder:
+            self._unheard_s = 0.0
+
+    def watch(self) -> None:
+        """Stops the table where its holder is not heard for longer than the watchdog allows."""
+        now_s = wall_s()
+        passed_s, self._looked_s = min(now_s - self._looked_s, LOOK_S), now_s
+        self._unheard_s += passed_s
+        self._unfetched_s += passed_s
+        if self._holder and self._unheard_s * 1000.0 > self._table.watchdog:
+            self._holder = self._fetcher = None
+            self._simulation.table.trip({"watchdog"})
+        fetcher = self._fetcher
+        if fetcher is None or not fetcher.is_active() or self._unfetched_s > WANTED_S:
+            self._simulation.table.wanted = None
+
+    async def _failure(self) -> ExcCodes | None:
+        modbus = self._simulation.condition.modbus
+        if modbus == "silent":
+            await self._never.wait()
+        return ExcCodes.DEVICE_FAILURE if modbus == "exception" else None

@@ -1,0 +1,181 @@
+"""The controller without a network: who holds the table, the watchdog, and time that waits."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from pymodbus.constants import ExcCodes
+
+from schemas.station import TABLE_STATUS
+from tasks.station.virtual import controller as under_test
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.servers import keep_time
+from tasks.station.virtual.simulation import Simulation
+from tests.simulated_time import run_simulated
+
+WATCHDOG, COMMAND, MODE, CAPTURE_FROM = 8, 9, 16, 100  # addresses of device 1
+RESET, STOP, TURN = 1, 2, 2
+BUSY = ExcCodes.DEVICE_BUSY
+
+
+@dataclass
+class Client:
+    """One connection, which asks a controller."""
+
+    ask: Callable[..., Coroutine[Any, Any, ExcCodes | None]]
+    connected: bool = True
+
+    def is_active(self) -> bool:
+        return self.connected
+
+    async def read(self, address: int = 0) -> list[int]:
+        under_test.client.set(self)  # type: ignore[arg-type]
+        words = [0] * 300
+        assert await self.ask(3, address, address, 4, words, None) is None
+        return words
+
+    async def write(self, address: int, *words: int) -> ExcCodes | None:
+        under_test.client.set(self)  # type: ignore[arg-type]
+        return await self.ask(16, address, address, len(words), [0] * 300, list(words))
+
+
+@pytest.fixture
+def simulation() -> Simulation:
+    return Simulation(VirtualStation())
+
+
+def with_two_clients(
+    simulation: Simulation, work: Callable[[Client, Client], Coroutine[Any, Any, Any]]
+) -> Any:
+    """What the work gives with two clients of a controller whose clock runs."""
+
+    async def run() -> Any:
+        controller = under_test.Controller(simulation)
+        ask = controller.devices()[0].action
+        time_passes = asyncio.ensure_future(
+            keep_time(simulation, 100.0, lambda data: None, controller.watch)
+        )
+        try:
+            return await work(Client(ask), Client(ask))
+        finally:
+            time_passes.cancel()
+
+    return run_simulated(run())
+
+
+async def has_bitten(client: Client) -> bool:
+    return bool((await client.read())[3] & TABLE_STATUS["watchdog"])
+
+
+def test_the_watchdog_bites_after_a_silence_and_not_while_it_is_polled(simulation):
+    async def work(holder: Client, _: Client) -> list[bool]:
+        await holder.write(WATCHDOG, 1000)
+        bitten = []
+        for silence_s in (*[0.9] * 5, 1.1):
+            await asyncio.sleep(silence_s)
+            bitten.append(await has_bitten(holder))
+        return bitten
+
+    assert with_two_clients(simulation, work) == [False] * 5 + [True]
+
+
+@pytest.mark.parametrize("is_killed", [True, False])
+def test_the_watchdog_bites_however_much_another_client_polls(simulation, is_killed):
+    async def work(holder: Client, other: Client) -> list[bool]:
+        await holder.write(WATCHDOG, 1000)
+        holder.connected = not is_killed
+        bitten = []
+        for _ in range(15):
+            await asyncio.sleep(0.1)
+            bitten.append(await has_bitten(other))
+        return bitten
+
+    bitten = with_two_clients(simulation, work)
+    assert not any(bitten[:9])
+    assert all(bitten[11:])
+
+
+def test_fetching_encoders_is_no_sign_of_life(simulation):
+    async def work(holder: Client, _: Client) -> bool:
+        await holder.write(WATCHDOG, 1000)
+        for _ in range(15):
+            await asyncio.sleep(0.1)
+            await holder.write(CAPTURE_FROM, 0, 1)
+            await holder.read(CAPTURE_FROM + 2)
+        return await has_bitten(holder)
+
+    assert with_two_clients(simulation, work)
+
+
+def test_nobody_else_commands_a_table_that_is_held_but_anybody_stops_it(simulation):
+    async def work(holder: Client, other: Client) -> None:
+        assert await holder.write(WATCHDOG, 1000) is None
+        for address, word in ((MODE, TURN), (COMMAND, RESET), (WATCHDOG, 0), (WATCHDOG, 9000)):
+            assert await other.write(address, word) == BUSY
+        assert await other.write(CAPTURE_FROM, 0, 5) is None
+        assert await holder.write(MODE, TURN) is None
+        assert simulation.table.drives[0].mode == TURN
+        assert await other.write(COMMAND, STOP) is None
+        assert simulation.table.drives[0].mode == 3
+
+    with_two_clients(simulation, work)
+
+
+@pytest.mark.parametrize("ends_by", ["watchdog 0", "hanging up", "a bite"])
+def test_a_table_that_is_held_no_more_is_for_others(simulation, ends_by):
+    async def work(holder: Client, other: Client) -> None:
+        await holder.write(WATCHDOG, 1000)
+        if ends_by == "watchdog 0":
+            await holder.write(WATCHDOG, 0)
+        elif ends_by == "hanging up":
+            holder.connected = False
+        else:
+            await asyncio.sleep(1.5)
+        assert await other.write(COMMAND, RESET) is None
+        assert await other.write(WATCHDOG, 1000) is None
+        assert await holder.write(MODE, TURN) == BUSY
+
+    with_two_clients(simulation, work)
+
+
+def captured_until(simulation: Simulation) -> int:
+    return simulation.table.steps // simulation.config.table.capture_ms
+
+
+def test_time_stands_still_rather_than_overwrite_what_is_still_wanted(simulation):
+    kept = simulation.config.table.capture_kept
+
+    async def work(reader: Client, _: Client) -> None:
+        await reader.write(CAPTURE_FROM, 0, 100)
+        await asyncio.sleep(5.0)  # 500 s of the station, were it not held
+        assert captured_until(simulation) == 100 + kept - 1
+        await reader.write(CAPTURE_FROM, 0, 200)
+        await asyncio.sleep(5.0)
+        assert captured_until(simulation) == 200 + kept - 1
+        assert simulation.table.capture(200, 1)[0] == 200
+
+    with_two_clients(simulation, work)
+
+
+@pytest.mark.parametrize("hangs_up", [True, False])
+def test_a_client_that_fetches_no_more_does_not_hold_time_for_ever(simulation, hangs_up):
+    async def work(reader: Client, _: Client) -> None:
+        await reader.write(CAPTURE_FROM, 0, 100)
+        reader.connected = not hangs_up
+        await asyncio.sleep(5.0 if hangs_up else under_test.WANTED_S + 5.0)
+        assert captured_until(simulation) > 2 * simulation.config.table.capture_kept
+
+    with_two_clients(simulation, work)
+
+
+def test_a_pause_of_the_station_itself_is_no_silence(simulation):
+    async def work(holder: Client, _: Client) -> bool:
+        await holder.write(WATCHDOG, 1000)
+        loop: Any = asyncio.get_running_loop()
+        loop._simulated.now_s += 60.0  # it was stopped meanwhile
+        await asyncio.sleep(0.05)
+        return await has_bitten(holder)
+
+    assert not with_two_clients(simulation, work)
