@@ -4,8 +4,12 @@ A deployment takes the order as its parameter, which Prefect validates. Import t
 after `flows.prefect_server.connect`.
 """
 
+from collections.abc import Callable
+from contextlib import suppress
+from copy import copy
 from typing import Any
 
+from httpx import TransportError
 from prefect import Flow, flow
 from prefect.artifacts import create_markdown_artifact, create_table_artifact
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
@@ -29,6 +33,7 @@ from tasks.stages.certify import Issued, read_inputs
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
+from tasks.stages.stage import without_loss
 from tasks.station.acquisition import Acquired
 from tasks.words import say
 
@@ -39,8 +44,14 @@ def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
     Without its heartbeat, whose thread makes every synchronous flow run wait for a second
     (prefect 3.8).
     """
+
+    def with_body(body: Callable[..., Any]) -> Flow[..., Any]:
+        flow_ = copy(named)
+        flow_.fn = body
+        return flow_
+
     with temporary_settings({PREFECT_FLOWS_HEARTBEAT_FREQUENCY: None}):
-        return named(order)
+        return without_loss(named.fn, with_body)(order)
 
 
 @flow(name="acquire", flow_run_name="acquire on {order.station}")
@@ -61,7 +72,8 @@ def produce(order: ProduceOrder) -> Issued:
 def calibrate(order: CalibrateOrder) -> Calibration:
     """Estimate every item that a run (an id, or a path imported on the fly) allows."""
     calibration = run_orders.calibrate(order)
-    _show_items(calibration)
+    with suppress(TransportError):
+        _show_items(calibration)
     return calibration
 
 
@@ -69,7 +81,8 @@ def calibrate(order: CalibrateOrder) -> Calibration:
 def explain(order: ExplainOrder) -> Explained:
     """Say where model and run differ, which physics was left out, and what it matters."""
     explained = run_orders.explain(order)
-    _show_discrepancy(explained)
+    with suppress(TransportError):
+        _show_discrepancy(explained)
     return explained
 
 
@@ -83,8 +96,9 @@ def simulate(order: SimulateOrder) -> Simulated:
 def certify(order: CertifyOrder) -> Issued:
     """Estimate, decide and publish the certificate of a run."""
     issued = run_orders.certify(order)
-    _show_items(issued.certificate.calibration)
-    _show_certificate(issued)
+    with suppress(TransportError):
+        _show_items(issued.certificate.calibration)
+        _show_certificate(issued)
     return issued
 
 

@@ -32,7 +32,12 @@ QUIET = {
     "PREFECT_SERVER_ANALYTICS_ENABLED": "false",
     "PREFECT_CLI_WRAP_LINES": "false",
 }
-OWN_SERVER = {"PREFECT_LOGGING_LEVEL": "CRITICAL", "PREFECT_LOGGING_TO_API_ENABLED": "false"}
+OWN_SERVER = {
+    "PREFECT_LOGGING_LEVEL": "CRITICAL",
+    "PREFECT_LOGGING_TO_API_ENABLED": "false",
+    # One that does not answer is no more: waiting a minute for each report would hang the run.
+    "PREFECT_CLIENT_MAX_RETRIES": "0",
+}
 
 
 def server_named() -> bool:

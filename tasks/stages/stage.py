@@ -6,8 +6,8 @@ module and the flows know Prefect.
 
 import sys
 from collections.abc import Callable
-from functools import cache, wraps
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar, cast
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar, cast
 
 from storage.catalogue.connection import Busy
 
@@ -35,7 +35,7 @@ def stage(name: str, *, again: bool = True) -> Callable[[Callable[P, R]], Callab
         def run(*args: P.args, **kwargs: P.kwargs) -> R:
             if not _starts_a_task():
                 return function(*args, **kwargs)
-            return cast(R, _task(function, name, again)(*args, **kwargs))
+            return without_loss(function, lambda body: _task(body, name, again))(*args, **kwargs)
 
         return run
 
@@ -51,7 +51,49 @@ def _starts_a_task() -> bool:
     return FlowRunContext.get() is not None and TaskRunContext.get() is None
 
 
-@cache
+def without_loss(
+    function: Callable[P, R], by_prefect: Callable[[Callable[P, R]], Callable[P, Any]]
+) -> Callable[P, R]:
+    """The function carried out by Prefect, whatever becomes of Prefect's server meanwhile.
+
+    A server that ends costs the record of what ran, not what the function gave or why it failed;
+    one that ended before, and could not be told of the beginning, does not keep it from running.
+    """
+    ends: list[Callable[[], R]] = []
+
+    @wraps(function)
+    def remembered(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            given = function(*args, **kwargs)
+        except BaseException as fault:
+            ends.append(partial(_again, fault))
+            raise
+        ends.append(lambda: given)
+        return given
+
+    @wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        try:
+            return cast(R, by_prefect(remembered)(*args, **kwargs))
+        except Exception as fault:
+            if not _is_of_the_server(fault):
+                raise
+            return ends[-1]() if ends else function(*args, **kwargs)
+
+    return run
+
+
+def _is_of_the_server(fault: Exception) -> bool:
+    from httpx import TransportError
+
+    never_there = isinstance(fault, RuntimeError) and "Failed to reach API" in str(fault)
+    return never_there or isinstance(fault, TransportError)
+
+
+def _again(fault: BaseException) -> NoReturn:
+    raise fault
+
+
 def _task(function: Callable[P, R], name: str, again: bool) -> "Task[P, R]":
     from prefect import task
     from prefect.cache_policies import NO_CACHE

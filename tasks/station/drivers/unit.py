@@ -15,9 +15,9 @@ LOOK_S = 0.5
 class UnitDriver:
     """Takes frames from a line; made when the line has just been opened.
 
-    Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time (of
-    which a pause in which nobody looked counts LOOK_S at most), or where the unit starts its clock anew without having been switched off and on between
-    `switched_off` and `switched_on`.
+    Raises Unusable where the line breaks, carries no whole frame for SILENCE_S of wall time (a
+    pause in which nobody looked counts as LOOK_S at most), or where the unit starts its clock anew
+    without having been switched off and on between `switched_off` and `switched_on`.
     """
 
     def __init__(self, link: AnyLink, line: Line) -> None:

@@ -161,7 +161,9 @@ class VirtualTable:
 
     def want(self, first: int) -> None:
         """Keeps captured samples from number `first` on, or from the oldest that there is."""
-        self.wanted = max(first, self.steps // self.design.capture_ms - self.design.capture_kept + 1)
+        self.wanted = max(
+            first, self.steps // self.design.capture_ms - self.design.capture_kept + 1
+        )
 
     def room(self) -> int:
         """How many steps may pass until a sample that is wanted would be overwritten."""

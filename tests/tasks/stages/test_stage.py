@@ -2,11 +2,17 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, NoReturn
 
+import pytest
+from httpx import ConnectError
 from prefect.context import FlowRunContext, TaskRunContext
 
+from schemas.base import Unusable
 from tasks.stages import stage as module
-from tasks.stages.stage import stage
+from tasks.stages.stage import stage, without_loss
 
 
 @stage("double")
@@ -38,3 +44,48 @@ def test_stages_are_imported_and_called_without_prefect() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+def _gone() -> NoReturn:
+    raise ConnectError("nobody listens")
+
+
+def _server_ends_after(body: Callable[[int], int]) -> Callable[[int], Any]:
+    def by_prefect(number: int) -> Any:
+        with suppress(Unusable):
+            body(number)
+        _gone()
+
+    return by_prefect
+
+
+def test_what_a_function_gave_is_not_lost_with_the_server_that_was_to_hear_of_it() -> None:
+    calls: list[int] = []
+
+    def count(number: int) -> int:
+        calls.append(number)
+        return len(calls)
+
+    assert without_loss(count, _server_ends_after)(3) == 1
+    assert calls == [3]
+
+
+def test_a_function_runs_without_a_server_that_ended_before_it_began() -> None:
+    assert without_loss(lambda number: 2 * number, lambda body: lambda number: _gone())(3) == 6
+
+
+def test_why_a_function_failed_is_not_lost_with_the_server() -> None:
+    def refuse(number: int) -> int:
+        raise Unusable("the sentence for the bench")
+
+    with pytest.raises(Unusable, match="the sentence for the bench"):
+        without_loss(refuse, _server_ends_after)(3)
+
+
+def test_an_error_of_another_kind_is_raised_as_it_is() -> None:
+    with pytest.raises(RuntimeError, match="own"):
+        without_loss(_fails, lambda body: body)(3)
+
+
+def _fails(number: int) -> int:
+    raise RuntimeError("own")
