@@ -85,8 +85,9 @@ BEHAVIOUR = """\
   Fetching captured encoders is no sign of life, nor is anything that another client asks.
 - The encoders are captured at whole multiples of `capture_period` and kept for at least 60 s of
   station time. Write `capture_from`, then read the block from `capture_count` on (or both at once
-  with function 23). The virtual station's time stands still rather than overwrite what a connected
-  client that has written `capture_from` has not fetched yet, for 30 s (wall time) at most.
+  with function 23). The virtual station's time stands still rather than overwrite what a client
+  that has written `capture_from` has not fetched yet, until the table is let go, the watchdog
+  bites or nothing was fetched for 30 s (wall time).
 - The encoder count turns over at ±2³¹.
 - Station time is the time of everything here but the watchdog. The virtual station runs it at
   `station.clock_speed` × wall time, or slower where the machine cannot keep up.

@@ -61,8 +61,7 @@ class Controller:
         self._simulation = simulation
         self._table = TableRegisters(simulation)
         self._holder: Connection | None = None
-        self._fetcher: Connection | None = None
-        self._unheard_s = self._unfetched_s = 0.0  # wall time since holder and fetcher asked
+        self._unheard_s = self._unfetched_s = 0.0  # wall time since the holder, anybody asked
         self._looked_s = wall_s()
         self._never = asyncio.Event()
 
@@ -104,9 +103,9 @@ class Controller:
     def _heard(self, asking: Connection, address: int, sets_watchdog: bool) -> None:
         """Whose sign of life it was, and of what; fetching encoders is none."""
         if sets_watchdog:
-            self._holder = asking if self._table.watchdog else None
+            self._hold(asking if self._table.watchdog else None)
         if address >= _CAPTURE:
-            self._fetcher, self._unfetched_s = asking, 0.0
+            self._unfetched_s = 0.0
         elif asking is self._holder:
             self._unheard_s = 0.0
 
@@ -117,10 +116,14 @@ class Controller:
         self._unheard_s += passed_s
         self._unfetched_s += passed_s
         if self._holder and self._unheard_s * 1000.0 > self._table.watchdog:
-            self._holder = self._fetcher = None
+            self._hold(None)
             self._simulation.table.trip({"watchdog"})
-        fetcher = self._fetcher
-        if fetcher is None or not fetcher.is_active() or self._unfetched_s > WANTED_S:
+        if self._unfetched_s > WANTED_S:
+            self._simulation.table.wanted = None
+
+    def _hold(self, holder: Connection | None) -> None:
+        self._holder = holder
+        if holder is None:  # whoever fetched for a run that is over fetches no more
             self._simulation.table.wanted = None
 
     async def _failure(self) -> ExcCodes | None:

@@ -159,13 +159,29 @@ def test_time_stands_still_rather_than_overwrite_what_is_still_wanted(simulation
     with_two_clients(simulation, work)
 
 
-@pytest.mark.parametrize("hangs_up", [True, False])
-def test_a_client_that_fetches_no_more_does_not_hold_time_for_ever(simulation, hangs_up):
+@pytest.mark.parametrize("ends_by", ["fetching no more", "watchdog 0", "a bite"])
+def test_a_client_that_fetches_no_more_does_not_hold_time_for_ever(simulation, ends_by):
     async def work(reader: Client, _: Client) -> None:
+        if ends_by != "fetching no more":
+            await reader.write(WATCHDOG, 1000)
         await reader.write(CAPTURE_FROM, 0, 100)
-        reader.connected = not hangs_up
-        await asyncio.sleep(5.0 if hangs_up else under_test.WANTED_S + 5.0)
+        if ends_by == "watchdog 0":
+            await reader.write(WATCHDOG, 0)
+        await asyncio.sleep(5.0 + (under_test.WANTED_S if ends_by == "fetching no more" else 0.0))
         assert captured_until(simulation) > 2 * simulation.config.table.capture_kept
+
+    with_two_clients(simulation, work)
+
+
+def test_time_stands_still_while_the_client_connects_again(simulation):
+    async def work(reader: Client, again: Client) -> None:
+        await reader.write(WATCHDOG, 5000)
+        await reader.write(CAPTURE_FROM, 0, 100)
+        await asyncio.sleep(2.0)
+        reader.connected = False
+        await asyncio.sleep(2.0)
+        await again.write(WATCHDOG, 5000)
+        assert simulation.table.capture(100, 1)[0] == 100
 
     with_two_clients(simulation, work)
 
