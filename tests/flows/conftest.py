@@ -11,6 +11,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from flows import cli
@@ -70,6 +72,20 @@ def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
         return SimpleNamespace(code=code, out=printed.out, err=printed.err, json=document)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def plant_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated unit without effects, every fifth row of it: commands do the same sooner."""
+    source = shared / "plant/plant_clean"
+    target = tmp_path_factory.mktemp("every_fifth_row") / source.name
+    target.mkdir()
+    for name in ("manifest.json", "environment.parquet"):
+        (target / name).write_bytes((source / name).read_bytes())
+    for name in ("imu.parquet", "table.parquet"):
+        rows = pq.read_table(source / name)
+        pq.write_table(rows.take(pa.array(range(0, len(rows), 5))), target / name)
+    return target
 
 
 @pytest.fixture

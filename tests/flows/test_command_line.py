@@ -52,10 +52,9 @@ def test_the_same_content_is_one_run_whichever_way_it_comes(mimucal, shared, tmp
 
 
 def test_numbers_are_the_same_to_the_last_digit_from_the_mcap_that_import_wrote(
-    mimucal, shared, home, monkeypatch, tmp_path
+    mimucal, plant_clean, home, monkeypatch, tmp_path
 ) -> None:
-    path = shared / "plant/plant_clean"
-    from_folder = mimucal("calibrate", path, "--json").out
+    from_folder = mimucal("calibrate", plant_clean, "--json").out
     (raw,) = (home / "raw").glob("*.mcap")
     copy = tmp_path / "elsewhere.mcap"
     copy.write_bytes(raw.read_bytes())
@@ -69,14 +68,16 @@ def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
     assert by_id.out == by_path.out
 
 
-def test_certify_decides_and_leaves_a_certificate_and_a_reminder(mimucal, shared, tmp_path) -> None:
+def test_certify_decides_and_leaves_a_certificate_and_a_reminder(
+    mimucal, plant_clean, tmp_path
+) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
         "lower = 0.98\nupper = 1.02\n"
     )
-    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance, "--json")
+    done = mimucal("certify", plant_clean, "--tolerance", tolerance, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"
     assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
@@ -89,19 +90,21 @@ def test_certify_decides_and_leaves_a_certificate_and_a_reminder(mimucal, shared
     assert (checked.code, checked.json["faults"]) == (0, [])
 
 
-def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(mimucal, shared, tmp_path) -> None:
+def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
+    mimucal, plant_clean, tmp_path
+) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 1e-6\n'
     )
-    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance, "--json")
+    done = mimucal("certify", plant_clean, "--tolerance", tolerance, "--json")
     assert (done.code, done.json["verdict"]) == (0, "fail")
 
 
-def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, shared, tmp_path) -> None:
+def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, plant_clean, tmp_path) -> None:
     """The limit is put half of U above the largest value: one element is conditional."""
-    run = mimucal("import", shared / "plant/plant_clean", "--json").json["runs"][0]["run"]
+    run = mimucal("import", plant_clean, "--json").json["runs"][0]["run"]
     bias = mimucal("calibrate", run, "--json").json["items"]["gyro_bias"]
     axis, most = max(bias["value"].items(), key=lambda each: each[1])
     tolerance = tmp_path / "limits.toml"
@@ -120,13 +123,13 @@ def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, shared, tmp_pat
     assert "is accepted but lies within U of its limit" in said
 
 
-def test_limits_of_another_model_are_refused(mimucal, shared, tmp_path) -> None:
+def test_limits_of_another_model_are_refused(mimucal, plant_clean, tmp_path) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "other"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 1\n'
     )
-    done = mimucal("certify", shared / "plant/plant_clean", "--tolerance", tolerance)
+    done = mimucal("certify", plant_clean, "--tolerance", tolerance)
     assert done.code == 2
     assert "Plant other" in done.err
 
@@ -261,10 +264,10 @@ def refused(mimucal, path: Path, names: list[str]) -> None:
 
 
 def test_a_cut_off_mcap_is_refused_and_what_is_whole_is_offered(
-    mimucal, shared, tmp_path, home
+    mimucal, plant_clean, tmp_path, home
 ) -> None:
     whole, cut = tmp_path / "whole.mcap", tmp_path / "cut.mcap"
-    write_mcap(read_folder(shared / "plant/plant_clean"), whole)
+    write_mcap(read_folder(plant_clean), whole)
     cut.write_bytes(whole.read_bytes()[: whole.stat().st_size * 2 // 3])
     done = mimucal("import", cut)
     assert done.code == 2
@@ -416,8 +419,8 @@ def test_help_starts_without_the_heavy_libraries() -> None:
         assert later not in text
 
 
-def test_runs_are_listed_with_the_catalogue_alone(mimucal, shared) -> None:
-    run = mimucal("import", shared / "plant/plant_clean").out.split()[0]
+def test_runs_are_listed_with_the_catalogue_alone(mimucal, plant_clean) -> None:
+    run = mimucal("import", plant_clean).out.split()[0]
     text, heavy = loaded("runs")
     assert run in text
     assert heavy == {"sqlalchemy"}

@@ -7,14 +7,14 @@ import numpy as np
 from schemas.recording import ACCEL, GYRO
 from storage.formats.folder import read_folder
 
-PLANT = "plant/plant_clean"
 
-
-def test_simulation_of_a_clean_plant_reads_what_the_plant_read(mimucal, shared, tmp_path) -> None:
-    done = mimucal("simulate", shared / PLANT, "--out", tmp_path / "sim", "--json")
+def test_simulation_of_a_clean_plant_reads_what_the_plant_read(
+    mimucal, plant_clean, tmp_path
+) -> None:
+    done = mimucal("simulate", plant_clean, "--out", tmp_path / "sim", "--json")
     assert (done.code, done.json["format"]) == (0, "mimu-simulate/1")
     assert done.json["assumed_ideal"] == []
-    simulated, read = read_folder(tmp_path / "sim"), read_folder(shared / PLANT)
+    simulated, read = read_folder(tmp_path / "sim"), read_folder(plant_clean)
     assert len(simulated.imu) == done.json["rows"]
     miss = simulated.imu.stack(GYRO + ACCEL) - read.imu.stack(GYRO + ACCEL)[-done.json["rows"] :]
     held = [read.imu.rows(s.t_start, s.t_end) for s in read.manifest.segments if s.kind == "static"]
@@ -23,47 +23,43 @@ def test_simulation_of_a_clean_plant_reads_what_the_plant_read(mimucal, shared, 
     assert np.abs(means[:, 3:]).max() < 5e-3
 
 
-def test_a_simulation_is_a_recording_like_any_other(mimucal, shared, tmp_path) -> None:
-    assert mimucal("simulate", shared / PLANT, "--out", tmp_path / "sim").code == 0
+def test_a_simulation_is_a_recording_like_any_other(mimucal, plant_clean, tmp_path) -> None:
+    assert mimucal("simulate", plant_clean, "--out", tmp_path / "sim").code == 0
     taken = mimucal("import", tmp_path / "sim", "--json").json["runs"][0]
     manifest = mimucal("show", taken["run"], "--json").json["manifest"]
     assert manifest["simulated"] is True
 
 
-def test_calibration_may_come_from_a_file_or_by_its_id(mimucal, shared, tmp_path) -> None:
-    calibration = mimucal("calibrate", shared / PLANT, "--json")
+def test_calibration_may_come_from_a_file_or_by_its_id(mimucal, plant_clean, tmp_path) -> None:
+    calibration = mimucal("calibrate", plant_clean, "--json")
     file = tmp_path / "result.json"
     document = json.loads(calibration.out)
     document["items"]["gyro_bias"]["value"]["x"] += 1.0
     file.write_text(json.dumps(document), encoding="utf-8")
     (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
     for folder, named in (("a", file), ("b", kept["id"])):
-        done = mimucal(
-            "simulate", shared / PLANT, "--calibration", named, "--out", tmp_path / folder
-        )
+        done = mimucal("simulate", plant_clean, "--calibration", named, "--out", tmp_path / folder)
         assert done.code == 0, done.err
     a, b = (read_folder(tmp_path / folder).imu.columns["gyro_x"] for folder in "ab")
     np.testing.assert_allclose(a - b, np.radians(1.0), atol=1e-12)
 
 
-def test_bad_calibration_is_one_sentence(mimucal, shared, tmp_path) -> None:
+def test_bad_calibration_is_one_sentence(mimucal, plant_clean, tmp_path) -> None:
     """Not there, not a result, not JSON."""
     order, wrong = tmp_path / "order.toml", tmp_path / "result.json"
     order.write_text('format = "mimu-order/1"\n', encoding="utf-8")
     wrong.write_text("{", encoding="utf-8")
     for named, says in (("nowhere", "no result"), (order, "mimu-order/1"), (wrong, "not JSON")):
-        done = mimucal(
-            "simulate", shared / PLANT, "--calibration", named, "--out", tmp_path / "sim"
-        )
+        done = mimucal("simulate", plant_clean, "--calibration", named, "--out", tmp_path / "sim")
         assert done.code == 2
         assert done.err.strip().count("\n") == 0
         assert says in done.err
         assert not (tmp_path / "sim").exists()
 
 
-def test_a_folder_that_is_taken_is_not_written_over(mimucal, shared, tmp_path) -> None:
+def test_a_folder_that_is_taken_is_not_written_over(mimucal, plant_clean, tmp_path) -> None:
     (tmp_path / "kept").write_text("mine", encoding="utf-8")
-    done = mimucal("simulate", shared / PLANT, "--out", tmp_path)
+    done = mimucal("simulate", plant_clean, "--out", tmp_path)
     assert done.code == 2
     assert "new folder" in done.err
     assert (tmp_path / "kept").read_text(encoding="utf-8") == "mine"

@@ -6,7 +6,6 @@ from pathlib import Path
 import pypdfium2
 import pytest
 
-PLANT = "plant/plant_clean"
 LABORATORY = """
 party = {name = "L", name_zh = "实", address = "a", address_zh = "址"}
 [limits.rate]
@@ -28,8 +27,8 @@ def words_of(pdf: str) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
-def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, shared) -> None:
-    done = mimucal("calibrate", shared / PLANT, "--json").json
+def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean) -> None:
+    done = mimucal("calibrate", plant_clean, "--json").json
     assert done["settings"]["uncertainty"] == "GUM"
     assert done["settings"]["limits"] == "JJF 2003-2022, Table 1"
     item = done["items"]["gyro_scale_factor"]
@@ -38,9 +37,9 @@ def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, shared) -> N
     assert {line["kind"] for line in budget["inputs"]} == {"A", "B"}
 
 
-def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, shared) -> None:
-    gum = mimucal("calibrate", shared / PLANT, "--json").json
-    example = mimucal("calibrate", shared / PLANT, "--uncertainty", "example", "--json").json
+def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, plant_clean) -> None:
+    gum = mimucal("calibrate", plant_clean, "--json").json
+    example = mimucal("calibrate", plant_clean, "--uncertainty", "example", "--json").json
     kinds = {item["uncertainty_kind"] for item in example["items"].values()}
     assert kinds == {"as the specification's example"}
     assert example["settings"]["effective bits"] == "12 (the example's)"
@@ -81,24 +80,24 @@ def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared) ->
 
 
 def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
-    mimucal, shared, laboratory
+    mimucal, plant_clean, laboratory
 ) -> None:
-    done = mimucal("certify", shared / PLANT, "--budget", "--laboratory", laboratory, "--json").json
+    done = mimucal("certify", plant_clean, "--budget", "--laboratory", laboratory, "--json").json
     words = words_of(done["pdf"])
     assert "Uncertainty budgets" in words
     assert "limit of rate = 0.0002 (certificate 7)" in words
     assert "Uncertainty budgets" not in words_of(
-        mimucal("certify", shared / PLANT, "--json").json["pdf"]
+        mimucal("certify", plant_clean, "--json").json["pdf"]
     )
     assert mimucal("verify", "--json").json["faults"] == []
 
 
 def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
-    mimucal, shared, home, laboratory
+    mimucal, plant_clean, home, laboratory
 ) -> None:
     home.mkdir(parents=True)
     (home / "laboratory.toml").write_bytes(laboratory.read_bytes())
-    done = mimucal("calibrate", shared / PLANT, "--json").json
+    done = mimucal("calibrate", plant_clean, "--json").json
     assert done["settings"]["limit of rate"] == "0.0002 (certificate 7)"
     assert done["items"]["gyro_scale_factor"]["u"]["x"] == pytest.approx(1e-4, rel=0.01)
 

@@ -171,11 +171,17 @@ SUMMED = {  # item: how many positions the appendix adds up, and what each count
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def as_the_example(plant) -> Calibration:
+    return calibrated(plant("plant_clean"), kind=EXAMPLE)
+
+
 @pytest.mark.parametrize("item", SUMMED)
-def test_as_the_example_the_positions_are_added_linearly(plant, item: str) -> None:
-    recording = plant("plant_clean")
-    example = calibrated(recording, kind=EXAMPLE).items[item]
-    gum = calibrated(recording).items[item]
+def test_as_the_example_the_positions_are_added_linearly(
+    calibrations, as_the_example, item: str
+) -> None:
+    example = as_the_example.items[item]
+    gum = calibrations["plant_clean"].items[item]
     count, _ = SUMMED[item]
     assert example.uncertainty_kind == EXAMPLE
     assert example.k == 2.0
