@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from schemas.recording import ACCEL, Recording
 from storage.formats.folder import read_folder
+from tasks.explain.correction.consequences import consequences
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
 from tasks.words import say
@@ -186,6 +187,16 @@ def test_the_missing_physics_is_named_and_nothing_else(name: str, named: list[st
 def test_earth_turns_as_fast_as_at_this_latitude() -> None:
     vertical = np.degrees(EARTH * np.sin(np.radians(39.9))) * 3600.0
     assert_known("plant_earth_rotation", "earth_rotation", {"vertical_rate": vertical})
+
+
+def test_earth_rotation_is_what_the_clause_reads_as_g_sensitivity_of_a_vertical_axis() -> None:
+    name = "plant_earth_rotation"
+    (moved,) = consequences(recording(name), explained(name)).of_findings
+    seen = {(each.item, each.element): each for each in moved}["gyro_g_sensitivity", "zz"]
+    assert seen.before is not None
+    assert seen.after is not None
+    vertical = np.degrees(EARTH * np.sin(np.radians(39.9)))
+    assert seen.before - seen.after == pytest.approx(vertical, rel=0.05)
 
 
 def test_the_arm_is_as_long_as_it_was_made() -> None:

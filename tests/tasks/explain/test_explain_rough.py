@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from schemas.recording import Recording
+from schemas.recording import ACCEL, Recording
 from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import UNNAMED, Explanation
@@ -32,6 +32,17 @@ def test_on_a_control_where_nothing_is_missing_nothing_has_a_name() -> None:
     assert [each.effect for each in answer.findings if each.effect != UNNAMED] == []
     assert answer.verdict == "unexplained"
     assert (answer.left_over > 2.0).any()
+
+
+def test_on_the_tracked_control_hardly_anything_of_the_mismatch_is_explained() -> None:
+    answer = explained("tumvi_room4")
+    read = recording("tumvi_room4").imu.stack(ACCEL)
+    before, after = (
+        np.sqrt(np.nanmean((read - predicted[:, 3:]) ** 2))
+        for predicted in (answer.nominal, answer.found)
+    )
+    assert before < 0.15
+    assert after > 0.97 * before
 
 
 def test_a_delay_is_known_as_far_as_its_parts_agree() -> None:

@@ -45,14 +45,6 @@ def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
     assert names <= {"reference_frame"}
 
 
-def test_on_the_tracked_control_nothing_is_named_with_a_share_of_the_mismatch() -> None:
-    control = read_folder(shared_path("data/rough/tumvi_room4"))
-    explanation = explain(control)
-    assert rms(explanation, explanation.nominal, control) < 0.15
-    after = rms(explanation, explanation.found, control)
-    assert after > 0.97 * rms(explanation, explanation.nominal, control)
-
-
 def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_delay() -> None:
     broad = read_folder(shared_path("data/rough/broad_18"))
     explanation = explain(broad)

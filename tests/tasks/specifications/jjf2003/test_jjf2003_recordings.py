@@ -140,9 +140,9 @@ def deviations(shared, name: str, recording: Recording) -> dict[str, float]:
     gravity = recording.manifest.station.gravity_m_s2
     scaled = {key: np.array(value) for key, value in truth.items()}
     scaled["Bg"], scaled["G"] = np.degrees(scaled["Bg"]), np.degrees(scaled["G"]) * gravity
-    found = {}
+    found, items = {}, result(recording).items
     for item_name, key in TRUTH_KEYS.items():
-        item = result(recording).items[item_name]
+        item = items[item_name]
         values = item.value_model or item.value
         for element, value in values.items():
             place = tuple("xyz".index(letter) for letter in element)
