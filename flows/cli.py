@@ -1,7 +1,6 @@
 """The command `mimucal`. Each command imports what it needs when it runs, to start at once."""
 
 import os
-import signal
 import sys
 from typing import Any
 
@@ -9,7 +8,7 @@ import typer
 from typer.exceptions import TyperException
 
 from flows import explain_commands, options, station, store_commands
-from flows.signals import as_ctrl_c
+from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
 INTERRUPTED = 130  # what typer gives for Ctrl-C
@@ -31,7 +30,7 @@ def main() -> None:
 
     Exit 2 with one sentence for unusable input, 1 for own failures and for what was broken off.
     """
-    signal.signal(signal.SIGTERM, as_ctrl_c)
+    end_as_ctrl_c()
     try:
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
@@ -135,6 +134,7 @@ def certify(
 def acquire(
     station_file: options.Station,
     procedure: options.Procedure = "jjf2003",
+    dry_run: options.DryRun = False,
     as_json: options.Json = False,
 ) -> None:
     """Run a procedure on a station, real or virtual.
@@ -148,6 +148,11 @@ def acquire(
 
     order = AcquireOrder(station=station_file, procedure=procedure, attended=not as_json)
     check_acquisition(order)
+    if dry_run:
+        from flows.dry_run import print_dry_run
+
+        print_dry_run(order, as_json)
+        return
     run, acquired = as_flow_run("acquire", order)
     if as_json:
         print_json(

@@ -89,6 +89,10 @@ DEMO_SPEED = f"{SPEED}; default: what the procedure lets it keep up with."
 PORT = "Modbus/TCP port; the unit is on the next. 0: any two that are free."
 Station = Annotated[str, typer.Argument(metavar="STATION", help="Station file (TOML or JSON).")]
 Procedure = Annotated[str, _option("NAME|FILE", "Name of a procedure, or a file.")]
+DryRun = Annotated[
+    bool,
+    typer.Option("--dry-run", help="Hold the procedure against every limit; nothing moves."),
+]
 Speed = Annotated[float, _option("FACTOR", f"{SPEED}.", callback=_positive)]
 DemoSpeed = Annotated[float | None, _option("FACTOR", DEMO_SPEED, callback=_positive)]
 Ahrs = Annotated[

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from flows import refix_prompt
 from flows.progress import acquisition_progress, describe
-from flows.signals import sigterm_as_ctrl_c
+from flows.signals import ending_as_ctrl_c
 from schemas.orders import (
     AcquireOrder,
     CalibrateOrder,
@@ -38,16 +38,18 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
     from tasks.stages.acquire import acquire_run
 
     station, procedure, ask = _acquisition(order)
-    with sigterm_as_ctrl_c(), acquisition_progress() as report:
+    with ending_as_ctrl_c(), acquisition_progress() as report:
         return acquire_run(station, procedure, home_of(order), report, ask)
 
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
+    from tasks.station.limits import check_limits
     from tasks.station.requirements import check_attended, check_procedure
 
     station, procedure, ask = _acquisition(order)
     check_procedure(procedure, station)
+    check_limits(procedure, station)
     check_attended(procedure, station, ask)
 
 

@@ -1,4 +1,4 @@
-"""SIGTERM ends a command as Ctrl-C does."""
+"""Whatever ends a command ends it as Ctrl-C does, so that the table is told to stop."""
 
 import signal
 import threading
@@ -6,21 +6,32 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+ENDINGS = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+
 
 def as_ctrl_c(_: int, frame: FrameType | None) -> None:
-    """Handle SIGTERM as Ctrl-C, even where Ctrl-C is ignored, as in a script's background."""
+    """Handle a signal as Ctrl-C, even where Ctrl-C is ignored, as in a script's background."""
     handler = signal.getsignal(signal.SIGINT)
     (handler if callable(handler) else signal.default_int_handler)(signal.SIGINT, frame)
 
 
+def end_as_ctrl_c() -> None:
+    """From now on; what was ignored, as SIGHUP under nohup, stays ignored."""
+    for ending in ENDINGS:
+        if signal.getsignal(ending) is not signal.SIG_IGN:
+            signal.signal(ending, as_ctrl_c)
+
+
 @contextmanager
-def sigterm_as_ctrl_c() -> Iterator[None]:
-    """SIGTERM as Ctrl-C within a flow, whose own handler would lose where the recording lies."""
+def ending_as_ctrl_c() -> Iterator[None]:
+    """Within a flow, whose own handler would lose where the recording lies."""
     if threading.current_thread() is not threading.main_thread():  # no signal comes here
         yield
         return
-    before = signal.signal(signal.SIGTERM, as_ctrl_c)
+    before = {ending: signal.getsignal(ending) for ending in ENDINGS}
+    end_as_ctrl_c()
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for ending, handler in before.items():
+            signal.signal(ending, handler)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag
 
 from schemas.base import Finite, Frozen
+from schemas.limits import Limits
 from schemas.recording import ACCEL, ANGLE, GYRO, Mount, Station, Unit
 
 TABLE_DEVICE = 1
@@ -204,7 +205,7 @@ class StationFile(Frozen):
     """A station to acquire from: addresses, the manifest's station part, unit and fixture.
 
     mount: how the unit sits in its fixture. fixture: who turns the fixture over, a person or the
-    registers of FIXTURE_DEVICE.
+    registers of FIXTURE_DEVICE. limits: what a procedure may ask of table and fixture.
     """
 
     format: Literal["mimu-station/1"] = "mimu-station/1"
@@ -215,4 +216,5 @@ class StationFile(Frozen):
     mount: Mount = Mount()
     fixture: Literal["by_hand", "commanded"] = "by_hand"
     unit: Unit
+    limits: Limits = Limits()
     equipment: tuple[MeasurementStandard, ...] = ()

@@ -40,6 +40,11 @@ class Home:
         return self.path / "acquiring"
 
     @property
+    def locks(self) -> Path:
+        """One file for each station that was ever acquired from."""
+        return self.path / "locks"
+
+    @property
     def prefect(self) -> Path:
         """What the embedded Prefect server keeps."""
         return self.path / "prefect"

@@ -13,6 +13,7 @@ from storage.catalogue.listing import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
+from storage.station_lock import one_run_on
 from storage.whole_files import writing_in_home
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, RunRequest, acquire
@@ -27,6 +28,18 @@ def acquire_run(
     home: Home,
     report: Callable[[Progress], None],
     ask: Ask | None = None,
+) -> tuple[Run, Acquired]:
+    """Acquire a run while no other is going on at the station; see `_acquire_run`."""
+    with one_run_on(station.station.id, home):
+        return _acquire_run(station, procedure, home, report, ask)
+
+
+def _acquire_run(
+    station: StationFile,
+    procedure: Procedure,
+    home: Home,
+    report: Callable[[Progress], None],
+    ask: Ask | None,
 ) -> tuple[Run, Acquired]:
     """Acquire a run, with its recording in the home from the first sample on.
 

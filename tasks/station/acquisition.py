@@ -14,6 +14,7 @@ from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
+from tasks.station.limits import check_limits
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.plan import plan
 from tasks.station.ports import Ask, Table
@@ -54,6 +55,7 @@ class RunRequest:
 
     def __post_init__(self) -> None:
         check_procedure(self.procedure, self.station)
+        check_limits(self.procedure, self.station)
         check_attended(self.procedure, self.station, self.ask)
 
 
@@ -87,10 +89,11 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     tracker = Tracker(request.report, clock, total_s)
     recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
     recorder.write_manifest()
-    sequencer = Sequencer(bench, request.station.mount, clock, procedure, recorder, tracker)
+    sequencer = Sequencer(bench, request.station, clock, procedure, recorder, tracker)
     try:
         await _until_the_first_ends(
             sequencer.run(planned),
+            sequencer.guard(),
             _beside(bench, recorder.encoders.run()),
             recorder.climate.run(),
             recorder.run(),

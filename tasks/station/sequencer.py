@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure, Refix
-from schemas.recording import Mount
+from schemas.station import StationFile
 from tasks.station.anomalies import Anomaly
 from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
@@ -18,6 +18,7 @@ from tasks.station.setpoints import SetPoint, move_s, nearest_turn, rate_change_
 
 CLOCK_TIMEOUT_S = 5.0  # wall time a station's clock may stand still
 SETTLING_MARGIN_S = 20.0  # station time beyond twice the computed duration
+GUARD_WALL_S = 0.2
 POLL_STATION_S = 0.25
 CATCH_UP_S = 3.0
 CATCH_UP_STEP_S = 0.02
@@ -25,13 +26,10 @@ CATCH_UP_STEP_S = 0.02
 
 @dataclass
 class Sequencer:
-    """One run of a procedure on a bench. Raises Unusable where table or fixture fail.
-
-    mount: how the unit sits in its fixture.
-    """
+    """One run of a procedure on a bench. Raises Unusable where table or fixture fail."""
 
     bench: Bench
-    mount: Mount
+    station: StationFile
     clock: StationClock
     procedure: Procedure
     recorder: Recorder
@@ -53,6 +51,13 @@ class Sequencer:
         self.tracker.begin("last data", 0.0)
         await self._catch_up(self._manifest.segments[-1].t_end)
         self.tracker.end()
+
+    async def guard(self) -> None:
+        """Look after the table for ever, also while nothing else asks it, as when a person is
+        turning the unit over: a stop is noticed within GUARD_WALL_S, and the watchdog is fed."""
+        while True:
+            await self._watch()
+            await asyncio.sleep(GUARD_WALL_S)
 
     async def _warm_up(self) -> None:
         warm_s = self.clock.station_s + self.procedure.warm_up_s
@@ -94,7 +99,7 @@ class Sequencer:
         await self._watch()
         self._manifest.mount = None  # while it is turned over its attitude is not known
         self._manifest.fill("refix", "transition", self.clock.station_s)
-        self._manifest.mount = mount_in(refix.mount, self.mount)
+        self._manifest.mount = mount_in(refix.mount, self.station.mount)
         if refix.power_off:
             await self._warm_up()
 
@@ -138,7 +143,7 @@ class Sequencer:
         rate, acceleration = self.procedure.move_rate_deg_s, self.procedure.acceleration_deg_s2
         state = await self._watch()
         targets = tuple(
-            SetPoint(number, "angle", nearest_turn(axis.angle_deg, angle))
+            SetPoint(number, "angle", self._target(number, axis.angle_deg, angle))
             for number, (axis, angle) in enumerate(zip(state.axes, angles_deg, strict=True))
         )
         for target in targets:
@@ -146,6 +151,10 @@ class Sequencer:
         self._standing = tuple(target.value for target in targets)
         farthest = max(abs(t.value - state.axes[t.axis].angle_deg) for t in targets)
         await self._settle(targets, move_s(farthest, rate, acceleration))
+
+    def _target(self, axis: int, now_deg: float, angle_deg: float) -> float:
+        endless = self.station.limits.is_endless(self._table.names[axis])
+        return nearest_turn(now_deg, angle_deg) if endless else angle_deg
 
     async def _spin(self, planned: PlannedSegment) -> None:
         axis, acceleration = planned.spin_axis or 0, self.procedure.acceleration_deg_s2

@@ -89,7 +89,7 @@ class Controller:
                     return refusal.code
             if number == TABLE_DEVICE:
                 written_to = range(address, address + len(written or ()))
-                self._heard(asking, address, _WATCHDOG in written_to)
+                self._note_request(asking, address, _WATCHDOG in written_to)
             if written is None:
                 words[: device.size] = device.words()
             return None
@@ -100,7 +100,7 @@ class Controller:
     def _is_free(self) -> bool:
         return self._holder is None or not self._holder.is_active()
 
-    def _heard(self, asking: Connection, address: int, sets_watchdog: bool) -> None:
+    def _note_request(self, asking: Connection, address: int, sets_watchdog: bool) -> None:
         """Whose sign of life it was, and of what; fetching encoders is none."""
         if sets_watchdog:
             self._hold(asking if self._table.watchdog else None)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_table import ModbusTable
 from tasks.station.ports import TableState
 from tasks.station.progress import Progress
+from tasks.station.sequencer import GUARD_WALL_S, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
@@ -343,6 +345,23 @@ def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
             with pytest.raises(Unusable, match="reports emergency_stop"):
                 over_sockets(station, short, kept)
     assert kept.manifests == []
+
+
+def test_a_stop_is_noticed_at_once_while_nothing_else_asks_the_table(short, kept):
+    """As the wait for a person who turns the unit over, in which no segment is measured."""
+    patient = short.model_copy(update={"warm_up_s": 1e6})
+    station = InMemoryStation(VirtualStation(), faults=[StationFault("emergency_stop", 100.0)])
+
+    async def nobody_asks(sequencer: Any, planned: Any) -> None:
+        await asyncio.sleep(1e6)
+
+    with (
+        patch.object(Sequencer, "run", nobody_asks),
+        pytest.raises(Unusable, match="reports emergency_stop"),
+    ):
+        station.acquire(patient, kept)
+    assert station.simulation.table.now - 100.0 < 2 * GUARD_WALL_S * SPEED
+    assert station.table.has_been_left
 
 
 def test_failing_sink_stops_the_table(short, kept):
