@@ -3,7 +3,8 @@
 import struct
 from collections.abc import Iterable
 
-from schemas.station import (
+from tasks.station.virtual.faults import FAULTS
+from tasks.station.virtual.protocol import (
     AXIS_BASE,
     AXIS_REGISTERS,
     AXIS_STATUS,
@@ -24,7 +25,6 @@ from schemas.station import (
     Frame,
     Register,
 )
-from tasks.station.virtual.faults import FAULTS
 
 KINDS = {
     "H": "uint16",
@@ -35,12 +35,11 @@ KINDS = {
     "h": "int16",
 }
 TRIADS = {
-    "gyro": ("gyro x, y, z", "counts of `unit_link.gyro_lsb_rad_s`"),
-    "accel": ("accelerometer x, y, z", "counts of `unit_link.accel_lsb_m_s2`"),
+    "gyro": ("gyro x, y, z", "counts of the field's `scale`"),
+    "accel": ("accelerometer x, y, z", "counts of the field's `scale`"),
     "angle": (
         "angle x, y, z",
-        "accumulated about each axis of the unit since power-on, counts of "
-        "`unit_link.angle_lsb_rad`",
+        "accumulated about each axis of the unit since power-on, counts of the field's `scale`",
     ),
 }
 
@@ -60,8 +59,8 @@ def frame_fields(frame: Frame) -> list[tuple[str, str, str]]:
 HEAD = """\
 # The station's protocol
 
-Printed by `python -m deploy.station_protocol` from `schemas/station.py`; do not edit.
-The virtual station speaks it, and a controller that speaks it can be used as it is.
+Printed by `python -m deploy.station_protocol`; do not edit. The virtual station speaks it, and a
+controller that speaks it is described by `tasks/station/stations/mimucal.toml`.
 """
 
 BEHAVIOUR = """\
@@ -165,7 +164,7 @@ def text() -> str:
         "",
         FIXTURE,
         BEHAVIOUR,
-        "The station file names the frame in `unit_link.frame`: `rates`, or `angles` of an AHRS.\n",
+        "The station file describes the frame in `unit_link.frame`.\n",
         *(row for kind in FRAMES for row in _frame_rows(kind)),
         "## Faults of the virtual station\n",
         "`NAME` or `NAME@SECONDS` of station time: " + ", ".join(f"`{n}`" for n in FAULTS) + ".",

@@ -39,7 +39,8 @@ def serve(
 
     def ready(file: "StationFile") -> None:
         _write(station_file, file.model_dump_json(indent=1))
-        print(f"Modbus/TCP {file.modbus_host}:{file.modbus_port}, unit {file.unit_link.url}")
+        modbus = getattr(file.table, "url", "").removeprefix("socket://")
+        print(f"Modbus/TCP {modbus}, unit {file.unit_link.url}")
         print(f"station file {station_file}; Ctrl-C stops the station", flush=True)
 
     ports = {"modbus_port": port, "unit_port": port + 1 if port else 0}

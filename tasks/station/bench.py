@@ -8,11 +8,9 @@ from typing import Any
 from schemas.procedure import Refix
 from schemas.station import StationFile
 from tasks.station.bus import BusChamber, BusFixture, BusTable, bus
-from tasks.station.drivers.modbus import ModbusLink
-from tasks.station.drivers.modbus_devices import ModbusChamber, ModbusFixture
-from tasks.station.drivers.modbus_table import ModbusTable
-from tasks.station.drivers.serial_line import SerialLine
+from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
+from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.ports import Ask, Chamber, Fixture, Table
 
 
@@ -36,19 +34,20 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
 
     Raises Unusable where the table or the unit's line cannot be reached.
     """
-    link = ModbusLink(station.modbus_host, station.modbus_port)
     names = tuple(axis.name for axis in station.station.table_axes or ())
+    devices = Devices(names)
     fixture: Fixture | None = ByHand(ask) if ask is not None else None
-    with bus() as devices:
-        if station.fixture == "commanded":
-            fixture = BusFixture(ModbusFixture(link), devices)
+    with bus() as drivers:
+        if station.fixture != "by_hand":
+            fixture = BusFixture(await drivers.do(devices.fixture(station.fixture)), drivers)
         try:
-            table = BusTable(await devices.do(ModbusTable.find(link, names)), devices)
-            with closing(SerialLine(station.unit_link)) as line:
-                unit, chamber = UnitDriver(station.unit_link, line), ModbusChamber(link)
-                yield Bench(table, BusChamber(chamber, devices), fixture, unit, devices.do)
+            table = BusTable(await drivers.do(devices.table(station.table)), drivers)
+            chamber = BusChamber(await drivers.do(devices.chamber(station.chamber)), drivers)
+            with closing(UnitLine(station.unit_link)) as line:
+                unit = UnitDriver(station.unit_link, line)
+                yield Bench(table, chamber, fixture, unit, drivers.do)
         finally:
-            await devices.do(link.hang_up())
+            await drivers.do(devices.hang_up())
 
 
 @dataclass(frozen=True)

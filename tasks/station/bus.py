@@ -72,6 +72,10 @@ class BusTable:
     def block_samples(self) -> int:
         return self.table.block_samples
 
+    @property
+    def time_half_width_s(self) -> float:
+        return self.table.time_half_width_s
+
     async def home(self) -> None:
         await self.bus.do(self.table.home())
 

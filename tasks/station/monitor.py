@@ -3,7 +3,7 @@
 import numpy as np
 
 from schemas.recording import ANGLE, Segment, Stream, joined
-from schemas.station import AnyLink
+from schemas.unit_link import UnitLink
 from tasks.station.anomalies import Anomaly
 
 RATE_TOLERANCE = 5e-4  # JJF 2003 table 1: rates are steady to 0.05 %
@@ -12,7 +12,7 @@ SPIKE_COUNTS = 20.0
 TO_SIGMA = 1.4826  # from the median absolute deviation, normal noise
 
 
-def check_unit(segment: Segment, imu: Stream, link: AnyLink) -> list[Anomaly]:
+def check_unit(segment: Segment, imu: Stream, link: UnitLink) -> list[Anomaly]:
     """Channels that stand still, and samples far outside their channel's own noise.
 
     Of an accumulated angle the increments are looked at; at rest it may stand still. A turn from
@@ -22,7 +22,9 @@ def check_unit(segment: Segment, imu: Stream, link: AnyLink) -> list[Anomaly]:
         return []
     rows = imu.rows(segment.t_start, segment.t_end)
     anomalies = []
-    for name, count in link.counts.items():
+    for name, count in link.frame.channels.items():
+        if name == "temperature":
+            continue
         values = imu.columns[name][rows]
         if name in ANGLE:
             values = np.diff(values)
@@ -57,7 +59,7 @@ class SegmentMonitor:
     imu, table: the end of each stream, as much as a segment that is still to be checked needs.
     """
 
-    def __init__(self, link: AnyLink) -> None:
+    def __init__(self, link: UnitLink) -> None:
         self.imu = self.table = Stream(np.empty(0), {})
         self._link = link
         self._waiting: list[tuple[Segment, str | None]] = []

@@ -48,16 +48,20 @@ class TableState:
 
 @dataclass(frozen=True)
 class EncoderBlock:
-    """Angles (n, axes) in rad, past whole turns: row i is that of sample number `first` + i."""
+    """Angles (n, axes) in rad, past whole turns: row i is that of sample number `first` + i.
+
+    t: (n,) s, station time of the samples.
+    """
 
     first: int
     angles: np.ndarray
+    t: np.ndarray
 
 
 class Table(Protocol):
     """A turntable, in degrees; its axes are outer first. Raises Unusable where it cannot.
 
-    Encoder sample n was taken at station time n × `period_us`, on every axis at once.
+    Encoder samples come about every `period_us`, of every axis at once.
     """
 
     @property
@@ -69,6 +73,10 @@ class Table(Protocol):
     @property
     def block_samples(self) -> int:
         """How many samples one block of `encoder` holds at most."""
+
+    @property
+    def time_half_width_s(self) -> float:
+        """By how much an encoder sample's time may be wrong; 0 where the table captures them."""
 
     async def home(self) -> None:
         """Make it ready to move, its angles known."""
@@ -94,7 +102,10 @@ class Table(Protocol):
 
 @dataclass(frozen=True)
 class Climate:
-    """One reading of the chamber at a station time (s): °C, %RH, V and hPa."""
+    """One reading of the chamber at a station time (s): °C, %RH, V and hPa.
+
+    NaN: not measured; of the time: not told.
+    """
 
     station_s: float
     temperature: float

@@ -4,15 +4,15 @@ import asyncio
 import math
 from collections import deque
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, field, fields
+from dataclasses import astuple, dataclass, field, fields, replace
 
 import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream, joined
 from tasks.station.anomalies import Anomaly
-from tasks.station.clock import StationClock
-from tasks.station.drivers.frames import RECORDS, lost_between, to_stream
+from tasks.station.clock import StationClock, wall_s
+from tasks.station.drivers.samples import no_samples
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
 
@@ -60,8 +60,7 @@ class EncoderReader:
     def take(self) -> Stream:
         """Angles in rad, columns <axis>_angle, over station time."""
         blocks = [self.blocks.popleft() for _ in range(len(self.blocks))]
-        numbers = [np.arange(len(block.angles)) + block.first for block in blocks]
-        t = np.concatenate([np.empty(0, np.int64), *numbers]) * self.table.period_us / 1e6
+        t = np.concatenate([np.empty(0), *(block.t for block in blocks)])
         empty = np.empty((0, len(self.table.names)))
         angles = np.concatenate([empty, *(block.angles for block in blocks)])
         columns = (f"{name}_angle" for name in self.table.names)
@@ -83,6 +82,8 @@ class ClimateReader:
         """Read for ever."""
         while True:
             climate = await self.chamber.climate()
+            if math.isnan(climate.station_s):
+                climate = replace(climate, station_s=self.clock.at(wall_s()))
             if climate.station_s > self.last_s:
                 self.last_s = climate.station_s
                 self.readings.append(climate)
@@ -93,8 +94,9 @@ class ClimateReader:
         """Temperature, humidity, supply voltage and pressure over station time."""
         readings, self.readings = self.readings, []
         values = np.array([astuple(reading) for reading in readings]).reshape(-1, len(CLIMATE))
-        columns = dict(zip(CLIMATE, values.T, strict=True))
-        return Stream(columns.pop("station_s"), columns)
+        every = dict(zip(CLIMATE, values.T, strict=True))
+        columns = {name: column for name, column in every.items() if not np.isnan(column).all()}
+        return Stream(columns.pop("station_s", np.empty(0)), columns)
 
     def _compare(self, climate: Climate) -> None:
         ranges = (
@@ -125,7 +127,7 @@ class UnitReader:
         self._begin()
 
     def _begin(self) -> None:
-        none = np.empty(0, RECORDS[self._unit.link.frame])
+        none = no_samples(self._unit.link.frame)
         self._differences: list[float] = []
         self._is_shift_known = False
         self._held = self._last = none
@@ -155,7 +157,6 @@ class UnitReader:
         return joined([stream, self._timed(after, final)])
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
-        link = self._unit.link
         if not self._is_shift_known:
             self._compare(frames)
             frames = self._held = np.concatenate([self._held, frames])
@@ -163,9 +164,9 @@ class UnitReader:
             enough = on_s is not None or len(self._differences) >= SHIFT_TAKES
             self._is_shift_known = final or (enough and not self._unit.is_off)
             if not self._is_shift_known:
-                return to_stream(frames[:0], link)
+                return self._unit.stream(frames[:0])
             self._settle_shift(on_s)
-        stream = to_stream(frames, link, round(self.clock_shifts_s[-1] * 1e6))
+        stream = self._unit.stream(frames, round(self.clock_shifts_s[-1] * 1e6))
         self._note_lost(np.concatenate([self._last, frames]))
         if len(frames):
             self._last = frames[-1:]
@@ -186,7 +187,7 @@ class UnitReader:
                 self.clock_shifts_s[-1] = round(best, 6)
 
     def _note_lost(self, frames: np.ndarray) -> None:
-        lost = lost_between(frames["counter"])
+        lost = self._unit.lost(frames)
         for place in np.flatnonzero(lost):
             before, after = frames["stamp"][place : place + 2] / 1e6 + self.clock_shifts_s[-1]
             self.lost_samples += int(lost[place])

@@ -9,7 +9,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.certificate import Laboratory, Order
 from schemas.procedure import Procedure
-from schemas.station import StationFile, UnitLink
+from schemas.station import StationFile
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.home import Home
@@ -49,18 +49,7 @@ def test_order_and_laboratory_are_read(fresh: Home) -> None:
 
 
 def test_station_is_read(tmp_path: Path) -> None:
-    link = UnitLink(
-        url="socket://127.0.0.1:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100
-    )
-    station = StationFile.model_validate(
-        {
-            "modbus_host": "127.0.0.1",
-            "modbus_port": 5020,
-            "unit_link": link,
-            "station": {"id": "T1"},
-            "unit": {"manufacturer": "M", "model": "U", "serial": "1"},
-        }
-    )
+    station = settings.read(Path("tasks/station/stations/mimucal.toml"), StationFile)
     path = write(tmp_path / "station.json", station.model_dump_json())
     assert settings.read(path, StationFile) == station
 

@@ -1,19 +1,21 @@
-"""Registers over Modbus/TCP: typed, retried a few times, and with errors that speak."""
+"""Registers over Modbus/TCP and Modbus/RTU: typed, retried, and with errors that speak."""
 
 import asyncio
 import logging
+import struct
 from collections.abc import Awaitable, Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from schemas.base import Unusable
-from schemas.station import Register, RegisterType
+from schemas.devices import BIT_BANKS, Bank, Connection, RegisterType
 
 if TYPE_CHECKING:
-    from pymodbus.client import AsyncModbusTcpClient
+    from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
     from pymodbus.pdu import ModbusPDU
 
+    Client: TypeAlias = AsyncModbusSerialClient | AsyncModbusTcpClient
+
 ATTEMPTS = 3
-TIMEOUT_S = 1.0
 PAUSE_S = 0.3
 ILLEGAL_FUNCTION = 1
 MEANINGS = {
@@ -24,7 +26,8 @@ MEANINGS = {
     6: "device busy: another client holds it",
 }
 
-Request = Callable[["AsyncModbusTcpClient"], Awaitable["ModbusPDU"]]
+Request = Callable[["Client"], Awaitable["ModbusPDU"]]
+WordOrder = Literal["big", "little"]
 
 
 class Refused(Unusable):
@@ -35,42 +38,39 @@ class Refused(Unusable):
         self.code = code
 
 
-def decode(words: Sequence[int], kind: RegisterType) -> Any:
-    """The value, or the list of values, that the words hold, high word first."""
+def decode(words: Sequence[int], kind: RegisterType, order: WordOrder = "big") -> Any:
+    """The value, or the list of values, that the words hold."""
     from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
-    return Mixin.convert_from_registers(list(words), Mixin.DATATYPE[kind.upper()])
+    return Mixin.convert_from_registers(list(words), Mixin.DATATYPE[kind.upper()], order)
 
 
-def encode(value: float, kind: RegisterType) -> list[int]:
-    """The words of a value, high word first."""
+def encode(value: float, kind: RegisterType, order: WordOrder = "big") -> list[int]:
+    """The words of a value. Raises Unusable for one that the type does not hold."""
     from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
-    typed = float(value) if kind == "float32" else int(value)
-    return Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()])
-
-
-def decode_all(words: Sequence[int], first: int, registers: Sequence[Register]) -> dict[str, Any]:
-    """The values of registers by name, out of words of which the first is that of an address."""
-    return {
-        register.name: decode(words[start : start + register.words], register.type)
-        for register in registers
-        for start in (register.address - first,)
-    }
+    typed = float(value) if kind.startswith("float") else round(value)
+    try:
+        return Mixin.convert_to_registers(typed, Mixin.DATATYPE[kind.upper()], order)
+    except (struct.error, OverflowError) as error:
+        raise Unusable(
+            f"{value:g} does not fit a register of type {kind}: correct its type or its scale"
+        ) from error
 
 
 class ModbusLink:
-    """One Modbus/TCP connection, shared by everything that talks to a station.
+    """One Modbus connection, over TCP or a serial line, shared by everything on it.
 
     A request that gets no answer is repeated on a new connection, ATTEMPTS times in all.
-    Raises Unusable, naming host and port, when there is still no answer, and Refused when the
+    Raises Unusable, naming the connection, when there is still no answer, and Refused when the
     station answers with an exception.
     """
 
-    def __init__(self, host: str, port: int) -> None:
-        self.host = host
-        self.port = port
-        self._client: AsyncModbusTcpClient | None = None
+    def __init__(self, connection: Connection) -> None:
+        self.url = connection.url
+        self._where = f"the station at {connection.url.removeprefix('socket://')}"
+        self._connection = connection
+        self._client: Client | None = None
         self._one_at_a_time = asyncio.Lock()
         self._combined = True
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # the sentences here replace it
@@ -81,47 +81,50 @@ class ModbusLink:
             self._client.close()
         self._client = None
 
-    async def hang_up(self) -> None:
-        """`close`, for those who are not in the event loop of the connection."""
-        self.close()
+    async def read(self, device: int, bank: Bank, address: int, count: int) -> Sequence[int]:
+        """`count` words, or bits as 0 and 1, of a bank from `address` on."""
 
-    async def read(
-        self, device: int, registers: Sequence[Register], base: int = 0
-    ) -> dict[str, Any]:
-        """The values of neighbouring registers (lowest first), by name."""
-        first, last = registers[0].address, registers[-1]
-        count = last.address + last.words - first
-        return decode_all(await self.read_words(device, base + first, count), first, registers)
+        def request(client: "Client") -> Awaitable["ModbusPDU"]:
+            ask = {
+                "holding": client.read_holding_registers,
+                "input": client.read_input_registers,
+                "coil": client.read_coils,
+                "discrete": client.read_discrete_inputs,
+            }[bank]
+            return ask(address, count=count, device_id=device)
 
-    async def read_words(self, device: int, address: int, count: int) -> Sequence[int]:
-        """`count` holding registers from `address` on (function code 3)."""
-        answer = await self._ask(
-            f"reading {count} registers from {address} of device {device}",
-            lambda client: client.read_holding_registers(address, count=count, device_id=device),
-        )
-        return answer.registers
+        what = f"reading {count} of bank {bank} from {address} of device {device}"
+        answer = await self._ask(what, request)
+        got = answer.bits if bank in BIT_BANKS else answer.registers
+        if len(got) < count:
+            raise Unusable(
+                f"{self._where} answered {what} with {len(got)}: check that its "
+                f"register map is that of the station file"
+            )
+        return [int(each) for each in got[:count]]
 
-    async def write(self, device: int, register: Register, value: float, base: int = 0) -> None:
-        """Write one register of the map (function code 16)."""
-        address, words = base + register.address, encode(value, register.type)
-        await self._ask(
-            f"writing {value:g} to {register.name} of device {device}",
-            lambda client: client.write_registers(address, words, device_id=device),
-        )
+    async def write(self, device: int, bank: Bank, address: int, words: list[int]) -> None:
+        """Write neighbouring registers (function code 16), or one coil (5)."""
+
+        def request(client: "Client") -> Awaitable["ModbusPDU"]:
+            if bank == "coil":
+                return client.write_coil(address, bool(words[0]), device_id=device)
+            return client.write_registers(address, words, device_id=device)
+
+        await self._ask(f"writing {words} to bank {bank} at {address} of device {device}", request)
 
     async def write_then_read(
-        self, device: int, register: Register, value: int, address: int, count: int
+        self, device: int, to: int, words: list[int], address: int, count: int
     ) -> Sequence[int]:
-        """Write a register and read others: one exchange (function code 23) where it is known."""
+        """Write registers and read others: one exchange (function code 23) where it is known."""
         if self._combined:
-            words = encode(value, register.type)
             try:
                 answer = await self._ask(
-                    f"reading {count} registers from {address} of device {device}",
+                    f"reading {count} of bank holding from {address} of device {device}",
                     lambda client: client.readwrite_registers(
                         read_address=address,
                         read_count=count,
-                        write_address=register.address,
+                        write_address=to,
                         values=words,
                         device_id=device,
                     ),
@@ -132,8 +135,8 @@ class ModbusLink:
                 self._combined = False
             else:
                 return answer.registers
-        await self.write(device, register, value)
-        return await self.read_words(device, address, count)
+        await self.write(device, "holding", to, words)
+        return await self.read(device, "holding", address, count)
 
     async def _ask(self, what: str, request: Request) -> "ModbusPDU":
         async with self._one_at_a_time:
@@ -146,14 +149,14 @@ class ModbusLink:
                 self.close()
         if answer is None:
             raise Unusable(
-                f"the station at {self.host}:{self.port} does not answer ({what}, "
-                f"{ATTEMPTS} attempts): check that it is switched on, that the network cable is "
-                f"in, and that modbus_host and modbus_port of the station file are right"
+                f"{self._where} does not answer ({what}, {ATTEMPTS} attempts): check "
+                f"that it is switched on, that the cable is in, and that url and device of the "
+                f"station file are right"
             )
         if answer.isError():
             code = answer.exception_code
             raise Refused(
-                f"the station at {self.host}:{self.port} refused {what} with Modbus exception "
+                f"{self._where} refused {what} with Modbus exception "
                 f"{code} ({MEANINGS.get(code, 'unknown')}): check the controller, and that its "
                 f"register map is that of the station file",
                 code,
@@ -170,17 +173,47 @@ class ModbusLink:
         except (ModbusException, OSError, TimeoutError):
             return None
 
-    async def _connected(self) -> "AsyncModbusTcpClient | None":
-        from pymodbus.client import AsyncModbusTcpClient
-
+    async def _connected(self) -> "Client | None":
         if self._client is not None and self._client.connected:
             return self._client
         self.close()
-        client = AsyncModbusTcpClient(
-            self.host, port=self.port, timeout=TIMEOUT_S, retries=0, reconnect_delay=0
-        )
+        client = self._new_client()
         if not await client.connect():
             client.close()
             return None
         self._client = client
         return client
+
+    def _new_client(self) -> "Client":
+        from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient
+
+        line = self._connection
+        if address := host_and_port(self.url):
+            host, port = address
+            return AsyncModbusTcpClient(
+                host, port=port, timeout=line.timeout_s, retries=0, reconnect_delay=0
+            )
+        return AsyncModbusSerialClient(
+            self.url,
+            baudrate=line.baudrate,
+            parity=line.parity,
+            stopbits=line.stopbits,
+            timeout=line.timeout_s,
+            retries=0,
+            reconnect_delay=0,
+        )
+
+
+def host_and_port(url: str) -> tuple[str, int] | None:
+    """Where a URL `socket://host:port` leads to; None for a serial device.
+
+    Raises Unusable for one without a port.
+    """
+    if not url.startswith("socket://"):
+        return None
+    host, _, port = url.removeprefix("socket://").rpartition(":")
+    if not host or not port.isdigit() or not 0 < int(port) < 65536:
+        raise Unusable(
+            f"url {url} of the station file has no host and port: write socket://host:502"
+        )
+    return host.strip("[]"), int(port)

@@ -1,6 +1,8 @@
 """A virtual station as settings, its station file, and the truth that the file does not hold."""
 
+import tomllib
 from datetime import date
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,8 @@ from pydantic import Field
 from schemas.base import Finite, Frozen
 from schemas.recording import Mount, TableAxis
 from schemas.station import MeasurementStandard, StationFile
+from tasks.station import stations
+from tasks.station.virtual.protocol import FRAMES, TRIADS
 from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
 from tasks.words import message, say
 
@@ -75,16 +79,16 @@ def station_file(
 ) -> StationFile:
     """What a client needs; `clock_speed` of its station part is station time over wall time."""
     unit, angles = config.unit, config.unit.angle_lsb is not None
-    size = {"angle_lsb_rad": unit.angle_lsb} if angles else {"gyro_lsb_rad_s": unit.gyro.lsb}
-    return StationFile.model_validate({
-        "modbus_host": host,
-        "modbus_port": modbus_port,
+    devices = tomllib.loads((files(stations) / "mimucal.toml").read_text(encoding="utf-8"))
+    devices = {name: devices[name] for name in ("table", "chamber", "fixture")}
+    for device in devices.values():
+        device["url"] = f"socket://{host}:{modbus_port}"
+    _describe(config.table, devices["table"])
+    return StationFile.model_validate(devices | {
         "unit_link": {
             "url": f"socket://{host}:{unit_port}",
             "rate_hz": unit.rate_hz,
-            "frame": unit.frame,
-            "accel_lsb_m_s2": unit.accel.lsb,
-            **size,
+            "frame": _frame(unit),
         },
         "station": {
             "id": config.id,
@@ -95,7 +99,6 @@ def station_file(
             "clock_speed": speed,
         },
         "mount": config.mount,
-        "fixture": "commanded",
         "unit": {
             "manufacturer": "Virtual",
             "model": "V-AHRS" if angles else "V-MIMU",
@@ -103,6 +106,40 @@ def station_file(
         },
         "equipment": _equipment(len(config.table.axes)),
     })  # fmt: skip
+
+
+def _describe(design: TableDesign, table: dict[str, Any]) -> None:
+    """What the description of a table says of this design."""
+    axes, degrees = len(design.axes), 360.0 / design.counts_per_turn
+    table["expect"] |= {"axes": axes, "counts_per_turn": design.counts_per_turn}
+    table["expect"]["capture_period"] = design.capture_ms * 1000
+    table["capture"]["period_us"] = design.capture_ms * 1000
+    for name in ("angle", "capture_samples"):
+        table["registers"][name]["scale"] = degrees
+    table["turnover_deg"] = 2**32 * degrees
+
+
+def _frame(unit: UnitTruth) -> dict[str, Any]:
+    """The description of the frame that a unit sends."""
+    frame = FRAMES[unit.frame]
+    sizes = {"gyro": unit.gyro.lsb, "accel": unit.accel.lsb, "angle": unit.angle_lsb}
+    types = {"i": "int32", "q": "int64"}
+    triads = [
+        {"name": column, "type": types[code], "scale": sizes[triad]}
+        for triad, code in frame.triads
+        for column in TRIADS[triad]
+    ]
+    return {
+        "kind": "binary",
+        "sync": frame.sync.to_bytes(2, "little").hex(),
+        "check": "crc16_xmodem",
+        "fields": [
+            {"name": "counter", "type": "uint32"},
+            {"name": "time", "type": "uint64", "unit": "us"},
+            *triads,
+            {"name": "temperature", "type": "int16", "scale": 0.01, "unit": "degC"},
+        ],
+    }
 
 
 def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:

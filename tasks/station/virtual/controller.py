@@ -8,14 +8,14 @@ from pymodbus.server import ModbusTcpServer
 from pymodbus.server.requesthandler import ServerRequestHandler
 from pymodbus.simulator import DataType, SimData, SimDevice
 
-from schemas.station import (
+from tasks.station.clock import wall_s
+from tasks.station.virtual.protocol import (
     CAPTURE_REGISTERS,
     CHAMBER_DEVICE,
     FIXTURE_DEVICE,
     TABLE_DEVICE,
     TABLE_REGISTERS,
 )
-from tasks.station.clock import wall_s
 from tasks.station.virtual.registers import (
     ChamberRegisters,
     DeviceRegisters,

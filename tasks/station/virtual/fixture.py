@@ -3,9 +3,9 @@
 import numpy as np
 
 from schemas.recording import Mount
-from schemas.station import FIXTURE_STATUS
 from tasks.station.virtual import quaternions
 from tasks.station.virtual.profile import STANDING, to_angle
+from tasks.station.virtual.protocol import FIXTURE_STATUS
 
 SPEED = np.radians(60.0)
 ACCELERATION = np.radians(60.0)

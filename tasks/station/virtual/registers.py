@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from pymodbus.constants import ExcCodes
 
-from schemas.station import (
+from tasks.station.drivers.modbus import decode, encode
+from tasks.station.virtual.config import STEP_US
+from tasks.station.virtual.protocol import (
     AXIS_BASE,
     AXIS_REGISTERS,
     AXIS_STRIDE,
@@ -21,8 +23,6 @@ from schemas.station import (
     TABLE_REGISTERS,
     Register,
 )
-from tasks.station.drivers.modbus import decode, encode
-from tasks.station.virtual.config import STEP_US
 from tasks.station.virtual.simulation import Simulation
 from tasks.station.virtual.table import DEGREE
 

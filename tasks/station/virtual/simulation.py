@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from schemas.station import FRAMES
 from tasks.station.virtual.body import Body
 from tasks.station.virtual.config import STEP_S, VirtualStation
 from tasks.station.virtual.faults import Condition, StationFault, condition
 from tasks.station.virtual.fixture import VirtualFixture
+from tasks.station.virtual.protocol import FRAMES
 from tasks.station.virtual.sensors import Ahrs, UnitUnderTest
 from tasks.station.virtual.table import VirtualTable
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
-from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import STEP_S, TableDesign
 from tasks.station.virtual.profile import STANDING, Profile, to_angle, to_rate
+from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
 
 DEGREE = np.pi / 180.0
 SETTLED_AFTER_S = 0.5

@@ -50,7 +50,7 @@ class UnitTruth(Frozen):
 
     @property
     def frame(self) -> Literal["rates", "angles"]:
-        """The frame that it sends, of schemas.station.FRAMES."""
+        """The frame that it sends, of tasks.station.virtual.protocol.FRAMES."""
         return "rates" if self.angle_lsb is None else "angles"
 
     @property

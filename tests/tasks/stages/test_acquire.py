@@ -64,7 +64,8 @@ def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
     station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.undo()  # it is looked for on the network
-    closed = station.model_copy(update={"modbus_host": "127.0.0.1"})
+    table = station.table.model_copy(update={"url": "socket://127.0.0.1:1"})
+    closed = station.model_copy(update={"table": table})
     with pytest.raises(Unusable) as refusal:
         acquire_run(closed, PROCEDURE, fresh, lambda _: None)
     assert "recorded so far" not in str(refusal.value)

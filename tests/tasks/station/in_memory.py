@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from schemas.procedure import Procedure, Refix
-from schemas.station import AXIS_STATUS, CAPTURE_VALUES, MODES, TABLE_STATUS, StationFile
+from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, RunRequest, run
 from tasks.station.bench import Bench, ByHand
 from tasks.station.clock import wall_s
@@ -22,6 +22,7 @@ from tasks.station.ports import (
 )
 from tasks.station.virtual.config import VirtualStation, station_file
 from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.protocol import AXIS_STATUS, CAPTURE_VALUES, MODES, TABLE_STATUS
 from tasks.station.virtual.servers import keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated
@@ -35,6 +36,8 @@ def _trips(status: int, bits: dict[str, int]) -> frozenset[str]:
 
 class InMemoryTable:
     """The port of a table over the virtual one."""
+
+    time_half_width_s = 0.0
 
     def __init__(self, simulation: Simulation) -> None:
         design = simulation.config.table
@@ -72,7 +75,8 @@ class InMemoryTable:
 
     async def encoder(self, first: int) -> EncoderBlock:
         first, counts = self._table.capture(first, self.block_samples)
-        return EncoderBlock(first, counts * self._rad)
+        t = (np.arange(len(counts)) + first) * self.period_us / 1e6
+        return EncoderBlock(first, counts * self._rad, t)
 
     def _axis(self, axis: int) -> AxisState:
         status = self._table.axis_status(axis)

@@ -13,10 +13,10 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure
-from schemas.station import TABLE_DEVICE, TABLE_REGISTERS, StationFile
+from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink
-from tasks.station.drivers.modbus_table import ModbusTable
 from tasks.station.ports import TableState
 from tasks.station.progress import Progress
 from tasks.station.sequencer import GUARD_WALL_S, Sequencer
@@ -26,7 +26,7 @@ from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
 
 SPEED = 20.0
-WATCHDOG = next(register for register in TABLE_REGISTERS if register.name == "watchdog")
+WATCHDOG = 8  # its register
 MEASURED = ["position_+x_000", "position_-x_000", "rate_x_-50", "rate_x_+100"]
 
 
@@ -56,27 +56,29 @@ def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:
     """The table's state once it is at rest, and its watchdog, by a connection of its own."""
 
     async def read() -> tuple[TableState, int]:
-        link = ModbusLink(station.modbus_host, station.modbus_port)
+        devices = Devices(tuple(axis.name for axis in station.station.table_axes))
+        link = ModbusLink(station.table)
         try:
-            head = await link.read(TABLE_DEVICE, TABLE_REGISTERS)
-            table = await ModbusTable.find(link, tuple(a.name for a in station.station.table_axes))
+            (watchdog,) = await link.read(1, "holding", WATCHDOG, 1)
+            table = await devices.table(station.table)
             for _ in range(1000):
                 state = await table.state()
                 if not any(axis.is_moving for axis in state.axes):
                     break
                 await asyncio.sleep(0.02)
-            return state, head["watchdog"]
+            return state, watchdog
         finally:
             link.close()
+            await devices.hang_up()
 
     return asyncio.run(read())
 
 
 async def _let_the_watchdog_bite(station: StationFile) -> None:
     """As a run does that is killed: polls for a while, then no more."""
-    link = ModbusLink(station.modbus_host, station.modbus_port)
+    link = ModbusLink(station.table)
     try:
-        await link.write(TABLE_DEVICE, WATCHDOG, 50)
+        await link.write(1, "holding", WATCHDOG, [50])
         await asyncio.sleep(0.3)
     finally:
         link.close()
@@ -378,7 +380,7 @@ def test_failing_sink_stops_the_table(short, kept):
 
 @pytest.mark.real_time
 def test_station_that_is_not_there_is_named(short, kept, real):
-    with pytest.raises(Unusable, match=f"127.0.0.1:{real.station.modbus_port} does not answer"):
+    with pytest.raises(Unusable, match=r"127\.0\.0\.1:\d+ does not answer"):
         over_sockets(real.station, short, kept)
     assert kept.pieces == {}
     assert kept.manifests == []

@@ -2,12 +2,12 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Segment, Stream
-from schemas.station import UnitLink
 from tasks.station.anomalies import Anomaly, remarks_on
 from tasks.station.monitor import check_rate, check_unit
+from tests.tasks.station.sample_stations import rates_link
 
 LIMITS = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
-LINK = UnitLink(url="socket://nowhere:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100)
+LINK = rates_link()
 SEGMENTS = (
     Segment(name="move000", kind="transition", t_start=0, t_end=10),
     Segment(name="rest_x", kind="static", t_start=10, t_end=20),

@@ -17,6 +17,7 @@ from tasks.station.virtual.config import virtual_station
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.sample_stations import rates_link
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
 
 
@@ -37,17 +38,11 @@ def test_a_fixture_that_did_not_turn_is_flagged_by_gravity_and_by_the_rates(tmp_
 def test_frames_of_the_wrong_kind_are_said_in_one_sentence(new_sink):
     station = InMemoryStation(virtual_station(1, ahrs=True))
     values = station.file.model_dump(mode="json")
-    values["unit_link"] = {
-        "url": station.file.unit_link.url, "rate_hz": 10, "gyro_lsb_rad_s": 1e-6,
-        "accel_lsb_m_s2": 1e-5,
-    }  # fmt: skip
-    wrong = StationFile.model_validate(values)
+    wrong = StationFile.model_validate(values | {"unit_link": rates_link()})
     slow = part("fix_x_up", "rest_x").model_copy(update={"warm_up_s": 3600.0})
     with pytest.raises(Unusable) as stop:
         station.acquire(slow, new_sink(), file=wrong)
-    assert "sends frames of angles where unit_link.frame of the station file says rates" in str(
-        stop.value
-    )
+    assert "no whole frame for 3 s: check unit_link.frame of the station file" in str(stop.value)
     assert "\n" not in str(stop.value)
 
 

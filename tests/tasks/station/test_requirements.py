@@ -3,9 +3,10 @@ import pytest
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.recording import Mount, Station, TableAxis, Unit
-from schemas.station import StationFile, UnitLink
+from schemas.station import StationFile
 from tasks.station import procedures
 from tasks.station.requirements import check_procedure
+from tests.tasks.station.sample_stations import rates_link, sample
 
 JJF2003 = procedures.load("jjf2003")
 Z, X = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
@@ -14,11 +15,9 @@ Z, X = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 def station(*directions: tuple[float, float, float], mount: Mount | None = None) -> StationFile:
     axes = [TableAxis(name=f"axis{n}", direction=way) for n, way in enumerate(directions)]
     return StationFile(
-        modbus_host="nowhere",
-        modbus_port=502,
-        unit_link=UnitLink(
-            url="socket://nowhere:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100
-        ),
+        table=sample()["table"],
+        chamber=sample()["chamber"],
+        unit_link=rates_link(),
         station=Station(id="T3", table_axes=tuple(axes) or None),
         mount=mount or Mount(),
         unit=Unit(manufacturer="m", model="m", serial="s"),

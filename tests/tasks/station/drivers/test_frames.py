@@ -1,27 +1,27 @@
 import struct
+import zlib
 from binascii import crc_hqx
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from schemas.station import FRAMES, AngleLink, UnitLink
-from tasks.station.drivers.frames import RECORDS, crc16, find_frames, lost_between, to_stream
+from tasks.station.drivers.binary_frames import find_binary
+from tasks.station.drivers.checks import check_sums
+from tasks.station.drivers.samples import to_stream
+from tests.tasks.station.sample_stations import angles_link, rates_link
 
-LINK = UnitLink(url="socket://nowhere:1", gyro_lsb_rad_s=1e-6, accel_lsb_m_s2=1e-5, rate_hz=100)
-ANGLES = AngleLink(
-    url="socket://nowhere:1", frame="angles", angle_lsb_rad=1e-7, accel_lsb_m_s2=1e-5, rate_hz=10
-)
+RATES, ANGLES = rates_link().frame, angles_link().frame
 FRAME_BYTES = 42
 
 
 def frame(counter: int, stamp_us: int = 0, counts: tuple[int, ...] = (1, 2, 3, 4, 5, 6)) -> bytes:
-    return packed("rates", counter, stamp_us, counts)
+    return packed("<HIQ3i3ih", 0x55AA, counter, stamp_us, counts)
 
 
-def packed(kind: str, counter: int, stamp_us: int, counts: tuple[int, ...]) -> bytes:
-    layout = FRAMES[kind]
-    body = struct.pack(layout.format, layout.sync, counter, stamp_us, *counts, 2512, 0)[:-2]
+def packed(layout: str, sync: int, counter: int, stamp_us: int, counts: tuple[int, ...]) -> bytes:
+    body = struct.pack(layout, sync, counter, stamp_us, *counts, 2512)
     return body + struct.pack("<H", crc_hqx(body, 0))
 
 
@@ -29,11 +29,11 @@ def fed(data: bytes, pieces: list[int]) -> tuple[list[int], int]:
     """Counters found, and bad frames, when the data come in pieces of these sizes."""
     rest, counters, bad, start = b"", [], 0, 0
     for size in [*pieces, len(data)]:
-        found = find_frames(rest + data[start : start + size], "rates")
+        found = find_binary(rest + data[start : start + size], RATES)
         start += size
         rest = found.rest
         bad += found.bad
-        counters += found.frames["counter"].tolist()
+        counters += found.samples["counter"].tolist()
     return counters, bad
 
 
@@ -44,15 +44,23 @@ GARBAGE = st.lists(
 
 
 def test_layout_is_that_of_the_protocol():
-    assert FRAMES["rates"].size == FRAME_BYTES
-    for kind, layout in FRAMES.items():
-        assert RECORDS[kind].itemsize == layout.size == struct.calcsize(layout.format)
+    assert RATES.size == FRAME_BYTES
 
 
 @given(st.lists(st.binary(min_size=5, max_size=5), min_size=1, max_size=8))
-def test_check_sum_is_xmodem(rows):
+def test_check_sums_are_those_of_the_libraries(rows):
     octets = np.frombuffer(b"".join(rows), np.uint8).reshape(len(rows), 5)
-    assert crc16(octets).tolist() == [crc_hqx(row, 0) for row in rows]
+    assert check_sums("crc16_xmodem", octets).tolist() == [crc_hqx(row, 0) for row in rows]
+    ccitt = [crc_hqx(row, 0xFFFF) for row in rows]
+    assert check_sums("crc16_ccitt_false", octets).tolist() == ccitt
+    assert check_sums("crc32", octets).tolist() == [zlib.crc32(row) for row in rows]
+    assert check_sums("sum8", octets).tolist() == [sum(row) % 256 for row in rows]
+
+
+@pytest.mark.parametrize(("kind", "sum_of_digits"), [("crc16_modbus", 0x4B37), ("xor8", 0x31)])
+def test_check_sums_of_the_digits_are_the_published_ones(kind, sum_of_digits):
+    digits = np.frombuffer(b"123456789", np.uint8)[None]
+    assert check_sums(kind, digits).tolist() == [sum_of_digits]
 
 
 @given(
@@ -87,16 +95,10 @@ def test_sync_word_inside_a_good_frame_is_not_a_bad_frame():
     assert fed(inside * 3, [20, 30]) == ([0x55AA55AA] * 3, 0)
 
 
-def test_lost_frames_are_counted_over_the_wrap_of_the_counter():
-    counters = np.array([2**32 - 2, 2**32 - 1, 2, 3], np.uint32)
-    assert lost_between(counters).tolist() == [0, 2, 0]
-
-
 def test_counts_become_si_over_the_units_own_stamps():
     counts = (1000, -2000, 3000, 980665, -(2**31), 2**31 - 1)
-    stream = to_stream(
-        find_frames(frame(7, 1_500_000, counts), "rates").frames, LINK, shift_us=-250_000
-    )
+    found = find_binary(frame(7, 1_500_000, counts), RATES)
+    stream = to_stream(found.samples, RATES, shift_us=-250_000)
     assert stream.t.tolist() == [1.25]
     assert stream.columns["gyro_y"][0] == -2000 * 1e-6
     assert stream.columns["accel_x"][0] == 980665 * 1e-5
@@ -106,8 +108,8 @@ def test_counts_become_si_over_the_units_own_stamps():
 
 def test_angles_become_radians_however_far_they_have_run_on():
     counts = (2**40, -(2**40), 3, 980665, -2, 3)
-    sent = packed("angles", 7, 1_500_000, counts)
-    stream = to_stream(find_frames(sent, "angles").frames, ANGLES)
+    sent = packed("<HIQ3q3ih", 0x55AB, 7, 1_500_000, counts)
+    stream = to_stream(find_binary(sent, ANGLES).samples, ANGLES)
     assert list(stream.columns) == [
         *("angle_x", "angle_y", "angle_z"), *("accel_x", "accel_y", "accel_z"), "temperature"
     ]  # fmt: skip
@@ -117,6 +119,6 @@ def test_angles_become_radians_however_far_they_have_run_on():
 
 
 def test_frames_of_one_kind_are_none_of_the_other():
-    sent = packed("angles", 7, 1, (1, 2, 3, 4, 5, 6)) * 5
-    assert len(find_frames(sent, "angles").frames) == 5
-    assert len(find_frames(sent, "rates").frames) == 0
+    sent = packed("<HIQ3q3ih", 0x55AB, 7, 1, (1, 2, 3, 4, 5, 6)) * 5
+    assert len(find_binary(sent, ANGLES).samples) == 5
+    assert len(find_binary(sent, RATES).samples) == 0

@@ -12,12 +12,10 @@ from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from schemas.base import Unusable
-from schemas.station import CAPTURE_REGISTERS, TABLE_DEVICE, TABLE_REGISTERS, WORDS
+from schemas.devices import WORDS, Connection
 from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
 from tasks.station.setpoints import move_s, nearest_turn
 
-WATCHDOG = next(register for register in TABLE_REGISTERS if register.name == "watchdog")
-CAPTURE_FROM = CAPTURE_REGISTERS[0]
 READ_AND_WRITE = 23
 
 
@@ -31,12 +29,16 @@ async def serve(refused: tuple[int, ...] = (), port: int = 0) -> ModbusTcpServer
     return server
 
 
+def port_of(server: ModbusTcpServer) -> int:
+    return server.transport.sockets[0].getsockname()[1]
+
+
 def on_a_server(
     use: Callable[[ModbusLink, ModbusTcpServer], Awaitable[None]], refused: tuple[int, ...] = ()
 ) -> None:
     async def run() -> None:
         server = await serve(refused)
-        link = ModbusLink("127.0.0.1", server.transport.sockets[0].getsockname()[1])
+        link = ModbusLink(Connection(url=f"socket://127.0.0.1:{port_of(server)}"))
         try:
             await use(link, server)
         finally:
@@ -62,10 +64,8 @@ def test_high_word_comes_first():
 
 def test_what_is_written_is_read():
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
-        await link.write(TABLE_DEVICE, WATCHDOG, 1234)
-        head = await link.read(TABLE_DEVICE, TABLE_REGISTERS)
-        assert head["watchdog"] == 1234
-        assert set(head) == {register.name for register in TABLE_REGISTERS}
+        await link.write(1, "holding", 8, [1234, 5678])
+        assert await link.read(1, "holding", 7, 4) == [0, 1234, 5678, 0]
 
     on_a_server(use)
 
@@ -74,9 +74,7 @@ def test_what_is_written_is_read():
 def test_capture_works_with_and_without_the_combined_function(refused):
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
         for number in (70_000, 70_019):
-            words = await link.write_then_read(
-                TABLE_DEVICE, CAPTURE_FROM, number, CAPTURE_FROM.address, 2
-            )
+            words = await link.write_then_read(1, 100, encode(number, "uint32"), 100, 2)
             assert decode(words, "uint32") == number
 
     on_a_server(use, refused)
@@ -84,20 +82,22 @@ def test_capture_works_with_and_without_the_combined_function(refused):
 
 def test_exception_answer_is_refused_at_once_with_its_meaning():
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
-        with pytest.raises(Refused, match=r"reading 2 registers from 900 .* 2 \(illegal address\)"):
-            await link.read_words(TABLE_DEVICE, 900, 2)
+        with pytest.raises(
+            Refused, match=r"reading 2 of bank holding from 900 .* 2 \(illegal address\)"
+        ):
+            await link.read(1, "holding", 900, 2)
 
     on_a_server(use)
 
 
 def test_link_connects_again_when_the_server_comes_back():
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
-        await link.read_words(TABLE_DEVICE, 0, 1)
+        await link.read(1, "holding", 0, 1)
         server.close()
         await asyncio.sleep(0.05)
-        again = await serve(port=link.port)
+        again = await serve(port=int(link.url.rpartition(":")[2]))
         try:
-            assert len(await link.read_words(TABLE_DEVICE, 0, 1)) == 1
+            assert len(await link.read(1, "holding", 0, 1)) == 1
         finally:
             link.close()
             again.close()
@@ -107,10 +107,10 @@ def test_link_connects_again_when_the_server_comes_back():
 
 def test_lost_connection_names_host_port_and_the_way_out():
     async def use(link: ModbusLink, server: ModbusTcpServer) -> None:
-        await link.read_words(TABLE_DEVICE, 0, 1)
+        await link.read(1, "holding", 0, 1)
         server.close()
-        with pytest.raises(Unusable, match=f"127.0.0.1:{link.port} does not answer .* check that"):
-            await link.read_words(TABLE_DEVICE, 0, 1)
+        with pytest.raises(Unusable, match=r"127.0.0.1:\d+ does not answer .* check that"):
+            await link.read(1, "holding", 0, 1)
 
     on_a_server(use)
 

@@ -11,7 +11,11 @@ import serial
 from pymodbus.client import ModbusTcpClient
 from pymodbus.client.mixin import ModbusClientMixin as Mixin
 
-from schemas.station import (
+from schemas.station import StationFile
+from tasks.station.drivers.modbus import host_and_port
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.protocol import (
     AXIS_BASE,
     AXIS_REGISTERS,
     AXIS_STRIDE,
@@ -22,10 +26,7 @@ from schemas.station import (
     TABLE_DEVICE,
     TABLE_REGISTERS,
     Register,
-    StationFile,
 )
-from tasks.station.virtual.config import VirtualStation
-from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.registers import ChamberRegisters, TableRegisters
 from tasks.station.virtual.simulation import Simulation
 
@@ -90,9 +91,8 @@ class SocketConsole(Console):
     """A real client, of a station in another process."""
 
     def __init__(self, station: StationFile, timeout: float) -> None:
-        self.client = ModbusTcpClient(
-            station.modbus_host, port=station.modbus_port, timeout=timeout, retries=0
-        )
+        host, port = host_and_port(station.table.url) or ("", 0)
+        self.client = ModbusTcpClient(host, port=port, timeout=timeout, retries=0)
         self.client.connect()
 
     def words(self, device: int, address: int, count: int) -> list[int]:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from schemas.recording import Mount
-from schemas.station import MODES
-from tasks.station.drivers.frames import find_frames
-from tasks.station.virtual.config import VirtualStation, virtual_station
+from tasks.station.drivers.binary_frames import find_binary
+from tasks.station.virtual.config import VirtualStation, station_file, virtual_station
+from tasks.station.virtual.protocol import MODES
 from tasks.station.virtual.simulation import Simulation
 
 DEG = np.pi / 180.0
@@ -58,12 +58,13 @@ class Bench:
 
     @property
     def frames(self) -> np.ndarray:
-        return find_frames(b"".join(self._sent), "angles").frames
+        frame = station_file(self.simulation.config, 1, "nowhere", 1, 2).unit_link.frame
+        return find_binary(b"".join(self._sent), frame).samples
 
     @property
     def angle(self) -> np.ndarray:
         """The accumulated angles (n, 3), rad."""
-        return self.frames["angle"] * self._lsb
+        return self.frames["values"][:, :3]
 
 
 def test_ten_turns_about_the_vertical_add_up_and_come_back():
@@ -98,7 +99,7 @@ def test_what_is_worked_out_at_once_goes_over_into_motion_without_a_jump():
         bench.pass_(6.0)
     np.testing.assert_allclose(cut_fine.angle, at_once.angle, atol=3e-9)
     np.testing.assert_allclose(
-        cut_fine.frames["accel"], at_once.frames["accel"], atol=2
+        cut_fine.frames["values"][:, 3:6], at_once.frames["values"][:, 3:6], atol=2e-6
     )  # counts of 1e-6 m/s²
 
 
@@ -112,7 +113,7 @@ def test_turning_the_fixture_over_turns_the_unit_and_it_feels_it():
     assert bench.simulation.fixture.status(bench.simulation.table.now) == 1
     felt = bench.angle[-1] - before
     np.testing.assert_allclose(felt, [np.pi / 2, 0.0, 0.0], atol=12.0 * EARTH)
-    force = bench.frames["accel"][-1] * 1e-6
+    force = bench.frames["values"][-1, 3:6]
     np.testing.assert_allclose(force, [0.0, G, 0.0], atol=2e-6)
 
 
@@ -134,7 +135,7 @@ def test_the_fixture_carries_the_units_own_seat():
     bench = Bench(perfect().model_copy(update={"mount": seat}))
     bench.refix(HALF, HALF, 0.0, 0.0)  # the fixture's y up
     bench.pass_(10.0)
-    force = bench.frames["accel"][-1] * 1e-6
+    force = bench.frames["values"][-1, 3:6]
     np.testing.assert_allclose(force, [G, 0.0, 0.0], atol=2e-6)
 
 
@@ -143,7 +144,7 @@ def test_switched_off_it_is_silent_and_cools_and_switched_on_it_begins_anew():
     bench.pass_(300.0)
     bench.turn("rate", rate=50.0)
     bench.pass_(10.0)
-    warm, count = bench.frames["temperature"][-1] / 100.0, len(bench.frames)
+    warm, count = bench.frames["values"][-1, -1], len(bench.frames)
     bench.simulation.supply(False)
     bench.pass_(60.0)
     assert len(bench.frames) == count
@@ -151,11 +152,9 @@ def test_switched_off_it_is_silent_and_cools_and_switched_on_it_begins_anew():
     bench.pass_(1.0)
     first = bench.frames[count]
     assert (first["counter"], first["stamp"]) == (0, 0)
-    assert np.abs(first["angle"] * 1e-9).max() < 1e-3
+    assert np.abs(first["values"][:3]).max() < 1e-3
     assert bench.simulation.supplied_steps == 370_000
-    assert first["temperature"] / 100.0 == pytest.approx(
-        20.0 + (warm - 20.0) * np.exp(-0.5), abs=0.05
-    )
+    assert first["values"][-1] == pytest.approx(20.0 + (warm - 20.0) * np.exp(-0.5), abs=0.05)
     assert bench.angle[-1, 2] == pytest.approx(50.0 * DEG * 0.9, rel=0.01)
 
 

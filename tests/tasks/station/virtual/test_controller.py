@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 from pymodbus.constants import ExcCodes
 
-from schemas.station import TABLE_STATUS
 from tasks.station.virtual import controller as under_test
 from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.protocol import TABLE_STATUS
 from tasks.station.virtual.servers import keep_time
 from tasks.station.virtual.simulation import Simulation
 from tests.simulated_time import run_simulated

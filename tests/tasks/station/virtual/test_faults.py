@@ -5,10 +5,10 @@ import pytest
 from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
-from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault, condition
 from tasks.station.virtual.process import running
+from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.simulation import Simulation
 
 SPEED = 20.0

@@ -10,6 +10,7 @@ import pytest
 from pymodbus.exceptions import ModbusIOException
 
 from schemas.base import Unusable
+from tasks.station.drivers.modbus import host_and_port
 from tasks.station.virtual.config import VirtualStation, truth
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
@@ -28,7 +29,7 @@ def test_a_station_ends_with_its_block(consoles):
     with running(VirtualStation(), 1.0) as found:
         assert consoles(found).read("ident") == 0x4D54
     with pytest.raises(OSError, match="refused"):
-        socket.create_connection((found.modbus_host, found.modbus_port), timeout=1)
+        socket.create_connection(host_and_port(found.table.url), timeout=1)
 
 
 def test_a_station_ends_when_its_starter_dies(tmp_path):
@@ -37,7 +38,7 @@ def test_a_station_ends_when_its_starter_dies(tmp_path):
         "from tasks.station.virtual.config import VirtualStation\n"
         "from tasks.station.virtual.process import running\n"
         "with running(VirtualStation(), 1.0) as found:\n"
-        "    print(found.modbus_port, flush=True)\n"
+        "    print(found.table.url.rpartition(':')[2], flush=True)\n"
         "    os._exit(3)\n"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)

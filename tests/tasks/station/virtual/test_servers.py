@@ -6,9 +6,9 @@ import time
 import numpy as np
 import pytest
 
-from schemas.station import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
+from tasks.station.virtual.protocol import CAPTURE_REGISTERS, MODES, TABLE_DEVICE, TABLE_REGISTERS
 
 SETTLED, MOVING, WATCHDOG = 4, 2, 64
 

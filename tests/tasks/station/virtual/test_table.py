@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.recording import TableAxis
-from schemas.station import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.config import TableDesign
 from tasks.station.virtual.profile import to_angle, to_rate
+from tasks.station.virtual.protocol import AXIS_STATUS, MODES, TABLE_STATUS
 from tasks.station.virtual.table import VirtualTable
 
 DEG = np.pi / 180.0

@@ -1,0 +1,158 @@
+"""The unit's line and its frames as data: binary with a check sum, or lines of text."""
+
+from collections.abc import Mapping
+from math import pi
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from schemas.base import Finite, Frozen
+from schemas.recording import ACCEL, ANGLE, GYRO
+
+SIZES: Mapping[str, int] = {
+    "uint8": 1, "int8": 1, "uint16": 2, "int16": 2, "uint32": 4, "int32": 4, "uint64": 8,
+    "int64": 8, "float32": 4, "float64": 8,
+}  # fmt: skip
+FieldType = Literal[
+    "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64"
+]
+UNITS: Mapping[str, float] = {
+    "1": 1.0, "rad/s": 1.0, "deg/s": pi / 180.0, "m/s2": 1.0, "g": 9.80665, "rad": 1.0,
+    "deg": pi / 180.0, "degC": 1.0, "s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9,
+}  # fmt: skip
+FieldUnit = Literal[
+    "1", "rad/s", "deg/s", "m/s2", "g", "rad", "deg", "degC", "s", "ms", "us", "ns"
+]  # fmt: skip
+Check = Literal["crc16_xmodem", "crc16_ccitt_false", "crc16_modbus", "crc32", "sum8", "xor8"]
+CHECK_BYTES: Mapping[str, int] = {
+    "crc16_xmodem": 2, "crc16_ccitt_false": 2, "crc16_modbus": 2, "crc32": 4, "sum8": 1, "xor8": 1
+}  # fmt: skip
+CHANNELS = (*GYRO, *ANGLE, *ACCEL, "temperature")
+PLACES = ("counter", "time", "skip", *CHANNELS)
+
+
+class FrameField(Frozen):
+    """One field: what it is, and what one count of it is, as `scale` of a unit.
+
+    name: a channel, `counter`, `time` (since power-on), or `skip` for what is not wanted.
+    """
+
+    name: str
+    scale: Finite = 1.0
+    unit: FieldUnit = "1"
+
+    @field_validator("name")
+    @classmethod
+    def _is_known(cls, name: str) -> str:
+        if name not in PLACES:
+            raise ValueError(f"there is no field {name}: the fields are {', '.join(PLACES)}")
+        return name
+
+    @property
+    def factor(self) -> float:
+        """What one count is in SI units, or in °C."""
+        return self.scale * UNITS[self.unit]
+
+
+class BinaryField(FrameField):
+    """A field of a binary frame."""
+
+    type: FieldType
+
+
+class TextField(FrameField):
+    """A field of a line; prefix: what stands before its number."""
+
+    prefix: str = ""
+
+
+class _Frame(Frozen):
+    @property
+    def channels(self) -> dict[str, float]:
+        """The channels in the order of the frame, and what one count of each is."""
+        return {f.name: f.factor for f in self._fields if f.name in CHANNELS}
+
+    @property
+    def _fields(self) -> tuple[FrameField, ...]:
+        return getattr(self, "fields")  # noqa: B009 (declared by either kind)
+
+    def has(self, name: str) -> bool:
+        """Whether a field is in the frame."""
+        return any(field.name == name for field in self._fields)
+
+    @model_validator(mode="after")
+    def _holds_whole_triads_once(self) -> Self:
+        names = [field.name for field in self._fields if field.name != "skip"]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"fields names {twice[0]} twice")
+        for triad in (GYRO, ANGLE, ACCEL):
+            missing = [name for name in triad if name not in names]
+            if 0 < len(missing) < len(triad):
+                raise ValueError(f"fields has no {missing[0]}")
+        if not any(name in names for name in (*GYRO, *ANGLE, *ACCEL)):
+            raise ValueError("fields has neither gyro_x, angle_x nor accel_x")
+        return self
+
+
+class BinaryFrame(_Frame):
+    """A frame of fixed length: the sync bytes, the fields and a check sum.
+
+    sync: as hexadecimal, in the order in which the bytes come. The check sum is over everything
+    from byte `check_from` to itself, and comes in the byte order of the fields.
+    """
+
+    kind: Literal["binary"]
+    sync: str
+    byte_order: Literal["little", "big"] = "little"
+    check: Check
+    check_from: int = Field(default=0, ge=0)
+    check_byte_order: Literal["little", "big"] | None = None
+    fields: tuple[BinaryField, ...] = Field(min_length=1)
+
+    @field_validator("sync")
+    @classmethod
+    def _is_hexadecimal(cls, sync: str) -> str:
+        if not bytes.fromhex(sync):
+            raise ValueError("sync has no byte")
+        return sync
+
+    @property
+    def sync_bytes(self) -> bytes:
+        return bytes.fromhex(self.sync)
+
+    @property
+    def size(self) -> int:
+        """Bytes of a whole frame."""
+        fields = sum(SIZES[field.type] for field in self.fields)
+        return len(self.sync_bytes) + fields + CHECK_BYTES[self.check]
+
+
+class TextFrame(_Frame):
+    """A line: what it starts with, its fields, and a check sum in hexadecimal after `*`.
+
+    The check sum is over what stands between the first character, where that is `$` or `!`, and
+    the `*`.
+    """
+
+    kind: Literal["text"]
+    start: str = ""
+    separator: str = Field(default=",", min_length=1, max_length=1)
+    terminator: str = Field(default="\n", min_length=1)
+    check: Literal["xor8", "crc16_xmodem", "none"] = "none"
+    fields: tuple[TextField, ...] = Field(min_length=1)
+
+
+AnyFrame = BinaryFrame | TextFrame
+
+
+class UnitLink(Frozen):
+    """The line: where the frames come from, how many in a second, and what they hold.
+
+    url: `socket://host:port`, a serial device, `udp://host:port` on which to listen, or
+    `file:///path` of a file that is being written.
+    """
+
+    url: str = Field(min_length=1)
+    baudrate: int = Field(default=460800, gt=0)
+    rate_hz: Finite = Field(gt=0)
+    frame: Annotated[AnyFrame, Field(discriminator="kind")]

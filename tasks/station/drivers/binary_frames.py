@@ -1,0 +1,82 @@
+"""Binary frames: found in a stream of bytes, checked, and read."""
+
+import numpy as np
+
+from schemas.unit_link import CHECK_BYTES, SIZES, BinaryField, BinaryFrame
+from tasks.station.drivers.checks import check_sums
+from tasks.station.drivers.samples import FrameSearch, filled, no_samples
+
+
+def find_binary(data: bytes, frame: BinaryFrame) -> FrameSearch:
+    """Every frame with a right check sum, wherever it starts.
+
+    `rest` goes before the next bytes.
+
+    A stretch of a frame's length that begins with the sync bytes, has a wrong check sum and
+    touches no good frame counts as a bad one. The search goes on at the next byte, so that
+    garbage costs no frame whose own bytes are intact.
+    """
+    size = frame.size
+    if len(data) < size:
+        return FrameSearch(no_samples(frame), 0, data)
+    octets = np.frombuffer(data, np.uint8)
+    starts = _sync_places(octets, frame)
+    rows = np.lib.stride_tricks.sliding_window_view(octets, size)[starts]
+    good = _is_good(rows, frame)
+    taken = _without_overlap(starts[good], size)
+    samples = _read(octets[taken[:, None] + np.arange(size)], frame)
+    end = int(taken[-1]) + size if len(taken) else 0
+    # two frames long, so that what a bad one touches is known when it is counted
+    rest_from = max(end, len(data) - 2 * size + 1, 0)
+    bad = _apart(starts[~good & (starts < rest_from)], taken, size)
+    return FrameSearch(samples, bad, data[rest_from:])
+
+
+def _is_good(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    width = CHECK_BYTES[frame.check]
+    told = np.zeros(len(rows), np.uint64)
+    order = frame.check_byte_order or frame.byte_order
+    places = range(width) if order == "big" else reversed(range(width))
+    for place in places:
+        told = (told << np.uint64(8)) | rows[:, rows.shape[1] - width + place]
+    return np.asarray(check_sums(frame.check, rows[:, frame.check_from : -width]) == told)
+
+
+def _read(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    """Samples (n,) of rows of octets, (n, size)."""
+    raw, start = {}, len(frame.sync_bytes)
+    for field in frame.fields:
+        end = start + SIZES[field.type]
+        octets = np.ascontiguousarray(rows[:, start:end])
+        raw[field.name] = octets.view(_type(field, frame))[:, 0]
+        start = end
+    return filled(frame, raw, len(rows))
+
+
+def _type(field: BinaryField, frame: BinaryFrame) -> np.dtype:
+    return np.dtype(field.type).newbyteorder("<" if frame.byte_order == "little" else ">")
+
+
+def _sync_places(octets: np.ndarray, frame: BinaryFrame) -> np.ndarray:
+    last = len(octets) - frame.size + 1
+    is_sync = np.ones(last, bool)
+    for place, octet in enumerate(frame.sync_bytes):
+        is_sync &= octets[place : last + place] == octet
+    return np.flatnonzero(is_sync)
+
+
+def _without_overlap(starts: np.ndarray, size: int) -> np.ndarray:
+    """Of good frames that overlap, the first: the other is a chance inside it."""
+    if np.all(np.diff(starts) >= size):
+        return starts
+    taken: list[int] = []
+    for start in starts:
+        if not taken or start >= taken[-1] + size:
+            taken.append(int(start))
+    return np.array(taken, dtype=starts.dtype)
+
+
+def _apart(places: np.ndarray, taken: np.ndarray, size: int) -> int:
+    """How many of the places are a frame's length or more from every frame taken."""
+    apart = np.abs(places[:, None] - taken).min(axis=1, initial=size)
+    return int(np.count_nonzero(apart >= size))

@@ -1,0 +1,100 @@
+"""The devices of a station file, connected: each by its description or by its entry point."""
+
+from importlib.metadata import entry_points
+from typing import Any, TypeAlias
+
+from schemas.base import Unusable
+from schemas.devices import (
+    ChamberDevice,
+    Described,
+    FixtureDevice,
+    ModbusDevice,
+    PythonDevice,
+    TableDevice,
+    TextDevice,
+)
+from tasks.station.drivers.backend import Backend, check_expected
+from tasks.station.drivers.modbus import ModbusLink
+from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.surroundings import DescribedChamber, DescribedFixture
+from tasks.station.drivers.table import DescribedTable
+from tasks.station.drivers.text_device import TextBackend
+from tasks.station.drivers.text_link import TextLink
+from tasks.station.ports import Chamber, Fixture, Table
+
+GROUP = "mimucal.{kind}s"  # of entry points: mimucal.tables, mimucal.chambers, mimucal.fixtures
+
+Link: TypeAlias = ModbusLink | TextLink
+
+
+class Devices:
+    """Makes devices; those behind one URL share its connection.
+
+    names: the table's axes, outer first. Raises Unusable where a device is not what its
+    description expects, and where there is no driver of a name.
+    """
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self._names = names
+        self._links: dict[str, Link] = {}
+        self._drivers: list[Any] = []
+
+    async def table(self, device: TableDevice) -> Table:
+        """The table."""
+        if isinstance(device, PythonDevice):
+            table: Table = self._from_entry_point("table", device, self._names)
+            return table
+        return await DescribedTable.find(device, self._backend(device), self._names)
+
+    async def chamber(self, device: ChamberDevice) -> Chamber:
+        """The chamber."""
+        if isinstance(device, PythonDevice):
+            chamber: Chamber = self._from_entry_point("chamber", device)
+            return chamber
+        backend = self._backend(device)
+        await check_expected(device, backend, "chamber")
+        return DescribedChamber(device, backend)
+
+    async def fixture(self, device: FixtureDevice) -> Fixture:
+        """The fixture."""
+        if isinstance(device, PythonDevice):
+            fixture: Fixture = self._from_entry_point("fixture", device)
+            return fixture
+        backend = self._backend(device)
+        await check_expected(device, backend, "fixture")
+        return DescribedFixture(device, backend)
+
+    async def hang_up(self) -> None:
+        """Hang up, in the event loop of the connections."""
+        for each in (*self._links.values(), *self._drivers):
+            each.close()
+
+    def _backend(self, device: Described) -> Backend:
+        axes = len(self._names)
+        if isinstance(device, ModbusDevice):
+            return ModbusBackend(device, self._shared(device, ModbusLink), axes)
+        assert isinstance(device, TextDevice)
+        return TextBackend(device, self._shared(device, TextLink), axes)
+
+    def _shared(self, device: Any, kind: Any) -> Any:
+        link = self._links.setdefault(device.url, kind(device))
+        if not isinstance(link, kind):
+            raise Unusable(
+                f"url {device.url} is that of a Modbus device and of a text device: a connection "
+                f"carries one of them, so correct the station file"
+            )
+        return link
+
+    def _from_entry_point(self, kind: str, device: PythonDevice, *more: Any) -> Any:
+        """One class of another package: called with its options, and a table with its axes."""
+        group = GROUP.format(kind=kind)
+        found = {point.name: point for point in entry_points(group=group)}
+        if device.name not in found:
+            there = ", ".join(sorted(found)) or "none"
+            raise Unusable(
+                f"there is no driver {device.name} in the entry points {group} (there are: "
+                f"{there}): install its package, or correct {kind}.name of the station file"
+            )
+        driver = found[device.name].load()(dict(device.options), *more)
+        self._drivers.append(driver)
+        return driver

@@ -1,0 +1,195 @@
+"""The turntable of a description, whatever it speaks."""
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.devices import ModbusTable, TextTable
+from tasks.station.clock import wall_s
+from tasks.station.drivers.backend import Backend, check_expected
+from tasks.station.drivers.encoders import CapturedEncoders, PolledEncoders, Unwrapped
+from tasks.station.drivers.modbus_device import ModbusBackend
+from tasks.station.drivers.settling import Settling
+from tasks.station.ports import TRIPS, AxisState, EncoderBlock, TableState, check_trips
+
+MOVING_DEG_S = 0.01  # where a table does not say itself whether it moves
+POLL_S = 0.1
+
+
+class DescribedTable:
+    """A table as its description says. Raises as its backend does.
+
+    Where it tells no time, station time is the wall time since it was found.
+    """
+
+    def __init__(
+        self, described: ModbusTable | TextTable, backend: Backend, names: tuple[str, ...]
+    ) -> None:
+        self.names = names
+        self._described = described
+        self._backend = backend
+        self._is_held = False  # by this client, from `home` to `leave`
+        self._began_s = wall_s()
+        self._encoders = self._encoders_of(described, backend)
+        shown = {"time", "angle", "rate"} | {flag.of for flag in described.flags.values()}
+        self._state_names = frozenset(shown & described.readings)
+        self._settling = [Settling(described) for _ in names]
+        self._unwrapped = Unwrapped(described.turnover_deg)
+        self._before: tuple[float, np.ndarray] | None = None  # station time and angles last read
+
+    def _encoders_of(
+        self, described: ModbusTable | TextTable, backend: Backend
+    ) -> CapturedEncoders | PolledEncoders:
+        if (
+            isinstance(described, ModbusTable)
+            and described.capture is not None
+            and isinstance(backend, ModbusBackend)
+        ):
+            return CapturedEncoders(described, described.capture, backend, len(self.names))
+        return PolledEncoders(described, backend, self._began_s)
+
+    @classmethod
+    async def find(
+        cls, described: ModbusTable | TextTable, backend: Backend, names: tuple[str, ...]
+    ) -> "DescribedTable":
+        """The table, once it has read what its description expects. Raises Unusable if not."""
+        await check_expected(described, backend, "table")
+        return cls(described, backend, names)
+
+    @property
+    def period_us(self) -> int:
+        """Time between two encoder samples."""
+        return self._encoders.period_us
+
+    @property
+    def block_samples(self) -> int:
+        """How many samples one block of `encoder` holds at most."""
+        return self._encoders.block_samples
+
+    @property
+    def time_half_width_s(self) -> float:
+        """By how much an encoder sample's time may be wrong; 0 where the table captures them."""
+        return getattr(self._encoders, "time_half_width_s", 0.0)
+
+    async def home(self) -> None:
+        """Clear an old watchdog stop, carry out `home` until the table is homed, and hold it.
+
+        Raises Unusable where the table is not ready to move, or another client holds it.
+        """
+        state = await self.state()
+        if state.trips == {"watchdog"}:  # an earlier run was cut off; nothing is wrong
+            await self._backend.command("reset", {})
+        await self._backend.command("home", {})
+        if "homed" in self._described.flags:
+            await self._until_homed()
+        self._is_held = True
+        check_trips(await self.state(), self.names)
+
+    async def _until_homed(self) -> None:
+        flag = self._described.flags["homed"]
+        end_s = wall_s() + self._described.home_timeout_s
+        while wall_s() < end_s:
+            read = (await self._backend.read(frozenset((flag.of,))))[flag.of]
+            if all(flag.is_set(each) for each in (read if isinstance(read, tuple) else (read,))):
+                return
+            await asyncio.sleep(POLL_S)
+        raise Unusable(
+            f"the table at {self._backend.url} has not found its home within "
+            f"{self._described.home_timeout_s:g} s: look whether an axis is blocked"
+        )
+
+    async def state(self) -> TableState:
+        """The table and its axes, of one moment where they can be read in one exchange.
+
+        It renews the hold on the table: the connection may be another than that which held it.
+        """
+        values = await self._backend.read(self._state_names, "hold" if self._is_held else "")
+        now_s = wall_s()
+        station_s = float(values.get("time", now_s - self._began_s))
+        angles = self._unwrapped(np.array([values["angle"]], float))[0]
+        rates = self._rates(values, station_s, angles)
+        axes = tuple(
+            AxisState(
+                angle_deg=float(angles[axis]),
+                rate_deg_s=float(rates[axis]),
+                is_moving=self._is_moving(values, axis, float(rates[axis])),
+                is_settled=self._is_settled(values, axis, station_s, angles, rates),
+                trips=frozenset(trip for trip in TRIPS if self._is_set(trip, values, axis, True)),
+            )
+            for axis in range(len(self.names))
+        )
+        trips = frozenset(trip for trip in TRIPS if self._is_set(trip, values, 0, False))
+        return TableState(station_s=station_s, wall_s=now_s, axes=axes, trips=trips)
+
+    def _rates(self, values: Mapping[str, Any], station_s: float, angles: np.ndarray) -> np.ndarray:
+        """As the table tells them, else from what its angles have gone since the last reading."""
+        before, self._before = self._before, (station_s, angles)
+        if "rate" in values:
+            return np.array(values["rate"], float)
+        if before is None or station_s <= before[0]:
+            return np.zeros(len(angles))
+        return np.asarray((angles - before[1]) / (station_s - before[0]))
+
+    def _is_set(self, name: str, values: Mapping[str, Any], axis: int, of_axis: bool) -> bool:
+        """Whether a flag of the axes, or one of the whole table, is set."""
+        flag = self._described.flags.get(name)
+        if flag is None or (flag.of in self._backend.per_axis) != of_axis:
+            return False
+        return flag.is_set(values[flag.of][axis] if of_axis else values[flag.of])
+
+    def _is_moving(self, values: Mapping[str, Any], axis: int, rate: float) -> bool:
+        if "moving" not in self._described.flags:
+            return abs(rate) > MOVING_DEG_S
+        return any(self._is_set("moving", values, axis, of_axis) for of_axis in (True, False))
+
+    def _is_settled(
+        self,
+        values: Mapping[str, Any],
+        axis: int,
+        station_s: float,
+        angles: np.ndarray,
+        rates: np.ndarray,
+    ) -> bool:
+        if "settled" not in self._described.flags:
+            angle, rate = float(angles[axis]), float(rates[axis])
+            return self._settling[axis].is_settled(station_s, angle, rate)
+        return any(self._is_set("settled", values, axis, of_axis) for of_axis in (True, False))
+
+    async def move_to(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
+        """Send an axis to an angle (deg) at a rate (deg/s)."""
+        self._settling[axis].send("angle", angle)
+        given = {"angle": angle, "rate": rate, "speed": rate, "acceleration": acceleration}
+        await self._backend.command("move_to", given, axis)
+
+    async def turn_at(self, axis: int, rate: float, acceleration: float) -> None:
+        """Turn an axis at a rate (deg/s)."""
+        self._settling[axis].send("rate", rate)
+        given = {"rate": rate, "speed": abs(rate), "acceleration": acceleration}
+        given["direction"] = 1.0 if rate >= 0 else -1.0
+        await self._backend.command("turn_at", given, axis)
+
+    async def stop(self, axis: int) -> None:
+        """Ramp an axis to rest."""
+        self._settling[axis].send("off")
+        await self._backend.command("stop", {}, axis)
+
+    async def leave(self) -> None:
+        """Stop every axis and let the table go, on a fresh connection."""
+        self._is_held = False
+        self._backend.close()
+        failures = []
+        for axis in range(len(self.names)):
+            try:
+                await self.stop(axis)
+            except Unusable as failure:  # the others are to stop all the same
+                failures.append(failure)
+        await self._backend.command("leave", {})
+        if failures:
+            raise failures[0]
+
+    async def encoder(self, first: int) -> EncoderBlock:
+        """The samples from number `first` on, or from the oldest one kept."""
+        return await self._encoders.block(first)

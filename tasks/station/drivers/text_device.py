@@ -1,0 +1,136 @@
+"""A device that takes lines of text, read and told by its description."""
+
+import re
+import string
+from collections.abc import Mapping
+from typing import Any
+
+from schemas.base import Unusable
+from schemas.devices import Query, TextDevice
+from tasks.station.drivers.backend import Values
+from tasks.station.drivers.text_link import TextLink
+
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+PATTERNS = {"": NUMBER, "x": r"(?:0[xX])?[0-9a-fA-F]+", "w": r"[^\s,;]+"}
+
+
+class Answer:
+    """What an answer looks like, made once from its description."""
+
+    def __init__(self, template: str) -> None:
+        self._places: list[tuple[str, int | None, str]] = []  # name, axis, how it is written
+        pattern = ""
+        for literal, name, kind, _ in string.Formatter().parse(template):
+            pattern += re.escape(literal)
+            if name:
+                bare, _, axis = name.partition("[")
+                self._places.append((bare, int(axis.rstrip("]")) if axis else None, kind or ""))
+                pattern += f"({PATTERNS[kind or '']})"
+        self._pattern = re.compile(pattern)
+
+    @property
+    def names(self) -> frozenset[str]:
+        return frozenset(name for name, _, _ in self._places)
+
+    @property
+    def per_axis(self) -> frozenset[str]:
+        """The names with an axis in brackets."""
+        return frozenset(name for name, axis, _ in self._places if axis is not None)
+
+    def values(self, line: str) -> dict[tuple[str, int | None], Any] | None:
+        """What a line holds, by name and axis; None where it does not look like it."""
+        match = self._pattern.fullmatch(line)
+        if match is None:
+            return None
+        return {
+            (name, axis): _value(text, kind)
+            for (name, axis, kind), text in zip(self._places, match.groups(), strict=True)
+        }
+
+
+def _value(text: str, kind: str) -> Any:
+    if kind == "w":
+        return text
+    return int(text, 16) if kind == "x" else float(text)
+
+
+class TextBackend:
+    """Implements Backend for `axes` axes. Raises as TextLink does, and for an answer that does
+    not look like its description."""
+
+    def __init__(self, described: TextDevice, link: TextLink, axes: int) -> None:
+        self.url = link.url
+        self._described = described
+        self._link = link
+        self._axes = axes
+        self._queries = [(query, Answer(query.answer)) for query in described.queries]
+        # the time is asked for last
+        self._queries.sort(key=lambda each: "time" in each[1].names)
+
+    @property
+    def per_axis(self) -> frozenset[str]:
+        """What is asked for each axis, and what an answer has for each."""
+        names: set[str] = set()
+        for query, answer in self._queries:
+            names |= answer.names if "{axis}" in query.ask else answer.per_axis
+        return frozenset(names)
+
+    async def read(self, names: frozenset[str], after: str = "") -> Values:
+        """The values by name, one exchange after the other."""
+        await self.command(after, {})
+        found: dict[tuple[str, int | None], Any] = {}
+        for query, answer in self._queries:
+            if not answer.names & names:
+                continue
+            if "{axis}" not in query.ask:
+                found |= await self._ask(query, answer, query.ask)
+                continue
+            for axis in range(self._axes):
+                values = await self._ask(query, answer, query.ask.format(axis=self._name(axis)))
+                found |= {(name, axis): value for (name, _), value in values.items()}
+        per_axis = self.per_axis
+        return {
+            name: tuple(self._scaled(name, found[name, axis]) for axis in range(self._axes))
+            if name in per_axis
+            else self._scaled(name, found[name, None])
+            for name in names
+        }
+
+    async def command(self, name: str, given: Mapping[str, float], axis: int = 0) -> None:
+        """Send the command's lines, one after the other."""
+        told = {each: value / self._described.scale.get(each, 1.0) for each, value in given.items()}
+        for template in self._described.commands.get(name, ()):
+            line = template.format(axis=self._name(axis), **told)
+            if self._described.acknowledge is None:
+                await self._link.tell(line)
+                continue
+            answer = await self._link.ask(line)
+            if answer != self._described.acknowledge:
+                raise Unusable(
+                    f"the device at {self.url} answered «{line}» with «{answer[:80]}» where it "
+                    f"acknowledges with «{self._described.acknowledge}»: read its manual about it"
+                )
+
+    def close(self) -> None:
+        """Hang up; the next exchange connects again."""
+        self._link.close()
+
+    async def _ask(
+        self, query: Query, answer: Answer, line: str
+    ) -> dict[tuple[str, int | None], Any]:
+        text = await self._link.ask(line)
+        values = answer.values(text)
+        if values is None:
+            raise Unusable(
+                f"the device at {self.url} answered «{line}» with «{text[:80]}» where the station "
+                f"file expects «{query.answer}»: correct queries there"
+            )
+        return values
+
+    def _scaled(self, name: str, value: Any) -> Any:
+        scale = self._described.scale.get(name)
+        return value if scale is None else value * scale
+
+    def _name(self, axis: int) -> str:
+        names = self._described.axes
+        return names[axis] if names else str(axis + 1)

@@ -1,0 +1,1 @@
+"""Complete station files, to begin one's own with."""
