@@ -11,6 +11,10 @@ from tasks.words import message, texts
 
 MEASURED = ("static", "rate", "rotation")
 MAX_NAMED = 3
+# What makes a segment worth measuring again: a moment's fault of table, line or unit.
+FAILURES = (
+    "encoder_gap", "unit_lost_samples", "table_unsettled", "table_rate", "stuck_channel", "spikes",
+)  # fmt: skip
 CONDITIONS = ("air_temperature", "air_humidity")  # of the specification: clause 6
 DECIMALS = {"air_temperature": ".1f", "air_humidity": ".0f", "table_rate": "+.3f"}
 
@@ -27,6 +31,14 @@ class Anomaly:
     t_end: float
     amount: float = 1.0
     subject: str = ""
+
+
+def touches(segment: Segment, anomalies: Iterable[Anomaly]) -> bool:
+    """Whether it is a measured one, and any of them was while it was measured."""
+    return segment.kind in MEASURED and any(
+        anomaly.t_start < segment.t_end and anomaly.t_end >= segment.t_start
+        for anomaly in anomalies
+    )
 
 
 def remarks_on(
@@ -49,12 +61,7 @@ def _remark(
     anomalies: tuple[Anomaly, ...], segments: Sequence[Segment], limits: EnvironmentLimits
 ) -> Remark:
     code = anomalies[0].code
-    touched = tuple(
-        segment.name
-        for segment in segments
-        if segment.kind in MEASURED
-        and any(a.t_start < segment.t_end and a.t_end >= segment.t_start for a in anomalies)
-    )
+    touched = tuple(segment.name for segment in segments if touches(segment, anomalies))
     amounts = [anomaly.amount for anomaly in anomalies]
     decimals = DECIMALS.get(code, ".0f")
     sentence = message(

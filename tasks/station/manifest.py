@@ -46,6 +46,19 @@ class ManifestBuilder:
         self.segments.append(segment.model_copy(update={"mount": self.mount}))
         self._until = segment.t_end
 
+    def withdraw(self, name: str) -> Segment:
+        """Make a transition of a measured segment that is to be repeated; what it was."""
+        place = next(i for i, each in enumerate(self.segments) if each.name == name)
+        segment = self.segments[place]
+        self.segments[place] = Segment(
+            name=f"withdrawn{place:03d}",
+            kind="transition",
+            t_start=segment.t_start,
+            t_end=segment.t_end,
+            mount=segment.mount,
+        )
+        return segment
+
     def build(self) -> Manifest:
         """The manifest with the segments finished so far."""
         return Manifest(

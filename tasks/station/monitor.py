@@ -68,9 +68,14 @@ class SegmentMonitor:
         """Check this segment once its data are there; `spin_axis` is the table axis turning."""
         self._waiting.append((segment, spin_axis))
 
+    @property
+    def reached_s(self) -> float:
+        """The time up to which both streams have come."""
+        return min(stream.t[-1] if len(stream) else -np.inf for stream in (self.imu, self.table))
+
     def has_passed(self, t: float) -> bool:
         """Whether both streams have passed a time."""
-        return all(len(stream) and stream.t[-1] >= t for stream in (self.imu, self.table))
+        return self.reached_s >= t
 
     def run(self, imu: Stream, table: Stream) -> list[Anomaly]:
         """Take in what came next, and check every segment whose data are there."""

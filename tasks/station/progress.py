@@ -31,6 +31,10 @@ class Tracker:
     _began_s: float = 0.0
     _reported_wall_s: float = 0.0
 
+    def add(self, planned_s: float) -> None:
+        """More is to be done than was planned."""
+        self.total_s += planned_s
+
     def begin(self, now: str, planned_s: float) -> None:
         """Something begins that is planned to take this long; what came before it is done."""
         self._done_s += self._planned_s

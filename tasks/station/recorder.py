@@ -5,7 +5,7 @@ from typing import Protocol
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Manifest, Segment, Stream
-from tasks.station.anomalies import Anomaly
+from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
 from tasks.station.manifest import ManifestBuilder
@@ -64,6 +64,19 @@ class Recorder:
         """A measured segment is over: label it, and check it when its data are there."""
         self.manifest.add(segment)
         self.monitor.add(segment, spin_axis)
+        self.write_manifest()
+
+    def failed(self) -> list[str]:
+        """Measured segments whose data are there and not sound."""
+        doubts = [anomaly for anomaly in self.anomalies if anomaly.code in FAILURES]
+        return [each.name for each in self.manifest.segments if touches(each, doubts)]
+
+    def withdraw(self, name: str) -> None:
+        """A measured segment is to be repeated: its data stay, and its label goes."""
+        segment = self.manifest.withdraw(name)
+        self.anomalies.append(
+            Anomaly("segment_repeated", segment.t_start, segment.t_end, subject=name)
+        )
         self.write_manifest()
 
     def write_manifest(self) -> None:

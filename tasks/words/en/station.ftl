@@ -9,6 +9,7 @@ station-table-unsettled = Axis { $subject } of the table was not settled while d
 station-table-rate = The encoders show axis { $subject } turning { $low } % to { $high } % off the rate asked ({ $place }).
 station-stuck-channel = Channel { $subject } of the unit did not change by one count ({ $place }).
 station-spikes = Channel { $subject } of the unit has { $total } spikes ({ $place }).
+station-segment-repeated = Segment { $subject } was measured again, for its data were not sound.
 
 station-place =
     { $count ->

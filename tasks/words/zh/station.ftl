@@ -9,6 +9,7 @@ station-table-unsettled = 采集数据期间转台 { $subject } 轴未稳定（{
 station-table-rate = 编码器表明转台 { $subject } 轴的角速率与给定值相差 { $low } %～{ $high } %（{ $place }）。
 station-stuck-channel = 被校单元的 { $subject } 输出始终不变（{ $place }）。
 station-spikes = 被校单元的 { $subject } 输出有 { $total } 个野值（{ $place }）。
+station-segment-repeated = { $subject } 段数据不可靠，已重新测量。
 
 station-place =
     { $count ->

@@ -14,12 +14,13 @@ import pytest
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
+from tasks.station import sequencer as sequencer_module
 from tasks.station.acquisition import Acquired, RunRequest, acquire
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.ports import TableState
 from tasks.station.progress import Progress
-from tasks.station.sequencer import GUARD_WALL_S, Sequencer
+from tasks.station.sequencer import GUARD_WALL_S, REPEATS, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
@@ -284,15 +285,58 @@ def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short,
     steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
     patient = short.model_copy(update={"steps": tuple(steps)})
     acquired = InMemoryStation(VirtualStation(), faults=[StationFault(name)]).acquire(patient, kept)
-    assert {remark.code for remark in acquired.warnings} == set(WARNS[name])
+    remarks = [each for each in acquired.warnings if each.code != "segment_repeated"]
+    assert {remark.code for remark in remarks} == set(WARNS[name])
     rates = {"rate_x_-50", "rate_x_+100"}
-    for remark in acquired.warnings:
+    for remark in remarks:
         assert rates <= set(remark.segments)
         assert remark.blocks_pass == (name == "chamber_hot")
         assert "rate_x_-50" in remark.en
         assert "rate_x_-50" in remark.zh
     assert (acquired.lost_samples > 0) == (name in ("unit_garbage", "unit_drops"))
     assert (acquired.bad_frames > 0) == (name == "unit_garbage")
+
+
+def repeats(acquired: Acquired) -> list[str]:
+    return [each.en for each in acquired.warnings if each.code == "segment_repeated"]
+
+
+def test_a_segment_that_a_moment_spoiled_is_measured_again_and_said_so(short, kept):
+    station = InMemoryStation(VirtualStation())
+    begun: list[str] = []
+
+    def spoil_once(progress: Progress) -> None:
+        begun.append(progress.now)
+        first = progress.now == "rate x -50 deg/s" and "rate x +100 deg/s" not in begun
+        station.simulation.faults = (StationFault("unit_drops"),) if first else ()
+
+    acquired = station.acquire(short, kept, spoil_once)
+    assert sorted(kept.measured()) == sorted(MEASURED)
+    assert kept.measured()[-1] == "rate_x_-50"
+    assert ["rate_x_-50" in sentence for sentence in repeats(acquired)] == [True]
+    lost = next(each for each in acquired.warnings if each.code == "unit_lost_samples")
+    assert lost.segments == ()
+    again = kept.manifests[-1].segments[-1]
+    rows = kept.stream("imu").rows(again.t_start, again.t_end)
+    assert np.diff(kept.stream("imu").t[rows]) == pytest.approx(0.01, abs=1e-9)
+
+
+def test_a_segment_that_stays_bad_is_repeated_twice_and_then_kept_with_its_remark(short, kept):
+    station = InMemoryStation(VirtualStation(), faults=[StationFault("stuck_channel")])
+    acquired = station.acquire(short, kept)
+    assert sorted(kept.measured()) == sorted(MEASURED)
+    withdrawn = [s for s in kept.manifests[-1].segments if s.name.startswith("withdrawn")]
+    assert len(withdrawn) == REPEATS * len(MEASURED)
+    stuck = next(each for each in acquired.warnings if each.code == "stuck_channel")
+    assert set(stuck.segments) == set(MEASURED)
+
+
+def test_where_everything_is_bad_nothing_is_repeated(short, kept):
+    station = InMemoryStation(VirtualStation(), faults=[StationFault("stuck_channel")])
+    with patch.object(sequencer_module, "MOST_REPEATED", 3):
+        acquired = station.acquire(short, kept)
+    assert repeats(acquired) == []
+    assert kept.measured() == MEASURED
 
 
 @pytest.mark.real_time

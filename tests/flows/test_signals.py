@@ -1,0 +1,24 @@
+"""Signals that end a command."""
+
+import signal
+
+import pytest
+
+from flows.signals import ENDINGS, ending_as_ctrl_c
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_whatever_ends_a_command_ends_it_as_ctrl_c(ending: signal.Signals) -> None:
+    before = signal.getsignal(ending)
+    with pytest.raises(KeyboardInterrupt), ending_as_ctrl_c():
+        signal.raise_signal(ending)
+    assert signal.getsignal(ending) is before
+
+
+def test_a_signal_that_was_ignored_stays_ignored() -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        with ending_as_ctrl_c():
+            signal.raise_signal(signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, before)
