@@ -1,0 +1,1 @@
+"""Tables of other makers as servers that know their own protocol alone."""
