@@ -88,6 +88,9 @@ SPEED = "Station seconds in a wall second"
 DEMO_SPEED = f"{SPEED}; default: what the procedure lets it keep up with."
 PORT = "Modbus/TCP port; the unit is on the next. 0: any two that are free."
 Station = Annotated[str, typer.Argument(metavar="STATION", help="Station file (TOML or JSON).")]
+Move = Annotated[
+    bool, typer.Option("--move", help="Also turn each axis of the table by 1 degree and back.")
+]
 Procedure = Annotated[str, _option("NAME|FILE", "Name of a procedure, or a file.")]
 DryRun = Annotated[
     bool,

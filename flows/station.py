@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,6 +49,30 @@ def serve(
         asyncio.run(serve(station, host=host, **ports, speed=speed, faults=faults, ready=ready))
     except KeyboardInterrupt:
         print("station stopped")
+
+
+@app.command()
+def check(
+    station_file: options.Station, move: options.Move = False, as_json: options.Json = False
+) -> None:
+    """Try every device of a station file, and say what works. Exit 1 where something does not."""
+    from flows.printing import print_json, print_rows
+    from schemas.station import StationFile
+    from storage import settings
+    from storage.home import home
+    from storage.station_lock import one_run_on
+    from tasks.station.check import check_station
+
+    station = settings.read(Path(station_file), StationFile)
+    with one_run_on(station.station.id, home()):
+        trials = check_station(station, move)
+    if as_json:
+        print_json({"format": "mimu-station-check/1", "trials": [asdict(each) for each in trials]})
+    else:
+        rows = [(t.device, t.tried, "works" if t.works else "FAILS", t.found) for t in trials]
+        print_rows(str(station_file), ("device", "tried", "", "found"), rows)
+    if not all(trial.works for trial in trials):
+        raise typer.Exit(1)
 
 
 def _write(path: Path, text: str) -> None:

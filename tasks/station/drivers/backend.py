@@ -34,10 +34,14 @@ class Backend(Protocol):
 
 
 async def check_expected(described: Described, backend: Backend, what: str) -> None:
-    """Raises Unusable where the device reads other values than its description expects."""
-    if not described.expect:
+    """Read what the description expects and its flags ask for.
+
+    Raises Unusable where that cannot be read, or is not what is expected.
+    """
+    asked = frozenset((*described.expect, *(flag.of for flag in described.flags.values())))
+    if not asked:
         return
-    values = await backend.read(frozenset(described.expect))
+    values = await backend.read(asked)
     for name, expected in described.expect.items():
         found = values[name]
         for each in found if isinstance(found, tuple) else (found,):

@@ -15,6 +15,7 @@ import pytest
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.check import check_station
 from tests.tasks.station.makers import modbus_maker, text_maker
 from tests.tasks.station.sample_stations import sample
 
@@ -151,3 +152,27 @@ def test_a_text_table_with_a_unit_of_vnimu_lines_runs_a_procedure(brisk, kept):
     check(run, kept, ["temperature", "humidity"])
     assert maker.refused == []
     assert all(drive.rate == 0 for drive in maker.drives.values())
+
+
+def test_a_station_is_checked_device_by_device_and_a_small_move_comes_back():
+    maker, fields = text_maker.TextMaker(), sample("text_table")
+    servers = [text_maker.over_tcp(maker), text_maker.thermometer()]
+    fields["table"]["url"] = f"socket://127.0.0.1:{port_of(servers[0])}"
+    fields["chamber"]["url"] = f"socket://127.0.0.1:{port_of(servers[1])}"
+    fields["unit_link"]["url"] = "socket://127.0.0.1:1"
+    fields["limits"] = {"axes": {"inner": {"angle_deg": [-90.0, 0.5]}}}
+    try:
+        trials = check_station(StationFile.model_validate(fields), move=True)
+    finally:
+        for server in servers:
+            server.shutdown()
+            server.server_close()
+    works = {(trial.device, trial.tried): trial.works for trial in trials}
+    assert works.pop(("unit", "samples")) is False
+    assert works.pop(("table", "move inner"))
+    assert len(works) == 7, trials
+    assert all(works.values())
+    assert "cannot be opened" in trials[-1].found
+    assert [round(maker.drives[axis].angle, 3) for axis in "ABC"] == [0.0, 0.0, 0.0]
+    assert maker.refused == []
+    assert not maker.is_on

@@ -1,0 +1,182 @@
+"""Every device of a station file tried: what it reads, and on request a small move."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.limits import Limits
+from schemas.station import StationFile
+from tasks.station.clock import wall_s
+from tasks.station.drivers.devices import Devices
+from tasks.station.drivers.unit import UnitDriver
+from tasks.station.drivers.unit_line import UnitLine
+from tasks.station.ports import Climate, Fixture, Table, TableState
+from tasks.station.setpoints import SetPoint, move_s
+
+MOVE_DEG = 1.0
+MOVE_RATE_DEG_S = 5.0
+MOVE_ACCELERATION_DEG_S2 = 10.0
+MOVE_MARGIN_S = 20.0
+POLL_S = 0.1
+ENCODER_S = 1.0
+UNIT_S = 2.0
+LEAVE_S = 5.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One thing that was tried: what came of it, or why it does not work."""
+
+    device: str
+    tried: str
+    works: bool
+    found: str
+
+
+def check_station(station: StationFile, move: bool) -> tuple[Trial, ...]:
+    """Try every device; with `move`, turn each axis by MOVE_DEG and back. Raises nothing."""
+    return asyncio.run(_check(station, move))
+
+
+async def _check(station: StationFile, move: bool) -> tuple[Trial, ...]:
+    names = tuple(axis.name for axis in station.station.table_axes or ())
+    devices, trials = Devices(names), _Trials()
+    try:
+        found = devices.table(station.table)
+        table: Table | None = await trials.of("table", "found", found, _is_one)
+        if table is not None:
+            await _check_table(table, trials, station.limits if move else None)
+        await trials.of("chamber", "climate", _climate_of(devices, station), _climate)
+        if station.fixture != "by_hand":
+            fixture: Awaitable[Fixture] = devices.fixture(station.fixture)
+            await trials.of("fixture", "found", fixture, _is_one)
+        await trials.of("unit", "samples", _unit(station), str)
+    finally:
+        await devices.hang_up()
+    return tuple(trials.made)
+
+
+class _Trials:
+    def __init__(self) -> None:
+        self.made: list[Trial] = []
+
+    async def of(
+        self, device: str, tried: str, work: Awaitable[Any], found: Callable[[Any], str]
+    ) -> Any:
+        """What the work gives; None where it does not work."""
+        try:
+            given = await work
+        except Unusable as fault:
+            self.made.append(Trial(device, tried, False, str(fault)))
+            return None
+        self.made.append(Trial(device, tried, True, found(given)))
+        return given
+
+
+async def _check_table(table: Table, trials: _Trials, move: Limits | None) -> None:
+    await trials.of("table", "state", table.state(), lambda state: _state(state, table.names))
+    await trials.of("table", "encoder", _encoder(table), str)
+    if move is None:
+        return
+    try:
+        await trials.of("table", "home", table.home(), lambda _: "ready to move")
+        if not trials.made[-1].works:
+            return
+        for axis, name in enumerate(table.names):
+            await trials.of("table", f"move {name}", _move(table, axis, move), str)
+    finally:
+        with suppress(Unusable, OSError, TimeoutError):
+            await asyncio.wait_for(table.leave(), LEAVE_S)
+
+
+async def _encoder(table: Table) -> str:
+    """Samples over ENCODER_S of wall time, or one block's where they are captured."""
+    first, times = 0, np.empty(0)
+    end_s = wall_s() + ENCODER_S
+    while wall_s() < end_s and len(times) < 2 * table.block_samples + 2:
+        block = await table.encoder(first)
+        first = block.first + len(block.t)
+        times = np.concatenate([times, block.t])
+    if len(times) < 2:
+        raise Unusable(
+            f"the table gave {len(times)} encoder samples in {ENCODER_S:g} s: check capture or "
+            f"poll_period_ms of the station file"
+        )
+    how = f"polled, times ± {1e3 * table.time_half_width_s:.1f} ms"
+    told = how if table.time_half_width_s else "captured by the table"
+    return f"one every {1e3 * float(np.median(np.diff(times))):.1f} ms, {told}"
+
+
+async def _move(table: Table, axis: int, limits: Limits) -> str:
+    """Turn by MOVE_DEG and back, the other way where the limits leave no room."""
+    start = (await table.state()).axes[axis].angle_deg
+    highest = min(
+        (each.angle_deg[1] for _, each in limits.of(table.names[axis]) if each.angle_deg),
+        default=np.inf,
+    )
+    away = MOVE_DEG if start + MOVE_DEG <= highest else -MOVE_DEG
+    reached = []
+    for angle in (start + away, start):
+        target = SetPoint(axis, "angle", angle)
+        await table.move_to(axis, angle, MOVE_RATE_DEG_S, MOVE_ACCELERATION_DEG_S2)
+        seconds = move_s(MOVE_DEG, MOVE_RATE_DEG_S, MOVE_ACCELERATION_DEG_S2) + MOVE_MARGIN_S
+        end_s = wall_s() + seconds
+        while not target.is_reached((state := await table.state()).axes[axis]):
+            if wall_s() > end_s:
+                at = state.axes[axis].angle_deg
+                raise Unusable(
+                    f"axis {table.names[axis]} was sent to {angle:.4f} deg, and after "
+                    f"{seconds:.0f} s stands at {at:.4f} deg unsettled: check move_to, scale of "
+                    f"angle and flags of the station file, and that the axis is free"
+                )
+            await asyncio.sleep(POLL_S)
+        reached.append(abs(state.axes[axis].angle_deg - angle))
+    return f"by {MOVE_DEG:g} deg and back, within {3600 * max(reached):.1f} arcsec"
+
+
+async def _unit(station: StationFile) -> str:
+    """The samples of UNIT_S of wall time."""
+    with closing(UnitLine(station.unit_link)) as line:
+        unit, began_s = UnitDriver(station.unit_link, line), wall_s()
+        taken: list[np.ndarray] = []
+        while wall_s() - began_s < UNIT_S or not taken:
+            await asyncio.sleep(POLL_S)
+            taken += [samples for samples in unit.take() if len(samples)]
+        samples = np.concatenate(taken)
+    means = unit.stream(samples).stack(tuple(station.unit_link.frame.channels)).mean(axis=0)
+    channels = zip(station.unit_link.frame.channels, means, strict=True)
+    seconds = max((samples["stamp"][-1] - samples["stamp"][0]) / 1e6, 1e-9)
+    values = ", ".join(f"{name} {mean:.4g}" for name, mean in channels)
+    return f"{(len(samples) - 1) / seconds:.1f} Hz, bad frames {unit.bad_frames}; mean {values}"
+
+
+async def _climate_of(devices: Devices, station: StationFile) -> Climate:
+    return await (await devices.chamber(station.chamber)).climate()
+
+
+def _is_one(_: Any) -> str:
+    return "it is the one described"
+
+
+def _state(state: TableState, names: tuple[str, ...]) -> str:
+    axes = "; ".join(
+        f"{name} {axis.angle_deg:.4f} deg, {axis.rate_deg_s:.4f} deg/s"
+        for name, axis in zip(names, state.axes, strict=True)
+    )
+    trips = sorted(state.trips.union(*(axis.trips for axis in state.axes)))
+    return axes + (f"; reports {', '.join(trips)}" if trips else "")
+
+
+def _climate(climate: Climate) -> str:
+    values = {
+        "°C": climate.temperature,
+        "%RH": climate.humidity,
+        "V": climate.supply_voltage,
+        "hPa": climate.pressure,
+    }
+    return ", ".join(f"{value:g} {unit}" for unit, value in values.items() if not np.isnan(value))
