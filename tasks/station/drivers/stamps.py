@@ -70,17 +70,23 @@ class StampSequence:
         stamps, kept, last_us = waiting["stamp"].tolist(), [], self._last_us
         self._held = waiting[:0]
         for place, stamp in enumerate(stamps):
-            follows = last_us is not None and bool(self._follows(last_us, stamp))
-            is_last = place + 1 == len(stamps)
-            if not follows and is_last:
+            follows = self._comes_after(last_us, stamp)
+            if not follows and place + 1 == len(stamps):
                 self._held = waiting[place:]
-            elif follows or self._follows(stamp, stamps[place + 1]):
+            elif follows or self._is_borne_out(last_us, stamp, stamps[place + 1]):
                 kept.append(place)
                 last_us = stamp
             else:
                 self.strays += 1
         self._last_us = last_us
         return waiting[kept]
+
+    def _is_borne_out(self, last_us: int | None, stamp: int, following: int) -> bool:
+        """Whether the sample behind it follows it, and not the one before it."""
+        return self._comes_after(stamp, following) and not self._comes_after(last_us, following)
+
+    def _comes_after(self, last_us: int | None, stamp: int) -> bool:
+        return last_us is not None and bool(self._follows(last_us, stamp))
 
     def _follows(self, before: np.ndarray | int, stamps: np.ndarray | int) -> np.ndarray:
         steps = np.asarray(stamps) - np.asarray(before)
