@@ -139,7 +139,8 @@ def acquire(
 ) -> None:
     """Run a procedure on a station, real or virtual.
 
-    What was recorded survives whatever happens.
+    What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
+    Ctrl-Z again has it go on; Ctrl-C ends it.
     """
     from flows.carry_out import as_flow_run
     from flows.printing import print_json

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from flows import refix_prompt
 from flows.progress import acquisition_progress, describe
-from flows.signals import ending_as_ctrl_c
+from flows.signals import ending_as_ctrl_c, pausing
 from schemas.orders import (
     AcquireOrder,
     CalibrateOrder,
@@ -38,8 +38,8 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
     from tasks.stages.acquire import acquire_run
 
     station, procedure, ask = _acquisition(order)
-    with ending_as_ctrl_c(), acquisition_progress() as report:
-        return acquire_run(station, procedure, home_of(order), report, ask)
+    with ending_as_ctrl_c(), pausing() as is_paused, acquisition_progress() as report:
+        return acquire_run(station, procedure, home_of(order), report, ask, is_paused)
 
 
 def check_acquisition(order: AcquireOrder) -> None:

@@ -1,8 +1,8 @@
-"""Whatever ends a command ends it as Ctrl-C does, so that the table is told to stop."""
+"""Whatever ends a command ends it as Ctrl-C does; Ctrl-Z has an acquisition rest, and go on."""
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -35,3 +35,17 @@ def ending_as_ctrl_c() -> Iterator[None]:
     finally:
         for ending, handler in before.items():
             signal.signal(ending, handler)
+
+
+@contextmanager
+def pausing() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl-Z (SIGTSTP) was pressed, and not a second time, since the block began."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    presses: list[int] = []
+    before = signal.signal(signal.SIGTSTP, lambda number, _: presses.append(number))
+    try:
+        yield lambda: len(presses) % 2 == 1
+    finally:
+        signal.signal(signal.SIGTSTP, before)

@@ -28,10 +28,11 @@ def acquire_run(
     home: Home,
     report: Callable[[Progress], None],
     ask: Ask | None = None,
+    is_paused: Callable[[], bool] = lambda: False,
 ) -> tuple[Run, Acquired]:
     """Acquire a run while no other is going on at the station; see `_acquire_run`."""
     with one_run_on(station.station.id, home):
-        return _acquire_run(station, procedure, home, report, ask)
+        return _acquire_run(station, procedure, home, report, ask, is_paused)
 
 
 def _acquire_run(
@@ -40,10 +41,12 @@ def _acquire_run(
     home: Home,
     report: Callable[[Progress], None],
     ask: Ask | None,
+    is_paused: Callable[[], bool],
 ) -> tuple[Run, Acquired]:
     """Acquire a run, with its recording in the home from the first sample on.
 
-    ask: has a person turn the unit over, where the station cannot.
+    ask: has a person turn the unit over, where the station cannot. is_paused: asked before each
+    segment, which waits until it is so no more.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as an MCAP
     file, and the sentence of Unusable or BrokenOff says where. A file without a reading of the
@@ -56,7 +59,9 @@ def _acquire_run(
         sink = RawWriter(raw)
     try:
         with sink:
-            acquired = acquire(RunRequest(station, procedure, sink, report, recording_id, ask))
+            acquired = acquire(
+                RunRequest(station, procedure, sink, report, recording_id, ask, is_paused)
+            )
         run, _ = runs.add(read_mcap(raw), home)
     except Unusable as fault:
         raise Unusable(_with_what_is_left(fault, sink, raw)) from fault

@@ -42,7 +42,8 @@ class Acquired:
 class RunRequest:
     """A procedure to run on a station, and where the recording and the progress go.
 
-    `ask` has a person turn the unit over, where the station cannot. Raises Unusable, with one
+    `ask` has a person turn the unit over, where the station cannot. While `is_paused`, no further
+    segment begins. Raises Unusable, with one
     sentence, where procedure and station do not suit each other.
     """
 
@@ -52,6 +53,7 @@ class RunRequest:
     report: Callable[[Progress], None]
     recording_id: str
     ask: Ask | None = None
+    is_paused: Callable[[], bool] = lambda: False
 
     def __post_init__(self) -> None:
         check_procedure(self.procedure, self.station)
@@ -89,7 +91,9 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     tracker = Tracker(request.report, clock, total_s)
     recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
     recorder.write_manifest()
-    sequencer = Sequencer(bench, request.station, clock, procedure, recorder, tracker)
+    sequencer = Sequencer(
+        bench, request.station, clock, procedure, recorder, tracker, request.is_paused
+    )
     try:
         await _until_the_first_ends(
             sequencer.run(planned),

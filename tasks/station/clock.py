@@ -8,7 +8,10 @@ waiting.
 import asyncio
 from collections import deque
 
+from schemas.base import Unusable
+
 WINDOW = 200
+CLOCK_TIMEOUT_S = 5.0  # wall time for which it may stand still
 
 
 def wall_s() -> float:
@@ -56,7 +59,15 @@ class StationClock:
         """How long a span of station time takes on the wall, s, kept within the bounds."""
         return min(max(station_s / self.speed, shortest), longest)
 
-    @property
-    def stands_still_s(self) -> float:
-        """Wall time between the last reading and the one at which station time last moved, s."""
-        return self._readings[-1][1] - self._moved_wall_s
+    def check(self, before_s: float) -> None:
+        """Raises Unusable where it went back behind a station time (s) read before, or stands."""
+        if self.station_s < before_s:
+            raise Unusable(
+                f"the station's clock went back from {before_s:.3f} s to {self.station_s:.3f} s, "
+                f"as after a restart: start the run again"
+            )
+        if self._readings[-1][1] - self._moved_wall_s > CLOCK_TIMEOUT_S:
+            raise Unusable(
+                f"the station's clock has stood at {self.station_s:.3f} s for "
+                f"{CLOCK_TIMEOUT_S:g} s: restart the controller"
+            )

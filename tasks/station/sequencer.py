@@ -1,6 +1,7 @@
 """The table brought through a procedure, segment by segment, while the streams are read."""
 
 import asyncio
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from schemas.base import Unusable
@@ -16,7 +17,6 @@ from tasks.station.recorder import Recorder
 from tasks.station.requirements import mount_in
 from tasks.station.setpoints import SetPoint, move_s, nearest_turn, rate_change_s
 
-CLOCK_TIMEOUT_S = 5.0  # wall time a station's clock may stand still
 SETTLING_MARGIN_S = 20.0  # station time beyond twice the computed duration
 GUARD_WALL_S = 0.2
 POLL_STATION_S = 0.25
@@ -28,7 +28,10 @@ CATCH_UP_STEP_S = 0.02
 
 @dataclass
 class Sequencer:
-    """One run of a procedure on a bench. Raises Unusable where table or fixture fail."""
+    """One run of a procedure on a bench. Raises Unusable where table or fixture fail.
+
+    is_paused: asked before each segment.
+    """
 
     bench: Bench
     station: StationFile
@@ -36,6 +39,7 @@ class Sequencer:
     procedure: Procedure
     recorder: Recorder
     tracker: Tracker
+    is_paused: Callable[[], bool]
 
     def __post_init__(self) -> None:
         self._table = self.bench.table
@@ -52,6 +56,7 @@ class Sequencer:
             if segment.refix is not None:
                 await self._repeat_failed(measured)
                 measured = {}
+            await self._pause()
             self.tracker.begin(segment.text, segment.planned_s)
             await self._measure(segment)
             measured[segment.name] = replace(segment, refix=None)
@@ -59,6 +64,17 @@ class Sequencer:
         self.tracker.begin("last data", 0.0)
         await self._catch_up(self._manifest.segments[-1].t_end)
         self.tracker.end()
+
+    async def _pause(self) -> None:
+        """Rest as long as the operator wants; the streams go on."""
+        if not self.is_paused():
+            return
+        await self._stop_spinning()
+        self.tracker.begin("paused", 0.0)
+        while self.is_paused():
+            await self._watch()
+            await asyncio.sleep(GUARD_WALL_S)
+        self._manifest.fill("pause", "transition", self.clock.station_s)
 
     async def _repeat_failed(self, measured: dict[str, PlannedSegment]) -> None:
         """Measure anew what is not sound; if that is more than MOST_REPEATED, the bench fails."""
@@ -194,17 +210,9 @@ class Sequencer:
             if not late:
                 return
             if state.station_s - began_s > limit_s:
-                raise Unusable(self._lateness(late[0], state, limit_s))
+                raise Unusable(late[0].lateness(self._table.names, state, limit_s))
             await asyncio.sleep(self.clock.wall(POLL_STATION_S, 0.005, 0.1))
             state = await self._watch()
-
-    def _lateness(self, target: SetPoint, state: TableState, limit_s: float) -> str:
-        axis = state.axes[target.axis]
-        return (
-            f"axis {self._table.names[target.axis]} of the table has not settled {target.text} "
-            f"within {limit_s:.0f} s (angle {axis.angle_deg:.4f} deg, rate "
-            f"{axis.rate_deg_s:.4f} deg/s): check its load, its balance and its servo"
-        )
 
     async def _wait_until(self, station_s: float, settled: bool = False) -> None:
         """Wait for a station time; with `settled`, note which axes were not settled meanwhile."""
@@ -234,15 +242,6 @@ class Sequencer:
         state = await self._table.state()
         self.clock.update(state.station_s, state.wall_s)
         check_trips(state, self._table.names)
-        if state.station_s < before_s:
-            raise Unusable(
-                f"the station's clock went back from {before_s:.3f} s to {state.station_s:.3f} s, "
-                f"as after a restart: start the run again"
-            )
-        if self.clock.stands_still_s > CLOCK_TIMEOUT_S:
-            raise Unusable(
-                f"the station's clock has stood at {state.station_s:.3f} s for "
-                f"{CLOCK_TIMEOUT_S:g} s: restart the controller"
-            )
+        self.clock.check(before_s)
         self.tracker.tick()
         return state

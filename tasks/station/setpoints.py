@@ -1,10 +1,11 @@
 """Set-points of a table's axes: whether one is reached, and how long the motion to it takes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
 from typing import Literal
 
-from tasks.station.ports import AxisState
+from tasks.station.ports import AxisState, TableState
 
 # How near a reading has to be before «settled» is believed: the report may still be that of the
 # set-point before. Whether the rate is right to the specification is for the encoders to say.
@@ -34,6 +35,15 @@ class SetPoint:
     def text(self) -> str:
         unit = {"angle": "deg", "rate": "deg/s"}.get(self.kind)
         return f"at {self.value:g} {unit}" if unit else "at rest"
+
+    def lateness(self, names: Sequence[str], state: TableState, limit_s: float) -> str:
+        """What is said of a table, with its axes' names, that has not come there in time (s)."""
+        axis = state.axes[self.axis]
+        return (
+            f"axis {names[self.axis]} of the table has not settled {self.text} within "
+            f"{limit_s:.0f} s (angle {axis.angle_deg:.4f} deg, rate {axis.rate_deg_s:.4f} deg/s): "
+            f"check its load, its balance and its servo"
+        )
 
 
 def move_s(distance_deg: float, rate_deg_s: float, acceleration_deg_s2: float) -> float:

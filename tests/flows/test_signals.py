@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from flows.signals import ENDINGS, ending_as_ctrl_c
+from flows.signals import ENDINGS, ending_as_ctrl_c, pausing
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -22,3 +22,14 @@ def test_a_signal_that_was_ignored_stays_ignored() -> None:
             signal.raise_signal(signal.SIGHUP)
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+def test_ctrl_z_pauses_and_the_next_one_goes_on() -> None:
+    before = signal.getsignal(signal.SIGTSTP)
+    told = []
+    with pausing() as is_paused:
+        for _ in range(3):
+            told.append(is_paused())
+            signal.raise_signal(signal.SIGTSTP)
+    assert told == [False, True, False]
+    assert signal.getsignal(signal.SIGTSTP) is before

@@ -301,6 +301,26 @@ def repeats(acquired: Acquired) -> list[str]:
     return [each.en for each in acquired.warnings if each.code == "segment_repeated"]
 
 
+def test_a_pause_rests_before_the_next_segment_and_the_run_goes_on_as_one(short, kept):
+    station = InMemoryStation(VirtualStation())
+    rates = []
+
+    def until_a_minute_has_passed() -> bool:
+        resting = bool(kept.manifests) and len(kept.measured()) == 3
+        if resting:
+            rates.append(station.simulation.table.rate[0])
+        return resting and station.simulation.table.now < 120.0
+
+    request = RunRequest(
+        station.file, short, kept, ignore, "paused", is_paused=until_a_minute_has_passed
+    )
+    station.run(request)
+    assert rates[-1] == pytest.approx(0.0, abs=1e-6)
+    assert kept.measured() == MEASURED
+    assert any(s.name.startswith("pause") for s in kept.manifests[-1].segments)
+    assert np.diff(kept.stream("imu").t) == pytest.approx(0.01, abs=1e-9)
+
+
 def test_a_segment_that_a_moment_spoiled_is_measured_again_and_said_so(short, kept):
     station = InMemoryStation(VirtualStation())
     begun: list[str] = []
