@@ -12,6 +12,7 @@ from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
 INTERRUPTED = 130  # what typer gives for Ctrl-C
+INVALID = 3  # a run that was acquired and kept, but is invalid
 
 app = typer.Typer(
     name="mimucal",
@@ -108,10 +109,14 @@ def certify(
     order: options.Order = None,
     calibrated_on: options.CalibratedOn = None,
     budget: options.Budget = False,
+    invalid_run: options.InvalidRun = False,
     terms: options.Terms = None,
     as_json: options.Json = False,
 ) -> None:
-    """Decide on a run, and make the certificate."""
+    """Decide on a run, and make the certificate.
+
+    An invalid run is refused.
+    """
     from flows.carry_out import carry_out
     from schemas.orders import CertifyOrder, order_of
 
@@ -125,6 +130,7 @@ def certify(
         client_order=order,
         calibrated_on=calibrated_on.date() if calibrated_on else None,
         budget=budget,
+        invalid_run=invalid_run,
         terms=terms,
     )
     _print_issued(carry_out("certify", certify_order), as_json)
@@ -140,12 +146,15 @@ def acquire(
     """Run a procedure on a station, real or virtual.
 
     What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
-    Ctrl-Z again has it go on; Ctrl-C ends it.
+    Ctrl-Z again has it go on; Ctrl-C ends it. Exits
+    with 3 for a run that is kept but invalid.
     """
     from flows.carry_out import as_flow_run
+    from flows.print_validity import lines, summary
     from flows.printing import print_json
-    from flows.run_orders import check_acquisition
+    from flows.run_orders import check_acquisition, home_of
     from schemas.orders import AcquireOrder
+    from tasks.stages.validity import validity_of
 
     order = AcquireOrder(station=station_file, procedure=procedure, attended=not as_json)
     check_acquisition(order)
@@ -155,6 +164,7 @@ def acquire(
         print_dry_run(order, as_json)
         return
     run, acquired = as_flow_run("acquire", order)
+    validity = validity_of(run, home_of(order))
     if as_json:
         print_json(
             {
@@ -164,12 +174,15 @@ def acquire(
                 "lost_samples": acquired.lost_samples,
                 "bad_frames": acquired.bad_frames,
                 "warnings": [remark.en for remark in acquired.warnings],
+                "validity": summary(validity),
             }
         )
-        return
-    print(run.id)
-    for remark in acquired.warnings:
-        print(remark.en, file=sys.stderr)
+    else:
+        print(run.id)
+        for sentence in (*(remark.en for remark in acquired.warnings), *lines(validity)):
+            print(sentence, file=sys.stderr)
+    if validity.verdict == "invalid":
+        raise typer.Exit(INVALID)
 
 
 def _print_issued(issued: Any, as_json: bool) -> None:

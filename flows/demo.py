@@ -8,6 +8,7 @@ from typing import Any
 
 from flows.prefect_server import connect
 from flows.print_calibration import print_calibration, print_verdict
+from flows.print_validity import summary
 from flows.printing import print_rows
 from flows.progress import working
 from flows.run_orders import procedure_of
@@ -31,7 +32,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
     began = time.monotonic()
     folder = home()
     station_file = folder.demo / "station.json"
-    order = ProduceOrder(station=str(station_file), procedure=procedure)
+    order = ProduceOrder(station=str(station_file), procedure=procedure, invalid_run=True)
     ahrs = procedure_of(order).standard == "JJF 1536-2015"
     config = virtual_station(seed, ahrs)
     _write(folder.demo / "truth.json", json.dumps(truth(config), indent=1))
@@ -73,6 +74,7 @@ def _made(issued: Issued, folder: Home) -> dict[str, Any]:
     return {
         "format": "mimu-demo/1",
         "run": calibration.run,
+        "validity": summary(calibration.validity),
         "verdict": certificate.decision.verdict,
         "certificate": certificate.number,
         "due": certificate.due.isoformat(),

@@ -48,6 +48,10 @@ CALIBRATED_ON = "Day of calibration, for a recording that does not say when it w
 Budget = Annotated[
     bool, typer.Option("--budget", help="Print the uncertainty budgets on the certificate.")
 ]
+InvalidRun = Annotated[
+    bool,
+    typer.Option("--invalid-run", help="Report an invalid run too, without any verdict."),
+]
 Tolerance = Annotated[str | None, _option("FILE", "Limits of the product model (TOML or JSON).")]
 Laboratory = Annotated[str | None, _option("FILE", "The laboratory (TOML or JSON).")]
 Order = Annotated[str | None, _option("FILE", "The client's order (TOML or JSON).")]

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from flows.print_validity import WORDS
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
 from schemas.decision import Verdict
@@ -27,6 +28,7 @@ def print_calibration(calibration: Calibration) -> None:
     for name, item in calibration.items.items():
         _add_item(table, say(item_title(name), "en"), item)
     console.print(table)
+    console.print(WORDS[calibration.validity.verdict], style="bold")
     _print_information(console, calibration)
     for name, reason in calibration.unavailable.items():
         console.print("[yellow]not determined[/] ", end="")

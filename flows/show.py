@@ -1,23 +1,26 @@
 """One run as a person wants to see it."""
 
 from flows.print_calibration import print_calibration
+from flows.print_validity import lines, summary
 from flows.printing import print_json, print_rows, stdout
 from storage.catalogue import certificates, results, runs
 from storage.home import home
 from tasks.stages.import_recording import run_of
+from tasks.stages.validity import validity_of
 
 
 def show_run(reference: str, as_json: bool) -> None:
-    """Print a run: unit, station, segments, newest result of each method, certificates."""
+    """Print a run: unit, station, validity, segments, newest results, certificates."""
     run = run_of(reference, home())
     manifest = runs.load(run, home()).manifest
-    kept = results.of_run(run, home())
+    kept, validity = results.of_run(run, home()), validity_of(run, home())
     entries = [entry for entry in certificates.register(home()) if entry.run == run.id]
     if as_json:
         print_json(
             {
                 "format": "mimu-run/1",
                 "run": run.model_dump(mode="json"),
+                "validity": summary(validity),
                 "manifest": manifest.model_dump(mode="json"),
                 "results": [result.model_dump(mode="json") for result in kept],
                 "certificates": [entry.model_dump(mode="json") for entry in entries],
@@ -32,6 +35,8 @@ def show_run(reference: str, as_json: bool) -> None:
     console.print(
         f"length   {run.seconds:.1f} s, {run.rows} rows; taken in {run.taken_in_at:%F %R}"
     )
+    for line in lines(validity):
+        console.print(line)
     if manifest.segments:
         print_rows(
             "Segments",

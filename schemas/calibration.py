@@ -9,6 +9,7 @@ from schemas.discrepancy import FoundParameter
 from schemas.recording import Axis, Kind, Up
 from schemas.text import Remark
 from schemas.uncertainty import Budget
+from schemas.validity import RUN_VERDICTS, Validity
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
 Elements = dict[str, Finite | None]
@@ -118,9 +119,9 @@ class Calibration(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _without_computed(cls, document: Any) -> Any:
-        """A document that was written out carries `warnings`, which are made anew."""
+        """A document that was written out carries what is made anew of the remarks."""
         if isinstance(document, dict):
-            return {name: value for name, value in document.items() if name != "warnings"}
+            return {n: value for n, value in document.items() if n not in ("warnings", "validity")}
         return document
 
     @computed_field  # type: ignore[prop-decorator]
@@ -128,3 +129,15 @@ class Calibration(Frozen):
     def warnings(self) -> list[str]:
         """The remarks as plain English sentences."""
         return [remark.en for remark in self.remarks]
+
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def validity(self) -> Validity:
+        """The verdict on the run: that of its worst remark."""
+        reasons = [remark for remark in self.remarks if remark.run != "valid"]
+        verdicts = (remark.run for remark in reasons)
+        return Validity(
+            verdict=max(verdicts, key=RUN_VERDICTS.index, default="valid"),
+            reasons=tuple(remark.en for remark in reasons),
+            reasons_zh=tuple(remark.zh for remark in reasons),
+        )

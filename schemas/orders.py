@@ -61,7 +61,8 @@ class CertificateOptions(OrderModel):
 
     tolerance, laboratory and client_order are files; client_order says who ordered the
     calibration (`mimu-order/1`). calibrated_on: for a recording that does not say when it was
-    made. budget: whether the certificate prints the uncertainty budgets.
+    made. budget: whether the certificate prints the uncertainty budgets. invalid_run: whether an
+    invalid run is reported all the same.
     """
 
     tolerance: str | None = None
@@ -69,6 +70,7 @@ class CertificateOptions(OrderModel):
     client_order: str | None = None
     calibrated_on: date | None = None
     budget: bool = False
+    invalid_run: bool = False
 
 
 class AcquireOrder(OrderModel):

@@ -75,6 +75,7 @@ class Station(Received):
     id: str
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
     gravity_m_s2: float | None = Field(default=None, gt=9.7, lt=9.9)
+    height_m: float | None = Field(default=None, ge=-500, le=9000, description="above sea level")
     heading_deg: Finite | None = None
     table_axes: tuple[TableAxis, ...] | None = None
 

@@ -1,6 +1,7 @@
 """Text for people in both languages, as `tasks.words` fills it: `Statement(**texts(message))`."""
 
 from schemas.base import Frozen
+from schemas.validity import RunVerdict
 
 
 class Statement(Frozen):
@@ -14,6 +15,7 @@ class Remark(Frozen):
     """Something the reader of a result must know, as a sentence in both languages.
 
     `blocks_pass`: a condition of the specification is not met, so no unit may pass on it.
+    `run`: what it makes of the run as a whole.
     """
 
     code: str
@@ -21,3 +23,4 @@ class Remark(Frozen):
     zh: str
     segments: tuple[str, ...] = ()
     blocks_pass: bool = False
+    run: RunVerdict = "valid"

@@ -26,7 +26,7 @@ from tests.shared import ABSENT, shared_path
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
 settings.load_profile("unhurried")
 
-GRAVITY = 9.8
+GRAVITY = 9.78
 AXES = "xyz"
 RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
 
@@ -141,11 +141,11 @@ def ideal_run() -> Callable[..., Recording]:
             "segments": segments,
         })  # fmt: skip
         columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))
+        columns["temperature"] = np.full(len(values), 28.0)
         times = np.round(np.arange(len(values)) / rate_hz, 9)
         air = np.arange(0.0, t, 1.0)
-        environment = Stream(
-            air, {"temperature": np.full(len(air), 20.0), "humidity": np.full(len(air), 50.0)}
-        )
+        room = {"temperature": 20.0, "humidity": 50.0, "supply_voltage": 5.0}
+        environment = Stream(air, {name: np.full(len(air), value) for name, value in room.items()})
         return Recording(manifest, Stream(times, columns), environment=environment, digest="0" * 64)
 
     return build

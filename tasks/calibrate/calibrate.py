@@ -4,7 +4,7 @@ from schemas.calibration import Calibration, EnvironmentSeen, SegmentUsed
 from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
-from tasks.segments.check import check_segments
+from tasks.run_validity.judge import run_remarks
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
 from tasks.words import say
@@ -27,18 +27,11 @@ def calibrate(
     specification.check(recording)
     evaluation = evaluation or evaluation_for(recording)
     evidence = specification.gather(recording)
-    checked = check_segments(
-        evidence.recording,
-        evidence.segments,
-        evidence.turning_points,
-        specification.conditions,
-        channels=evidence.channel_names,
-        may_stand_still=evidence.may_stand_still,
-    )
     result = specification.estimate(evidence, evaluation.equipment)
     items = {
         item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
     }
+    checked = run_remarks(evidence, specification.conditions, items)
     missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
     return Calibration(
         recording_id=evidence.recording.manifest.recording_id,

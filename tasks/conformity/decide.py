@@ -41,6 +41,8 @@ def decide(
     no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
     undecided whatever their values, and do not count where the item has no limit.
 
+    An invalid run gives no verdict on any element, neither pass nor fail: its reasons alone stand.
+
     A fail outranks the remarks that block a pass and the doubts about the whole run: they say
     that conformity was not shown, and a value outside its limits does not show it either. To
     reject too often costs a repetition, which the reasons name; to hide a failing value behind
@@ -52,7 +54,10 @@ def decide(
     doubts_of = doubts_of or {}
     decisions = tuple(_decisions(calibration, tolerance, doubts_of)) if tolerance else ()
     reasons: list[Sayable] = [] if tolerance else [message("conformity-no-tolerance")]
-    reasons += _reasons(calibration, decisions, doubts_of)
+    if calibration.validity.verdict == "invalid":
+        reasons.insert(0, message("conformity-invalid-run"))
+    else:
+        reasons += _reasons(calibration, decisions, doubts_of)
     for item in dict.fromkeys(decided.item for decided in decisions):
         reasons += doubts_of.get(item, ())
     reasons += doubts
@@ -104,6 +109,7 @@ def _decisions(
         check(calibration, limit)
         item, rule = calibration.items.get(limit.item), criterion(tolerance, limit)
         undecided = withdrawn(calibration, limit.item) or bool(doubts_of.get(limit.item))
+        undecided = undecided or calibration.validity.verdict == "invalid"
         for element in limited(item, limit):
             yield _decision(limit, rule, element, item, undecided)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tasks.motion.table import EARTH_RATE
-from tasks.motion.whole import unit_vector, whole_motion
+from tasks.motion.whole import unit_vector
 from tasks.specifications.linear import birge_ratio, solve
 from tasks.words import Message, message
 from tasks.words.rounding import MINUS
@@ -14,7 +14,6 @@ from tasks.words.rounding import MINUS
 if TYPE_CHECKING:
     from tasks.specifications.evidence import ClauseEvidence
 
-SAMPLES = 20  # times within a rest at which north is looked up
 REFUTED = 3.0  # standard uncertainties from a gain that the data then refute
 
 State = Literal["present", "not_visible", "not_shown", "odd"]
@@ -76,7 +75,7 @@ def earth_rotation_gain(evidence: "ClauseEvidence") -> EarthRotationGain | None:
         return None
     phi = np.radians(evidence.latitude_deg)
     up = np.array([unit_vector(evidence.up[i]) for i in rests])
-    north = _north(evidence, rests)
+    north = evidence.north[rests]
     level = bool(np.isfinite(north).all())
     earth = np.cos(phi) * north if level else np.sin(phi) * up
     by_gyro = [_of_gyro(evidence, rests, up, EARTH_RATE * earth, c, level) for c in range(3)]
@@ -87,14 +86,6 @@ def earth_rotation_gain(evidence: "ClauseEvidence") -> EarthRotationGain | None:
     mean = float(weights @ gains[:, 0] / weights.sum())
     square = float(weights @ (gains[:, 0] - mean) ** 2) / max(len(gains) - 1, 1)
     return EarthRotationGain(mean, float(np.sqrt(max(square, 1.0) / weights.sum())), level)
-
-
-def _north(evidence: "ClauseEvidence", rests: list[int]) -> np.ndarray:
-    """Mean direction (n, 3) of north in the body in each rest; NaN where it is not known."""
-    held = [evidence.segments[i] for i in rests]
-    times = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in held]
-    north = whole_motion(evidence.recording, np.concatenate(times)).north
-    return np.asarray(north.reshape(len(rests), SAMPLES, 3).mean(axis=1))
 
 
 def _of_gyro(

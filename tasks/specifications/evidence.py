@@ -7,11 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import AXES, UPS, Axis, Kind, Recording, Segment, Up
+from tasks.motion.whole import whole_motion
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
 from tasks.specifications.earth_rotation import EarthRotationGain
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
+SAMPLES = 20  # times within a rest at which north is looked up
 NOMINAL_GRAVITY = 9.8  # m/s², for what a tilt does where the local gravity is not known
 
 
@@ -100,6 +102,18 @@ class ClauseEvidence:
         """Which channels (6,) have a step that hides their noise in some segment."""
         coarse = [coarsely_quantised(segment) for segment in self.segments]
         return np.any(coarse, axis=0) if coarse else np.zeros(6, bool)
+
+    @cached_property
+    def north(self) -> np.ndarray:
+        """Mean direction (segments, 3) of north in the body in each rest; NaN where not known."""
+        rests = self.of_kind("static")
+        held = [self.segments[i] for i in rests]
+        north = np.full((len(self.segments), 3), np.nan)
+        if rests:
+            times = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in held]
+            found = whole_motion(self.recording, np.concatenate(times)).north
+            north[rests] = found.reshape(len(rests), SAMPLES, 3).mean(axis=1)
+        return north
 
     @property
     def mounted_once(self) -> bool:

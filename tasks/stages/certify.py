@@ -33,7 +33,8 @@ class CertificateInputs:
     """What a certificate needs beside the result; None where the home has to say, or nobody.
 
     calibrated_on: the day of calibration, for a recording that does not say when it was made.
-    budget: whether the certificate prints the uncertainty budgets.
+    budget: whether the certificate prints the uncertainty budgets. invalid_run: whether a run that
+    is invalid is reported all the same, without a verdict on any element.
     """
 
     tolerance: Tolerance | None = None
@@ -41,6 +42,7 @@ class CertificateInputs:
     order: Order | None = None
     calibrated_on: date | None = None
     budget: bool = False
+    invalid_run: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
         _read(options.client_order, Order),
         options.calibrated_on,
         options.budget,
+        options.invalid_run,
     )
 
 
@@ -80,8 +83,10 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
 
     Limits and laboratory come from the home where they are not given. The certificate stays a
     draft until persons have signed it. Dates are days where this program runs. Its number is
-    reserved when nothing can be refused any more.
+    reserved when nothing can be refused any more. Raises Unusable for an invalid run, unless its
+    report is asked for.
     """
+    _check_run(run, calibration, inputs)
     manifest = runs.load(run, home).manifest
     free = _manifest_fields(manifest.model_extra or {}, run)
     tolerance = _tolerance(inputs.tolerance, run, manifest.unit, home)
@@ -153,6 +158,18 @@ def _calibrated_on(free: _ManifestFields, inputs: CertificateInputs, run: Run) -
             f"recorded_at = {day}: leave the day out"
         )
     return day or given
+
+
+def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) -> None:
+    """Refuses an invalid run with its first reason."""
+    validity = calibration.validity
+    if validity.verdict == "invalid" and not inputs.invalid_run:
+        more = len(validity.reasons) - 1
+        others = f" (and {more} more reasons)" if more else ""
+        raise Unusable(
+            f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again, "
+            "or ask for a report of the invalid run with --invalid-run"
+        )
 
 
 def _check_order(order: Order | None, calibrated_on: date | None) -> None:

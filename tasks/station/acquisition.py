@@ -110,7 +110,7 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
         raise
     finally:
         bench.unit.end()
-        _write_rest(recorder)
+        _write_rest(recorder, procedure)
     return Acquired(
         manifest=manifest.build(),
         warnings=remarks_on(recorder.anomalies, manifest.segments, procedure.environment),
@@ -161,10 +161,13 @@ async def _stop_if_reachable(table: Table) -> None:
         await asyncio.wait_for(table.leave(), LEAVE_TIMEOUT_S)
 
 
-def _write_rest(recorder: Recorder) -> None:
-    """Write what is still on its way; the unit may be what failed."""
+def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
+    """Write what is still on its way, and what was noticed; the unit may be what failed."""
     with suppress(Unusable):
         recorder.flush(final=True)
+    manifest = recorder.manifest
+    noticed = remarks_on(recorder.anomalies, manifest.segments, procedure.environment)
+    manifest.extra["station_remarks"] = [remark.model_dump(mode="json") for remark in noticed]
     recorder.write_manifest()
 
 

@@ -7,7 +7,7 @@ from itertools import groupby
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Segment
 from schemas.text import Remark
-from tasks.words import message, texts
+from tasks.words import message, remark
 
 MEASURED = ("static", "rate", "rotation")
 MAX_NAMED = 3
@@ -78,12 +78,7 @@ def _remark(
             more=max(len(touched) - MAX_NAMED, 0),
         ),
     )
-    return Remark(
-        code=code,
-        **texts(sentence),
-        segments=touched,
-        blocks_pass=code in CONDITIONS and bool(touched),
-    )
+    return remark(code, sentence, touched, blocks_pass=code in CONDITIONS and bool(touched))
 
 
 def _limits(code: str, limits: EnvironmentLimits) -> str:

@@ -1,6 +1,6 @@
 """What is said to people: messages with named arguments, and their catalogues, one per language.
 
-The numerics say *what* (`message("segments-stuck", channel="gyro_x")`); the sentences stand in
+The numerics say *what* (`message("validity-stuck", channel="gyro_x")`); the sentences stand in
 `en/*.ftl` and `zh/*.ftl` (Project Fluent), a file for each room, so that a metrologist can read
 the Chinese in one place. A further language is a further folder.
 """

@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import Any
 
 from schemas.text import Remark, Statement
+from schemas.validity import RunVerdict
 from tasks.words.message import Argument, Message, Sayable
 
 COMMON = "common.ftl"  # every language has it
@@ -107,10 +108,16 @@ def statement(sayable: Sayable) -> Statement:
 
 
 def remark(
-    code: str, sayable: Sayable, segments: tuple[str, ...] = (), *, blocks_pass: bool = False
+    code: str,
+    sayable: Sayable,
+    segments: tuple[str, ...] = (),
+    *,
+    blocks_pass: bool = False,
+    run: RunVerdict = "valid",
 ) -> Remark:
     """A message as a remark of a calibration."""
-    return Remark(code=code, **texts(sayable), segments=segments, blocks_pass=blocks_pass)
+    said = texts(sayable)
+    return Remark(code=code, **said, segments=segments, blocks_pass=blocks_pass, run=run)
 
 
 def _argument(value: Argument, language: str) -> object:

@@ -12,6 +12,7 @@ conformity-quantity =
     .value-without-earth-rotation = the value with Earth's rotation removed
     .value-model = the value with the sign of model (2)
 conformity-no-tolerance = no limits were given for this product model
+conformity-invalid-run = the run is invalid: nothing is decided on the unit
 conformity-expired = { $name } ({ $serial }): its certificate was valid until { $valid_until }, before { $day }
 conformity-subject = { $item } { $symbol }
     .of-two = { $item } { $symbol }, { $quantity }

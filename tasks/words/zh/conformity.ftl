@@ -12,6 +12,7 @@ conformity-quantity =
     .value-without-earth-rotation = 扣除地球自转后的值
     .value-model = 符号按模型式(2)的值
 conformity-no-tolerance = 未提供该型号的允许限
+conformity-invalid-run = 本次测量无效：不对被校单元作任何判定
 conformity-expired = { $name }（{ $serial }）：其证书有效期至 { $valid_until }，早于 { $day }
 conformity-subject = { $item } { $symbol }
     .of-two = { $item } { $symbol }，{ $quantity }

@@ -39,7 +39,7 @@ def test_a_g_sensitivity_is_not_taken_for_earth_rotation(plant) -> None:
     """It turns with gravity, which no heading changes."""
     recording = plant("plant_clean")
     columns = {name: values.copy() for name, values in recording.imu.columns.items()}
-    up = columns["accel_x"] / 9.8
+    up = columns["accel_x"] / 9.78
     columns["gyro_x"] += 1e-3 * up
     columns["gyro_y"] += 1e-3 * up
     sensitive = Recording(recording.manifest, Stream(recording.imu.t, columns), recording.table)

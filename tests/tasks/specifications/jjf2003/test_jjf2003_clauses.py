@@ -12,7 +12,7 @@ from tasks.specifications.jjf2003 import JJF2003
 
 AXES = "xyz"
 OFF = [(i, j) for i in range(3) for j in range(3) if i != j]
-GRAVITY = 9.8
+GRAVITY = 9.78
 
 
 def result(recording: Recording) -> Calibration:

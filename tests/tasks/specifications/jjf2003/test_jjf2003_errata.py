@@ -24,7 +24,7 @@ from tasks.words import say
 
 AXES = "xyz"
 DEG = float(np.degrees(1.0))
-GRAVITY = 9.8
+GRAVITY = 9.78
 LATITUDE = 39.9
 OMEGA = np.radians(300.0)  # the largest rate of the ideal run
 UPS = ("+x", "-x", "+y", "-y", "+z", "-z")

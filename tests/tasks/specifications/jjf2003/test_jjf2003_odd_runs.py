@@ -13,7 +13,7 @@ from tasks.specifications.jjf2003 import CONDITIONS, JJF2003
 from tasks.specifications.readings import READINGS
 from tasks.station import procedures
 
-GRAVITY = 9.8
+GRAVITY = 9.78
 RATE_HZ = 10.0
 DWELL = 30.0
 

@@ -44,7 +44,7 @@ def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(id
     recording = relabelled(ideal_run(), "position_+x_000", up="-x")
     (remark,) = remarks(recording, "position_contradicted")
     assert remark.segments == ("position_+x_000",)
-    assert "accel_x reads +9.800" in remark.en
+    assert "accel_x reads +9.780" in remark.en
     assert "+x" in remark.zh
     assert remark.blocks_pass
 
@@ -143,7 +143,7 @@ def test_accelerometers_in_g_are_refused_with_the_unit_they_look_like(ideal_run)
     recording = ideal_run()
     labels = recording.manifest.segments
     columns = {
-        name: values / 9.8 if name.startswith("accel") else values
+        name: values / 9.78 if name.startswith("accel") else values
         for name, values in recording.imu.columns.items()
     }
     in_g = replace(recording, imu=Stream(recording.imu.t, columns))

@@ -1,0 +1,73 @@
+"""Unit and table on one time base: the same motion at the same time, from beginning to end."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.recording import GYRO, Recording
+from schemas.text import Remark
+from tasks.run_validity.remark import run_remark
+from tasks.specifications.evidence import ClauseEvidence
+
+LARGEST = 0.2  # s: more reaches from a ramp into what is measured
+INTERVAL = 0.05  # s at which both are compared
+SEARCHED = 10.0  # s to either side
+PARTS = 4  # of the run, so that a drifting clock shows
+MOVING = np.radians(5.0)  # rad/s: a part in which nothing turns as fast says nothing
+
+
+def clock_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Parts of the run in which what the gyros read lies beside what the encoders show."""
+    recording = evidence.recording
+    if len(recording.imu) < 2:
+        return
+    interval = max(INTERVAL, float(np.median(np.diff(recording.imu.t))))
+    rates = _rates(recording, interval)
+    if rates is None:
+        return
+    parts = zip(*(np.array_split(each, PARTS) for each in rates), strict=True)
+    found = (_delay(by_unit, by_table, interval) for by_unit, by_table in parts)
+    delays = [delay for delay in found if delay is not None]
+    worst = max(delays, key=abs, default=0.0)
+    if abs(worst) > LARGEST:
+        yield run_remark(
+            "clocks_apart", run="invalid", delay=f"{worst:+.2f}", limit=f"{LARGEST:g}",
+        )  # fmt: skip
+
+
+def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Mean rates (m,) of the unit over each interval (s) by its gyros and by the encoders, rad/s.
+
+    None where one of both was not recorded, or for too short a time.
+    """
+    table, imu, axes = recording.table, recording.imu, recording.manifest.station.table_axes
+    if table is None or not axes or not set(GYRO) <= set(imu.columns) or len(table) < 2:
+        return None
+    start, end = max(table.t[0], imu.t[0]), min(table.t[-1], imu.t[-1])
+    at = np.arange(start, end, interval)
+    if len(at) < PARTS * SEARCHED / interval:
+        return None
+    angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
+    by_table = [np.abs(np.diff(np.interp(at, table.t, angle))) for angle in angles.T]
+    gyro = np.nan_to_num(imu.stack(GYRO))
+    gyro = gyro - np.median(gyro, axis=0)
+    turned = np.cumsum(np.linalg.norm(gyro[:-1], axis=1) * np.diff(imu.t))
+    by_unit = np.diff(np.interp(at, imu.t, np.concatenate([[0.0], turned])))
+    return by_unit / interval, np.sum(by_table, axis=0) / interval
+
+
+def _delay(by_unit: np.ndarray, by_table: np.ndarray, interval: float) -> float | None:
+    """By how many seconds the unit is late: where both rates (m,), `interval` s apart, agree best.
+
+    None where nothing turns, or nothing starts or stops.
+    """
+    unit, table = (np.minimum(rate, np.quantile(rate, 0.99)) for rate in (by_unit, by_table))
+    unit, table = unit - unit.mean(), table - table.mean()
+    if table.std() < MOVING or unit.std() < MOVING:
+        return None
+    reach = round(SEARCHED / interval)
+    length = len(unit)
+    spectrum = np.fft.rfft(unit, 2 * length) * np.conj(np.fft.rfft(table, 2 * length))
+    alike = np.fft.irfft(spectrum, 2 * length)
+    lags = np.arange(-reach, reach + 1)
+    return float(lags[int(alike[lags].argmax())]) * interval

@@ -1,0 +1,107 @@
+"""What the labels say, against gravity, the table and the gyros."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.recording import AXES
+from schemas.text import Remark
+from tasks.motion.table import mean_rate
+from tasks.motion.whole import attitude_stream
+from tasks.run_validity.remark import run_remark
+from tasks.segments.conditions import Conditions
+from tasks.segments.find import up_of
+from tasks.segments.rates import TurningPoint
+from tasks.segments.summarise import ACCEL_COLUMNS, GYRO_COLUMNS, SegmentMean
+from tasks.specifications.evidence import ClauseEvidence
+
+TURNING = np.radians(2.0)  # rad/s: a gyro at rest reads no more than the usual rest does
+CREEPING = np.radians(0.01)  # rad/s that a table at rest turns by its encoders
+ANGLE = 1e-3  # of a turn by an angle, by which the encoders may have it otherwise
+
+
+def label_remarks(evidence: ClauseEvidence, conditions: Conditions) -> Iterator[Remark]:
+    """Labels that nothing confirms, and labels that something contradicts."""
+    yield from _no_reference(evidence)
+    for i, segment in enumerate(evidence.segments):
+        yield from _position(segment)
+        yield from _turned_angle(evidence, segment)
+        if i in evidence.turning_points:
+            yield from _rate(evidence, segment, evidence.turning_points[i], conditions)
+    yield from _turning_rests(evidence)
+
+
+def _no_reference(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Turns of which neither encoders nor a pose tell: the labels are their only witness."""
+    turning = [label.name for label in evidence.labels if label.kind in ("rate", "rotation")]
+    if turning and attitude_stream(evidence.recording) is None:
+        yield run_remark("no_reference", *turning, count=len(turning))
+
+
+def _position(segment: SegmentMean) -> Iterator[Remark]:
+    """A labelled position that gravity contradicts."""
+    label = segment.segment.up
+    if segment.segment.kind != "static" or label is None or not segment.has_accel:
+        return
+    accel = segment.mean[ACCEL_COLUMNS]
+    shown = up_of(accel)
+    if shown == label:
+        return
+    name, axis = segment.segment.name, label[1]
+    yield run_remark(
+        "position_contradicted", name, run="invalid", segment=name, label=label, axis=axis,
+        reading=f"{accel[AXES.index(axis)]:+.3f}", shown=shown or "none",
+    )  # fmt: skip
+
+
+def _rate(
+    evidence: ClauseEvidence, segment: SegmentMean, point: TurningPoint, conditions: Conditions
+) -> Iterator[Remark]:
+    """A rate that its witness contradicts, or that did not hold still."""
+    name, axis = segment.segment.name, segment.segment.axis or ""
+    witness = "table" if point.by_table else evidence.channel_names[AXES.index(axis)]
+    if point.contradicted and point.shown is not None:
+        yield run_remark(
+            "rate_contradicted", name, run="invalid", segment=name, axis=axis, witness=witness,
+            label=f"{np.degrees(point.label):+g}", shown=f"{np.degrees(point.shown):+.4f}",
+        )  # fmt: skip
+    if point.unsteady:
+        yield run_remark(
+            "unsteady_rate", name, segment=name, witness=witness,
+            wander=f"{np.degrees(point.wander):.4f}", clause=conditions.steadiness_clause,
+            percent=f"{100 * conditions.steadiness:g}",
+        )  # fmt: skip
+
+
+def _turned_angle(evidence: ClauseEvidence, segment: SegmentMean) -> Iterator[Remark]:
+    """A turn by an angle that the encoders have otherwise."""
+    label = segment.segment
+    rate = mean_rate(evidence.recording, label) if label.kind == "rotation" else None
+    if rate is None or label.axis is None or label.angle_deg is None:
+        return
+    table = evidence.recording.table
+    assert table is not None  # it gave the rate
+    t = table.t[table.rows(label.t_start, label.t_end)]
+    shown = float(np.degrees(rate[AXES.index(label.axis)]) * (t[-1] - t[0]))
+    if abs(shown - label.angle_deg) > ANGLE * abs(label.angle_deg):
+        yield run_remark(
+            "angle_contradicted", label.name, run="invalid", segment=label.name,
+            label=f"{label.angle_deg:+g}", shown=f"{shown:+.2f}",
+        )  # fmt: skip
+
+
+def _turning_rests(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Rests in which the table turns, or in which a gyro reads another rate than in the others."""
+    rests = [evidence.segments[i] for i in evidence.of_kind("static")]
+    moved = []
+    for rest in rests:
+        rate = mean_rate(evidence.recording, rest.segment)
+        if rate is not None and np.linalg.norm(rate) > CREEPING:
+            moved.append(rest.segment.name)
+    gyro = np.array([rest.mean[GYRO_COLUMNS] for rest in rests]).reshape(-1, 3)
+    if len(rests) and np.isfinite(gyro).any():
+        away = np.abs(gyro - np.nanmedian(gyro, axis=0)) > TURNING
+        moved += [r.segment.name for r, far in zip(rests, away, strict=True) if far.any()]
+    if moved:
+        names = tuple(dict.fromkeys(moved))
+        yield run_remark("rest_turns", *names, run="invalid", count=len(names), first=names[0])

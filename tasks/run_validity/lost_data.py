@@ -1,0 +1,113 @@
+"""What a recording lacks: samples, rows, triads, table readings."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.recording import MEASURED, TRIADS, Recording, Stream
+from schemas.text import Remark
+from tasks.motion.samples import covered
+from tasks.run_validity.remark import run_remark
+from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
+from tasks.specifications.evidence import ClauseEvidence
+from tasks.words import message
+
+LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
+
+
+def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """What is missing in some segments, or in the whole recording."""
+    recording, segments = evidence.recording, evidence.segments
+    for segment in segments:
+        yield from _lost(recording, segment)
+    yield from _share("imu", recording.imu, segments)
+    if recording.table is not None:
+        yield from _share("table", recording.table, segments)
+    yield from _without_rows(recording)
+    yield from _null_rows(recording)
+    yield from _table_gap(recording, segments)
+
+
+def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Samples of a stream that are missing in all segments together, by its usual interval."""
+    if len(rows) < 2 or not segments:
+        return
+    interval = float(np.median(np.diff(rows.t)))
+    asked = sum((s.segment.t_end - s.segment.t_start) / interval for s in segments)
+    found = 0
+    for s in segments:
+        here = rows.rows(s.segment.t_start, s.segment.t_end)
+        found += here.stop - here.start + 1  # one more for the ends
+    share = 1.0 - found / asked
+    if share > LARGEST_SHARE:
+        yield run_remark(
+            "lost_share", run="invalid", stream=stream, share=f"{100 * share:.2g}",
+            limit=f"{100 * LARGEST_SHARE:g}",
+        )  # fmt: skip
+
+
+def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
+    """Samples missing between two time stamps."""
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    steps = np.diff(recording.imu.t[rows])
+    if len(steps) < 2:
+        return
+    interval = float(np.median(steps))
+    gaps = steps > 1.5 * interval
+    if not gaps.any():
+        return
+    lost = int(np.round(steps[gaps] / interval - 1).sum())
+    worst = int(steps.argmax())
+    name, at = segment.segment.name, recording.imu.t[rows.start + worst]
+    yield run_remark(
+        "lost_samples", name,
+        run="invalid" if lost > LARGEST_SHARE * segment.rows else "valid",
+        segment=name, lost=lost, gaps=int(gaps.sum()), longest=f"{steps[worst]:.3f}",
+        time=f"{at:.2f}",
+    )  # fmt: skip
+
+
+def _without_rows(recording: Recording) -> Iterator[Remark]:
+    """Labelled segments that the recording has no rows of, or too few for a mean."""
+    measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
+    counts = {s.name: rows_of(recording, s) for s in measured}
+    empty = {name: rows for name, rows in counts.items() if rows < MIN_ROWS}
+    if empty:
+        listed = ", ".join(f"{name} {rows}" for name, rows in empty.items())
+        yield run_remark("without_rows", *empty, count=len(empty), listed=listed)
+
+
+def _null_rows(recording: Recording) -> Iterator[Remark]:
+    """Labelled segments that a triad of the unit has null rows in: it is not taken there."""
+    imu = recording.imu
+    measured = [s for s in recording.manifest.segments or () if s.kind in MEASURED]
+    for triad in TRIADS:
+        values = imu.columns.get(triad[0])
+        if values is None or not np.isnan(values).any() or np.isnan(values).all():
+            continue
+        counts = {
+            s.name: int(np.isnan(values[imu.rows(s.t_start, s.t_end)]).sum()) for s in measured
+        }
+        nulls = {name: count for name, count in counts.items() if count}
+        if nulls:
+            yield run_remark(
+                "null_rows", *nulls, run="valid",
+                triad=triad[0].removesuffix("_x"), count=len(nulls),
+                listed=", ".join(f"{segment} {count}" for segment, count in nulls.items()),
+            )  # fmt: skip
+
+
+def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Iterator[Remark]:
+    """Segments that the table stream, where there is one, does not cover."""
+    table, imu = recording.table, recording.imu
+    if table is None or not recording.manifest.station.table_axes:
+        return
+    rows = {s.segment.name: imu.rows(s.t_start, s.t_end) for s in segments}
+    bare = {name: imu.t[row][~covered(table.t, imu.t[row])] for name, row in rows.items()}
+    first = {name: float(t[0]) for name, t in bare.items() if len(t)}
+    if first:
+        gaps = tuple(
+            message("validity-table-gap-from", segment=name, time=f"{t:.2f}")
+            for name, t in first.items()
+        )
+        yield run_remark("table_gap", *first, run="invalid", count=len(first), gaps=gaps)

@@ -1,0 +1,120 @@
+"""Samples that are no readings of the unit: far rows, many that are off, channels that stand."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from schemas.recording import Recording
+from schemas.text import Remark
+from tasks.run_validity.remark import run_remark
+from tasks.segments.summarise import (
+    CHANNELS,
+    LONGEST_BURST,
+    SegmentMean,
+    coarsely_quantised,
+)
+from tasks.specifications.evidence import ClauseEvidence
+
+Channels = tuple[str, ...]
+
+STUCK_SECONDS = 2.0
+OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
+LARGEST_SHARE = 0.005  # of a channel's samples that may be off
+STEPS = 2.0  # of the output: nearer is rounding
+
+
+def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """What is wrong with single samples, segment by segment and in the whole run."""
+    channels = evidence.channel_names
+    for segment in evidence.segments:
+        yield from _corrupted(segment, channels)
+        if not evidence.may_stand_still:
+            yield from _stuck(evidence.recording, segment, channels)
+    yield from _coarse(evidence.segments, channels)
+    yield from _off(evidence)
+
+
+def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Channels of which too many samples lie off the rest of their segment."""
+    held = [s for s in evidence.segments if s.segment.kind != "rotation"]
+    for channel, name in enumerate(CHANNELS):
+        values = evidence.recording.imu.columns.get(name)
+        if values is None or not held:
+            continue
+        shares = [_share_off(evidence.recording, values, s, channel) for s in held]
+        share = float(np.average(shares, weights=[s.rows for s in held]))
+        if share > LARGEST_SHARE:
+            yield run_remark(
+                "samples_off", run="invalid", channel=evidence.channel_names[channel],
+                share=f"{100 * share:.2g}", off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",
+            )  # fmt: skip
+
+
+def _share_off(
+    recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int
+) -> float:
+    here = values[recording.imu.rows(segment.segment.t_start, segment.segment.t_end)]
+    away = np.abs(here - np.median(here))
+    reach = OFF * 1.4826 * float(np.median(away))
+    return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
+
+
+def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
+    """Rows that were left out of the mean."""
+    if segment.left_out == 0:
+        return
+    name, burst = segment.segment.name, segment.longest_burst
+    counts = [f"{channels[c]} {rows}" for c, rows in enumerate(segment.far_rows) if rows]
+    disturbed = burst > LONGEST_BURST
+    yield run_remark(
+        "disturbed" if disturbed else "corrupted_rows", name,
+        run="remarks" if disturbed else "valid", segment=name, out=segment.left_out,
+        rows=segment.rows, channels=", ".join(counts), burst=burst,
+    )  # fmt: skip
+
+
+def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
+    """A channel that stood still where noise should have moved it."""
+    if segment.segment.kind == "rotation":
+        return
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    interval = segment.seconds / segment.rows
+    shortest = min(max(20, round(STUCK_SECONDS / interval)), segment.rows)
+    name = segment.segment.name
+    for channel in np.flatnonzero(np.isfinite(segment.mean)).tolist():
+        values = recording.imu.columns[CHANNELS[channel]][rows]
+        start, length = _longest_repeat(values, shortest)
+        if length < shortest:
+            continue
+        yield run_remark(
+            "stuck", name, segment=name, channel=channels[channel],
+            value=f"{values[start]:.6g}", rows=length,
+            time=f"{recording.imu.t[rows.start + start]:.2f}",
+        )  # fmt: skip
+
+
+def _longest_repeat(values: np.ndarray, shortest: int) -> tuple[int, int]:
+    """First row and length of the longest run of one value; (0, 0) if none is long enough.
+
+    A run of `shortest` rows holds two neighbours of a sample that takes every half of it.
+    """
+    sample = values[:: max(1, shortest // 2)]
+    if len(sample) > 1 and not (sample[1:] == sample[:-1]).any():
+        return 0, 0
+    changes = np.flatnonzero(np.diff(values)) + 1
+    edges = np.concatenate(([0], changes, [len(values)]))
+    lengths = np.diff(edges)
+    longest = int(lengths.argmax())
+    return int(edges[longest]), int(lengths[longest])
+
+
+def _coarse(segments: tuple[SegmentMean, ...], channels: Channels) -> Iterator[Remark]:
+    """Channels whose step hides their noise: their means may be off by half a step."""
+    flags = np.array([coarsely_quantised(segment) for segment in segments]).reshape(-1, 6)
+    steps = {
+        c: max(s.step[c] for s in segments) for c in np.flatnonzero(flags.any(axis=0)).tolist()
+    }
+    if steps:
+        listed = ", ".join(f"{channels[channel]} {step:.3g}" for channel, step in steps.items())
+        names = (s.segment.name for s, row in zip(segments, flags, strict=True) if row.any())
+        yield run_remark("coarse_step", *names, steps=listed)

@@ -1,0 +1,34 @@
+"""Whether a run can be relied on, before anything is said of its unit."""
+
+from schemas.base import Unusable
+from schemas.validity import Validity
+from storage import settings
+from storage.catalogue import results, runs
+from storage.catalogue.listing import Run
+from storage.home import Home
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.register import specification_for
+from tasks.version import code_version
+
+
+def validity_of(run: Run, home: Home) -> Validity:
+    """The verdict on a run by the method of its specification; that of its result, if it has one.
+
+    A run that the method cannot serve at all is valid with that remark: it was not judged.
+    """
+    recording = runs.load(run, home)
+    specification = specification_for(recording.manifest.standard)
+    for kept in reversed(results.of_run(run, home)):
+        made = kept.calibration
+        if (made.method, made.code_version) == (specification.method, code_version()):
+            return made.validity
+    laboratory = settings.laboratory(home)
+    evaluation = evaluation_for(recording, own=laboratory.limits if laboratory else None)
+    try:
+        calibration = calibrate(
+            specification, recording, run=run.id, code_version="", evaluation=evaluation
+        )
+    except Unusable as fault:
+        return Validity(verdict="remarks", reasons=(str(fault),), reasons_zh=(str(fault),))
+    return calibration.validity
