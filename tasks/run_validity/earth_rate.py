@@ -11,6 +11,8 @@ from tasks.specifications.linear import birge_ratio, solve
 
 LEVEL, GRAVITY, PARAMETERS = slice(0, 2), slice(3, 6), 6  # north, east, zero, three axes up
 
+KNOWN = 10.0  # Earth rates: what is less certain hangs on rounding alone
+
 
 @dataclass(frozen=True)
 class EarthRate:
@@ -54,7 +56,8 @@ def earth_rate(evidence: ClauseEvidence) -> EarthRate | None:
         covariance = evidence.covariance(c)[np.ix_(rests, rests)] / EARTH_RATE**2
         excess = birge_ratio(solution, design, readings, covariance).factor
         values, used = solution.of(readings), np.flatnonzero(solution.estimable[LEVEL])
-        sensitivity[c] = values[GRAVITY]
+        known = solution.uncertainty(covariance)[GRAVITY] < KNOWN
+        sensitivity[c] = np.where(known, values[GRAVITY], np.nan)
         operator = solution.operator[used]
         spread = excess**2 * operator @ covariance @ operator.T
         if len(used) and np.linalg.det(spread) > 0.0:

@@ -24,8 +24,11 @@ PER_SI = {"deg/s": float(np.degrees(1.0)), "m/s2": 1.0}
 def scatter_remarks(evidence: ClauseEvidence, items: Mapping[str, Item]) -> Iterator[Remark]:
     """Channels whose rests disagree with one another by more than U covers, or a steady unit."""
     yield from _beyond_uncertainty(evidence, items)
+    rests = _rests(evidence, None)
     for channel, largest in enumerate(LARGEST):
-        drift = _drift(evidence, _rests(evidence, None), channel, largest)
+        alike = channel < len(AXES) and "ahrs_zero_offset" in items  # no model of g-sensitivity
+        faces = np.ones((len(rests), 1)) if alike else _faces(evidence, rests)
+        drift = _drift(evidence, rests, faces, channel, largest)
         if drift is not None:
             segment, left = drift
             yield run_remark(
@@ -41,7 +44,8 @@ def _beyond_uncertainty(evidence: ClauseEvidence, items: Mapping[str, Item]) -> 
             item, U = items[name], items[name].U.get(axis)
             rests = _rests(evidence, axis if name == "ahrs_zero_offset" else None)
             per_si = PER_SI[item.unit]
-            drift = U and _drift(evidence, rests, first + number, BEYOND * U / per_si)
+            faces = _faces(evidence, rests)
+            drift = U and _drift(evidence, rests, faces, first + number, BEYOND * U / per_si)
             if drift:
                 segment, left = drift
                 yield run_remark(
@@ -57,14 +61,14 @@ def _rests(evidence: ClauseEvidence, axis: Axis | None) -> list[int]:
 
 
 def _drift(
-    evidence: ClauseEvidence, rests: list[int], channel: int, allowed: float
+    evidence: ClauseEvidence, rests: list[int], faces: np.ndarray, channel: int, allowed: float
 ) -> tuple[str, float] | None:
     """The rest that is farthest off, and by how much (SI); None: within `allowed` and its noise.
 
-    Each is held against a fit of all: a reading for each axis up, and the level part of Earth's
-    rotation; where north is not known, that much more is allowed.
+    Each is held against a fit of all: a reading for each column of `faces` (rests, k), and the
+    level part of Earth's rotation; where north is not known, that much more is allowed.
     """
-    faces, means = _faces(evidence, rests), evidence.means[rests, channel]
+    means = evidence.means[rests, channel]
     if len(rests) <= faces.shape[1] or not np.isfinite(means).all():
         return None
     white = evidence.noise.white[rests, channel]

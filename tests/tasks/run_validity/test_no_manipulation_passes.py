@@ -31,7 +31,7 @@ LIMITED = {
 def run_of(method: Method) -> Recording:
     """A whole run of the plant, on an Earth that turns; an AHRS on one axis, else three axes.
 
-    Gravity is taken out of what the gyros read: only then do they show which hemisphere they are in.
+    Gravity is taken out of what the gyros read: only then do they show the hemisphere.
     """
     procedure = "ahrs" if method == "jjf1536" else "three_axis"
     earth = EffectCall(name="earth_rotation")
@@ -83,8 +83,15 @@ def test_no_manipulated_run_passes(name: str, method: Method) -> None:
     assert decided(judged).verdict == "inconclusive"
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", DRIFTS)
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [
+        (name, method)
+        for name in DRIFTS
+        for method in METHODS
+        if method != "jjf1536" or name.startswith(("gyros", "one gyro"))  # that uses no others
+    ],
+)
 def test_no_drifting_run_passes(name: str, method: Method) -> None:
     calibration = calibrated(DRIFTS[name](run_of(method)), method)
     assert decided(calibration).verdict != "pass"
