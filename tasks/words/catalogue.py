@@ -116,8 +116,10 @@ def remark(
     run: RunVerdict = "valid",
 ) -> Remark:
     """A message as a remark of a calibration."""
-    said = texts(sayable)
-    return Remark(code=code, **said, segments=segments, blocks_pass=blocks_pass, run=run)
+    words = statement(sayable)
+    return Remark(
+        code=code, en=words.en, zh=words.zh, segments=segments, blocks_pass=blocks_pass, run=run
+    )
 
 
 def _argument(value: Argument, language: str) -> object:

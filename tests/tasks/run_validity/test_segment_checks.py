@@ -35,9 +35,9 @@ def edited(recording: Recording, name: str, edit: Callable[[dict, slice], None])
     return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
-def test_a_clean_run_has_no_remark_that_blocks(ideal_run) -> None:
+def test_of_a_clean_run_without_encoders_the_turns_alone_are_not_known(ideal_run) -> None:
     calibration = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
-    assert [r.en for r in calibration.remarks if r.blocks_pass] == []
+    assert [r.code for r in calibration.remarks if r.blocks_pass] == ["no_reference"]
 
 
 def test_a_position_that_gravity_contradicts_is_named_with_what_gravity_shows(ideal_run) -> None:
