@@ -146,8 +146,7 @@ def acquire(
     """Run a procedure on a station, real or virtual.
 
     What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
-    Ctrl-Z again has it go on; Ctrl-C ends it. Exits
-    with 3 for a run that is kept but invalid.
+    Ctrl-Z again has it go on; Ctrl-C ends it. Exits with 3 for a run that is kept but invalid.
     """
     from flows.carry_out import as_flow_run
     from flows.print_validity import lines, summary

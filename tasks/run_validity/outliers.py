@@ -31,7 +31,8 @@ def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
         if not evidence.may_stand_still:
             yield from _stuck(evidence.recording, segment, channels)
     yield from _coarse(evidence.segments, channels)
-    yield from _off(evidence)
+    if not evidence.may_stand_still:  # rounding is no outlier
+        yield from _off(evidence)
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:

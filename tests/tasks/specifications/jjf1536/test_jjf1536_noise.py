@@ -51,7 +51,9 @@ def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shar
     assert max(map(abs, off.values())) < 3
     assert 0.6 < rms(off.values()) < 1.4
     assert calibration.unavailable == {}
-    assert {r.code for r in calibration.remarks} == {"environment_not_recorded"}
+    assert {r.code for r in calibration.remarks} == {
+        "environment_not_recorded", "supply_not_recorded", "unit_temperature_not_recorded",
+    }  # fmt: skip
 
 
 def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro) -> None:
@@ -89,7 +91,9 @@ def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise) -> None:
 def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run) -> None:
     step = np.radians(0.01)
     run = ahrs_run(noise={"rate_noise": RATE_NOISE / 20, "angle_noise": 0.0, "step": step}, B=B)
-    assert {r.code for r in result(run).remarks} <= {"short_position", "excess_scatter"}
+    codes = {r.code for r in result(run).remarks}
+    assert not codes & {"stuck", "samples_off"}
+    assert "short_position" in codes
 
 
 def test_both_noises_are_told_apart() -> None:

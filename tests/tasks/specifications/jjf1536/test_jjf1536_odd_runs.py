@@ -20,8 +20,12 @@ def result(recording: Recording) -> Calibration:
     return calibrate(JJF1536, recording, run="r", code_version="v")
 
 
+NOT_RECORDED = {"no_reference", "supply_not_recorded", "unit_temperature_not_recorded"}
+
+
 def codes(calibration: Calibration) -> set[str]:
-    return {remark.code for remark in calibration.remarks}
+    """Of the remarks, but for what this bench never records."""
+    return {remark.code for remark in calibration.remarks} - NOT_RECORDED
 
 
 def with_segments(recording: Recording, segments) -> Recording:
