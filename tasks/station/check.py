@@ -107,9 +107,9 @@ async def _encoder(table: Table) -> str:
             f"the table gave {len(times)} encoder samples in {ENCODER_S:g} s: check capture or "
             f"poll_period_ms of the station file"
         )
-    how = f"polled, times ± {1e3 * table.time_half_width_s:.1f} ms"
-    told = how if table.time_half_width_s else "captured by the table"
-    return f"one every {1e3 * float(np.median(np.diff(times))):.1f} ms, {told}"
+    polled = f"polled, times ± {1e3 * table.time_half_width_s:.1f} ms"
+    how = polled if table.time_half_width_s else "captured by the table"
+    return f"one every {1e3 * float(np.median(np.diff(times))):.1f} ms, {how}"
 
 
 async def _move(table: Table, axis: int, limits: Limits) -> str:

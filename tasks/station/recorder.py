@@ -88,6 +88,6 @@ class Recorder:
             since_start = [round(shift_s - self.manifest.origin_s, 6) for shift_s in again_s]
             self.manifest.extra["unit_power_on_s"] = since_start
         if half_width_s := self.encoders.table.time_half_width_s:
-            told = {"encoder": "polled", "half_width_s": round(half_width_s, 6)}
-            self.manifest.extra["table_time"] = told
+            table_time = {"encoder": "polled", "half_width_s": round(half_width_s, 6)}
+            self.manifest.extra["table_time"] = table_time
         self._sink.manifest(self.manifest.build())

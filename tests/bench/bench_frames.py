@@ -41,7 +41,7 @@ def _measure(kind: str, link: UnitLink, good: Any, bad: Any, inputs: int) -> Non
         taken, wrong = taken + int(is_good.sum()), wrong + int((~is_good).sum())
     seconds = time.perf_counter() - began_s
     print(f"frames   {kind}: {inputs} bad inputs, {wrong} taken for frames; {taken} of {inputs} "
-          f"good ones taken, {sequence.strays} strays dropped, {seconds:.0f} s")  # fmt: skip
+          f"good ones taken, {sequence.rejected} rejected dropped, {seconds:.0f} s")  # fmt: skip
 
 
 def _binary(number: int) -> bytes:

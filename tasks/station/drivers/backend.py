@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from schemas.base import Unusable
-from schemas.devices import Described
+from schemas.described import Described
 
 Values = Mapping[str, Any]  # by name; a tuple with one for each axis where it is of an axis
 

@@ -34,12 +34,12 @@ def find_binary(data: bytes, frame: BinaryFrame) -> FrameSearch:
 
 def _is_good(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:
     width = CHECK_BYTES[frame.check]
-    told = np.zeros(len(rows), np.uint64)
+    stated = np.zeros(len(rows), np.uint64)
     order = frame.check_byte_order or frame.byte_order
     places = range(width) if order == "big" else reversed(range(width))
     for place in places:
-        told = (told << np.uint64(8)) | rows[:, rows.shape[1] - width + place]
-    return np.asarray(check_sums(frame.check, rows[:, frame.check_from : -width]) == told)
+        stated = (stated << np.uint64(8)) | rows[:, rows.shape[1] - width + place]
+    return np.asarray(check_sums(frame.check, rows[:, frame.check_from : -width]) == stated)
 
 
 def _read(rows: np.ndarray, frame: BinaryFrame) -> np.ndarray:

@@ -4,15 +4,8 @@ from importlib.metadata import entry_points
 from typing import Any, TypeAlias
 
 from schemas.base import Unusable
-from schemas.devices import (
-    ChamberDevice,
-    Described,
-    FixtureDevice,
-    ModbusDevice,
-    PythonDevice,
-    TableDevice,
-    TextDevice,
-)
+from schemas.described import Described, ModbusDevice, TextDevice
+from schemas.devices import ChamberDevice, FixtureDevice, PythonDevice, TableDevice
 from tasks.station.drivers.backend import Backend, check_expected
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.drivers.modbus_device import ModbusBackend

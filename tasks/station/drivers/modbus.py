@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from schemas.base import Unusable
-from schemas.devices import BIT_BANKS, Bank, Connection, RegisterType
+from schemas.described import BIT_BANKS, Bank, Connection, RegisterType
 
 if TYPE_CHECKING:
     from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from schemas.devices import Bank, ModbusDevice, Register
+from schemas.described import Bank, ModbusDevice, Register
 from tasks.station.drivers.backend import Values
 from tasks.station.drivers.modbus import ModbusLink, decode, encode
 

@@ -14,18 +14,18 @@ class StampSequence:
 
     A sample whose stamp does not follow the one before it counts only if the next one follows it:
     then the unit has been silent, or has begun anew. Else a chance in garbage passed for a frame,
-    and `strays` counts it. Stamps run on where the unit's own begin anew, and are those of the
+    and `rejected` counts it. Stamps run on where the unit's own begin anew, and are those of the
     counter, at the rate of the link, or of their arrival, where the frame has none.
     """
 
     def __init__(self, link: UnitLink) -> None:
-        self.strays = 0
+        self.rejected = 0
         self._link = link
         self._turn_us = self._turn()
         self._longest_us = max(LONGEST_STEP_US, STEPS * 1e6 / link.rate_hz)
         self._held = no_samples(link.frame)
         self._last_us: int | None = None  # as the unit tells it
-        self._told_us: int | None = None  # of the last sample given
+        self._own_us: int | None = None  # of the last sample given
         self._before_us = 0  # what it has turned over by
 
     def _turn(self) -> int | None:
@@ -77,7 +77,7 @@ class StampSequence:
                 kept.append(place)
                 last_us = stamp
             else:
-                self.strays += 1
+                self.rejected += 1
         self._last_us = last_us
         return waiting[kept]
 
@@ -98,9 +98,9 @@ class StampSequence:
         """Add what the stamps have turned over by; a unit that begins anew has not."""
         if self._turn_us is None or not len(samples):
             return
-        told = samples["stamp"].copy()
-        before = np.concatenate([[self._told_us if self._told_us is not None else told[0]], told])
+        own = samples["stamp"].copy()
+        before = np.concatenate([[self._own_us if self._own_us is not None else own[0]], own])
         turns = (np.diff(before) < 0) & self._follows(before[:-1], before[1:])
         samples["stamp"] += self._before_us + np.cumsum(turns) * self._turn_us
         self._before_us += int(turns.sum()) * self._turn_us
-        self._told_us = int(told[-1])
+        self._own_us = int(own[-1])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from schemas.base import Unusable
-from schemas.devices import Query, TextDevice
+from schemas.described import Query, TextDevice
 from tasks.station.drivers.backend import Values
 from tasks.station.drivers.text_link import TextLink
 
@@ -98,9 +98,11 @@ class TextBackend:
 
     async def command(self, name: str, given: Mapping[str, float], axis: int = 0) -> None:
         """Send the command's lines, one after the other."""
-        told = {each: value / self._described.scale.get(each, 1.0) for each, value in given.items()}
+        scaled = {
+            each: value / self._described.scale.get(each, 1.0) for each, value in given.items()
+        }
         for template in self._described.commands.get(name, ()):
-            line = template.format(axis=self._name(axis), **told)
+            line = template.format(axis=self._name(axis), **scaled)
             if self._described.acknowledge is None:
                 await self._link.tell(line)
                 continue

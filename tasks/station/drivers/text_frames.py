@@ -57,8 +57,8 @@ def _values(line: bytes, frame: TextFrame) -> tuple[float, ...] | None:
     match = _pattern(frame).fullmatch(line)
     if match is None:
         return None
-    *texts, told = match.groups() if frame.check != "none" else (*match.groups(), b"")
-    if frame.check != "none" and int(told, 16) != _check(line, frame):
+    *texts, stated = match.groups() if frame.check != "none" else (*match.groups(), b"")
+    if frame.check != "none" and int(stated, 16) != _check(line, frame):
         return None
     values = tuple(map(float, texts))
     return values if np.isfinite(values).all() else None

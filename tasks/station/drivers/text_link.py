@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from schemas.base import Unusable
-from schemas.devices import TextDevice
+from schemas.described import TextDevice
 
 ATTEMPTS = 3
 MOST_BYTES = 4096  # of an answer

@@ -40,7 +40,7 @@ class UnitDriver:
     @property
     def bad_frames(self) -> int:
         """Frames with a wrong check sum, and what only passed for one."""
-        return self._bad_frames + self._sequence.strays
+        return self._bad_frames + self._sequence.rejected
 
     def end(self) -> None:
         """Read what is on the line now, and no more."""

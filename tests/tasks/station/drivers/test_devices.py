@@ -8,7 +8,8 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from schemas.base import Unusable
-from schemas.devices import ModbusTable, PythonDevice, Register, TableDevice
+from schemas.described import Register
+from schemas.devices import ModbusTable, PythonDevice, TableDevice
 from tasks.station.drivers import devices as module
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus_device import ModbusBackend

@@ -12,7 +12,7 @@ from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from schemas.base import Unusable
-from schemas.devices import WORDS, Connection
+from schemas.described import WORDS, Connection
 from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
 from tasks.station.setpoints import move_s, nearest_turn
 

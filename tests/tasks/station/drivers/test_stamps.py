@@ -26,14 +26,14 @@ def test_a_false_frame_among_good_ones_is_dropped_and_counted():
     assert fed(sequence, 0, 10_000, 7_000_000_000, 20_000, 3, 30_000) == [
         0, 10_000, 20_000, 30_000,
     ]  # fmt: skip
-    assert sequence.strays == 2
+    assert sequence.rejected == 2
 
 
 def test_a_last_frame_out_of_order_waits_for_the_next_to_tell():
     sequence = StampSequence(LINK)
     assert fed(sequence, 0, 10_000, 999_000_000) == [0, 10_000]
     assert fed(sequence, 20_000, 30_000) == [20_000, 30_000]
-    assert sequence.strays == 1
+    assert sequence.rejected == 1
 
 
 def test_a_silence_and_a_restart_are_told_by_two_frames():
@@ -42,7 +42,7 @@ def test_a_silence_and_a_restart_are_told_by_two_frames():
     assert fed(sequence, 60_000_000) == []
     assert fed(sequence, 60_010_000) == [60_000_000, 60_010_000]
     assert fed(sequence, 0, 10_000) == [0, 10_000]
-    assert sequence.strays == 0
+    assert sequence.rejected == 0
 
 
 def test_stamps_of_32_bits_run_on_past_their_turnover():

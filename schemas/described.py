@@ -1,0 +1,199 @@
+"""A device as data: how it is read and told, by registers or lines of text.
+
+Both kinds name what they read: `time` (s), `angle` (deg) and `rate` (deg/s) of a table, the
+columns of the environment stream of a chamber, and whatever the flags ask for. Commands are lists
+of steps with the values given: an axis's `angle` (deg), `rate`, `speed` (its amount), `direction`
+(1 or -1) and `acceleration`, and a fixture's attitude `qw` to `qz`.
+"""
+
+import string
+from collections.abc import Mapping
+from typing import Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from schemas.base import Finite, Frozen
+
+RegisterType = Literal[
+    "bit", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64"
+]
+WORDS: Mapping[str, int] = {
+    "bit": 1, "uint16": 1, "int16": 1, "uint32": 2, "int32": 2, "uint64": 4, "int64": 4,
+    "float32": 2, "float64": 4,
+}  # fmt: skip
+Bank = Literal["holding", "input", "coil", "discrete"]
+BIT_BANKS = ("coil", "discrete")
+Given = Literal[
+    "angle", "rate", "speed", "direction", "acceleration", "qw", "qx", "qy", "qz"
+]  # fmt: skip
+TRIPS = ("fault", "emergency_stop", "interlock", "watchdog")
+FLAGS = (*TRIPS, "moving", "settled", "homed", "arrived")
+
+
+class Connection(Frozen):
+    """url: `socket://host:port`, or a serial device such as `/dev/ttyUSB0` or `COM3`."""
+
+    url: str = Field(min_length=1)
+    baudrate: int = Field(default=115200, gt=0)
+    parity: Literal["N", "E", "O"] = "N"
+    stopbits: Literal[1, 2] = 1
+    timeout_s: Finite = Field(default=1.0, gt=0, le=30)
+
+
+class Register(Frozen):
+    """One value: what the words hold times `scale` plus `offset`.
+
+    stride: addresses from one axis to the next; without it, the value is that of the device.
+    """
+
+    address: int = Field(ge=0, le=65535)
+    type: RegisterType = "uint16"
+    bank: Bank = "holding"
+    stride: int | None = Field(default=None, ge=0)
+    scale: Finite = 1.0
+    offset: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _fits_its_bank(self) -> Self:
+        if (self.type == "bit") != (self.bank in BIT_BANKS):
+            raise ValueError("a coil or discrete input is of type bit, and nothing else is")
+        if self.scale == 0:
+            raise ValueError("scale is 0: give what one count is")
+        return self
+
+    @property
+    def words(self) -> int:
+        return WORDS[self.type]
+
+
+class Write(Frozen):
+    """One register written with a number, or with a value of the command."""
+
+    write: str
+    value: Finite | Given
+
+
+class Query(Frozen):
+    """A line asked and its answer, with `{name}` in the place of each number.
+
+    `{name:x}` takes a hexadecimal number and `{name:w}` a text. With `{axis}` in `ask` it is asked
+    for each axis; without, `{angle[0]}`, `{angle[1]}` … are the axes in one answer.
+    """
+
+    ask: str = Field(min_length=1)
+    answer: str = Field(min_length=1)
+
+
+class Flag(Frozen):
+    """Whether something is so, by a value that was read.
+
+    It is so where the value, under the mask if there is one, is `equals`, or where that is not
+    told, is not zero.
+    """
+
+    of: str
+    mask: int | None = Field(default=None, gt=0)
+    equals: int | str | None = None
+
+    def is_set(self, value: Any) -> bool:
+        """Whether a value that was read shows it."""
+        if self.mask is not None:
+            value = int(value) & self.mask
+        return bool(value) if self.equals is None else bool(value == self.equals)
+
+
+class Described(Connection):
+    """What every described device has. expect: what must be read, else it is another device."""
+
+    expect: Mapping[str, Finite | str] = {}
+    flags: Mapping[str, Flag] = {}
+
+    @model_validator(mode="after")
+    def _reads_what_is_asked_for(self) -> Self:
+        for flag in self.flags:
+            if flag not in FLAGS:
+                raise ValueError(f"there is no flag {flag}: the flags are {', '.join(FLAGS)}")
+        wanted = {*self.expect, *(flag.of for flag in self.flags.values())}
+        if missing := sorted(wanted - self.readings):
+            raise ValueError(f"nothing reads {missing[0]}, which expect or a flag asks for")
+        return self
+
+    @property
+    def readings(self) -> frozenset[str]:
+        """The names of what can be read."""
+        raise NotImplementedError
+
+
+class ModbusDevice(Described):
+    """A device behind registers, over Modbus/TCP (`socket://…`) or Modbus/RTU (a serial device).
+
+    reads_across_gaps: addresses between registers may be read, so that one request suffices.
+    """
+
+    driver: Literal["modbus"] = "modbus"
+    device: int = Field(default=1, ge=0, le=255)
+    word_order: Literal["big", "little"] = "big"
+    reads_across_gaps: bool = False
+    registers: Mapping[str, Register]
+    commands: Mapping[str, tuple[Write, ...]] = {}
+
+    @model_validator(mode="after")
+    def _writes_registers_that_there_are(self) -> Self:
+        for name, writes in self.commands.items():
+            for write in writes:
+                register = self.registers.get(write.write)
+                if register is None:
+                    raise ValueError(f"command {name} writes {write.write}, which is no register")
+                if register.bank in ("input", "discrete"):
+                    raise ValueError(f"command {name} writes {write.write}, which is read-only")
+        return self
+
+    @property
+    def readings(self) -> frozenset[str]:
+        """The registers by name."""
+        return frozenset(self.registers)
+
+
+class TextDevice(Described):
+    """A device that takes lines of text, over TCP (`socket://…`) or a serial line.
+
+    axes: what `{axis}` stands for, 1, 2, 3 … where it is not told. acknowledge: what it answers
+    to every command, where it answers. scale: what one unit of a number is, in ours.
+    """
+
+    driver: Literal["text"]
+    terminator: str = Field(default="\n", min_length=1)
+    answer_terminator: str = Field(default="\n", min_length=1)
+    acknowledge: str | None = None
+    axes: tuple[str, ...] = ()
+    queries: tuple[Query, ...]
+    scale: Mapping[str, Finite] = {}
+    commands: Mapping[str, tuple[str, ...]] = {}
+
+    @model_validator(mode="after")
+    def _asks_and_tells_what_there_is(self) -> Self:
+        for query in self.queries:
+            _check_places(query.ask, ("axis",))
+        for lines in self.commands.values():
+            for line in lines:
+                _check_places(line, ("axis", *Given.__args__))  # type: ignore[attr-defined]
+        return self
+
+    @property
+    def readings(self) -> frozenset[str]:
+        """What the answers hold, by name."""
+        return frozenset(
+            name.split("[")[0]
+            for query in self.queries
+            for _, name, _, _ in string.Formatter().parse(query.answer)
+            if name
+        )
+
+
+def _check_places(line: str, known: tuple[str, ...]) -> None:
+    try:
+        line.format(**dict.fromkeys(known, 1.0))
+    except (KeyError, IndexError, ValueError) as error:
+        raise ValueError(
+            f"{line!r} has a place that nothing fills ({error}): use {', '.join(known)}"
+        ) from error
