@@ -12,6 +12,7 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Laboratory, Order, Party
 from schemas.recording import Recording
+from schemas.text import Remark
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, runs
 from storage.catalogue.listing import Run
@@ -153,3 +154,14 @@ def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) 
     assert certificate.laboratory.equipment[0].name == "Table"
     assert any("2026-03-31" in reason for reason in certificate.decision.reasons)
     assert certificate.decision.verdict == "inconclusive"
+
+
+def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) -> None:
+    run, calibration, home = kept()
+    wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
+    given = (run, calibration.model_copy(update={"remarks": (wrong,)}), home)
+    with pytest.raises(Unusable, match="is invalid: Two clocks; measure again"):
+        certify(*given, Inputs(tolerance=tolerance()))
+    reported = certify(*given, Inputs(tolerance=tolerance(), invalid_run=True)).certificate
+    assert {decided.verdict for decided in reported.decision.limits} == {"inconclusive"}
+    assert "the run is invalid: nothing is decided on the unit" in reported.decision.reasons
