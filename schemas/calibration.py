@@ -133,8 +133,13 @@ class Calibration(Frozen):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def validity(self) -> Validity:
-        """The verdict on the run: that of its worst remark."""
-        reasons = [remark for remark in self.remarks if remark.run != "valid"]
+        """The verdict on the run: that of its worst remark, which comes first."""
+        reasons = [
+            remark
+            for verdict in ("invalid", "remarks")
+            for remark in self.remarks
+            if remark.run == verdict
+        ]
         verdicts = (remark.run for remark in reasons)
         return Validity(
             verdict=max(verdicts, key=RUN_VERDICTS.index, default="valid"),

@@ -350,7 +350,12 @@ def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, text: str) -> 
     calibrated = mimucal("calibrate", folder)
     assert calibrated.code == 0, calibrated.err
     assert text in calibrated.out
-    for command in (("runs",), ("show", text), ("certify", text), ("remind", "--within", 400)):
+    for command in (
+        ("runs",),
+        ("show", text),
+        ("certify", text, "--invalid-run"),
+        ("remind", "--within", 400),
+    ):
         done = mimucal(*command)
         assert done.code == 0, done.err
         assert text in done.out or command[0] == "certify"
