@@ -77,8 +77,17 @@ def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
 @pytest.fixture(scope="session")
 def plant_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A simulated unit without effects, every fifth row of it: commands do the same sooner."""
-    source = shared / "plant/plant_clean"
-    target = tmp_path_factory.mktemp("every_fifth_row") / source.name
+    return every_fifth_row(shared / "plant/plant_clean", tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def plant_on_earth(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same of a run that is valid: its rests show Earth's rotation."""
+    return every_fifth_row(shared / "plant/plant_earth_rotation", tmp_path_factory)
+
+
+def every_fifth_row(source: Path, folders: pytest.TempPathFactory) -> Path:
+    target = folders.mktemp("every_fifth_row") / source.name
     target.mkdir()
     for name in ("manifest.json", "environment.parquet"):
         (target / name).write_bytes((source / name).read_bytes())

@@ -69,15 +69,15 @@ def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
 
 
 def test_certify_decides_and_leaves_a_certificate_and_a_reminder(
-    mimucal, plant_clean, tmp_path
+    mimucal, plant_on_earth, tmp_path
 ) -> None:
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
         "lower = 0.98\nupper = 1.02\n"
     )
-    done = mimucal("certify", plant_clean, "--tolerance", tolerance, "--json")
+    done = mimucal("certify", plant_on_earth, "--tolerance", tolerance, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"
     assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
@@ -102,14 +102,14 @@ def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
     assert (done.code, done.json["verdict"]) == (0, "fail")
 
 
-def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, plant_clean, tmp_path) -> None:
+def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, plant_on_earth, tmp_path) -> None:
     """The limit is put half of U above the largest value: one element is conditional."""
-    run = mimucal("import", plant_clean, "--json").json["runs"][0]["run"]
+    run = mimucal("import", plant_on_earth, "--json").json["runs"][0]["run"]
     bias = mimucal("calibrate", run, "--json").json["items"]["gyro_bias"]
     axis, most = max(bias["value"].items(), key=lambda each: each[1])
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
         'document = "test"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\n'
         f'elements = ["{axis}"]\nupper = {most + bias["U"][axis] / 2}\n'
         f"U_max = {2 * bias['U'][axis]}\n"
@@ -135,13 +135,13 @@ def test_limits_of_another_model_are_refused(mimucal, plant_clean, tmp_path) -> 
 
 
 def test_a_run_without_limits_is_inconclusive(mimucal, shared) -> None:
-    done = mimucal("certify", shared / SMALL, "--json")
+    done = mimucal("certify", shared / SMALL, "--invalid-run", "--json")
     assert (done.code, done.json["verdict"]) == (0, "inconclusive")
 
 
 def test_show_tells_a_run_its_results_and_its_certificates(mimucal, shared) -> None:
     run = mimucal("calibrate", shared / SMALL, "--json").json["run"]
-    mimucal("certify", run)
+    mimucal("certify", run, "--invalid-run")
     document = mimucal("show", run, "--json").json
     assert document["run"]["id"] == run
     assert len(document["results"]) == 1
