@@ -1,0 +1,133 @@
+"""Faults of a station: what stops a run, what it is warned of, and that the table always stops."""
+
+import asyncio
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.procedure import Procedure
+from tasks.station.sequencer import GUARD_WALL_S, Sequencer
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.process import running
+from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.over_sockets import MEASURED, SPEED, let_the_watchdog_bite, over_sockets
+
+STOPS = {
+    "table_fault": "axis outer of the table reports fault: read the fault",
+    "emergency_stop": "axis outer of the table reports emergency_stop: .* release",
+    "interlock": "axis outer of the table reports interlock: close the guard",
+    "never_settles": r"axis \w+ of the table has not settled at -?\d+ deg(/s)? within \d+ s",
+    "unit_silent": r"the unit on socket://in-memory:1 has sent nothing for 3 s",
+}
+LINK_STOPS = {
+    "modbus_silent": r"the station at 127\.0\.0\.1:\d+ does not answer",
+    "modbus_exception": r"127\.0\.0\.1:\d+ refused .* exception 4 \(device failure\)",
+}
+
+
+@pytest.fixture
+def long(short: Procedure) -> Procedure:
+    """Still in its rates at 60 s of station time."""
+    update = {"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0}
+    return short.model_copy(
+        update={"steps": (*short.steps[:2], short.steps[2].model_copy(update=update))}
+    )
+
+
+def kept_until(stop: pytest.ExceptionInfo[Unusable], kept: Any, seconds: float) -> None:
+    sentence = str(stop.value)
+    assert "the run stopped during «rate x " in sentence
+    assert f"is kept (finished segments: {len(kept.measured())})" in sentence
+    assert kept.measured()[:2] == MEASURED[:2]
+    for stream in ("imu", "table", "environment"):
+        assert kept.stream(stream).t[-1] > seconds
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name, long, kept):
+    station = InMemoryStation(VirtualStation(), faults=[StationFault(name, 60.0)])
+    with pytest.raises(Unusable, match=STOPS[name]) as stop:
+        station.acquire(long, kept)
+    kept_until(stop, kept, 56.0)  # 60 s of the station, which began with the run; a flush is 4 s
+    assert station.table.has_been_left
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("name", LINK_STOPS)
+def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
+    with (
+        running(VirtualStation(), SPEED, (StationFault(name, 40.0),)) as station,
+        pytest.raises(Unusable, match=LINK_STOPS[name]) as stop,
+    ):
+        over_sockets(station, long, kept)
+    # On a busy machine the run begins some seconds after the station was switched on.
+    kept_until(stop, kept, 10.0)
+
+
+WARNS = {
+    "unit_garbage": ("unit_bad_frames", "unit_lost_samples"),
+    "unit_drops": ("unit_lost_samples",),
+    "stuck_channel": ("stuck_channel",),
+    "spike": ("spikes",),
+    "chamber_hot": ("air_temperature",),
+    "table_rate_wrong": ("table_rate",),
+}
+
+
+@pytest.mark.parametrize("name", WARNS)
+def test_fault_that_lets_the_run_end_is_a_warning_with_its_segments(name, short, kept):
+    steps = [step.model_copy(update={"dwell_s": 16.0}) for step in short.steps[::2]]
+    patient = short.model_copy(update={"steps": tuple(steps)})
+    acquired = InMemoryStation(VirtualStation(), faults=[StationFault(name)]).acquire(patient, kept)
+    remarks = [each for each in acquired.warnings if each.code != "segment_repeated"]
+    assert {remark.code for remark in remarks} == set(WARNS[name])
+    rates = {"rate_x_-50", "rate_x_+100"}
+    for remark in remarks:
+        assert rates <= set(remark.segments)
+        assert remark.blocks_pass == (name == "chamber_hot")
+        assert "rate_x_-50" in remark.en
+        assert "rate_x_-50" in remark.zh
+    assert (acquired.lost_samples > 0) == (name in ("unit_garbage", "unit_drops"))
+    assert (acquired.bad_frames > 0) == (name == "unit_garbage")
+
+
+@pytest.mark.real_time
+def test_emergency_stop_is_never_reset_by_a_new_run(short, kept):
+    with running(VirtualStation(), SPEED, (StationFault("emergency_stop"),)) as station:
+        asyncio.run(let_the_watchdog_bite(station))
+        for _ in range(2):
+            with pytest.raises(Unusable, match="reports emergency_stop"):
+                over_sockets(station, short, kept)
+    assert kept.manifests == []
+
+
+def test_a_stop_is_noticed_at_once_while_nothing_else_asks_the_table(short, kept):
+    """As the wait for a person who turns the unit over, in which no segment is measured."""
+    patient = short.model_copy(update={"warm_up_s": 1e6})
+    station = InMemoryStation(VirtualStation(), faults=[StationFault("emergency_stop", 100.0)])
+
+    async def nobody_asks(sequencer: Any, planned: Any) -> None:
+        await asyncio.sleep(1e6)
+
+    with (
+        patch.object(Sequencer, "run", nobody_asks),
+        pytest.raises(Unusable, match="reports emergency_stop"),
+    ):
+        station.acquire(patient, kept)
+    assert station.simulation.table.now - 100.0 < 2 * GUARD_WALL_S * SPEED
+    assert station.table.has_been_left
+
+
+def test_failing_sink_stops_the_table(short, kept):
+    def full(name: str, stream: Any) -> None:
+        if name == "imu":
+            raise OSError(28, "No space left on device")
+
+    kept.append = full
+    station = InMemoryStation(VirtualStation())
+    with pytest.raises(OSError, match="No space"):
+        station.acquire(short, kept)
+    assert station.table.has_been_left
