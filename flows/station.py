@@ -2,9 +2,8 @@
 
 import asyncio
 import json
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -13,6 +12,7 @@ from schemas.base import Unusable
 
 if TYPE_CHECKING:
     from schemas.station import StationFile
+    from tasks.station.check import Trial
 
 app = typer.Typer(help="The virtual station.", rich_markup_mode=None)
 
@@ -67,12 +67,17 @@ def check(
     with one_run_on(station.station.id, home()):
         trials = check_station(station, move)
     if as_json:
-        print_json({"format": "mimu-station-check/1", "trials": [asdict(each) for each in trials]})
+        print_json({"format": "mimu-station-check/1", "trials": list(map(_as_data, trials))})
     else:
-        rows = [(t.device, t.tried, "works" if t.works else "FAILS", t.found) for t in trials]
+        rows = [(t.device, t.tried, "works" if t.works else "FAILS", t.found.en) for t in trials]
         print_rows(str(station_file), ("device", "tried", "", "found"), rows)
     if not all(trial.works for trial in trials):
         raise typer.Exit(1)
+
+
+def _as_data(trial: "Trial") -> dict[str, Any]:
+    sentences = {"found": trial.found.en, "found_zh": trial.found.zh}
+    return {"device": trial.device, "tried": trial.tried, "works": trial.works} | sentences
 
 
 def _write(path: Path, text: str) -> None:

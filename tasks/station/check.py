@@ -11,12 +11,14 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.limits import Limits
 from schemas.station import StationFile
+from schemas.text import Statement
 from tasks.station.clock import wall_s
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.drivers.unit_line import UnitLine
 from tasks.station.ports import Climate, Fixture, Table, TableState
 from tasks.station.setpoints import SetPoint, move_s
+from tasks.words import Message, Sayable, message, statement
 
 MOVE_DEG = 1.0
 MOVE_RATE_DEG_S = 5.0
@@ -35,7 +37,7 @@ class Trial:
     device: str
     tried: str
     works: bool
-    found: str
+    found: Statement
 
 
 def check_station(station: StationFile, move: bool) -> tuple[Trial, ...]:
@@ -55,7 +57,7 @@ async def _check(station: StationFile, move: bool) -> tuple[Trial, ...]:
         if station.fixture != "by_hand":
             fixture: Awaitable[Fixture] = devices.fixture(station.fixture)
             await trials.of("fixture", "found", fixture, _is_one)
-        await trials.of("unit", "samples", _unit(station), str)
+        await trials.of("unit", "samples", _unit(station), _itself)
     finally:
         await devices.hang_up()
     return tuple(trials.made)
@@ -66,35 +68,35 @@ class _Trials:
         self.made: list[Trial] = []
 
     async def of(
-        self, device: str, tried: str, work: Awaitable[Any], found: Callable[[Any], str]
+        self, device: str, tried: str, work: Awaitable[Any], found: Callable[[Any], Sayable]
     ) -> Any:
         """What the work gives; None where it does not work."""
         try:
             given = await work
         except Unusable as fault:
-            self.made.append(Trial(device, tried, False, str(fault)))
+            self.made.append(Trial(device, tried, False, Statement(en=str(fault), zh=str(fault))))
             return None
-        self.made.append(Trial(device, tried, True, found(given)))
+        self.made.append(Trial(device, tried, True, statement(found(given))))
         return given
 
 
 async def _check_table(table: Table, trials: _Trials, move: Limits | None) -> None:
     await trials.of("table", "state", table.state(), lambda state: _state(state, table.names))
-    await trials.of("table", "encoder", _encoder(table), str)
+    await trials.of("table", "encoder", _encoder(table), _itself)
     if move is None:
         return
     try:
-        await trials.of("table", "home", table.home(), lambda _: "ready to move")
+        await trials.of("table", "home", table.home(), lambda _: message("station-check-homed"))
         if not trials.made[-1].works:
             return
         for axis, name in enumerate(table.names):
-            await trials.of("table", f"move {name}", _move(table, axis, move), str)
+            await trials.of("table", f"move {name}", _move(table, axis, move), _itself)
     finally:
         with suppress(Unusable, OSError, TimeoutError):
             await asyncio.wait_for(table.leave(), LEAVE_S)
 
 
-async def _encoder(table: Table) -> str:
+async def _encoder(table: Table) -> Message:
     """Samples over ENCODER_S of wall time, or one block's where they are captured."""
     first, times = 0, np.empty(0)
     end_s = wall_s() + ENCODER_S
@@ -107,12 +109,14 @@ async def _encoder(table: Table) -> str:
             f"the table gave {len(times)} encoder samples in {ENCODER_S:g} s: check capture or "
             f"poll_period_ms of the station file"
         )
-    polled = f"polled, times ± {1e3 * table.time_half_width_s:.1f} ms"
-    how = polled if table.time_half_width_s else "captured by the table"
-    return f"one every {1e3 * float(np.median(np.diff(times))):.1f} ms, {how}"
+    every_ms = f"{1e3 * float(np.median(np.diff(times))):.1f}"
+    if not table.time_half_width_s:
+        return message("station-check-captured", every=every_ms)
+    half_width_ms = f"{1e3 * table.time_half_width_s:.1f}"
+    return message("station-check-polled", every=every_ms, half_width=half_width_ms)
 
 
-async def _move(table: Table, axis: int, limits: Limits) -> str:
+async def _move(table: Table, axis: int, limits: Limits) -> Message:
     """Turn by MOVE_DEG and back, the other way where the limits leave no room."""
     start = (await table.state()).axes[axis].angle_deg
     highest = min(
@@ -136,10 +140,12 @@ async def _move(table: Table, axis: int, limits: Limits) -> str:
                 )
             await asyncio.sleep(POLL_S)
         reached.append(abs(state.axes[axis].angle_deg - angle))
-    return f"by {MOVE_DEG:g} deg and back, within {3600 * max(reached):.1f} arcsec"
+    return message(
+        "station-check-moved", angle=f"{MOVE_DEG:g}", within=f"{3600 * max(reached):.1f}"
+    )
 
 
-async def _unit(station: StationFile) -> str:
+async def _unit(station: StationFile) -> Message:
     """The samples of UNIT_S of wall time."""
     with closing(UnitLine(station.unit_link)) as line:
         unit, began_s = UnitDriver(station.unit_link, line), wall_s()
@@ -151,32 +157,41 @@ async def _unit(station: StationFile) -> str:
     means = unit.stream(samples).stack(tuple(station.unit_link.frame.channels)).mean(axis=0)
     channels = zip(station.unit_link.frame.channels, means, strict=True)
     seconds = max((samples["stamp"][-1] - samples["stamp"][0]) / 1e6, 1e-9)
-    values = ", ".join(f"{name} {mean:.4g}" for name, mean in channels)
-    return f"{(len(samples) - 1) / seconds:.1f} Hz, bad frames {unit.bad_frames}; mean {values}"
+    return message(
+        "station-check-unit",
+        rate=f"{(len(samples) - 1) / seconds:.1f}",
+        bad=unit.bad_frames,
+        means=tuple(f"{name} {mean:.4g}" for name, mean in channels),
+    )
 
 
 async def _climate_of(devices: Devices, station: StationFile) -> Climate:
     return await (await devices.chamber(station.chamber)).climate()
 
 
-def _is_one(_: Any) -> str:
-    return "it is the one described"
+def _itself(found: Message) -> Message:
+    return found
 
 
-def _state(state: TableState, names: tuple[str, ...]) -> str:
-    axes = "; ".join(
-        f"{name} {axis.angle_deg:.4f} deg, {axis.rate_deg_s:.4f} deg/s"
+def _is_one(_: Any) -> Message:
+    return message("station-check-found")
+
+
+def _state(state: TableState, names: tuple[str, ...]) -> Message:
+    axes = tuple(
+        f"{name} {axis.angle_deg:.4f}°, {axis.rate_deg_s:.4f} °/s"
         for name, axis in zip(names, state.axes, strict=True)
     )
-    trips = sorted(state.trips.union(*(axis.trips for axis in state.axes)))
-    return axes + (f"; reports {', '.join(trips)}" if trips else "")
+    trips = tuple(sorted(state.trips.union(*(axis.trips for axis in state.axes))))
+    return message("station-check-state", axes=axes, trips=trips, count=len(trips))
 
 
-def _climate(climate: Climate) -> str:
+def _climate(climate: Climate) -> Message:
     values = {
         "°C": climate.temperature,
         "%RH": climate.humidity,
         "V": climate.supply_voltage,
         "hPa": climate.pressure,
     }
-    return ", ".join(f"{value:g} {unit}" for unit, value in values.items() if not np.isnan(value))
+    known = tuple(f"{value:g} {unit}" for unit, value in values.items() if not np.isnan(value))
+    return message("station-check-climate", values=known)

@@ -25,3 +25,18 @@ station-place =
 
 station-virtual-turntable = { $axes }-axis position and rate turntable (virtual)
 station-virtual-chamber = Temperature chamber (virtual)
+
+## What a trial of a device found.
+
+station-check-found = It is the one described.
+station-check-homed = Ready to move.
+station-check-captured = A sample every { $every } ms, captured by the table.
+station-check-polled = A sample every { $every } ms, polled, its time within ±{ $half_width } ms.
+station-check-moved = Turned by { $angle }° and back, within { $within }″.
+station-check-unit = { $rate } Hz, frames with a wrong check sum: { $bad }; mean { $means }.
+station-check-state =
+    { $axes }{ $count ->
+        [0] .
+       *[other] ; reports { $trips }.
+    }
+station-check-climate = { $values }.

@@ -28,3 +28,18 @@ station-virtual-turntable =
        *[other] { $axes } 轴位置速率转台（虚拟）
     }
 station-virtual-chamber = 温度试验箱（虚拟）
+
+## 逐台设备试验的结果。
+
+station-check-found = 与描述一致。
+station-check-homed = 可以转动。
+station-check-captured = 每 { $every } ms 一个采样，由转台锁存。
+station-check-polled = 每 { $every } ms 一个采样，由查询得到，时刻误差不超过 ±{ $half_width } ms。
+station-check-moved = 转动 { $angle }° 后返回，偏差不超过 { $within }″。
+station-check-unit = { $rate } Hz，校验错误帧：{ $bad }；均值 { $means }。
+station-check-state =
+    { $axes }{ $count ->
+        [0] 。
+       *[other] ；报告 { $trips }。
+    }
+station-check-climate = { $values }。

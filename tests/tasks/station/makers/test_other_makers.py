@@ -172,7 +172,7 @@ def test_a_station_is_checked_device_by_device_and_a_small_move_comes_back():
     assert works.pop(("table", "move inner"))
     assert len(works) == 7, trials
     assert all(works.values())
-    assert "cannot be opened" in trials[-1].found
+    assert "cannot be opened" in trials[-1].found.en
     assert [round(maker.drives[axis].angle, 3) for axis in "ABC"] == [0.0, 0.0, 0.0]
     assert maker.refused == []
     assert not maker.is_on
