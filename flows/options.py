@@ -31,6 +31,10 @@ def _whole_days(value: datetime | None) -> datetime | None:
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")]
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
 
+Log = Annotated[
+    bool, typer.Option("--log", help="Every change of its state, when and why, and nothing else.")
+]
+
 METHOD = "jjf2003, joint or jjf1536; default: the recording's standard."
 UNCERTAINTY = (
     "gum: law of propagation; montecarlo: distributions drawn (JCGM 101); example: as Appendix A "

@@ -1,8 +1,12 @@
 """One run as a person wants to see it."""
 
+from pydantic import TypeAdapter, ValidationError
+
 from flows.print_calibration import print_calibration
 from flows.print_validity import lines, summary
 from flows.printing import print_json, print_rows, stdout
+from schemas.base import Unusable, first_fault
+from schemas.run_log import LogEntry
 from storage.catalogue import certificates, results, runs
 from storage.home import home
 from tasks.stages.import_recording import run_of
@@ -47,3 +51,24 @@ def show_run(reference: str, as_json: bool) -> None:
         print_calibration(kept[-1].calibration)
     for entry in entries:
         console.print(f"certificate {entry.number}: {entry.verdict} ({entry.state}), {entry.pdf}")
+
+
+def show_log(reference: str, as_json: bool) -> None:
+    """Print what a run went through.
+
+    Raises Unusable where its manifest keeps no log, or one that is not understood.
+    """
+    run = run_of(reference, home())
+    kept = (runs.load(run, home()).manifest.model_extra or {}).get("log")
+    if kept is None:
+        raise Unusable(f"run {run.id} has no log: no acquisition of this program recorded it")
+    try:
+        log = TypeAdapter(tuple[LogEntry, ...]).validate_python(kept)
+    except ValidationError as error:
+        raise Unusable(f"the log of run {run.id} is not understood: {first_fault(error)}") from None
+    if as_json:
+        entries = [entry.model_dump(mode="json") for entry in log]
+        print_json({"format": "mimu-run-log/1", "run": run.id, "log": entries})
+        return
+    rows = [(f"{e.at:%F %T}", f"{e.t:.2f}", e.state.replace("_", " "), e.en) for e in log]
+    print_rows(f"Log of run {run.id}", ("UTC", "at s", "state", "cause"), rows)

@@ -73,11 +73,11 @@ def runs(as_json: options.Json = False) -> None:
 
 
 @app.command()
-def show(run: options.Run, as_json: options.Json = False) -> None:
-    """One run: segments, results, certificates."""
-    from flows.show import show_run
+def show(run: options.Run, log: options.Log = False, as_json: options.Json = False) -> None:
+    """One run: segments, results, certificates; or its log."""
+    from flows.show import show_log, show_run
 
-    show_run(run, as_json)
+    (show_log if log else show_run)(run, as_json)
 
 
 @app.command()

@@ -22,6 +22,7 @@ from tasks.station.progress import Progress, Tracker
 from tasks.station.recorder import Recorder, Sink
 from tasks.station.requirements import check_attended, check_procedure
 from tasks.station.sequencer import Sequencer
+from tasks.words import Message, message
 
 LEAVE_TIMEOUT_S = 3.0
 CLOCK_INTERVAL_S = 0.1
@@ -88,8 +89,9 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     procedure, planned = request.procedure, plan(request.procedure)
     manifest = ManifestBuilder(request.station, procedure, request.recording_id, clock.station_s)
     total_s = procedure.warm_up_s + sum(segment.planned_s for segment in planned)
-    tracker = Tracker(request.report, clock, total_s)
     recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
+    tracker = Tracker(request.report, clock, recorder, total_s, len(planned))
+    tracker.enter("begun", procedure.title)
     recorder.write_manifest()
     sequencer = Sequencer(
         bench, request.station, clock, procedure, recorder, tracker, request.is_paused
@@ -105,6 +107,7 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
         await bench.table.leave()
     except BaseException as cause:
         await _stop_if_reachable(bench.table)
+        recorder.log.enter("stopped", _cause_of_the_end(cause))
         if isinstance(cause, Unusable):
             raise Unusable(_stopped(tracker.now, cause, manifest)) from cause
         raise
@@ -169,6 +172,12 @@ def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
     noticed = remarks_on(recorder.anomalies, manifest.segments, procedure.environment)
     manifest.extra["station_remarks"] = [remark.model_dump(mode="json") for remark in noticed]
     recorder.write_manifest()
+
+
+def _cause_of_the_end(cause: BaseException) -> Message:
+    if isinstance(cause, KeyboardInterrupt | asyncio.CancelledError):
+        return message("station-log-operator")
+    return message("station-log-stopped", cause=str(cause) or type(cause).__name__)
 
 
 def _stopped(now: str, cause: Unusable, manifest: ManifestBuilder) -> str:

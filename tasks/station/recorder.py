@@ -11,6 +11,8 @@ from tasks.station.clock import StationClock
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.monitor import SegmentMonitor
 from tasks.station.readers import ClimateReader, EncoderReader, UnitReader
+from tasks.station.run_log import RunLog
+from tasks.station.stream_figures import LastRows
 
 FLUSH_S = 0.2  # wall time: what a kill may lose
 
@@ -40,6 +42,8 @@ class Recorder:
         self.climate = ClimateReader(bench.chamber, clock, limits, self.anomalies.append)
         self.unit = UnitReader(bench.unit, clock, self.anomalies.append)
         self.monitor = SegmentMonitor(bench.unit.link)
+        self.last_rows = LastRows()
+        self.log = RunLog(clock, manifest.origin_s)
         self._sink = sink
 
     async def run(self) -> None:
@@ -54,10 +58,12 @@ class Recorder:
         self._written("environment", self.climate.take())
         imu = self._written("imu", self.unit.take(final))
         self.anomalies += self.monitor.run(imu, table)
+        self.log.notice(self.anomalies)
 
     def _written(self, name: str, stream: Stream) -> Stream:
         if len(stream):
             self._sink.append(name, self.manifest.since_start(stream))
+            self.last_rows.add(name, stream)
         return stream
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:
@@ -90,4 +96,5 @@ class Recorder:
         if half_width_s := self.encoders.table.time_half_width_s:
             table_time = {"encoder": "polled", "half_width_s": round(half_width_s, 6)}
             self.manifest.extra["table_time"] = table_time
+        self.manifest.extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
         self._sink.manifest(self.manifest.build())

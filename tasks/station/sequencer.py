@@ -49,7 +49,7 @@ class Sequencer:
 
     async def run(self, planned: tuple[PlannedSegment, ...]) -> None:
         """Warm-up, every segment, those that failed again, and the last data in."""
-        self.tracker.begin("warm-up", self.procedure.warm_up_s)
+        self.tracker.begin("warming_up", "warm-up", self.procedure.warm_up_s)
         await self._warm_up()
         measured: dict[str, PlannedSegment] = {}  # in the fixture's present attitude
         for segment in planned:
@@ -57,11 +57,11 @@ class Sequencer:
                 await self._repeat_failed(measured)
                 measured = {}
             await self._pause()
-            self.tracker.begin(segment.text, segment.planned_s)
+            self.tracker.begin("measuring", segment.text, segment.planned_s)
             await self._measure(segment)
             measured[segment.name] = replace(segment, refix=None)
         await self._repeat_failed(measured)
-        self.tracker.begin("last data", 0.0)
+        self.tracker.begin("finishing", "last data", 0.0)
         await self._catch_up(self._manifest.segments[-1].t_end)
         self.tracker.end()
 
@@ -70,7 +70,7 @@ class Sequencer:
         if not self.is_paused():
             return
         await self._stop_spinning()
-        self.tracker.begin("paused", 0.0)
+        self.tracker.begin("paused", "paused", 0.0)
         while self.is_paused():
             await self._watch()
             await asyncio.sleep(GUARD_WALL_S)
@@ -85,7 +85,7 @@ class Sequencer:
                 return
             for name in failed:
                 self.tracker.add(measured[name].planned_s)
-                self.tracker.begin(measured[name].text, measured[name].planned_s)
+                self.tracker.begin("repeating", measured[name].text, measured[name].planned_s)
                 self.recorder.withdraw(name)
                 await self._measure(measured[name])
 
@@ -102,7 +102,9 @@ class Sequencer:
 
     async def _measure(self, planned: PlannedSegment) -> None:
         if planned.refix is not None:
+            self.tracker.enter("turning_over", planned.refix.name)
             await self._refix(planned.refix)
+            self.tracker.enter("measuring", planned.text)
         settled_s = await self._bring(planned)
         t_start = round(settled_s + self.procedure.settle_s, 6)
         await self._wait_until(t_start)

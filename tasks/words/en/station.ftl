@@ -40,3 +40,28 @@ station-check-state =
        *[other] ; reports { $trips }.
     }
 station-check-climate = { $values }.
+
+## The log of a run: how it came into each state; $now is the segment or the step.
+
+station-log-begun = The run begins: { $now }.
+station-log-warming-up = Warm-up, as the procedure asks.
+station-log-measuring = { $now }, segment { $number } of { $count }: next in the procedure.
+station-log-repeating = { $now } again, for its data were not sound.
+station-log-paused = The operator has the run rest (Ctrl-Z).
+station-log-turning-over = The unit is turned over in its fixture: { $now }.
+station-log-finishing = Every segment is measured, and the last data are waited for.
+station-log-done = The run is complete.
+station-log-stopped = The run stopped: { $cause }
+station-log-operator = The operator stopped the run.
+station-log-alarm = Noticed: { $alarm }.
+station-log-times = { $alarm } ({ $count }×)
+
+station-alarm-unit-lost-samples = samples of the unit lost
+station-alarm-unit-bad-frames = frames of the unit with a wrong check sum
+station-alarm-encoder-gap = encoder samples of the table lost
+station-alarm-air-temperature = air temperature outside the procedure's limits
+station-alarm-air-humidity = air humidity outside the procedure's limits
+station-alarm-table-unsettled = axis { $subject } of the table not settled while data were taken
+station-alarm-table-rate = rate of axis { $subject } by the encoders other than asked
+station-alarm-stuck-channel = channel { $subject } of the unit stuck
+station-alarm-spikes = spikes in channel { $subject } of the unit

@@ -43,3 +43,28 @@ station-check-state =
        *[other] ；报告 { $trips }。
     }
 station-check-climate = { $values }。
+
+## 采集日志：进入各状态的原因；$now 为测量段或步骤。
+
+station-log-begun = 开始采集：{ $now }。
+station-log-warming-up = 按规程预热。
+station-log-measuring = { $now }，第 { $number } 段，共 { $count } 段：按规程进行。
+station-log-repeating = { $now } 数据不可靠，重新测量。
+station-log-paused = 操作员暂停采集（Ctrl-Z）。
+station-log-turning-over = 在夹具上翻转被校单元：{ $now }。
+station-log-finishing = 各段测量完毕，等待最后的数据。
+station-log-done = 采集完成。
+station-log-stopped = 采集中止：{ $cause }
+station-log-operator = 操作员中止采集。
+station-log-alarm = 发现：{ $alarm }。
+station-log-times = { $alarm }（{ $count } 次）
+
+station-alarm-unit-lost-samples = 被校单元丢失采样
+station-alarm-unit-bad-frames = 被校单元有帧校验错误
+station-alarm-encoder-gap = 转台编码器丢失采样
+station-alarm-air-temperature = 环境温度超出规程范围
+station-alarm-air-humidity = 相对湿度超出规程范围
+station-alarm-table-unsettled = 采集数据期间转台 { $subject } 轴未稳定
+station-alarm-table-rate = 转台 { $subject } 轴的角速率与给定值不符
+station-alarm-stuck-channel = 被校单元的 { $subject } 输出不变
+station-alarm-spikes = 被校单元的 { $subject } 输出有野值

@@ -1,0 +1,53 @@
+"""What a run went through, as its manifest keeps it (`log`) and as its status says it."""
+
+from collections.abc import Mapping
+from typing import Literal
+
+from pydantic import AwareDatetime
+
+from schemas.base import Finite, Frozen
+from schemas.text import Statement
+
+State = Literal[
+    "begun", "warming_up", "measuring", "repeating", "paused", "turning_over", "finishing",
+    "done", "stopped",
+]  # fmt: skip
+ENDED: tuple[State, ...] = ("done", "stopped")
+
+
+class LogEntry(Statement):
+    """A change of a run's state, or something noticed in it, with its cause as a sentence.
+
+    at: UTC. t: s, as the segments of the recording count.
+    """
+
+    at: AwareDatetime
+    t: Finite
+    state: State
+
+
+class RunStatus(Frozen):
+    """How a run stands, or stood when its process last wrote.
+
+    at: when that was. segment of segments: which is being measured. rates_hz: rows of each stream
+    in a second of station time. noise: standard deviation of single samples, deg/s and m/s². cause:
+    why it stopped.
+    """
+
+    format: Literal["mimu-status/1"] = "mimu-status/1"
+    station: str
+    procedure: str
+    process: int
+    began_at: AwareDatetime
+    at: AwareDatetime
+    state: State
+    now: str
+    segment: int
+    segments: int
+    station_s_done: Finite
+    station_s_total: Finite
+    wall_s_left: Finite
+    rates_hz: Mapping[str, Finite] = {}
+    noise: Mapping[str, Finite] = {}
+    alarms: tuple[Statement, ...] = ()
+    cause: str = ""
