@@ -76,6 +76,17 @@ Simulated = Annotated[
     Path | None, _option("PATH", "The same run as another simulator has it: a recording.")
 ]
 
+CALIBRATED = "Result id, id of a calibrated run, or mimu-calibration/1 file."
+CORRECTION = "json, yaml, c (a header), ros (parameters), kalibr (imu.yaml) or csv."
+Calibrated = Annotated[str, typer.Argument(metavar="RESULT", help=CALIBRATED)]
+As = Annotated[str, _option("FORM", CORRECTION, "--as")]
+ToCorrect = Annotated[
+    str, typer.Argument(metavar="RECORDING", help="Run id, or path to a recording.")
+]
+CorrectedFolder = Annotated[
+    Path, _option("DIR", "New folder for the corrected recording.", "--out")
+]
+
 Paths = Annotated[
     list[Path],
     typer.Argument(metavar="PATH...", help="mimu-recording/1 folders, MCAP files, ROS 2 bags."),

@@ -18,6 +18,7 @@ from flows import run_orders
 from schemas.calibration import Calibration
 from schemas.orders import (
     AcquireOrder,
+    ApplyOrder,
     CalibrateOrder,
     CertifyOrder,
     ExplainOrder,
@@ -30,6 +31,7 @@ from storage.catalogue.certificates import Due
 from storage.catalogue.listing import Run
 from tasks.conformity.limits import verdict_title
 from tasks.stages.certify import Issued, read_inputs
+from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
@@ -90,6 +92,12 @@ def explain(order: ExplainOrder) -> Explained:
 def simulate(order: SimulateOrder) -> Simulated:
     """Write what a unit with a calibration would have read on a run's motion."""
     return run_orders.simulate(order)
+
+
+@flow(name="apply", flow_run_name="apply {order.calibration} to {order.run}")
+def apply(order: ApplyOrder) -> Corrected:
+    """Write a run with its unit's errors taken off."""
+    return run_orders.apply(order)
 
 
 @flow(name="certify", flow_run_name="certify {order.run}")

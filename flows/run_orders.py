@@ -12,6 +12,7 @@ from flows.progress import acquisition_progress, describe
 from flows.signals import ending_as_ctrl_c, pausing
 from schemas.orders import (
     AcquireOrder,
+    ApplyOrder,
     CalibrateOrder,
     CertifyOrder,
     ExplainOrder,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from schemas.calibration import Calibration
     from storage.catalogue.listing import Run
     from tasks.stages.certify import Issued
+    from tasks.stages.correct import Corrected
     from tasks.stages.explain import Explained
     from tasks.stages.simulate import Simulated
     from tasks.station.acquisition import Acquired
@@ -84,6 +86,15 @@ def simulate(order: SimulateOrder) -> "Simulated":
 
     place = home_of(order)
     return simulate_run(run_of(order.run, place), place, order)
+
+
+def apply(order: ApplyOrder) -> "Corrected":
+    """Write a run with its unit's errors taken off."""
+    from tasks.stages.correct import apply_correction
+    from tasks.stages.import_recording import run_of
+
+    place = home_of(order)
+    return apply_correction(run_of(order.run, place), place, order)
 
 
 def certify(order: CertifyOrder) -> "Issued":

@@ -12,6 +12,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from schemas.base import Frozen, Unusable
 from schemas.calibration import Method
+from schemas.correction import Form
 
 UncertaintyName = Literal["gum", "montecarlo", "example"]
 
@@ -127,6 +128,24 @@ class SimulateOrder(OrderModel):
     run: str
     out: str
     calibration: str | None = None
+
+
+class ExportOrder(OrderModel):
+    """The correction that a result gives, as text in a form. calibration: as in `ApplyOrder`."""
+
+    calibration: str
+    form: Form = Field(alias="as")
+
+
+class ApplyOrder(OrderModel):
+    """A run with its unit's errors taken off, as a new folder.
+
+    calibration: a result's id, the id of a run that was calibrated, or a mimu-calibration/1 file.
+    """
+
+    calibration: str
+    run: str
+    out: str
 
 
 class RemindOrder(OrderModel):

@@ -7,6 +7,7 @@ from pydantic import BaseModel
 
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
+from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
@@ -21,6 +22,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-station": StationFile,
     "mimu-procedure": Procedure,
     "mimu-calibration": Calibration,
+    "mimu-correction": Correction,
     "mimu-budget": Budget,
     "mimu-tolerance": Tolerance,
     "mimu-laboratory": Laboratory,

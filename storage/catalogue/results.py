@@ -78,13 +78,14 @@ def all_results(home: Home) -> list[Result]:
 
 
 def find(reference: str, home: Home) -> Result:
-    """The result with this id, of whatever run; raises Unusable where there is none."""
-    for result in _results(home, tables.results.c.id == reference):
+    """The result with this id, or the newest of the run with this id; Unusable for neither."""
+    table = tables.results.c
+    for result in reversed(_results(home, sql.or_(table.id == reference, table.run == reference))):
         return result
     raise Unusable(
         f"There is no result {reference!r} in {home.path} and no such file; give a file that "
-        "`mimucal calibrate RUN --json` printed, or a result's id, as `mimucal show RUN --json` "
-        "lists them."
+        "`mimucal calibrate RUN --json` printed, the id of a run that was calibrated, or a "
+        "result's id, as `mimucal show RUN --json` lists them."
     )
 
 

@@ -77,10 +77,11 @@ def _reference(
         return ReferencePrediction(simulated_readings(recording, Path(order.simulated)), model)
     if order.calibration is None:
         return None
+    from tasks.coefficients.parameters import model_values
     from tasks.model.simulate import predict
     from tasks.model.terms.standard import STANDARD_TERMS
     from tasks.motion.whole import whole_motion
-    from tasks.stages.calibration_input import model_values, read_calibration
+    from tasks.stages.calibration_input import read_calibration
 
     values, _ = model_values(read_calibration(order.calibration, home))
     model = message("explain-model-calibration")

@@ -12,10 +12,11 @@ from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.formats.columns import write_columns
 from storage.home import Home
+from tasks.coefficients.parameters import model_values
 from tasks.model.simulate import predict
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
-from tasks.stages.calibration_input import model_values, read_calibration
+from tasks.stages.calibration_input import read_calibration
 from tasks.stages.estimate import estimate
 from tasks.stages.stage import stage
 

@@ -15,9 +15,9 @@ from storage.catalogue import runs
 from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
+from tasks.coefficients.parameters import model_values
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
-from tasks.stages.calibration_input import model_values
 from tasks.stages.explain import simulated_readings
 from tasks.stages.simulate import simulate_run, simulated_recording
 

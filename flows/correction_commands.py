@@ -1,0 +1,68 @@
+"""The commands that carry a result to where the unit is used: `export` and `apply`."""
+
+import sys
+
+import typer
+
+from flows import options
+
+app = typer.Typer()
+
+
+@app.command()
+def export(result: options.Calibrated, form: options.As, as_json: options.Json = False) -> None:
+    """Print the correction that a result gives, for firmware and other software.
+
+    With its formulas, units, uncertainties and an example.
+    """
+    from flows.printing import print_json
+    from flows.run_orders import home_of
+    from schemas.orders import ExportOrder, order_of
+    from tasks.stages.correct import export_correction
+
+    order = order_of(ExportOrder, calibration=result, **{"as": form})
+    correction, text = export_correction(order, home_of(order))
+    if as_json and form != "json":
+        print_json({"format": "mimu-export/1", "as": form, "text": text})
+    else:
+        print(text, end="")
+    _say_what_is_left(correction.assumed_ideal, correction.left_in)
+
+
+@app.command()
+def apply(
+    result: options.Calibrated,
+    recording: options.ToCorrect,
+    out: options.CorrectedFolder,
+    as_json: options.Json = False,
+) -> None:
+    """Write a recording with its unit's errors taken off.
+
+    The folder is a recording that `calibrate` reads.
+    """
+    from flows.carry_out import carry_out
+    from flows.printing import print_json
+    from schemas.orders import ApplyOrder
+
+    order = ApplyOrder(calibration=result, run=recording, out=str(out))
+    corrected = carry_out("apply", order)
+    if as_json:
+        print_json(
+            {
+                "format": "mimu-apply/1",
+                "path": str(corrected.folder),
+                "rows": corrected.rows,
+                "assumed_ideal": list(corrected.assumed),
+                "left_in": list(corrected.left_in),
+            }
+        )
+        return
+    print(corrected.folder)
+    _say_what_is_left(corrected.assumed, corrected.left_in)
+
+
+def _say_what_is_left(assumed: tuple[str, ...], left_in: tuple[str, ...]) -> None:
+    if assumed:
+        print(f"taken as ideal, not calibrated: {', '.join(assumed)}", file=sys.stderr)
+    if left_in:
+        print(f"not corrected: {', '.join(left_in)}", file=sys.stderr)

@@ -1,0 +1,122 @@
+"""Stages: the correction that a result gives, and a recording corrected by it."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration
+from schemas.correction import Correction
+from schemas.orders import ApplyOrder, ExportOrder
+from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream, Unit
+from storage.catalogue import listing, runs
+from storage.catalogue.listing import Run
+from storage.formats.columns import write_columns
+from storage.home import Home
+from tasks.coefficients.c_header import as_c
+from tasks.coefficients.correct import Coefficients, coefficients, correct
+from tasks.coefficients.document import document
+from tasks.coefficients.kalibr import as_kalibr
+from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml
+from tasks.stages.calibration_input import correcting_calibration
+from tasks.stages.stage import stage
+
+OF_CORRECTION = {"json": as_json, "yaml": as_yaml, "c": as_c, "ros": as_ros, "csv": as_csv}
+
+
+@dataclass(frozen=True)
+class Corrected:
+    """A corrected recording: its folder, its rows, and what had to be taken as ideal or left in."""
+
+    folder: Path
+    rows: int
+    assumed: tuple[str, ...]
+    left_in: tuple[str, ...]
+
+
+def export_correction(order: ExportOrder, home: Home) -> tuple[Correction, str]:
+    """The correction of a result, and its text in the form that is ordered.
+
+    Raises Unusable for the result of an invalid run or of an AHRS, and for what a form asks for
+    and the run does not show.
+    """
+    calibration = correcting_calibration(order.calibration, home)
+    recording = _recording_of(calibration, home)
+    made = document(calibration, recording.manifest.unit if recording else None)
+    if order.form != "kalibr":
+        return made, OF_CORRECTION[order.form](made)
+    if recording is None:
+        raise Unusable(
+            f"run {calibration.run} of {calibration.recording_id} is not in {home.path}, and "
+            "kalibr asks for its sampling rate and noise: import the recording, or export another "
+            "form."
+        )
+    return made, as_kalibr(made, calibration, recording)
+
+
+@stage("apply")
+def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
+    """Write a run with its unit's errors taken off, as a mimu-recording/1 folder.
+
+    Table, pose, environment and segments are the run's own. Raises Unusable for the result of
+    another unit, of an invalid run or of an AHRS, and for a folder that is taken.
+    """
+    calibration = correcting_calibration(order.calibration, home)
+    known, _, assumed = coefficients(calibration)
+    recording, source = runs.load(run, home), _recording_of(calibration, home)
+    if source is not None:
+        _check_unit(source.manifest.unit, recording.manifest, order.calibration)
+    corrected, out = corrected_recording(recording, known, calibration), Path(order.out)
+    try:
+        write_columns(corrected, out)
+    except OSError as error:  # FileExistsError is one
+        raise Unusable(
+            f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
+        ) from error
+    left_in = tuple(term.name for term in calibration.terms)
+    return Corrected(out, len(corrected.imu), assumed, left_in)
+
+
+def corrected_recording(
+    recording: Recording, known: Coefficients, calibration: Calibration
+) -> Recording:
+    """The recording with corrected rates and specific forces; its other columns as they are."""
+    rows, manifest = slice(0, len(recording.imu)), recording.manifest
+    gyro, accel = (recording.imu.stack(names, rows) for names in (GYRO, ACCEL))
+    rate, force = correct(known, gyro, accel)
+    if not (np.isfinite(rate).any() or np.isfinite(force).any()):
+        raise Unusable(
+            f"{manifest.recording_id} has no row with gyro_* and accel_*, and each is corrected "
+            "for what the other reads; give a recording that has both."
+        )
+    columns = {**recording.imu.columns}
+    columns |= {name: column for name, column in zip(GYRO + ACCEL, (*rate.T, *force.T), strict=True)
+                if name in columns}  # fmt: skip
+    fields = manifest.model_dump() | {
+        "recording_id": f"{manifest.recording_id}_corrected",
+        "corrected_by": {"recording_id": calibration.recording_id, "run": calibration.run,
+                         "method": calibration.method, "code_version": calibration.code_version},
+    }  # fmt: skip
+    columns = {name: np.ascontiguousarray(column) for name, column in columns.items()}
+    imu = Stream(recording.imu.t, columns, recording.imu.span)
+    return replace(recording, manifest=Manifest.model_validate(fields), imu=imu, digest="")
+
+
+def _recording_of(calibration: Calibration, home: Home) -> Recording | None:
+    """The recording that a calibration was made of, if it is in the store."""
+    for run in listing.all_runs(home):
+        if run.digest == calibration.digest:
+            return runs.load(run, home)
+    return None
+
+
+def _check_unit(unit: Unit, manifest: Manifest, reference: str) -> None:
+    def named(unit: Unit) -> tuple[str, str, str]:
+        return unit.manufacturer, unit.model, unit.serial
+
+    if named(unit) != named(manifest.unit):
+        raise Unusable(
+            f"{reference} corrects {' '.join(named(unit))}, but {manifest.recording_id} is of "
+            f"{' '.join(named(manifest.unit))}; give a result of that unit."
+        )

@@ -1,0 +1,114 @@
+"""`mimucal export` and `mimucal apply`: a result on its way to where the unit is used."""
+
+import json
+from pathlib import Path
+
+import pytest
+import yaml
+
+K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale_factor",
+           "accel_cross_coupling", "accel_bias", "accel_rate_sensitivity")  # fmt: skip
+
+
+@pytest.fixture
+def run(mimucal, plant_on_earth) -> str:
+    return mimucal("calibrate", plant_on_earth, "--json").json["run"]
+
+
+def test_a_corrected_recording_calibrates_to_an_ideal_unit(
+    mimucal, plant_on_earth, run, tmp_path
+) -> None:
+    done = mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected", "--json")
+    assert (done.code, done.json["format"], done.json["assumed_ideal"]) == (0, "mimu-apply/1", [])
+    again = mimucal("calibrate", tmp_path / "corrected", "--json").json
+    assert again["recording_id"] == "plant_earth_rotation_corrected"
+    assert again["validity"]["verdict"] == "valid"
+    for name in K_AND_B:
+        item = again["items"][name]
+        for element, value in item["value"].items():
+            ideal = 1.0 if name.endswith("scale_factor") else 0.0
+            assert abs(value - ideal) <= item["U"][element], (name, element)
+    sensitivity = again["items"]["gyro_g_sensitivity"]
+    for element, value in sensitivity["value_without_earth_rotation"].items():
+        assert abs(value) <= sensitivity["U_without_earth_rotation"][element]
+
+
+def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_result(
+    mimucal, plant_on_earth, tmp_path, home
+) -> None:
+    """By the other method's result from a file; the clauses then find an ideal unit, too."""
+    joint = mimucal("calibrate", plant_on_earth, "--method", "joint", "--json")
+    (tmp_path / "joint.json").write_text(joint.out, encoding="utf-8")
+    done = mimucal("apply", tmp_path / "joint.json", plant_on_earth, "--out", tmp_path / "by_joint")
+    assert done.code == 0, done.err
+    again = mimucal("calibrate", tmp_path / "by_joint", "--json").json["items"]
+    for name in ("gyro_scale_factor", "accel_scale_factor"):
+        for axis, value in again[name]["value"].items():
+            assert abs(value - 1.0) <= again[name]["U"][axis]
+
+
+def test_a_corrected_recording_says_by_what(mimucal, plant_on_earth, run, tmp_path) -> None:
+    assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
+    manifest = json.loads((tmp_path / "corrected/manifest.json").read_text(encoding="utf-8"))
+    assert manifest["corrected_by"]["run"] == run
+    assert manifest["corrected_by"]["method"] == "jjf2003"
+
+
+def test_export_prints_a_form_and_nothing_else(mimucal, run) -> None:
+    document = mimucal("export", run, "--as", "json", "--json")
+    assert document.json["format"] == "mimu-correction/1"
+    assert document.json["unit"] == {
+        "manufacturer": "Plant", "model": "M-tactical", "serial": "SN00102"
+    }  # fmt: skip
+    assert yaml.safe_load(mimucal("export", run, "--as", "yaml").out) == document.json
+    header = mimucal("export", run, "--as", "c", "--json").json
+    assert (header["format"], header["as"]) == ("mimu-export/1", "c")
+    assert header["text"] == mimucal("export", run, "--as", "c").out
+    assert "update_rate" in mimucal("export", run, "--as", "kalibr").out
+
+
+def test_a_result_in_a_file_needs_no_store_but_for_kalibr(
+    mimucal, run, tmp_path, monkeypatch
+) -> None:
+    file = tmp_path / "result.json"
+    file.write_text(mimucal("calibrate", run, "--json").out, encoding="utf-8")
+    monkeypatch.setenv("MIMUCAL_HOME", str(tmp_path / "another"))
+    assert mimucal("export", file, "--as", "json", "--json").json["unit"] is None
+    refused = mimucal("export", file, "--as", "kalibr")
+    assert refused.code == 2
+    assert "sampling rate and noise" in refused.err
+
+
+def test_what_cannot_be_corrected_is_one_sentence(
+    mimucal, run, shared, plant_on_earth, tmp_path
+) -> None:
+    taken, other = tmp_path / "taken", shared / "real/ln100_two_position"
+    taken.mkdir()
+    (taken / "mine").write_text("kept", encoding="utf-8")
+    ahrs = mimucal("calibrate", shared / "plant/ahrs_clean", "--json").json["run"]
+    out = tmp_path / "corrected"
+    for arguments, says in (
+        (("export", run, "--as", "matlab"), "choose one of json, yaml, c, ros, kalibr, csv"),
+        (("export", "nowhere", "--as", "c"), "no result 'nowhere'"),
+        (("export", ahrs, "--as", "c"), "models (1) and (2)"),
+        (("apply", run, other, "--out", out), "give a result of that unit"),
+        (("apply", run, plant_on_earth, "--out", taken), "new folder"),
+    ):
+        done = mimucal(*arguments)
+        assert done.code == 2, arguments
+        assert done.err.strip().count("\n") == 0
+        assert says in done.err
+    assert not out.exists()
+    assert (taken / "mine").read_text(encoding="utf-8") == "kept"
+
+
+def test_the_result_of_an_invalid_run_corrects_nothing(mimucal, run, tmp_path: Path) -> None:
+    document = mimucal("calibrate", run, "--json").json
+    worst = {"code": "spoiled", "en": "The supply fell.", "zh": "电压下降。", "run": "invalid"}
+    document["remarks"].append(worst)
+    file = tmp_path / "invalid.json"
+    file.write_text(json.dumps(document), encoding="utf-8")
+    for arguments in (("export", file, "--as", "c"), ("apply", file, run, "--out", tmp_path / "o")):
+        done = mimucal(*arguments)
+        assert done.code == 2
+        assert "invalid: The supply fell" in done.err
