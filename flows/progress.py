@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import (
@@ -15,41 +14,13 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
-if TYPE_CHECKING:
-    from tasks.station.progress import Progress as StationProgress
-
-
 CONSOLE = Console(stderr=True)
 _spinners: list[Callable[[str, float], None]] = []  # of each `working` that is open
 SOON = 0.05  # of the work: before so much is done the rest is not foretold
 
 
-def _bar(*columns: ProgressColumn, stays: bool = False) -> Progress:
-    return Progress(*columns, console=CONSOLE, transient=not stays, disable=not CONSOLE.is_terminal)
-
-
-@contextmanager
-def acquisition_progress() -> Iterator[Callable[["StationProgress"], None]]:
-    """A bar over the station seconds of an acquisition; yields the function that moves it."""
-    with _bar(
-        TextColumn("{task.description:<28}", markup=False),
-        BarColumn(),
-        TextColumn("{task.completed:5.0f} of {task.total:.0f} s station time"),
-        TextColumn("{task.fields[left]}"),
-        stays=True,
-    ) as bar:
-        shown = bar.add_task("connecting", total=1.0, left="")
-
-        def report(progress: "StationProgress") -> None:
-            bar.update(
-                shown,
-                description=progress.now,
-                completed=progress.station_s_done,
-                total=progress.station_s_total,
-                left=f"{progress.wall_s_left:4.0f} s left",
-            )
-
-        yield report
+def _bar(*columns: ProgressColumn) -> Progress:
+    return Progress(*columns, console=CONSOLE, transient=True, disable=not CONSOLE.is_terminal)
 
 
 @contextmanager

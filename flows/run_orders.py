@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flows import refix_prompt
-from flows.progress import acquisition_progress, describe
+from flows.progress import describe
 from flows.signals import ending_as_ctrl_c, pausing
 from schemas.orders import (
     AcquireOrder,
@@ -37,10 +37,11 @@ if TYPE_CHECKING:
 
 def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
     """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
+    from flows.acquisition_view import acquisition_view
     from tasks.stages.acquire import acquire_run
 
     station, procedure, ask = _acquisition(order)
-    with ending_as_ctrl_c(), pausing() as is_paused, acquisition_progress() as report:
+    with ending_as_ctrl_c(), pausing() as is_paused, acquisition_view() as report:
         return acquire_run(station, procedure, home_of(order), report, ask, is_paused)
 
 

@@ -75,6 +75,27 @@ def check(
         raise typer.Exit(1)
 
 
+@app.command()
+def status(as_json: options.Json = False) -> None:
+    """How the last run of each station stands."""
+    from flows.acquisition_view import facts
+    from flows.printing import print_json, print_rows
+    from storage.home import home
+    from storage.run_status import statuses
+
+    found = statuses(home())
+    if as_json:
+        runs = [each.model_dump(mode="json") | {"is_dead": is_dead} for each, is_dead in found]
+        print_json({"format": "mimu-station-status/1", "runs": runs})
+        return
+    rows = []
+    for each, is_dead in found:
+        shown = facts(each) | {"cause": each.cause}
+        stands = "its process died: " * is_dead + "; ".join(filter(None, shown.values()))
+        rows.append((each.station, each.procedure, f"{each.at:%F %T}", stands))
+    print_rows("Stations", ("station", "procedure", "UTC", "how it stands"), rows)
+
+
 def _as_data(trial: "Trial") -> dict[str, Any]:
     sentences = {"found": trial.found.en, "found_zh": trial.found.zh}
     return {"device": trial.device, "tried": trial.tried, "works": trial.works} | sentences

@@ -45,6 +45,11 @@ class Home:
         return self.path / "locks"
 
     @property
+    def status(self) -> Path:
+        """How the last run of each station stands, one file each."""
+        return self.path / "status"
+
+    @property
     def prefect(self) -> Path:
         """What the embedded Prefect server keeps."""
         return self.path / "prefect"

@@ -3,12 +3,34 @@
 import fcntl
 import hashlib
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
+from typing import TextIO
 
 from schemas.base import Unusable
 from storage.home import Home
 from storage.whole_files import writing_in_home
+
+LOOK_S = 0.2  # for no longer does `is_held` keep a run from its lock
+
+
+def lock_of(station: str, home: Home) -> Path:
+    """The file by which runs of a station exclude each other; its stem stands for the station."""
+    return home.locks / f"{hashlib.sha256(station.encode()).hexdigest()[:16]}.lock"
+
+
+def is_held(station: str, home: Home) -> bool:
+    """Whether a run of this home holds the station: one whose process ended does not."""
+    try:
+        with lock_of(station, home).open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except FileNotFoundError:
+        return False
+    return False
 
 
 @contextmanager
@@ -17,12 +39,12 @@ def one_run_on(station: str, home: Home) -> Iterator[None]:
 
     Raises Unusable, naming the process, where a run of this home holds it.
     """
-    file = home.locks / f"{hashlib.sha256(station.encode()).hexdigest()[:16]}.lock"
+    file = lock_of(station, home)
     with writing_in_home(file):
         lock = file.open("a+", encoding="utf-8")
     with lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _take(lock)
         except BlockingIOError:
             lock.seek(0)
             raise Unusable(
@@ -33,3 +55,17 @@ def one_run_on(station: str, home: Home) -> Iterator[None]:
         lock.write(str(os.getpid()))
         lock.flush()
         yield
+
+
+def _take(lock: TextIO) -> None:
+    """Raises BlockingIOError where it is held for longer than somebody looks."""
+    end_s = time.monotonic() + LOOK_S
+    while True:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > end_s:
+                raise
+            time.sleep(LOOK_S / 10)
+        else:
+            return

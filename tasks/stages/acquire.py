@@ -15,6 +15,7 @@ from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
 from storage.station_lock import one_run_on
 from storage.whole_files import writing_in_home
+from tasks.stages.run_status import status_file
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, RunRequest, acquire
 from tasks.station.ports import Ask
@@ -31,8 +32,9 @@ def acquire_run(
     is_paused: Callable[[], bool] = lambda: False,
 ) -> tuple[Run, Acquired]:
     """Acquire a run while no other is going on at the station; see `_acquire_run`."""
-    with one_run_on(station.station.id, home):
-        return _acquire_run(station, procedure, home, report, ask, is_paused)
+    held = one_run_on(station.station.id, home)
+    with held, status_file(station, procedure, home, report) as reporting:
+        return _acquire_run(station, procedure, home, reporting, ask, is_paused)
 
 
 def _acquire_run(
