@@ -1,7 +1,7 @@
 """The manifest of a run as it grows: its segments, and what it says of station and unit."""
 
 import math
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from typing import Literal
 
 import numpy as np
@@ -15,19 +15,23 @@ class ManifestBuilder:
     """Segments without holes between them, from the beginning of the run on.
 
     `segments` are over station time; the manifest and the streams of the recording count from
-    `origin_s`, the whole second of station time in which the run began. Every segment carries
+    `origin_s`, the whole second of station time in which the run began; `acquired_at` is its UTC,
+    told by this computer's clock as `t_start`, a station time that was just read, by the table's.
+    Every segment carries
     `mount`, where the unit was turned over in its fixture.
     """
 
     def __init__(
         self, station: StationFile, procedure: Procedure, recording_id: str, t_start: float
     ) -> None:
+        now = datetime.now(UTC)
         self.origin_s = math.floor(t_start)
         self.segments: list[Segment] = []
         self.mount: Mount | None = None
         self.extra: dict[str, object] = {
             "procedure": procedure.name,
-            "recorded_at": datetime.now().astimezone().isoformat(timespec="seconds"),
+            "recorded_at": now.astimezone().isoformat(timespec="seconds"),
+            "acquired_at": (now - timedelta(seconds=t_start - self.origin_s)).isoformat(),
             "equipment": [item.model_dump(mode="json") for item in station.equipment],
             "unit_link": station.unit_link.model_dump(mode="json", exclude={"url", "baudrate"}),
         }

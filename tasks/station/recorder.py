@@ -18,7 +18,7 @@ FLUSH_S = 0.2  # wall time: what a kill may lose
 
 
 class Sink(Protocol):
-    """Where a recording goes as it is made; every call is kept when it returns."""
+    """Where a recording goes as it is made; what a call gives is soon on the disk."""
 
     def append(self, name: str, stream: Stream, /) -> object: ...
 

@@ -27,6 +27,8 @@ from storage.formats.mcap.topics import (
     triad_columns,
 )
 
+LAST_ORIGIN = 2**62  # ns, in 2116; an int64 holds it with room to subtract
+DIGITS = len(str(LAST_ORIGIN))
 Columns = dict[str, np.ndarray]
 Timed = tuple[np.ndarray, Columns]  # stamps in ns and the columns at them
 
@@ -104,7 +106,8 @@ def _origin(own: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
     """The stamp in ns of time zero: as the file says, or the earliest if stamps are epochs."""
     if own:
         origin = own[-1].get("origin_ns", "0")
-        return int(origin) if origin.isdecimal() else 0
+        known = int(origin) if origin.isdecimal() and len(origin) <= DIGITS else 0
+        return known if known <= LAST_ORIGIN else 0
     earliest = min(int(times[0]) for times in stamps)
     return earliest if earliest > MAX_TIME_S * NANO else 0
 

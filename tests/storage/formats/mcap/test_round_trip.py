@@ -1,10 +1,5 @@
 """Raw recordings go to MCAP and back unchanged, and survive what happens to files."""
 
-import os
-import resource
-import signal
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +11,6 @@ from hypothesis.extra.numpy import arrays
 from mcap.reader import make_reader
 from mcap.stream_reader import StreamReader
 
-from schemas.base import Unusable
 from schemas.recording import (
     ACCEL,
     ANGLE,
@@ -24,46 +18,15 @@ from schemas.recording import (
     GYRO,
     Manifest,
     Recording,
-    Station,
     Stream,
-    TableAxis,
-    Unit,
 )
 from storage.formats.content import as_raw, digest
 from storage.formats.folder import read_folder
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.topics import ENVIRONMENT
-from storage.formats.mcap.writer import RawWriter, write_mcap
+from storage.formats.mcap.writer import write_mcap
 from tests.shared import shared_path
-
-
-def manifest() -> Manifest:
-    return Manifest(
-        format=FORMAT,
-        recording_id="small",
-        unit=Unit(manufacturer="M", model="U", serial="1"),
-        station=Station(id="T1", table_axes=(TableAxis(name="outer", direction=(0, 0, 1)),)),
-    )
-
-
-def imu_stream(rows: int = 300, start: float = 0.0, **more: np.ndarray) -> Stream:
-    t = start + np.arange(rows) / 100
-    values = {name: np.sin(t + k) for k, name in enumerate(GYRO + ACCEL)}
-    return Stream(t, values | more)
-
-
-def recording() -> Recording:
-    """All streams and columns there are, with holes where holes may be."""
-    imu = imu_stream(temperature=np.linspace(20, 21, 300))
-    for name in GYRO:
-        imu.columns[name][50:70] = np.nan
-    t = np.arange(100) / 33
-    table = Stream(t, {"outer_angle": t, "outer_rate": np.cos(t)})
-    pose = {
-        name: np.sin(t + k) for k, name in enumerate(("qw", "qx", "qy", "qz", "px", "py", "pz"))
-    }
-    air = dict.fromkeys(("temperature", "humidity", "supply_voltage", "pressure"), 20.1 + t / 7)
-    return Recording(manifest(), imu, table, Stream(t + 0.007, pose), Stream(t + 3, air))
+from tests.storage.formats.mcap.small_recording import imu_stream, manifest, recording
 
 
 def assert_same(one: Recording, other: Recording) -> None:
@@ -168,76 +131,6 @@ def test_nothing_is_left_beside_a_file_that_could_not_be_written(tmp_path: Path)
     with pytest.raises(ValueError, match="broadcast"):
         write_mcap(uneven, tmp_path / "raw.mcap")
     assert not list(tmp_path.iterdir())
-
-
-def test_rows_given_piece_by_piece_are_one_recording(tmp_path: Path) -> None:
-    whole = recording()
-    with RawWriter(tmp_path / "raw.mcap") as writer:
-        writer.manifest(manifest().model_copy(update={"recording_id": "not yet known"}))
-        for name, stream in whole.streams().items():
-            for start in range(0, len(stream), 90):
-                rows = slice(start, start + 90)
-                writer.append(name, stream.at(rows))
-        writer.manifest(manifest())
-    assert read_mcap(tmp_path / "raw.mcap").digest == digest(whole)
-
-
-def test_raw_recording_is_written_only_once(tmp_path: Path) -> None:
-    RawWriter(tmp_path / "raw.mcap").close()
-    with pytest.raises(FileExistsError):
-        RawWriter(tmp_path / "raw.mcap")
-
-
-def test_time_before_zero_is_refused_when_given_and_the_rest_is_kept(tmp_path: Path) -> None:
-    with RawWriter(tmp_path / "raw.mcap") as writer:
-        writer.append("imu", imu_stream())
-        with pytest.raises(Unusable, match="time before zero"):
-            writer.append("imu", imu_stream(start=-5))
-    assert len(read_mcap(tmp_path / "raw.mcap").imu) == 300
-
-
-def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path: Path) -> None:
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    writer = RawWriter(tmp_path / "raw.mcap")
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
-    try:
-        writer.append("imu", imu_stream(5000))
-        with pytest.raises(OSError, match="File too large"):
-            writer.close()
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-KILLED = """
-import sys, time
-import numpy as np
-from pathlib import Path
-from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Station, Stream, Unit
-from storage.formats.mcap.writer import RawWriter
-writer = RawWriter(Path(sys.argv[1]))
-unit = Unit(manufacturer="M", model="U", serial="1")
-writer.manifest(Manifest(format=FORMAT, recording_id="cut", unit=unit, station=Station(id="T1")))
-t = np.arange(500) / 100
-writer.append("imu", Stream(t, {name: t for name in GYRO + ACCEL}))
-time.sleep(1.5)
-print("given", flush=True)
-time.sleep(60)
-"""
-
-
-def test_rows_are_on_the_disk_when_the_process_is_killed(tmp_path: Path) -> None:
-    path = tmp_path / "raw.mcap"
-    command = [sys.executable, "-c", KILLED, str(path)]
-    here = os.environ | {"PYTHONPATH": str(Path.cwd())}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, env=here) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == b"given\n"
-        process.send_signal(signal.SIGKILL)
-    with pytest.raises(Unusable, match=r"500 samples up to t = 4\.990 s are whole.*--salvage"):
-        read_mcap(path)
-    saved = read_mcap(path, salvage=True)
-    assert len(saved.imu) == 500
-    assert saved.manifest.recording_id == "cut"
 
 
 def test_each_row_of_a_long_recording_is_written_once_wherever_it_starts(tmp_path: Path) -> None:
