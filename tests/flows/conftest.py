@@ -4,9 +4,10 @@ import fcntl
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -54,6 +55,26 @@ def own_home(tmp_path: Path, prefect_database: Path) -> Path:
     (folder / "prefect").mkdir(parents=True)
     shutil.copy(prefect_database, folder / "prefect")
     return folder
+
+
+@pytest.fixture(scope="session")
+def prefect_server(
+    prefect_database: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[str]:
+    """URL of a Prefect server that commands are told of, so that they start none of their own."""
+    folder = tmp_path_factory.mktemp("prefect_server")
+    shutil.copy(prefect_database, folder)
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
+        server = subprocess.Popen(
+            [sys.executable, "-m", "flows.prefect_server", str(listener.fileno())],
+            pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env=os.environ | {"PREFECT_HOME": str(folder)},
+        )  # fmt: skip
+    yield url
+    server.terminate()
+    server.wait(60)
 
 
 @pytest.fixture

@@ -30,19 +30,24 @@ def short(tmp_path: Path) -> Path:
     return path
 
 
-def mimucal(home: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+def mimucal(
+    home: Path, *arguments: object, server: str | None = None
+) -> subprocess.CompletedProcess[str]:
     keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
     return subprocess.run(
         [sys.executable, "-m", "flows.cli", *map(str, arguments)],
         capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL,
-        env=keep | {"MIMUCAL_HOME": str(home)},
+        env=keep | {"MIMUCAL_HOME": str(home)} | ({"PREFECT_API_URL": server} if server else {}),
     )  # fmt: skip
 
 
-def test_one_command_leads_from_the_station_to_the_certificate(own_home, short, validated) -> None:
-    home = own_home
+def test_one_command_leads_from_the_station_to_the_certificate(
+    home, short, validated, prefect_server
+) -> None:
+    home.mkdir()
     (home / "validation.json").write_text(validated.model_dump_json(), encoding="utf-8")
-    done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json")
+    done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json",
+                   server=prefect_server)  # fmt: skip
     assert done.returncode == 0, done.stderr
     made = json.loads(done.stdout)
     assert made["verdict"] == "inconclusive"  # seconds are no 20 s
@@ -70,9 +75,9 @@ def test_a_procedure_that_is_none_is_said_before_a_station_starts(tmp_path) -> N
 
 
 def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
-    own_home, tmp_path, short
+    home, tmp_path, short, prefect_server
 ):
-    home, station = own_home, tmp_path / "station.json"
+    station = tmp_path / "station.json"
     told = json.loads(short.read_text(encoding="utf-8"))
     few = [s for s in told["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
     short.write_text(json.dumps(told | {"steps": few}), encoding="utf-8")
@@ -88,7 +93,8 @@ def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
                 break
             time.sleep(0.1)
         told = json.loads(station.read_text(encoding="utf-8"))
-        done = mimucal(home, "acquire", station, "--procedure", short, "--json")
+        done = mimucal(home, "acquire", station, "--procedure", short, "--json",
+                       server=prefect_server)  # fmt: skip
         assert done.returncode == 0, done.stderr
         acquired = json.loads(done.stdout)
         assert (acquired["lost_samples"], acquired["warnings"]) == (0, [])

@@ -229,16 +229,16 @@ def test_what_explain_did_not_find_is_fitted_alone(mimucal, plant_clean, engine)
 
 
 def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
-    mimucal, plant_clean, engine, tmp_path
+    mimucal, plant_on_earth, engine, tmp_path
 ) -> None:
     engine(1)
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-industrial"\n'
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
         'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
         encoding="utf-8",
     )
-    run = mimucal("import", plant_clean).out.strip()
+    run = mimucal("import", plant_on_earth).out.strip()
     assert mimucal("calibrate", run, "--terms", "bias_step").code == 0
     limits = ("--tolerance", tolerance, "--json")
     without = mimucal("certify", run, *limits)

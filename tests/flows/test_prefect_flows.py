@@ -79,9 +79,9 @@ def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "flows.cli", *map(str, arguments)]
 
 
-def environment(home: Path) -> dict[str, str]:
+def environment(home: Path, **more: str) -> dict[str, str]:
     keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
-    return keep | {"MIMUCAL_HOME": str(home)}
+    return keep | {"MIMUCAL_HOME": str(home)} | more
 
 
 ARTIFACTS = """
@@ -122,11 +122,14 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home,
     assert list((home / "certificates").glob("*.pdf"))
 
 
-def test_acquire_prints_the_run_and_the_run_can_be_calibrated(own_home, papers, mimucal) -> None:
+def test_acquire_prints_the_run_and_the_run_can_be_calibrated(
+    home, papers, mimucal, prefect_server
+) -> None:
     station_file, procedure = papers
     done = subprocess.run(
         command("acquire", station_file, "--procedure", procedure, "--json"),
-        capture_output=True, text=True, timeout=600, env=environment(own_home),
+        capture_output=True, text=True, timeout=600,
+        env=environment(home, PREFECT_API_URL=prefect_server),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     acquired = json.loads(done.stdout)
@@ -229,10 +232,13 @@ print("BUSY", len(busy), calibration.run)
 """
 
 
-def test_stage_is_tried_again_when_another_process_held_the_catalogue(own_home, shared) -> None:
+def test_stage_is_tried_again_when_another_process_held_the_catalogue(
+    home, shared, prefect_server
+) -> None:
     done = subprocess.run(
         [sys.executable, "-c", RETRIED, str(shared / "real/ferraris_session")],
-        capture_output=True, text=True, timeout=600, env=environment(own_home),
+        capture_output=True, text=True, timeout=600,
+        env=environment(home, PREFECT_API_URL=prefect_server),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "BUSY 1 r" in done.stdout
