@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
-from tests.proof.prove import run_prove, run_station
+from tests.proof.prove import run_loaded, run_prove, run_station
 from tests.proof.trial.rough.hold import run_rough
 
 UNUSABLE = 2
@@ -38,6 +38,10 @@ def main(
             help="Nothing but N short recordings of the virtual station.",
         ),
     ] = None,
+    load: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Nothing but N demonstrations with every core busy."),
+    ] = None,
     rough: Annotated[
         bool, typer.Option("--rough", help="Rough recordings in place of the catalogue's.")
     ] = False,
@@ -64,6 +68,8 @@ def main(
     try:
         if station is not None:
             run_station(station, out)
+        elif load is not None:
+            run_loaded(load, out)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

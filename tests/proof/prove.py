@@ -9,6 +9,7 @@ from flows.printing import print_rows, stdout
 from flows.progress import counting
 from schemas.base import Unusable
 from tasks.version import code_version
+from tests.proof import load
 from tests.proof.peers import page as peers_page
 from tests.proof.peers.installed import MISSING, peers_installed
 from tests.proof.peers.score import PeerScore, score_peers
@@ -90,6 +91,21 @@ def run_station(count: int, out: Path | None) -> None:
     for line in station.summary(scores):
         console.print(line)
     console.print(str(folder / "station.md"))
+
+
+def run_loaded(count: int, out: Path | None) -> None:
+    """Runs demonstrations with every core busy; Unusable as for `run_station`, or where one
+    gave a false verdict.
+    """
+    folder = (out or Path(f"{DEFAULT_OUT}-load")).absolute()
+    _make(folder)
+    with counting("demonstrations") as report:
+        found = load.hold(folder, count, report)
+    console = stdout(markup=False)
+    console.print(load.as_markdown(found))
+    console.print(str(folder / "load.md"))
+    if not all(one.holds for one in found):
+        raise Unusable(f"{load.summary(found)} {folder / 'load.md'} says which")
 
 
 def prove_real(real: Path, folder: Path, seed: int) -> Results:

@@ -1,0 +1,136 @@
+"""Demonstrations on a computer whose every core is busy: whole, or invalid and said so."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from tasks.version import code_version
+
+LONGEST_S = 1800.0
+FALSE_U = 2.0  # this far off, by U with k = 2, is four standard uncertainties
+COMMAND = [sys.executable, "-c", "from flows.cli import main; main()"]
+LOOP = [sys.executable, "-c", "while True: pass"]
+MATRICES = {"gyro": "Kg", "accel": "Ka"}
+COLUMNS = ("run", "outcome", "validity", "verdict", "worst in U", "load", "s", "what was said")
+
+
+@dataclass(frozen=True)
+class LoadedRun:
+    """What became of one demonstration.
+
+    outcome: whole, invalid (and no verdict on the unit), stopped (with a sentence), or false.
+    worst: the largest error of scale factors and cross couplings against the truth, in U.
+    load: of the computer over the last minute, at the end.
+    """
+
+    number: int
+    outcome: str
+    validity: str
+    verdict: str
+    worst: float
+    load: float
+    seconds: float
+    said: str
+
+    @property
+    def holds(self) -> bool:
+        return self.outcome in ("whole", "invalid")
+
+
+def hold(folder: Path, count: int, report: Callable[[int, int], None]) -> list[LoadedRun]:
+    """Runs the demonstration, one seed after the other; load.md and load.json in the folder."""
+    found = []
+    with busy(os.cpu_count() or 1):
+        for number in range(1, count + 1):
+            found.append(_one(folder / f"{number:02d}", number))
+            report(number, count)
+            data = {"code_version": code_version(), "runs": list(map(asdict, found))}
+            (folder / "load.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+            (folder / "load.md").write_text(as_markdown(found), encoding="utf-8")
+    return found
+
+
+@contextmanager
+def busy(cores: int) -> Iterator[None]:
+    """Endless loops, one for each core, for the length of the block."""
+    loops = [subprocess.Popen(LOOP) for _ in range(cores)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            loop.kill()
+            loop.wait()
+
+
+def _one(home: Path, number: int) -> LoadedRun:
+    began_s = time.monotonic()
+    made, said = _mimucal(home, "demo", "--json", "--seed", str(number))
+    seconds, load = time.monotonic() - began_s, os.getloadavg()[0]
+    if made is None:
+        outcome = "stopped" if said.count("\n") == 0 and said else "false"
+        return LoadedRun(number, outcome, "", "", 0.0, load, seconds, said)
+    validity, verdict = made["validity"]["verdict"], made["verdict"]
+    shown, _ = _mimucal(home, "show", made["run"], "--json")
+    truth = json.loads(Path(made["paths"]["truth"]).read_text(encoding="utf-8"))
+    items = shown["results"][-1]["calibration"]["items"] if shown else {}
+    worst = worst_in_U(items, truth)
+    reasons = "; ".join(made["validity"]["reasons"])
+    outcome = outcome_of(validity, verdict, worst)
+    return LoadedRun(number, outcome, validity, verdict, worst, load, seconds, reasons)
+
+
+def _mimucal(home: Path, *arguments: str) -> tuple[dict[str, Any] | None, str]:
+    """The document of a command, None where it failed; and what it said on standard error."""
+    done = subprocess.run(
+        [*COMMAND, *arguments], capture_output=True, text=True, timeout=LONGEST_S,
+        env=os.environ | {"MIMUCAL_HOME": str(home)},
+    )  # fmt: skip
+    return json.loads(done.stdout) if done.returncode == 0 else None, done.stderr.strip()
+
+
+def worst_in_U(items: Mapping[str, Any], truth: Mapping[str, Any]) -> float:  # noqa: N802
+    """The largest error of a scale factor or cross coupling in units of its U."""
+    errors = [0.0]
+    for sensor, matrix in MATRICES.items():
+        for name in (f"{sensor}_scale_factor", f"{sensor}_cross_coupling"):
+            item = items.get(name, {"value": {}, "U": {}})
+            for element, value in item["value"].items():
+                if value is not None and item["U"][element]:
+                    row, column = ("xyz".index(axis) for axis in (element[0], element[-1]))
+                    errors.append(abs(value - truth[matrix][row][column]) / item["U"][element])
+    return max(errors)
+
+
+def outcome_of(validity: str, verdict: str, worst: float) -> str:
+    """Of a unit that conforms: a run that is not invalid must be right, and not fail it."""
+    if validity == "invalid":
+        return "invalid" if verdict == "inconclusive" else "false"
+    return "false" if verdict == "fail" or worst > FALSE_U else "whole"
+
+
+def summary(found: list[LoadedRun]) -> str:
+    """How many held."""
+    return (
+        f"{len(found)} demonstrations with every core busy: {sum(one.holds for one in found)} "
+        f"whole, or invalid and said so; false {sum(one.outcome == 'false' for one in found)}."
+    )
+
+
+def as_markdown(found: list[LoadedRun]) -> str:
+    """What came out in all, then a row for each run."""
+    rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_row, found)]
+    return "\n".join([summary(found), "", *(f"| {' | '.join(row)} |" for row in rows), ""])
+
+
+def _row(one: LoadedRun) -> tuple[str, ...]:
+    return (
+        str(one.number), one.outcome, one.validity, one.verdict, f"{one.worst:.2f}",
+        f"{one.load:.1f}", f"{one.seconds:.0f}", one.said.replace("|", "/"),
+    )  # fmt: skip
