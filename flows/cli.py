@@ -109,6 +109,7 @@ def certify(
     laboratory: options.Laboratory = None,
     order: options.Order = None,
     calibrated_on: options.CalibratedOn = None,
+    as_found: options.AsFound = None,
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
     terms: options.Terms = None,
@@ -130,6 +131,7 @@ def certify(
         laboratory=laboratory,
         client_order=order,
         calibrated_on=calibrated_on.date() if calibrated_on else None,
+        as_found=as_found,
         budget=budget,
         invalid_run=invalid_run,
         terms=terms,
@@ -201,6 +203,7 @@ def _print_issued(issued: Any, as_json: bool) -> None:
                 "dcc": None,
                 "record": str(issued.record),
                 "run": certificate.calibration.run,
+                "as_found": _as_found(certificate.as_found),
                 "due": certificate.due.isoformat(),
                 "reasons": list(certificate.decision.reasons),
                 "conditional": certificate.decision.marginal,
@@ -209,6 +212,12 @@ def _print_issued(issued: Any, as_json: bool) -> None:
         )
         return
     print_verdict(issued)
+
+
+def _as_found(found: Any) -> dict[str, Any] | None:
+    if found is None:
+        return None
+    return {"run": found.calibration.run, "verdict": found.decision.verdict}
 
 
 if __name__ == "__main__":

@@ -49,6 +49,8 @@ Uncertainty = Annotated[str, _option("NAME", UNCERTAINTY)]
 Terms = Annotated[str | None, _option("NAME,NAME", TERMS)]
 
 CALIBRATED_ON = "Day of calibration, for a recording that does not say when it was made."
+AS_FOUND = "Run of the unit before it was adjusted (an id or a path); RUN is then as left."
+AsFound = Annotated[str | None, _option("RUN", AS_FOUND, "--as-found")]
 Budget = Annotated[
     bool, typer.Option("--budget", help="Print the uncertainty budgets on the certificate.")
 ]

@@ -110,8 +110,10 @@ def certify(order: CertifyOrder) -> "Issued":
     place = home_of(order)
     inputs = stage.read_inputs(order)
     run = run_of(order.run, place)
+    found = run_of(order.as_found, place) if order.as_found is not None else None
     calibration = estimate(run, place, order, inputs.laboratory)
-    return stage.certify(run, calibration, place, inputs)
+    as_found = (found, estimate(found, place, order, inputs.laboratory)) if found else None
+    return stage.certify(run, calibration, place, inputs, as_found)
 
 
 def home_of(order: OrderModel) -> Home:

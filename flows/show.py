@@ -18,7 +18,7 @@ def show_run(reference: str, as_json: bool) -> None:
     run = run_of(reference, home())
     manifest = runs.load(run, home()).manifest
     kept, validity = results.of_run(run, home()), validity_of(run, home())
-    entries = [entry for entry in certificates.register(home()) if entry.run == run.id]
+    entries = certificates.of_run(run, home())
     if as_json:
         print_json(
             {

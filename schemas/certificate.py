@@ -71,10 +71,19 @@ class Order(Frozen):
     interval_months: int | None = Field(default=None, gt=0, le=120)
 
 
+class AsFound(Frozen):
+    """The same unit before it was adjusted: its result, and the verdict by the same limits."""
+
+    calibrated_on: date | None
+    calibration: Calibration
+    decision: Decision
+
+
 class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
     calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`.
+    as_found: where the unit was adjusted, and calibration and decision are those as left.
     budgets: whether the uncertainty budgets of the calibration are printed. validation: which
     record validates the estimation, and how many items (English, Chinese).
     """
@@ -90,6 +99,7 @@ class Certificate(Frozen):
     manifest: Manifest
     calibration: Calibration
     decision: Decision
+    as_found: AsFound | None = None
     budgets: bool = False
     validation: tuple[str, str] | None = None
 

@@ -62,14 +62,16 @@ class CertificateOptions(OrderModel):
 
     tolerance, laboratory and client_order are files; client_order says who ordered the
     calibration (`mimu-order/1`). calibrated_on: for a recording that does not say when it was
-    made. budget: whether the certificate prints the uncertainty budgets. invalid_run: whether an
-    invalid run is reported all the same.
+    made. as_found: the run (an id, or the path of a recording) of the unit before it was adjusted,
+    whose results stand on the certificate beside these. budget: whether the certificate prints
+    the uncertainty budgets. invalid_run: whether an invalid run is reported all the same.
     """
 
     tolerance: str | None = None
     laboratory: str | None = None
     client_order: str | None = None
     calibrated_on: date | None = None
+    as_found: str | None = None
     budget: bool = False
     invalid_run: bool = False
 

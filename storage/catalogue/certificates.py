@@ -12,6 +12,7 @@ from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, State
 from schemas.decision import Verdict
 from storage.catalogue import database, tables
+from storage.catalogue.listing import Run
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
 from storage.home import Home
@@ -107,6 +108,23 @@ def save(
 def register(home: Home) -> list[Entry]:
     """The register: every certificate in the order in which they were kept."""
     return _register(home, sql.true())
+
+
+def of_run(run: Run, home: Home) -> list[Entry]:
+    """The certificates on which a run stands, as found or as left."""
+    unit = (run.manufacturer, run.model, run.serial)
+    entries = register(home)
+    of_unit = [e for e in entries if (e.manufacturer, e.model, e.serial) == unit]
+    return [entry for entry in of_unit if run.id in (entry.run, _found(entry, home))]
+
+
+def _found(entry: Entry, home: Home) -> str | None:
+    """The run as found of a certificate; None for a record that cannot be read, too."""
+    try:
+        found = record_of(entry, home).as_found
+    except Unusable:
+        return None
+    return found.calibration.run if found else None
 
 
 def find(number: str, home: Home) -> Certificate:

@@ -11,6 +11,7 @@ from typing import Any
 from schemas.certificate import Certificate
 from schemas.text import Statement
 from tasks.certificate import cover
+from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
 from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import ReportedConditions, conditions
 from tasks.certificate.cover import Signature
@@ -75,6 +76,7 @@ class Content:
     environment: tuple[ConditionRow, ...]
     conditions: ReportedConditions
     sections: tuple[PrintedSection, ...]
+    as_found: FoundSection | None
     information: tuple[InformationRow, ...]
     uncertainty: tuple[Message, ...]
     conformity: tuple[Field, ...]
@@ -99,7 +101,7 @@ def content(certificate: Certificate) -> Content:
         front=cover.front(certificate, specification),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
-        scope=cover.scope(decision, specification),
+        scope=scope_with_found(certificate, cover.scope(decision, specification)),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
         statement=basis(calibration, specification),
@@ -107,6 +109,7 @@ def content(certificate: Certificate) -> Content:
         environment=_environment(certificate, specification),
         conditions=conditions(calibration, certificate.manifest, specification),
         sections=sections(calibration, decision, specification),
+        as_found=as_found(certificate, specification),
         information=information_rows(calibration),
         uncertainty=(*uncertainty(calibration, specification), *_validation(certificate)),
         conformity=conformity(decision),

@@ -85,7 +85,7 @@ def rows(
                 if limit.element == element
                 for line in _limit_lines(limit, printed.exponent, two)
             ),
-            marks=tuple(_mark(limit) for limit in limits if limit.element == element),
+            marks=tuple(mark(limit) for limit in limits if limit.element == element),
         )
         for i, element in enumerate(elements)
     )
@@ -102,7 +102,7 @@ def _limit_lines(limit: LimitDecision, exponent: int, two: bool) -> tuple[str, .
     return (limits, f"AL {accepted}") if accepted else (limits,)
 
 
-def _mark(limit: LimitDecision) -> Mark:
+def mark(limit: LimitDecision) -> Mark:
     """The verdict as it stands beside a value; no probability where nothing was decided."""
     chance = limit.probability_of_conformity
     shown = None if chance is None else probability_text(chance)

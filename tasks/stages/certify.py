@@ -1,6 +1,7 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import Path
@@ -9,7 +10,8 @@ from pydantic import BaseModel, ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Laboratory, Order
+from schemas.certificate import AsFound, Certificate, Laboratory, Order
+from schemas.decision import Decision
 from schemas.orders import CertificateOptions
 from schemas.recording import Unit
 from schemas.station import MeasurementStandard
@@ -78,13 +80,19 @@ def _read(path: str | None, model: type[settings.Model]) -> settings.Model | Non
 
 
 @stage("decide and publish")
-def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateInputs) -> Issued:
+def certify(
+    run: Run,
+    calibration: Calibration,
+    home: Home,
+    inputs: CertificateInputs,
+    as_found: tuple[Run, Calibration] | None = None,
+) -> Issued:
     """Decide on the unit and publish a draft certificate; the due date enters the catalogue.
 
     Limits and laboratory come from the home where they are not given. The certificate stays a
-    draft until persons have signed it. Dates are days where this program runs. Its number is
-    reserved when nothing can be refused any more. Raises Unusable for an invalid run, unless its
-    report is asked for.
+    draft until persons have signed it. as_found: of the unit before it was adjusted, decided by
+    the same limits. Dates are days where this program runs. Its number is reserved when nothing
+    can be refused any more. Raises Unusable for an invalid run, unless its report is asked for.
     """
     _check_run(run, calibration, inputs)
     manifest = runs.load(run, home).manifest
@@ -97,10 +105,15 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
     order, today = inputs.order, date.today()
     calibrated_on = _calibrated_on(free, inputs, run)
     _check_order(order, calibrated_on)
-    expired = conformity.expired(equipment, calibrated_on or today)
     validated = settings.validation(home) or record.shipped()
-    doubts = {name: (why,) for name, why in record.doubts_of(validated, calibration).items()}
-    decision = conformity.decide(calibration, tolerance, expired, doubts)
+    expired = conformity.expired(equipment, calibrated_on or today)
+
+    def decide(result: Calibration) -> Decision:
+        doubts = {name: (why,) for name, why in record.doubts_of(validated, result).items()}
+        return conformity.decide(result, tolerance, expired, doubts)
+
+    decision = decide(calibration)
+    found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
     named = statement(record.named(validated, calibration))
     usual = SPECIFICATIONS[calibration.method].interval_months
     months = (order.interval_months if order else None) or usual
@@ -116,11 +129,65 @@ def certify(run: Run, calibration: Calibration, home: Home, inputs: CertificateI
         manifest=manifest,
         calibration=calibration,
         decision=decision,
+        as_found=found,
         budgets=inputs.budget,
         validation=(named.en, named.zh),
     )
     pdf, kept = certificates.save(certificate, render(certificate), home)
     return Issued(certificate, pdf, kept)
+
+
+def _as_found(
+    found: tuple[Run, Calibration],
+    left: tuple[Run, Calibration],
+    home: Home,
+    inputs: CertificateInputs,
+    decide: Callable[[Calibration], Decision],
+) -> AsFound:
+    """The result as found, beside that as left; Unusable where they cannot be of one adjustment."""
+    (run, calibration), (left_run, left_calibration) = found, left
+    _check_run(run, calibration, inputs)
+    if run.id == left_run.id:
+        raise Unusable(
+            f"--as-found {run.id} is the run to certify itself; name the run that was taken before "
+            "the unit was adjusted."
+        )
+    for name, its, others in (
+        ("unit", _unit_of(run), _unit_of(left_run)),
+        ("method", calibration.method, left_calibration.method),
+    ):
+        if its != others:
+            raise Unusable(
+                f"the {name} of run {run.id} (as found) is {its}, but that of run {left_run.id} "
+                f"(as left) is {others}; name a run of the same {name} with --as-found."
+            )
+    moment, left_moment = (
+        _manifest_fields(runs.load(each, home).manifest.model_extra or {}, each).recorded_at
+        for each in (run, left_run)
+    )
+    if moment and left_moment and _is_after(moment, left_moment):
+        raise Unusable(
+            f"run {run.id} (as found) was recorded at {moment}, after run {left_run.id} (as left), "
+            f"at {left_moment}; change them over."
+        )
+    return AsFound(
+        calibrated_on=_day(moment), calibration=calibration, decision=decide(calibration)
+    )
+
+
+def _unit_of(run: Run) -> str:
+    return f"{run.manufacturer} {run.model} {run.serial}"
+
+
+def _is_after(one: datetime | date, other: datetime | date) -> bool:
+    """By the instants where both say their offset from UTC, else by the days."""
+    if isinstance(one, datetime) and isinstance(other, datetime) and one.tzinfo and other.tzinfo:
+        return one > other
+    return (_day(one) or date.min) > (_day(other) or date.min)
+
+
+def _day(moment: datetime | date | None) -> date | None:
+    return moment.date() if isinstance(moment, datetime) else moment
 
 
 def _manifest_fields(extra: dict[str, object], run: Run) -> _ManifestFields:
@@ -149,9 +216,7 @@ def _calibrated_on(free: _ManifestFields, inputs: CertificateInputs, run: Run) -
     """The day the station recorded the run, by its own clock; else what the inputs say."""
     ordered = inputs.order.calibrated_on if inputs.order else None
     given = inputs.calibrated_on or ordered
-    day = free.recorded_at
-    if isinstance(day, datetime):
-        day = day.date()
+    day = _day(free.recorded_at)
     if day and given and given != day:
         raise Unusable(
             f"the calibration of run {run.id} is said to be of {given}, but its manifest says "

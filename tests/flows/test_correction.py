@@ -47,6 +47,26 @@ def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_res
             assert abs(value - 1.0) <= again[name]["U"][axis]
 
 
+def test_before_and_after_an_adjustment_stand_on_one_certificate(
+    mimucal, plant_on_earth, run, tmp_path
+) -> None:
+    """The corrected recording is what the adjusted unit would have read."""
+    assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
+    tolerance = tmp_path / "limits.toml"
+    tolerance.write_text(
+        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
+        'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
+        "lower = 0.999\nupper = 1.001\n",
+        encoding="utf-8",
+    )
+    arguments = ("--as-found", run, "--tolerance", tolerance, "--json")
+    done = mimucal("certify", tmp_path / "corrected", *arguments)
+    assert (done.code, done.json["verdict"]) == (0, "pass"), done.err
+    assert done.json["as_found"] == {"run": run, "verdict": "fail"}
+    (listed,) = mimucal("show", run, "--json").json["certificates"]
+    assert listed["number"] == done.json["number"]
+
+
 def test_a_corrected_recording_says_by_what(mimucal, plant_on_earth, run, tmp_path) -> None:
     assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
     manifest = json.loads((tmp_path / "corrected/manifest.json").read_text(encoding="utf-8"))

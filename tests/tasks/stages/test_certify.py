@@ -156,6 +156,46 @@ def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) 
     assert certificate.decision.verdict == "inconclusive"
 
 
+def test_a_run_as_found_is_decided_by_the_same_limits_and_found_with_its_certificate(
+    kept: Keep,
+) -> None:
+    found, before, home = kept(recording_id="before", recorded_at="2026-05-02T09:00:00+08:00")
+    left, after, _ = kept(recorded_at="2026-05-02T15:00:00+08:00")
+    certificate = certify(
+        left, after, home, Inputs(tolerance=tolerance()), (found, before)
+    ).certificate
+    assert certificate.calibration.run == left.id
+    assert certificate.as_found is not None
+    assert certificate.as_found.calibration == before
+    assert certificate.as_found.calibrated_on == date(2026, 5, 2)
+    assert certificate.as_found.decision.document == certificate.decision.document == "d"
+    for run in (found, left):
+        (entry,) = certificates.of_run(run, home)
+        assert entry.number == certificate.number
+
+
+@pytest.mark.parametrize(
+    ("earlier", "later", "says"),
+    [
+        ({"recorded_at": "2026-05-03"}, {"recorded_at": "2026-05-02"}, "change them over"),
+        (
+            {"recorded_at": "2026-05-02T09:00:00+02:00"},
+            {"recorded_at": "2026-05-02T14:00:00+08:00"},
+            "change them over",
+        ),
+        ({"unit": {"manufacturer": "test", "model": "ideal", "serial": "2"}}, {}, "same unit"),
+        ({}, {}, "itself"),
+    ],
+)
+def test_a_run_as_found_that_cannot_be_is_refused(
+    kept: Keep, earlier: dict[str, Any], later: dict[str, Any], says: str
+) -> None:
+    found, before, home = kept(**earlier)
+    left, after, _ = kept(**later)
+    with pytest.raises(Unusable, match=says):
+        certify(left, after, home, Inputs(tolerance=tolerance()), (found, before))
+
+
 def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) -> None:
     run, calibration, home = kept()
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
