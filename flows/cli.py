@@ -143,13 +143,15 @@ def certify(
 def acquire(
     station_file: options.Station,
     procedure: options.Procedure = "jjf2003",
+    resume: options.Resume = False,
     dry_run: options.DryRun = False,
     as_json: options.Json = False,
 ) -> None:
     """Run a procedure on a station, real or virtual.
 
     What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
-    Ctrl-Z again has it go on; Ctrl-C ends it. Exits with 3 for a run that is kept but invalid.
+    Ctrl-Z again has it go on; Ctrl-C ends it, and --resume goes on with it later.
+    Exits with 3 for a run that is kept but invalid.
     """
     from flows.carry_out import as_flow_run
     from flows.print_validity import lines, summary
@@ -158,7 +160,9 @@ def acquire(
     from schemas.orders import AcquireOrder
     from tasks.stages.validity import validity_of
 
-    order = AcquireOrder(station=station_file, procedure=procedure, attended=not as_json)
+    order = AcquireOrder(
+        station=station_file, procedure=procedure, attended=not as_json, resume=resume
+    )
     check_acquisition(order)
     if dry_run:
         from flows.dry_run import print_dry_run

@@ -117,6 +117,12 @@ DryRun = Annotated[
     bool,
     typer.Option("--dry-run", help="Hold the procedure against every limit; nothing moves."),
 ]
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="Go on with the run of this unit and procedure that was interrupted."
+    ),
+]
 Speed = Annotated[float, _option("FACTOR", f"{SPEED}.", callback=_positive)]
 DemoSpeed = Annotated[float | None, _option("FACTOR", DEMO_SPEED, callback=_positive)]
 Ahrs = Annotated[

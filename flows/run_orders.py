@@ -42,7 +42,7 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
 
     station, procedure, ask = _acquisition(order)
     with ending_as_ctrl_c(), pausing() as is_paused, acquisition_view() as report:
-        return acquire_run(station, procedure, home_of(order), report, ask, is_paused)
+        return acquire_run(station, procedure, home_of(order), report, ask, is_paused, order.resume)
 
 
 def check_acquisition(order: AcquireOrder) -> None:

@@ -80,12 +80,13 @@ class AcquireOrder(OrderModel):
     """A run from the station of a station file.
 
     procedure: a name, or a file. attended: whether a person at the terminal, if there is one,
-    may be asked to turn the unit over.
+    may be asked to turn the unit over. resume: go on with the run that was interrupted last.
     """
 
     station: str
     procedure: str = "jjf2003"
     attended: bool = True
+    resume: bool = False
 
 
 class CalibrateOrder(Estimation):

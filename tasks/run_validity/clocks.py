@@ -13,6 +13,7 @@ LARGEST = 0.2  # s: more reaches from a ramp into what is measured
 INTERVAL = 0.05  # s at which both are compared
 SEARCHED = 10.0  # s to either side
 PARTS = 4  # of the run, so that a drifting clock shows
+GAP = 1.0  # s without a row, as where a run was interrupted: nothing is known of its rates
 MOVING = np.radians(5.0)  # rad/s: a part in which nothing turns as fast says nothing
 
 
@@ -53,7 +54,16 @@ def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarra
     gyro = gyro - np.median(gyro, axis=0)
     turned = np.cumsum(np.linalg.norm(gyro[:-1], axis=1) * np.diff(imu.t))
     by_unit = np.diff(np.interp(at, imu.t, np.concatenate([[0.0], turned])))
-    return by_unit / interval, np.sum(by_table, axis=0) / interval
+    is_known = _recorded(imu.t, at) & _recorded(table.t, at)
+    return is_known * by_unit / interval, is_known * np.sum(by_table, axis=0) / interval
+
+
+def _recorded(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Which intervals between the times at (m + 1,) touch no gap in t (n,): (m,) true or false."""
+    gaps = np.flatnonzero(np.diff(t) > GAP)
+    behind = np.searchsorted(t[gaps + 1], at[:-1], side="right")  # gaps that end before it
+    begun = np.searchsorted(t[gaps], at[1:], side="left")
+    return np.asarray(begun == behind)
 
 
 def _delay(by_unit: np.ndarray, by_table: np.ndarray, interval: float) -> float | None:

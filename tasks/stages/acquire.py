@@ -15,9 +15,11 @@ from storage.formats.mcap.writer import RawWriter
 from storage.home import Home
 from storage.station_lock import one_run_on
 from storage.whole_files import writing_in_home
+from tasks.stages.left_run import LeftRun, left_run
 from tasks.stages.run_status import status_file
 from tasks.stages.stage import stage
 from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.interrupted import Interrupted, interrupted
 from tasks.station.ports import Ask
 from tasks.station.progress import Progress
 
@@ -30,11 +32,13 @@ def acquire_run(
     report: Callable[[Progress], None],
     ask: Ask | None = None,
     is_paused: Callable[[], bool] = lambda: False,
+    resume: bool = False,
 ) -> tuple[Run, Acquired]:
     """Acquire a run while no other is going on at the station; see `_acquire_run`."""
     held = one_run_on(station.station.id, home)
     with held, status_file(station, procedure, home, report) as reporting:
-        return _acquire_run(station, procedure, home, reporting, ask, is_paused)
+        left = left_run(station, procedure, home) if resume else None
+        return _acquire_run(station, procedure, home, reporting, ask, is_paused, left)
 
 
 def _acquire_run(
@@ -44,36 +48,56 @@ def _acquire_run(
     report: Callable[[Progress], None],
     ask: Ask | None,
     is_paused: Callable[[], bool],
+    left: LeftRun | None,
 ) -> tuple[Run, Acquired]:
     """Acquire a run, with its recording in the home from the first sample on.
 
     ask: has a person turn the unit over, where the station cannot. is_paused: asked before each
-    segment, which waits until it is so no more.
+    segment, which waits until it is so no more. left: an interrupted run that goes on as this one.
 
     If the run breaks off, what was recorded stays in the home's `acquiring` folder as an MCAP
     file, and the sentence of Unusable or BrokenOff says where. A file without a reading of the
     unit is removed.
     """
     began = datetime.now(UTC)
-    recording_id = f"{station.unit.serial}-{procedure.name}-{began:%Y%m%dT%H%M%SZ}"
+    new_id = f"{station.unit.serial}-{procedure.name}-{began:%Y%m%dT%H%M%SZ}"
+    recording_id = left.recording.manifest.recording_id if left else new_id
     raw = home.acquiring / f"{began:%Y%m%dT%H%M%SZ}-{secrets.token_hex(4)}.mcap"
     with writing_in_home(raw):
         sink = RawWriter(raw)
     try:
         with sink:
+            earlier = _take_over(left, station, sink) if left else None
             acquired = acquire(
-                RunRequest(station, procedure, sink, report, recording_id, ask, is_paused)
+                RunRequest(station, procedure, sink, report, recording_id, ask, is_paused, earlier)
             )
         run, _ = runs.add(read_mcap(raw), home)
     except Unusable as fault:
+        _forget(left)
         raise Unusable(_with_what_is_left(fault, sink, raw)) from fault
     except OSError as fault:
         why = fault.strerror or fault
         raise BrokenOff(f"the recording could not be written ({why}){_left(sink, raw)}") from fault
     except KeyboardInterrupt as stop:
+        _forget(left)
         raise BrokenOff(f"stopped by the operator{_left(sink, raw)}") from stop
+    _forget(left)
     raw.unlink()
     return run, acquired
+
+
+def _forget(left: LeftRun | None) -> None:
+    if left is not None:
+        left.forget()
+
+
+def _take_over(left: LeftRun, station: StationFile, sink: RawWriter) -> Interrupted:
+    """Begin the new file with what an interrupted run recorded."""
+    earlier = interrupted(left.recording, station.unit_link)
+    sink.manifest(earlier.manifest)
+    for name, stream in left.recording.streams().items():
+        sink.append(name, stream)
+    return earlier
 
 
 def _with_what_is_left(fault: Unusable, sink: RawWriter, raw: Path) -> str:
@@ -88,4 +112,7 @@ def _left(sink: RawWriter, raw: Path) -> str:
     if not sink.readings:
         raw.unlink(missing_ok=True)
         return ""
-    return f"; recorded so far: {raw} (`mimucal import --salvage` takes it in)"
+    return (
+        f"; recorded so far: {raw} (`mimucal acquire --resume` goes on with it, "
+        "`mimucal import --salvage` takes it in as it is)"
+    )

@@ -14,6 +14,7 @@ from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
+from tasks.station.interrupted import Interrupted, remaining
 from tasks.station.limits import check_limits
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.plan import plan
@@ -44,8 +45,8 @@ class RunRequest:
     """A procedure to run on a station, and where the recording and the progress go.
 
     `ask` has a person turn the unit over, where the station cannot. While `is_paused`, no further
-    segment begins. Raises Unusable, with one
-    sentence, where procedure and station do not suit each other.
+    segment begins. `earlier` is a run that was interrupted and goes on: its streams are in the
+    sink. Raises Unusable, with one sentence, where procedure and station do not suit each other.
     """
 
     station: StationFile
@@ -55,6 +56,7 @@ class RunRequest:
     recording_id: str
     ask: Ask | None = None
     is_paused: Callable[[], bool] = lambda: False
+    earlier: Interrupted | None = None
 
     def __post_init__(self) -> None:
         check_procedure(self.procedure, self.station)
@@ -86,8 +88,12 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
     await bench.table.home()
     await bench.chamber.climate()
     clock = await _station_clock(bench.table)
-    procedure, planned = request.procedure, plan(request.procedure)
-    manifest = ManifestBuilder(request.station, procedure, request.recording_id, clock.station_s)
+    procedure, earlier = request.procedure, request.earlier
+    measured = earlier.measured() if earlier else set()
+    planned = tuple(remaining(plan(procedure), measured))
+    manifest = ManifestBuilder(
+        request.station, procedure, request.recording_id, clock.station_s, earlier
+    )
     total_s = procedure.warm_up_s + sum(segment.planned_s for segment in planned)
     recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
     tracker = Tracker(request.report, clock, recorder, total_s, len(planned))
@@ -170,7 +176,9 @@ def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
         recorder.flush(final=True)
     manifest = recorder.manifest
     noticed = remarks_on(recorder.anomalies, manifest.segments, procedure.environment)
-    manifest.extra["station_remarks"] = [remark.model_dump(mode="json") for remark in noticed]
+    before = manifest.extra.get("station_remarks", [])
+    dumped = [remark.model_dump(mode="json") for remark in noticed]
+    manifest.extra["station_remarks"] = [*before, *dumped]
     recorder.write_manifest()
 
 

@@ -2,13 +2,14 @@
 
 import math
 from datetime import UTC, datetime, timedelta
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Mount, Segment, Stream
 from schemas.station import StationFile
+from tasks.station.interrupted import Interrupted
 
 
 class ManifestBuilder:
@@ -17,18 +18,23 @@ class ManifestBuilder:
     `segments` are over station time; the manifest and the streams of the recording count from
     `origin_s`, the whole second of station time in which the run began; `acquired_at` is its UTC,
     told by this computer's clock as `t_start`, a station time that was just read, by the table's.
-    Every segment carries
-    `mount`, where the unit was turned over in its fixture.
+    Every segment carries `mount`, where the unit was turned over in its fixture. earlier: a run
+    that was interrupted, and goes on: its segments and its time are the beginning of this one's.
     """
 
     def __init__(
-        self, station: StationFile, procedure: Procedure, recording_id: str, t_start: float
+        self,
+        station: StationFile,
+        procedure: Procedure,
+        recording_id: str,
+        t_start: float,
+        earlier: Interrupted | None = None,
     ) -> None:
         now = datetime.now(UTC)
         self.origin_s = math.floor(t_start)
         self.segments: list[Segment] = []
         self.mount: Mount | None = None
-        self.extra: dict[str, object] = {
+        self.extra: dict[str, Any] = {
             "procedure": procedure.name,
             "recorded_at": now.astimezone().isoformat(timespec="seconds"),
             "acquired_at": (now - timedelta(seconds=t_start - self.origin_s)).isoformat(),
@@ -39,6 +45,29 @@ class ManifestBuilder:
         self._procedure = procedure
         self._recording_id = recording_id
         self._until = t_start
+        self._nothing_until_s = 0.0  # since origin_s
+        if earlier is not None:
+            self._go_on(earlier, t_start)
+        self.extra["station_time_origin_s"] = self.origin_s
+
+    def _go_on(self, earlier: Interrupted, t_start: float) -> None:
+        """Begin with what an interrupted run has; a station that was restarted has a new time."""
+        before = dict(earlier.manifest.model_extra or {})
+        origin_s, end_s = int(before["station_time_origin_s"]), earlier.t_end
+        has_restarted = t_start - origin_s <= end_s
+        self.origin_s = self.origin_s - math.ceil(end_s) - 1 if has_restarted else origin_s
+        self._nothing_until_s = end_s
+        self.segments = [
+            _moved(segment, self.origin_s) for segment in earlier.manifest.segments or ()
+        ]
+        first = {"recorded_at": before["recorded_at"], "t_start": 0.0}
+        present = {"recorded_at": self.extra["recorded_at"], "t_start": t_start - self.origin_s}
+        self.extra["parts"] = [*before.get("parts", [first]), present]
+        for name in ("recorded_at", "acquired_at", "log", "station_remarks"):
+            if name in before:
+                self.extra[name] = before[name]
+        self._until = end_s + self.origin_s
+        self.fill("interrupted", "transition", t_start)
 
     def fill(self, name: str, kind: Literal["settle", "transition"], t_end: float) -> None:
         """Label what lies between the last segment and a time (s)."""
@@ -73,15 +102,22 @@ class ManifestBuilder:
             station=self._station.station,
             mount=self._station.mount,
             segments=tuple(map(self._since_start, self.segments)),
-            **self.extra,  # type: ignore[arg-type]
+            **self.extra,
         )
 
     def since_start(self, stream: Stream) -> Stream:
-        """A stream over station time as the recording has it; rows before the run are dropped."""
+        """A stream over station time as the recording has it; rows before the run are dropped.
+
+        So are those that are no later than the end of an interrupted run that goes on.
+        """
         moved = Stream(np.round(stream.t - self.origin_s, 9), stream.columns)
-        return moved.at(moved.t >= 0.0)
+        until_s = self._nothing_until_s
+        return moved.at(moved.t > until_s if until_s else moved.t >= 0.0)
 
     def _since_start(self, segment: Segment) -> Segment:
-        moved = {name: round(getattr(segment, name) - self.origin_s, 9)
-                 for name in ("t_start", "t_end")}  # fmt: skip
-        return segment.model_copy(update=moved)
+        return _moved(segment, -self.origin_s)
+
+
+def _moved(segment: Segment, by_s: float) -> Segment:
+    moved = {name: round(getattr(segment, name) + by_s, 9) for name in ("t_start", "t_end")}
+    return segment.model_copy(update=moved)

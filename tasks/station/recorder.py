@@ -5,6 +5,7 @@ from typing import Protocol
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Manifest, Segment, Stream
+from schemas.run_log import LogEntry
 from tasks.station.anomalies import FAILURES, Anomaly, touches
 from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
@@ -44,6 +45,7 @@ class Recorder:
         self.monitor = SegmentMonitor(bench.unit.link)
         self.last_rows = LastRows()
         self.log = RunLog(clock, manifest.origin_s)
+        self.log.entries += map(LogEntry.model_validate, manifest.extra.get("log", ()))
         self._sink = sink
 
     async def run(self) -> None:

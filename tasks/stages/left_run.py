@@ -1,0 +1,68 @@
+"""The run that a station, a unit and a procedure were left with when it was interrupted."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from schemas.base import Unusable
+from schemas.procedure import Procedure
+from schemas.recording import Manifest, Recording
+from schemas.station import StationFile
+from storage.formats.mcap.reader import read_mcap
+from storage.home import Home
+
+
+@dataclass(frozen=True)
+class LeftRun:
+    """An interrupted run: what is whole of it, and its files: attempts to go on leave more."""
+
+    recording: Recording
+    paths: tuple[Path, ...]
+
+    def forget(self) -> None:
+        """Another file holds all of it now."""
+        for path in self.paths:
+            path.unlink(missing_ok=True)
+
+
+def left_run(station: StationFile, procedure: Procedure, home: Home) -> LeftRun:
+    """The last one of this unit on this station by this procedure.
+
+    Raises Unusable where there is none.
+    """
+    left = {
+        path: recording
+        for path, recording in _readable(home)
+        if _is_of(recording.manifest, station, procedure)
+    }
+    if not left:
+        raise Unusable(
+            f"{home.acquiring} has no interrupted run of unit {station.unit.serial} by procedure "
+            f"{procedure.name} on station {station.station.id}: start a run without --resume"
+        )
+    longest = max(left.values(), key=lambda each: (_began(each.manifest), each.imu.t[-1]))
+    of_it = [
+        path for path, each in left.items() if _began(each.manifest) == _began(longest.manifest)
+    ]
+    return LeftRun(longest, tuple(of_it))
+
+
+def _readable(home: Home) -> Iterator[tuple[Path, Recording]]:
+    for path in sorted(home.acquiring.glob("*.mcap")):
+        with suppress(Unusable):
+            yield path, read_mcap(path, salvage=True)
+
+
+def _is_of(manifest: Manifest, station: StationFile, procedure: Procedure) -> bool:
+    fields = manifest.model_extra or {}
+    return (
+        (manifest.unit, manifest.station, manifest.mount)
+        == (station.unit, station.station, station.mount)
+        and fields.get("procedure") == procedure.name
+        and "station_time_origin_s" in fields
+    )
+
+
+def _began(manifest: Manifest) -> str:
+    return str((manifest.model_extra or {})["recorded_at"])

@@ -1,0 +1,128 @@
+"""A run that was interrupted goes on as the same run."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from schemas.base import BrokenOff, Unusable
+from schemas.recording import MEASURED, Recording
+from storage.catalogue import runs
+from storage.formats.mcap.reader import read_mcap
+from storage.home import Home
+from tasks.stages import acquire
+from tasks.stages.acquire import acquire_run
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.unit import draw_unit
+from tests.tasks.stages.test_acquire import POSITION, PROCEDURE
+from tests.tasks.station.in_memory import InMemoryStation
+
+PLACES = {"+z": [0, 0, 0], "-z": [0, 180, 0], "+y": [0, 90, 0], "-y": [0, 270, 0]}
+FOUR = PROCEDURE.model_validate(
+    PROCEDURE.model_dump()
+    | {
+        "steps": [
+            POSITION | {"name": f"position_{up}_000", "up": up, "angles_deg": angles}
+            for up, angles in PLACES.items()
+        ]
+    }
+)
+LOOKS = 3
+NAMES = [f"position_{up}_000" for up in PLACES]
+
+
+class Bench:
+    """Runs on a station in this process; `restart` switches the station off and on."""
+
+    def __init__(self, home: Home, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.home, self._monkeypatch = home, monkeypatch
+        self.begun: list[str] = []
+        self.restart()
+
+    def restart(self) -> None:
+        self.station = InMemoryStation(VirtualStation(unit=draw_unit(7)), speed=5.0)
+        self._monkeypatch.setattr(acquire, "acquire", self.station.run)
+
+    def acquire(self, until: str = "", resume: bool = False) -> Recording:
+        """until: the segment in which the operator ends it, when the data before it are there."""
+        self.begun.clear()
+        looks = 0
+
+        def report(progress) -> None:
+            nonlocal looks
+            if progress.now not in self.begun:
+                self.begun.append(progress.now)
+            looks += bool(until) and progress.now.startswith(until)
+            if looks == LOOKS:
+                raise KeyboardInterrupt
+
+        run, _ = acquire_run(self.station.file, FOUR, self.home, report, resume=resume)
+        return runs.load(run, self.home)
+
+    def interrupt(self, until: str, resume: bool = False) -> Path:
+        with pytest.raises(BrokenOff, match="--resume"):
+            self.acquire(until, resume)
+        (left,) = self.home.acquiring.iterdir()
+        return left
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Bench(Home(tmp_path / "home"), monkeypatch)
+
+
+def measured(recording: Recording) -> list[str]:
+    return [s.name for s in recording.manifest.segments or () if s.kind in MEASURED]
+
+
+def assert_whole(recording: Recording) -> None:
+    """Every segment with all of its samples, and nothing twice."""
+    assert (np.diff(recording.imu.t) > 0).all()
+    for segment in recording.manifest.segments or ():
+        if segment.kind in MEASURED:
+            for stream in (recording.imu, recording.table):
+                t = stream.t[stream.rows(segment.t_start, segment.t_end)]
+                assert np.diff(t) == pytest.approx(0.01, abs=1e-9)
+            assert segment.t_end - segment.t_start == pytest.approx(6.0)
+
+
+def test_it_goes_on_at_the_first_missing_segment_as_one_run(bench):
+    left = bench.interrupt("position +y")
+    first = read_mcap(left, salvage=True)
+    whole = bench.acquire(resume=True)
+    positions = [name for name in bench.begun if name.startswith("position")]
+    assert positions == ["position +y 000", "position -y 000"]
+    assert measured(whole) == NAMES
+    assert_whole(whole)
+    assert whole.manifest.recording_id == first.manifest.recording_id
+    assert whole.imu.t[: len(first.imu)] == pytest.approx(first.imu.t, abs=0)
+    assert list(bench.home.acquiring.iterdir()) == []
+    parts = whole.manifest.model_extra["parts"]
+    assert [part["t_start"] for part in parts] == [0.0, pytest.approx(first.imu.t[-1], abs=1.0)]
+
+
+@pytest.mark.parametrize("share", [0.5, 0.8, 0.95])
+def test_what_a_power_cut_left_half_written_is_measured_again(bench, share):
+    left = bench.interrupt("position -y")
+    data = left.read_bytes()
+    left.write_bytes(data[: int(share * len(data))])
+    whole = bench.acquire(resume=True)
+    assert sorted(measured(whole)) == sorted(NAMES)
+    assert_whole(whole)
+
+
+def test_the_station_may_have_been_restarted_and_the_run_broken_off_again(bench):
+    bench.interrupt("position -z")
+    bench.restart()
+    bench.interrupt("position -y", resume=True)
+    bench.restart()
+    whole = bench.acquire(resume=True)
+    assert measured(whole) == NAMES
+    assert_whole(whole)
+    assert len(whole.manifest.model_extra["parts"]) == 3
+
+
+def test_where_no_run_was_interrupted_it_is_refused_with_the_way_out(bench):
+    with pytest.raises(Unusable, match="without --resume"):
+        bench.acquire(resume=True)
