@@ -98,23 +98,35 @@ def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
 @pytest.fixture(scope="session")
 def plant_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A simulated unit without effects, every fifth row of it: commands do the same sooner."""
-    return every_fifth_row(shared / "plant/plant_clean", tmp_path_factory)
+    return every_nth_row(shared / "plant/plant_clean", tmp_path_factory, 5)
 
 
 @pytest.fixture(scope="session")
 def plant_on_earth(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same of a run that is valid: its rests show Earth's rotation."""
-    return every_fifth_row(shared / "plant/plant_earth_rotation", tmp_path_factory)
+    return every_nth_row(shared / "plant/plant_earth_rotation", tmp_path_factory, 5)
 
 
-def every_fifth_row(source: Path, folders: pytest.TempPathFactory) -> Path:
-    target = folders.mktemp("every_fifth_row") / source.name
+@pytest.fixture(scope="session")
+def plant_arm(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Every second row of a unit off the axes, with what is true of it.
+
+    Of every fifth, what is left of P is three standard uncertainties off the truth.
+    """
+    source = shared / "plant/plant_lever_arm"
+    folder = every_nth_row(source, tmp_path_factory, 2)
+    shutil.copy(source / "truth.json", folder)
+    return folder
+
+
+def every_nth_row(source: Path, folders: pytest.TempPathFactory, n: int) -> Path:
+    target = folders.mktemp("every_nth_row") / source.name
     target.mkdir()
     for name in ("manifest.json", "environment.parquet"):
         (target / name).write_bytes((source / name).read_bytes())
     for name in ("imu.parquet", "table.parquet"):
         rows = pq.read_table(source / name)
-        pq.write_table(rows.take(pa.array(range(0, len(rows), 5))), target / name)
+        pq.write_table(rows.take(pa.array(range(0, len(rows), n))), target / name)
     return target
 
 

@@ -24,7 +24,6 @@ from tasks.explain.explanation import Explanation, Finding
 from tasks.words import say
 
 SMALL = "real/ferraris_session"
-ARM = "plant/plant_lever_arm"
 STEP = 0.01  # deg/s that the known answer adds to gyro x
 
 
@@ -293,26 +292,25 @@ def true_rate_sensitivity(folder: Path) -> dict[str, float]:
 
 
 def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
-    mimucal, shared, asked_once, tmp_path
+    mimucal, plant_arm, asked_once, tmp_path
 ) -> None:
-    folder = shared / ARM
-    done = mimucal("explain", folder, "--out", tmp_path / "report", "--json")
+    done = mimucal("explain", plant_arm, "--out", tmp_path / "report", "--json")
     assert done.code == 0, done.err
     assert done.json["verdict"] == "explained"
     assert done.json["findings"][0]["effect"] == "lever_arm"
     moved = {(c["item"], c["element"]): c for c in done.json["findings"][0]["consequences"]}
-    for element, true in true_rate_sensitivity(folder).items():  # eq. (12) turns its sign
+    for element, true in true_rate_sensitivity(plant_arm).items():  # eq. (12) turns its sign
         change = moved["accel_rate_sensitivity", element]
         assert abs(change["before"] + true) > 20.0 * abs(change["after"] + true)
     assert (tmp_path / "report" / "report.html").exists()
 
 
 def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(
-    mimucal, shared, asked_once
+    mimucal, plant_arm, asked_once
 ) -> None:
     """Off the axes by centimetres, it reads an arm as p_ij: hundreds of U beside the truth."""
-    done = mimucal("calibrate", shared / ARM, "--terms", "lever_arm", "--json")
+    done = mimucal("calibrate", plant_arm, "--terms", "lever_arm", "--json")
     assert done.code == 0, done.err
     item = done.json["items"]["accel_rate_sensitivity"]
-    for element, true in true_rate_sensitivity(shared / ARM).items():
+    for element, true in true_rate_sensitivity(plant_arm).items():
         assert abs(item["value_model"][element] - true) < 1.5 * item["U"][element]

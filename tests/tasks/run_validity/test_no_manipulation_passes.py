@@ -20,6 +20,7 @@ from tests.proof.plant.simulate import simulate
 from tests.tasks.run_validity.manipulations import DRIFTS, MANIPULATIONS
 
 METHODS: tuple[Method, ...] = ("jjf2003", "joint", "jjf1536")
+SAME_EVIDENCE: tuple[tuple[Method, ...], ...] = (("jjf2003", "joint"), ("jjf1536",))
 LIMITED = {
     "jjf2003": ("gyro_scale_factor", "accel_scale_factor"),
     "joint": ("gyro_scale_factor", "accel_scale_factor"),
@@ -71,16 +72,24 @@ def test_the_run_as_it_was_made_is_valid_and_passes(method: Method) -> None:
     assert decided(calibration).verdict == "pass"
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("methods", SAME_EVIDENCE, ids=" and ".join)
 @pytest.mark.parametrize("name", MANIPULATIONS)
-def test_no_manipulated_run_passes(name: str, method: Method) -> None:
+def test_no_manipulated_run_passes(name: str, methods: tuple[Method, ...]) -> None:
     """Judged with the uncertainties of the run that passes, which are smaller."""
-    specification, passing = SPECIFICATIONS[method], calibration_of(method)
-    evidence = specification.gather(MANIPULATIONS[name](run_of(method)))
-    remarks = run_remarks(evidence, specification.conditions, passing.items)
-    judged = passing.model_copy(update={"remarks": remarks})
-    assert judged.validity.verdict != "valid"
-    assert decided(judged).verdict == "inconclusive"
+    first = methods[0]
+    evidence = SPECIFICATIONS[first].gather(MANIPULATIONS[name](run_of(first)))
+    for method in methods:
+        passing = calibration_of(method)
+        remarks = run_remarks(evidence, SPECIFICATIONS[method].conditions, passing.items)
+        judged = passing.model_copy(update={"remarks": remarks})
+        assert judged.validity.verdict != "valid"
+        assert decided(judged).verdict == "inconclusive"
+
+
+def test_methods_whose_manipulated_runs_are_gathered_once_gather_alike() -> None:
+    for first, *others in SAME_EVIDENCE:
+        assert all(SPECIFICATIONS[m].gather is SPECIFICATIONS[first].gather for m in others)
+    assert sorted(method for methods in SAME_EVIDENCE for method in methods) == sorted(METHODS)
 
 
 @pytest.mark.parametrize(
