@@ -18,13 +18,19 @@ from tasks.specifications.estimate import Estimate, Estimates, ItemEstimate
 from tasks.specifications.items import ItemDefinition
 from tasks.specifications.register import BY_STANDARD
 from tasks.uncertainty.budget import combine
-from tasks.uncertainty.equipment import UNKNOWN, Equipment, with_limits
+from tasks.uncertainty.equipment import (
+    UNKNOWN,
+    Equipment,
+    with_limits,
+    with_polled_encoders,
+)
 from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
 from tasks.words import message, remark
 from tasks.words.rounding import USUAL_K
 
 ENOUGH_DOF = 50.0  # effective degrees of freedom below which k = 2 covers too little
 MAX_BITS = 64.0
+MOST_HALF_WIDTH_S = 3600.0
 EFFECTIVE_BITS = TypeAdapter(Annotated[float, Field(ge=1.0, le=MAX_BITS)])
 EXAMPLE: UncertaintyKind = "as the specification's example"
 BY_EXAMPLE = "the example's"
@@ -124,7 +130,8 @@ def evaluation_for(
 
     own: a laboratory's limits, which go before them. Of a recording without specification
     the equipment is not known: then gravity and latitude alone are counted, and the result says so.
-    Raises Unusable where the unit's `effective_bits` are no number of bits.
+    Raises Unusable where the unit's `effective_bits` are no number of bits, or `table_time` does
+    not say within how many seconds the times of polled encoders are known.
     """
     own = own or {}
     specification = BY_STANDARD.get(recording.manifest.standard)
@@ -132,6 +139,8 @@ def evaluation_for(
     if specification is not None:
         equipment, named = specification.equipment, specification.equipment_source
     equipment = with_limits(equipment, own)
+    if half_width_s := _polled_within(recording):
+        equipment = with_polled_encoders(equipment, half_width_s)
     settings: dict[str, str | float] = {"uncertainty": kind}
     table, bits = TABLE, _bits(recording)
     if kind != EXAMPLE:
@@ -149,6 +158,23 @@ def evaluation_for(
     )
     settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({BY_EXAMPLE})"
     return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
+
+
+def _polled_within(recording: Recording) -> float:
+    """Within how many seconds the times of polled encoders are known; 0 where they are captured.
+
+    Raises Unusable for a `table_time` that says no such time.
+    """
+    stated = (recording.manifest.model_extra or {}).get("table_time")
+    if stated is None or recording.table is None:
+        return 0.0
+    half_width_s = stated.get("half_width_s") if isinstance(stated, dict) else stated
+    if not isinstance(half_width_s, int | float) or not 0.0 <= half_width_s < MOST_HALF_WIDTH_S:
+        raise Unusable(
+            f"the manifest's table_time.half_width_s is {half_width_s!r}: give the half-width in s "
+            f"(0 to {MOST_HALF_WIDTH_S:g}) by which the encoders' times are known"
+        )
+    return float(half_width_s)
 
 
 def common_factor(budgets: Mapping[str, Budget]) -> float:

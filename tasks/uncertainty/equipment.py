@@ -71,7 +71,8 @@ class Equipment:
     rates: relative error of the mean rate over whole turns, each limit from its slowest rate
     (rad/s) on, fastest first; ripple: within a turn.
     position, repeatability: of each table angle. axes: between the table's axes.
-    fixture: between the fixture's faces.
+    fixture: between the fixture's faces. encoder_time: when each angle of a table that is polled
+    was read (s), with which a mean rate begins and ends.
     """
 
     rates: tuple[tuple[float, ErrorLimit], ...] = ()
@@ -82,6 +83,7 @@ class Equipment:
     fixture: ErrorLimit | None = None
     gravity: ErrorLimit = GRAVITY
     latitude: ErrorLimit = LATITUDE
+    encoder_time: ErrorLimit | None = None
 
     @property
     def angles(self) -> tuple[ErrorLimit, ...]:
@@ -125,10 +127,17 @@ JJF1536 = Equipment(
     fixture=_limit("α4", "fixture", "rad", 5 * ARCSECOND, "rectangular", FIXTURE_1536),
 )
 
+POLLED = "the recording: longest exchange with the table"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
 
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
 UNKNOWN = Equipment()
+
+
+def with_polled_encoders(equipment: Equipment, half_width_s: float) -> Equipment:
+    """The equipment with a table whose angles are read at times known to ± half_width_s."""
+    limit = _limit("τ", "encoder-time", "s", half_width_s, "rectangular", POLLED)
+    return replace(equipment, encoder_time=limit)
 
 
 def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -> Equipment:

@@ -55,7 +55,8 @@ def turning_rate(
     c = −slope·Σ oₖXₖ over them (−K for a scale factor or coupling, 0 for the fit offset); this is
     c(Ω) of JJF 1536, eq. (A.2). Within a turn: a ripple a·cos θ leaves a/Θ of its mean over the
     angle Θ turned, as root mean square over where it starts and stops, differently at each point:
-    c = slope·√Σ(oₖXₖ/Θₖ)², and a/√2 of less than √2 (silent).
+    c = slope·√Σ(oₖXₖ/Θₖ)², and a/√2 of less than √2 (silent). Polled encoders: beginning and end
+    of a point of Tₖ are each off by a time of their own, c = slope·√(2Σ(oₖXₖ/Tₖ)²) (silent).
     """
     weights = operator * rates
     belongs = [equipment.rate_at(float(rate)) for rate in rates]
@@ -68,7 +69,8 @@ def turning_rate(
             lines += _lines(0.0 if balanced else -slope * total, limit)
     turned = np.maximum(np.abs(rates) * seconds, MIN_RIPPLE_ANGLE)
     lines += _lines(slope * float(np.linalg.norm(weights / turned)), equipment.ripple)
-    return tuple(lines)
+    timed = slope * math.sqrt(2.0) * float(np.linalg.norm(weights / seconds))
+    return (*lines, *_lines(timed, equipment.encoder_time))
 
 
 def turned_angle(

@@ -8,6 +8,7 @@ outermost axis leans from the vertical by as much as angles and axes allow: that
 and averages out in turns.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -37,7 +38,8 @@ class EquipmentResponse:
     unit's mountings in its fixture.
     turn_share: (n,) relative error of a turn's rate per rad of its angle; zero where none is
     turned. ripple_share: (n,) rms of what a ripple leaves in the mean rate of a run; zero where
-    none is held. rate_limits: of each held rate.
+    none is held. time_share: (n,) the same per second by which each angle of a polled encoder is
+    off. rate_limits: of each held rate.
     """
 
     tilt: np.ndarray
@@ -50,6 +52,7 @@ class EquipmentResponse:
     mountings: np.ndarray
     turn_share: np.ndarray
     ripple_share: np.ndarray
+    time_share: np.ndarray
     rate_limits: Mapping[int, tuple[ErrorLimit, ...]]
     equipment: Equipment
     local_gravity: float
@@ -87,6 +90,9 @@ class EquipmentResponse:
         if self.equipment.ripple is not None:
             ripple = self.rate[:, channel] * self.ripple_share
             total += self.equipment.ripple.u**2 * np.diag(ripple**2)
+        if self.equipment.encoder_time is not None:
+            timed = self.rate[:, channel] * self.time_share
+            total += self.equipment.encoder_time.u**2 * np.diag(timed**2)
         return total
 
     def _tilts(self) -> Iterator[tuple[ErrorLimit, np.ndarray, bool, np.ndarray]]:
@@ -106,6 +112,9 @@ class EquipmentResponse:
         if self.equipment.ripple is not None:
             left = float(np.linalg.norm(felt * self.ripple_share))
             yield Contribution(self.equipment.ripple.quantity(), left)
+        if self.equipment.encoder_time is not None:
+            left = float(np.linalg.norm(felt * self.time_share))
+            yield Contribution(self.equipment.encoder_time.quantity(), left)
 
     def _angles(self, weights: np.ndarray, rate: np.ndarray) -> Iterator[Contribution]:
         felt = (weights.T * self.tilt).sum(axis=2)
@@ -139,7 +148,8 @@ def equipment_response(
         return np.nan_to_num((predict(model, other, values) - reads) / STEP)
 
     speed = np.nan_to_num(np.linalg.norm(motion.rate, axis=1))
-    turned = speed * np.array([segment.seconds for segment in evidence.segments])
+    seconds = np.array([segment.seconds for segment in evidence.segments])
+    turned = speed * seconds
     by_angle = np.array([label.kind == "rotation" for label in evidence.labels], bool)
     held = ~by_angle & (speed > 0)
     place = [_setting(evidence, i) for i in range(len(speed))]
@@ -162,6 +172,7 @@ def equipment_response(
         mountings=_numbered(mount),
         turn_share=np.where(by_angle, 1.0 / np.where(by_angle, turned, 1.0), 0.0),
         ripple_share=held * 1.0 / np.maximum(turned, MIN_RIPPLE_ANGLE),
+        time_share=held * math.sqrt(2.0) / np.where(held, seconds, 1.0),
         rate_limits={i: equipment.rate_at(speed[i]) for i in np.flatnonzero(held).tolist()},
         equipment=equipment,
         local_gravity=motion.gravity,

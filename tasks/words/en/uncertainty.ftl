@@ -10,6 +10,7 @@ uncertainty-example-repeatability = repeatability, summed
 uncertainty-gravity = local gravity
 uncertainty-latitude = latitude
 uncertainty-rate = table rate, whole turns
+uncertainty-encoder-time = time of the polled encoders
 uncertainty-ripple = table rate within a turn
 uncertainty-position = angular positioning
 uncertainty-angle-repeatability = repeatability of angle

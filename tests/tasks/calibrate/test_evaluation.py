@@ -235,3 +235,25 @@ def test_as_the_example_an_element_without_repeatability_has_no_uncertainty(real
     bias = calibrated(real("vn200_imu1_rate_table"), kind=EXAMPLE).items["accel_bias"]
     assert bias.value["x"] is not None
     assert bias.U["x"] is None
+
+
+@pytest.mark.parametrize("method", ["jjf2003", "joint"])
+def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
+    plant, method: str
+) -> None:
+    recording = plant("plant_clean")
+    polled = told(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
+    evaluation = evaluation_for(polled)
+    item = calibrate(
+        specification_for("other", method), polled, run="r", code_version="v", evaluation=evaluation
+    ).items["gyro_scale_factor"]
+    for element in "xyz":
+        (line,) = (each for each in item.budgets[element].inputs if each.symbol == "τ")
+        assert (line.half_width, line.unit, line.distribution) == (0.01, "s", "rectangular")
+        assert 1e-5 < line.u * abs(line.sensitivity) < 1e-3
+
+
+@pytest.mark.parametrize("stated", ["polled", {}, {"half_width_s": -1.0}, {"half_width_s": "0.1"}])
+def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated: object) -> None:
+    with pytest.raises(Unusable, match=r"table_time\.half_width_s is"):
+        evaluation_for(told(plant("plant_clean"), table_time=stated))

@@ -21,6 +21,7 @@ from tasks.uncertainty.equipment import (
     Equipment,
     ErrorLimit,
     with_limits,
+    with_polled_encoders,
 )
 from tasks.uncertainty.type_b import Weights
 
@@ -37,7 +38,7 @@ def alone(limit: str, u: float = 1.0) -> Equipment:
     for field in fields(Equipment)[1:]:
         known = getattr(JJF2003, field.name)
         half = u * math.sqrt(3.0) if field.name == limit else 0.0
-        changed[field.name] = replace(known, half_width=half)
+        changed[field.name] = known and replace(known, half_width=half)
     rate = replace(RATE, half_width=u * math.sqrt(3.0) if limit == "rate" else 0.0)
     return Equipment(rates=((0.0, rate),), **changed)
 
@@ -269,3 +270,14 @@ def test_one_mounting_reaches_couplings_whole_and_cancels_in_the_bias() -> None:
 def test_a_rate_just_below_the_edge_of_a_class_belongs_to_it(deg_s: float) -> None:
     (limit,) = JJF1536.rate_at(math.radians(deg_s))
     assert limit.symbol == "ε1"
+
+
+def test_times_of_polled_encoders_reach_a_line_through_its_mean_rates():
+    """Beginning and end of every point are off by times of their own, as drawn here."""
+    polled, rng = with_polled_encoders(UNKNOWN, 5e-3), np.random.default_rng(1)
+    rates, seconds = np.radians([-100.0, -10.0, 10.0, 100.0]), np.array([10.0, 36.0, 36.0, 10.0])
+    operator = rates / (rates @ rates)  # of U = slope·X through zero
+    (line,) = type_b.turning_rate(polled, 1.0, operator, rates, seconds)
+    begin, end = rng.uniform(-5e-3, 5e-3, (2, 20_000, 4))
+    slopes = (rates * (1.0 + (end - begin) / seconds)) @ operator
+    assert u_of((line,)) == pytest.approx(slopes.std(), rel=0.02)
