@@ -52,12 +52,16 @@ def apply(
                 "format": "mimu-apply/1",
                 "path": str(corrected.folder),
                 "rows": corrected.rows,
+                "rows_left_out": corrected.rows_left_out,
                 "assumed_ideal": list(corrected.assumed),
                 "left_in": list(corrected.left_in),
             }
         )
         return
     print(corrected.folder)
+    if corrected.rows_left_out:
+        left_out = corrected.rows_left_out
+        print(f"{left_out} rows left out: gyro or accelerometer alone", file=sys.stderr)
     _say_what_is_left(corrected.assumed, corrected.left_in)
 
 

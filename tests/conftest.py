@@ -94,7 +94,9 @@ def ideal_run() -> Callable[..., Recording]:
     Thirty seconds at 10 Hz a point, eleven levels within ±1e-9 so that nothing stands still.
     """
 
-    def build(dwell: float = 30.0, noise: float = 1e-9, **changes: Any) -> Recording:
+    def build(
+        dwell: float = 30.0, noise: float = 1e-9, gravity: float = GRAVITY, **changes: Any
+    ) -> Recording:
         unit, rate_hz = unit_errors(**changes), 10.0
         rows, segments, t = [], [], 0.0
         count = round(dwell * rate_hz)
@@ -117,11 +119,11 @@ def ideal_run() -> Callable[..., Recording]:
                         "up": mark + AXES[i],
                         "turn_deg": turn,
                     }
-                    hold(label, np.zeros(3), up * GRAVITY)
+                    hold(label, np.zeros(3), up * gravity)
         for j in range(3):
             up = np.eye(3)[j]
             rest = {"kind": "static", "item": "rate_sensitivity", "up": "+" + AXES[j]}
-            hold({"name": f"rest_{AXES[j]}", **rest}, np.zeros(3), up * GRAVITY)
+            hold({"name": f"rest_{AXES[j]}", **rest}, np.zeros(3), up * gravity)
             for rate in RATES:
                 label = {
                     "name": f"rate_{AXES[j]}_{rate:+.0f}",
@@ -131,13 +133,13 @@ def ideal_run() -> Callable[..., Recording]:
                     "up": "+" + AXES[j],
                     "rate_deg_s": rate,
                 }
-                hold(label, up * np.radians(rate), up * GRAVITY)
-            hold({"name": f"rest2_{AXES[j]}", **rest}, np.zeros(3), up * GRAVITY)
+                hold(label, up * np.radians(rate), up * gravity)
+            hold({"name": f"rest2_{AXES[j]}", **rest}, np.zeros(3), up * gravity)
         values = np.concatenate(rows)
         manifest = Manifest.model_validate({
             "format": "mimu-recording/1", "recording_id": "ideal", "standard": "JJF 2003-2022",
             "unit": {"manufacturer": "test", "model": "ideal", "serial": "1"},
-            "station": {"id": "test", "latitude_deg": 0.0, "gravity_m_s2": GRAVITY},
+            "station": {"id": "test", "latitude_deg": 0.0, "gravity_m_s2": gravity},
             "segments": segments,
         })  # fmt: skip
         columns = dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))

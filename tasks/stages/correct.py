@@ -27,10 +27,14 @@ OF_CORRECTION = {"json": as_json, "yaml": as_yaml, "c": as_c, "ros": as_ros, "cs
 
 @dataclass(frozen=True)
 class Corrected:
-    """A corrected recording: its folder, its rows, and what had to be taken as ideal or left in."""
+    """A corrected recording: its folder, its rows, and what had to be taken as ideal or left in.
+
+    rows_left_out: with gyro or accelerometer alone, which is corrected for what the other reads.
+    """
 
     folder: Path
     rows: int
+    rows_left_out: int
     assumed: tuple[str, ...]
     left_in: tuple[str, ...]
 
@@ -75,17 +79,22 @@ def apply_correction(run: Run, home: Home, order: ApplyOrder) -> Corrected:
             f"{out} cannot be written ({error.strerror or error}); name a new folder with --out."
         ) from error
     left_in = tuple(term.name for term in calibration.terms)
-    return Corrected(out, len(corrected.imu), assumed, left_in)
+    rows = len(corrected.imu)
+    return Corrected(out, rows, len(recording.imu) - rows, assumed, left_in)
 
 
 def corrected_recording(
     recording: Recording, known: Coefficients, calibration: Calibration
 ) -> Recording:
-    """The recording with corrected rates and specific forces; its other columns as they are."""
+    """The recording with corrected rates and specific forces; its other columns as they are.
+
+    Rows of which nothing can be corrected are left out.
+    """
     rows, manifest = slice(0, len(recording.imu)), recording.manifest
     gyro, accel = (recording.imu.stack(names, rows) for names in (GYRO, ACCEL))
     rate, force = correct(known, gyro, accel)
-    if not (np.isfinite(rate).any() or np.isfinite(force).any()):
+    corrected = np.isfinite(np.hstack([rate, force])).any(axis=1)
+    if not corrected.any():
         raise Unusable(
             f"{manifest.recording_id} has no row with gyro_* and accel_*, and each is corrected "
             "for what the other reads; give a recording that has both."
@@ -99,7 +108,7 @@ def corrected_recording(
                          "method": calibration.method, "code_version": calibration.code_version},
     }  # fmt: skip
     columns = {name: np.ascontiguousarray(column) for name, column in columns.items()}
-    imu = Stream(recording.imu.t, columns, recording.imu.span)
+    imu = Stream(recording.imu.t, columns, recording.imu.span).at(corrected)
     return replace(recording, manifest=Manifest.model_validate(fields), imu=imu, digest="")
 
 

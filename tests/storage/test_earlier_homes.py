@@ -18,6 +18,7 @@ from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.verify import verify
 
+MADE_AT = 9.8  # m/s², the gravity of that ideal run
 HOMES = sorted((Path(__file__).parent / "homes").glob("*.tar.xz"))
 
 
@@ -33,7 +34,7 @@ def test_recording_is_read_from_its_columns_and_from_raw(
     earlier: Home, ideal_run: Callable[..., Recording]
 ) -> None:
     (run,) = listing.all_runs(earlier)
-    expected = ideal_run(dwell=1.0)
+    expected = ideal_run(dwell=1.0, gravity=MADE_AT)
     loaded = runs.from_columns(run, earlier)
     assert loaded is not None
     for recording in (loaded, read_mcap(runs.raw_path(run.digest, earlier))):
