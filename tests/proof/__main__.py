@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
-from tests.proof.prove import run_loaded, run_prove, run_station
+from tests.proof.prove import run_kills, run_loaded, run_prove, run_station
 from tests.proof.trial.rough.hold import run_rough
 
 UNUSABLE = 2
@@ -42,6 +42,12 @@ def main(
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but N demonstrations with every core busy."),
     ] = None,
+    kills: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N acquisitions killed at random moments."
+        ),
+    ] = None,
     rough: Annotated[
         bool, typer.Option("--rough", help="Rough recordings in place of the catalogue's.")
     ] = False,
@@ -70,6 +76,9 @@ def main(
             run_station(station, out)
         elif load is not None:
             run_loaded(load, out)
+        elif kills is not None:
+            if not run_kills(kills, out):
+                raise typer.Exit(1)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

@@ -10,6 +10,7 @@ from flows.progress import counting
 from schemas.base import Unusable
 from tasks.version import code_version
 from tests.proof import load
+from tests.proof.kills import hold as kills
 from tests.proof.peers import page as peers_page
 from tests.proof.peers.installed import MISSING, peers_installed
 from tests.proof.peers.score import PeerScore, score_peers
@@ -106,6 +107,21 @@ def run_loaded(count: int, out: Path | None) -> None:
     console.print(str(folder / "load.md"))
     if not all(one.holds for one in found):
         raise Unusable(f"{load.summary(found)} {folder / 'load.md'} says which")
+
+
+def run_kills(count: int, out: Path | None) -> bool:
+    """Kills acquisitions at random moments; whether each kept what it must.
+
+    Raises Unusable for a folder that is in use or cannot be written.
+    """
+    folder = out or Path(f"{DEFAULT_OUT}-kills")
+    _make(folder)
+    with counting("kills") as report:
+        killed = kills.hold(folder, count, report)
+    console = stdout(markup=False)
+    console.print(kills.summary(killed))
+    console.print(str(folder / kills.PAGE))
+    return not any(each.faults for each in killed)
 
 
 def prove_real(real: Path, folder: Path, seed: int) -> Results:
