@@ -97,8 +97,8 @@ def judged(
     try:
         saved = read_mcap(file, salvage=True)
     except Unusable as nothing:
-        faults = (str(nothing),) if due else ()
-        return Killed(seed, after_s, len(sent.stamps), 0, 0.0, faults)
+        lost = (str(nothing),) if due else ()
+        return Killed(seed, after_s, len(sent.stamps), 0, 0.0, lost)
     place, faults = _compared(saved, sent, scale)
     end = place + len(saved.imu)
     if end < due:
