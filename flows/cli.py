@@ -12,6 +12,8 @@ from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
 INTERRUPTED = 130  # what typer gives for Ctrl-C
+LONGEST = 1200  # characters of a sentence; of a longer one its middle is left out
+ENDS = 300
 INVALID = 3  # a run that was acquired and kept, but is invalid
 
 app = typer.Typer(
@@ -34,6 +36,7 @@ def main() -> None:
     """
     end_as_ctrl_c()
     try:
+        _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)
     except TyperException as fault:
         _say_and_leave(f"{fault.format_message()} See `mimucal --help`.", 2)
@@ -54,8 +57,18 @@ def main() -> None:
     raise SystemExit(code)
 
 
+def _check_text(arguments: list[str]) -> None:
+    """Raises Unusable for an argument that no page and no JSON could print."""
+    for argument in arguments:
+        if not argument.isascii() and any("\ud800" <= sign <= "\udfff" for sign in argument):
+            raise Unusable(f"the argument {argument!a} is not UTF-8; give the file another name.")
+
+
 def _say_and_leave(sentence: str, code: int) -> None:
-    print(" ".join(sentence.split()), file=sys.stderr)
+    plain = " ".join(sentence.split())
+    if len(plain) > LONGEST:
+        plain = f"{plain[: LONGEST - ENDS]} … {plain[-ENDS:]}"
+    print(plain, file=sys.stderr)
     raise SystemExit(code)
 
 

@@ -8,8 +8,9 @@ from schemas.base import Frozen
 
 Quantity = Literal["value", "value_without_earth_rotation", "value_model"]
 Rule = Literal["simple_acceptance", "guard_band", "shared_risk"]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False, strict=True)]
-Signed = Annotated[float, Field(allow_inf_nan=False, strict=True)]
+MAX = 1e9  # in any item's unit; its square must not overflow
+Positive = Annotated[float, Field(gt=0, le=MAX, strict=True)]
+Signed = Annotated[float, Field(ge=-MAX, le=MAX, strict=True)]
 Factor = Annotated[float, Field(ge=-1, allow_inf_nan=False, strict=True)]
 
 FACTOR = "r in w = r·U; below −1 a value wholly outside its limits would pass"

@@ -12,6 +12,7 @@ from schemas.certificate import Laboratory
 from schemas.tolerance import Tolerance
 from schemas.validation import ValidationRecord
 from storage.home import Home
+from storage.plain_files import check_depth, text_bytes
 
 LABORATORY = "laboratory.toml"
 VALIDATION = "validation.json"
@@ -31,7 +32,8 @@ def read(path: Path, model: type[Model]) -> Model:
     if reader is None:
         raise Unusable(f"{path} is neither .toml nor .json; write it as one of them ({form}).")
     try:
-        fields = reader(path.read_text(encoding="utf-8-sig"))
+        fields = reader(text_bytes(path).decode("utf-8-sig"))
+        check_depth(fields)
     except OSError as error:
         raise Unusable(
             f"{path} cannot be read ({error.strerror}); see that it is there and may be read."

@@ -11,6 +11,7 @@ from storage.formats.checks import check_columns, check_stream, first, known_col
 from storage.formats.content import as_raw, fingerprint, nanoseconds, together
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.formats.stream_file import read_table
+from storage.plain_files import text_bytes
 
 MAX_LENGTH = 80  # characters of a name in a sentence
 
@@ -34,10 +35,8 @@ def _manifest(folder: Path) -> Manifest:
     path = folder / MANIFEST
     if not folder.is_dir():
         raise Unusable(f"{folder}: there is no such folder; give a folder with a {MANIFEST}.")
-    if path.is_fifo() or path.is_socket():
-        raise Unusable(f"{path} is a pipe, not a file; put the manifest there as a file.")
     try:
-        text = path.read_bytes()
+        text = text_bytes(path)
     except OSError as error:
         raise Unusable(
             f"{path}: the manifest cannot be read ({error.strerror}); a recording needs it."

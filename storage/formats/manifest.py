@@ -10,6 +10,7 @@ from pydantic import ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.recording import FORMAT, Manifest, Segment, Station, TableAxis, Unit
+from storage.plain_files import check_depth
 
 KNOWN = {n for m in (Manifest, Unit, Station, TableAxis, Segment) for n in m.model_fields}
 MANIFEST = "manifest.json"
@@ -20,6 +21,7 @@ def manifest_of(text: bytes | str, where: str) -> Manifest:
     """The manifest in a JSON text; raises Unusable naming `where` and the first fault."""
     try:
         fields = json.loads(text.decode("utf-8-sig") if isinstance(text, bytes) else text)
+        check_depth(fields)
         check_values(fields, where)
     except UnicodeError as error:
         raise Unusable(f"{where} is not UTF-8 text ({error}); save it as UTF-8.") from error

@@ -11,6 +11,7 @@ from storage.formats.folder import read_folder
 from storage.formats.manifest import MANIFEST, check_controls, manifest_of
 from storage.formats.mcap.chunk_writer import MAGIC
 from storage.formats.mcap.reader import read_mcap
+from storage.plain_files import check_plain, text_bytes
 
 BAG = "metadata.yaml"  # beside the MCAP file of a rosbag2 folder
 KINDS = (".json", ".parquet", ".csv")
@@ -63,7 +64,7 @@ def _files(path: Path) -> Iterator[tuple[str, Path]]:
 
 def _mcap(path: Path) -> Path | None:
     """The MCAP file that a path means; None for a `mimu-recording/1` folder."""
-    _check_openable(path)
+    check_plain(path)
     if path.is_dir():
         if (path / MANIFEST).exists():
             return None
@@ -83,18 +84,6 @@ def _mcap(path: Path) -> Path | None:
     )
 
 
-def _check_openable(path: Path) -> None:
-    """A pipe would keep us waiting, and some names cannot even be looked up."""
-    try:
-        waits = path.is_fifo() or path.is_socket()
-    except OSError as error:
-        raise Unusable(
-            f"{str(path)[:80]}… cannot be opened ({error.strerror}); give another path."
-        ) from error
-    if waits:
-        raise Unusable(f"{path} is a pipe, not a file; give an MCAP file or a folder.")
-
-
 def _no_recording(path: Path, bags: list[Path]) -> str:
     if len(bags) > 1:
         return (
@@ -110,11 +99,16 @@ def _open(path: Path) -> BufferedReader:
     try:
         return path.open("rb")
     except OSError as error:
-        raise Unusable(
-            f"{path} cannot be read ({error.strerror}); see that it is there and may be read."
-        ) from error
+        raise _unreadable(path, error) from error
 
 
 def _manifest(path: Path) -> Manifest:
-    with _open(path) as opened:
-        return manifest_of(opened.read(), str(path))
+    try:
+        return manifest_of(text_bytes(path), str(path))
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: OSError) -> Unusable:
+    why = error.strerror
+    return Unusable(f"{path} cannot be read ({why}); see that it is there and may be read.")

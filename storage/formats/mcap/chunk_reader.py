@@ -23,11 +23,21 @@ from storage.formats.mcap.chunk_writer import MAGIC, MESSAGE, RECORD
 
 THREADS = 2
 MAX_RUN_BYTES = 2**24  # bytes of messages outside of chunks that are taken together
+MAX_CHUNK_BYTES = 2**28  # unpacked; recorders make chunks of some megabytes
 CHUNKS_AHEAD = 16  # chunks that are open at the same time
 COMPRESSIONS = ("zstd", "lz4", "")
 PREFIX = RECORD.size + 2  # the bytes that tell length and channel of a message
 DESCRIPTIONS = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA)
-FAULTS = (ValueError, struct.error, McapError, zstandard.ZstdError, RuntimeError, MemoryError)
+FAULTS = (
+    ArithmeticError,
+    LookupError,
+    MemoryError,
+    RuntimeError,
+    ValueError,
+    struct.error,
+    McapError,
+    zstandard.ZstdError,
+)
 
 Piece = TypeVar("Piece")
 
@@ -141,6 +151,8 @@ def _records(data: mmap.mmap, contents: Contents) -> Iterator[tuple[int, int, in
 
 
 def _check_data(data: mmap.mmap, end: int, contents: Contents) -> None:
+    if end + RECORD.size + 4 > len(data):
+        return  # it is cut off
     (expected,) = struct.unpack_from("<I", data, end + RECORD.size)
     with memoryview(data) as view:
         if expected and zlib.crc32(view[:end]) != expected:
@@ -177,12 +189,22 @@ def _unpacked(data: mmap.mmap, start: int, stop: int) -> bytes:
     chunk = Chunk.read(ReadDataStream(BytesIO(data[start + RECORD.size : stop])))
     if chunk.compression not in COMPRESSIONS:
         raise ValueError(f"compression {chunk.compression} is unknown")
+    _check_size(chunk)
     stream, size = get_chunk_data_stream(chunk)
     inside: bytes = stream.read(size)
     crc = chunk.uncompressed_crc
     if size != chunk.uncompressed_size or (crc and zlib.crc32(inside) != crc):
         raise ValueError("its checksum is wrong")
     return inside
+
+
+def _check_size(chunk: Chunk) -> None:
+    """Before room is made for a chunk: what it says of itself, and what its compression says."""
+    size = chunk.uncompressed_size
+    if chunk.compression == "zstd":
+        size = max(size, zstandard.frame_content_size(chunk.data))
+    if size > MAX_CHUNK_BYTES:
+        raise ValueError(f"it says that it holds {size} bytes")
 
 
 def _split(inside: bytes) -> _Opened:
@@ -197,6 +219,8 @@ def _split(inside: bytes) -> _Opened:
     while at < len(inside):
         opcode, length = RECORD.unpack_from(inside, at)
         stop = at + RECORD.size + length
+        if stop > len(inside):
+            raise ValueError("a record is longer than its chunk")
         if opcode != Opcode.MESSAGE:
             introduced.append((opcode, inside[at + RECORD.size : stop]))
         elif not starts and (records := _all_alike(flat[at:], stop - at)) is not None:
