@@ -62,8 +62,9 @@ def facts(progress: Progress | RunStatus) -> dict[str, str]:
     """State, segment, time, rates, noise and alarms in words; what is not known is left out."""
     rates = ", ".join(f"{name} {hertz:.1f} Hz" for name, hertz in progress.rates_hz.items())
     noise = ", ".join(f"{name} {value:.2g} {UNITS[name]}" for name, value in progress.noise.items())
+    state = progress.state.replace("_", " ")
     shown = {
-        "state": f"{progress.state.replace('_', ' ')}: {progress.now}",
+        "state": state if progress.now == state else f"{state}: {progress.now}",
         "segment": f"{progress.segment} of {progress.segments}" if progress.segment else "",
         "time": f"{progress.station_s_done:.0f} of {progress.station_s_total:.0f} s station time, "
         f"{progress.wall_s_left:.0f} s left",
