@@ -15,6 +15,7 @@ from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.faults import Fault
 from tasks.explain.evidence.event_findings import event_finding
+from tasks.explain.evidence.shares import without_remnants
 from tasks.explain.explanation import Explanation, Finding
 
 
@@ -51,6 +52,7 @@ def with_faults(
         found = read
     names = {CHANNELS[c]: CHANNELS[place[c]] for c in EVERY}
     ratio = {names[name]: value for name, value in explanation.held_out.rms_ratio.items()}
+    moved = [_moved(one, matrix, place) for one in explanation.findings]
     return replace(
         explanation,
         recording=recording,
@@ -62,7 +64,7 @@ def with_faults(
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
         explained_share=explanation.explained_share if explanation.findings else 1.0,
-        findings=(*own, *(_moved(one, matrix, place) for one in explanation.findings)),
+        findings=(*own, *without_remnants(moved, own)),
         small=tuple(_moved(one, matrix, place) for one in explanation.small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )

@@ -27,7 +27,7 @@ from tasks.motion.reference_noise import EncoderNoise
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
-OWED = 0.25  # of a finding's gain: what the errors of the reference alone may make of it
+OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
 DRAWS = 4  # of those errors, averaged: what they bring forth by chance alone differs
 SHIFT = 0.01  # of the angles: rests that far away lie anywhere between two codes
 STILL = 0.003  # rad/s

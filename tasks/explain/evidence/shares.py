@@ -10,6 +10,8 @@ from tasks.explain.explanation import UNNAMED, Finding, Refusal
 
 SMALL = 0.02  # of the mismatch above noise: an engineer looks elsewhere first
 SHADOW = 0.15  # of what stays unexplained in its channels: who removes less has no name
+WEAK = 100.0  # ΔBIC up to which something far stronger beside it may have made it: z of about ten
+FORM = 0.1  # relative: as well as the form of a strong effect is known
 MOSTLY_NOISE = 1.5  # chi-squared per degree of freedom up to which an account is complete
 
 
@@ -45,6 +47,29 @@ def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Findin
     if removed >= SHADOW * beside:
         return finding
     refusal = Refusal("overshadowed", finding.effect, value=beside / max(removed, 1e-300))
+    return _unnamed(finding, refusal)
+
+
+def without_remnants(findings: Sequence[Finding], beside: Sequence[Finding] = ()) -> list[Finding]:
+    """The findings, those without a name that are weak beside something far stronger.
+
+    A strong effect whose form is a little different from its equation leaves a remnant of its
+    square, and that resembles whatever is left in the catalogue. beside: what else was found.
+    """
+    gains = [one.gain for one in (*findings, *beside)]
+    strongest = max(gains, default=0.0)
+    return [_named_or_remnant(one, strongest) for one in findings]
+
+
+def _named_or_remnant(finding: Finding, strongest: float) -> Finding:
+    clear = finding.delta_bic > WEAK or finding.gain > FORM**2 * strongest
+    if finding.effect == UNNAMED or not finding.behaviour or clear:
+        return finding
+    times = strongest / max(finding.gain, 1e-300)
+    return _unnamed(finding, Refusal("remnant", finding.effect, value=times))
+
+
+def _unnamed(finding: Finding, refusal: Refusal) -> Finding:
     return replace(
         finding, effect=UNNAMED, family=UNNAMED, title=finding.behaviour, refusal=refusal,
         indistinguishable=(), separated_by=None, group=(), common=(),

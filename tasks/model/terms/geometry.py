@@ -126,9 +126,11 @@ def remount_misalignment(fixing: np.ndarray) -> RemountMisalignment:
 def candidates(recording: Recording, motion: Motion) -> tuple[Term, ...]:
     """Lever arms and bending where it turned; re-fixing where it was re-fixed on a table.
 
-    Without encoders the attitude is the labels', and every position a fixing of its own.
+    Without encoders the attitude is the labels', and every position a fixing of its own. Positions
+    of a tracked body, differentiated twice, do not tell three places millimetres apart.
     """
-    turning = (LEVER_ARM, SIZE_EFFECT, STRUCTURAL_COMPLIANCE, SAG) if turned(motion) else ()
+    places = (LEVER_ARM, SIZE_EFFECT) if motion.tracking is None else (LEVER_ARM,)
+    turning = (*places, STRUCTURAL_COMPLIANCE, SAG) if turned(motion) else ()
     fixing = motion.recorded.get("fixing", np.zeros(1))
     refixed = motion.axes is not None and len(_later_fixings(fixing)) > 0
     again = (remount_misalignment(fixing),) if refixed else ()

@@ -1,11 +1,11 @@
-"""A name stands only where what it removes is not small beside what nothing explains."""
+"""A name stands only where what it removes is not small beside what else there is."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import without_shadows
+from tasks.explain.evidence.shares import without_remnants, without_shadows
 from tasks.explain.explanation import UNNAMED, Finding
 
 ROWS = 1000
@@ -45,3 +45,23 @@ def test_most_of_a_mismatch_keeps_its_name_though_something_is_left() -> None:
 def test_physics_that_is_known_beforehand_is_no_shadow() -> None:
     known = replace(NAMED, behaviour="")
     assert without_shadows([known], [1.0], left(10.1, 3)) == [known]
+
+
+def test_a_weak_name_beside_something_far_stronger_is_its_remnant() -> None:
+    weak, strong = replace(NAMED, gain=60.0, delta_bic=50.0), replace(NAMED, gain=9000.0)
+    remnant, kept = without_remnants([weak, strong])
+    assert kept == strong
+    assert remnant.effect == UNNAMED
+    assert remnant.refusal is not None
+    assert (remnant.refusal.kind, remnant.refusal.value) == ("remnant", 150.0)
+
+
+def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
+    weak = replace(NAMED, gain=60.0, delta_bic=50.0)
+    assert without_remnants([weak, NAMED]) == [weak, NAMED]
+
+
+def test_what_was_put_right_first_leaves_remnants_too() -> None:
+    weak = replace(NAMED, gain=60.0, delta_bic=50.0)
+    (remnant,) = without_remnants([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
+    assert remnant.effect == UNNAMED

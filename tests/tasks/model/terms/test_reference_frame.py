@@ -33,6 +33,15 @@ def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
     names = [term.name for term in catalogue(run, motion)]
     assert names.count("reference_frame") == 1
     assert "axis_tilt" not in names
-    assert "reference_frame" not in [
-        term.name for term in catalogue(run, replace(motion, tracking=None))
-    ]
+    untracked = [term.name for term in catalogue(run, replace(motion, tracking=None))]
+    assert "reference_frame" not in untracked
+
+
+def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three() -> None:
+    run = recording()
+    motion = whole_motion(run)
+    motion = replace(motion, t=motion.t - motion.t[0])
+    names = [term.name for term in catalogue(run, motion)]
+    untracked = [term.name for term in catalogue(run, replace(motion, tracking=None))]
+    assert ("lever_arm" in names, "size_effect" in names) == (True, False)
+    assert "size_effect" in untracked
