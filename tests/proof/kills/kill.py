@@ -24,6 +24,7 @@ BOUND_S = 2.0  # wall time: what a kill or a power cut may cost
 SPEED = 5.0
 LONGEST_S = 4.0  # a kill comes so long after the first bytes of the file at the latest
 START_S = 120.0
+Moments = tuple[float, float]
 ACQUIRE = """
 import sys
 from flows import run_orders
@@ -60,14 +61,14 @@ def kill(seed: int, folder: Path) -> Killed:
         file = folder / "station.json"
         tapped = station.model_copy(update={"unit_link": link})
         file.write_text(tapped.model_dump_json(), encoding="utf-8")
-        killed_s = _acquire_and_kill(file, procedure, folder, after_s)
+        moments = _acquire_and_kill(file, procedure, folder, after_s)
         tap.close()
     counts = np.array([config.unit.gyro.lsb] * 3 + [config.unit.accel.lsb] * 3)
-    return judged(seed, after_s, folder, tap.sent(), killed_s, counts)
+    return judged(seed, after_s, folder, tap.sent(), moments, counts)
 
 
-def _acquire_and_kill(station: Path, procedure: Path, home: Path, after_s: float) -> float:
-    """When it was killed, s (monotonic)."""
+def _acquire_and_kill(station: Path, procedure: Path, home: Path, after_s: float) -> Moments:
+    """When its file had its first bytes, and when it was killed, s (monotonic)."""
     with subprocess.Popen(
         [sys.executable, "-c", ACQUIRE, station, procedure],
         stdout=subprocess.DEVNULL,
@@ -81,27 +82,36 @@ def _acquire_and_kill(station: Path, procedure: Path, home: Path, after_s: float
                 if process.poll() is not None or time.monotonic() > end:
                     raise Unusable(f"seed {home.name}: the acquisition did not start")
                 time.sleep(0.01)
+            began_s = time.monotonic()
             time.sleep(after_s)
+            if process.poll() is not None:
+                raise Unusable(f"seed {home.name}: the acquisition ended before it was killed")
         finally:
             killed_s = time.monotonic()
             process.send_signal(signal.SIGKILL)
-    return killed_s
+    return began_s, killed_s
 
 
 def judged(
-    seed: int, after_s: float, folder: Path, sent: Sent, killed_s: float, scale: np.ndarray
+    seed: int, after_s: float, folder: Path, sent: Sent, moments: Moments, scale: np.ndarray
 ) -> Killed:
-    """The file of a killed acquisition against what was sent; scale: (6,) of the counts, in SI."""
+    """The file of a killed acquisition against what was sent.
+
+    moments: when the file had its first bytes, which are the manifest of a run that begins, and
+    when the kill came; scale: (6,) of the counts, in SI. What was sent before the run is not due.
+    """
+    began_s, killed_s = moments
     due = int(np.searchsorted(sent.passed_s, killed_s - BOUND_S))
+    is_due = due > np.searchsorted(sent.passed_s, began_s)
     (file,) = (folder / "acquiring").glob("*.mcap")
     try:
         saved = read_mcap(file, salvage=True)
     except Unusable as nothing:
-        lost = (str(nothing),) if due else ()
+        lost = (str(nothing),) if is_due else ()
         return Killed(seed, after_s, len(sent.stamps), 0, 0.0, lost)
     place, faults = _compared(saved, sent, scale)
     end = place + len(saved.imu)
-    if end < due:
+    if is_due and end < due:
         faults.append(f"{due - end} readings sent {BOUND_S:g} s before the kill are lost")
     lost_s = killed_s - float(sent.passed_s[min(end, len(sent.stamps)) - 1])
     return Killed(seed, after_s, len(sent.stamps), len(saved.imu), lost_s, tuple(faults))

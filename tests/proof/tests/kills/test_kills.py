@@ -16,7 +16,7 @@ ROWS = 1000
 FIRST = 40  # frames before the run
 COUNTS = np.random.default_rng(1).integers(-90_000, 90_000, (ROWS, 6))
 SENT = Sent(np.arange(ROWS) / 100, np.arange(ROWS) * 10_000 + 7, COUNTS)
-KILLED_S = 9.99
+MOMENTS = (0.5, 9.99)
 
 
 def saved(folder: Path, rows: np.ndarray) -> None:
@@ -36,7 +36,7 @@ def saved(folder: Path, rows: np.ndarray) -> None:
 
 def test_all_but_the_last_moment_is_within_the_bound(tmp_path: Path) -> None:
     saved(tmp_path, np.arange(FIRST, 850))
-    verdict = judged(1, 1.0, tmp_path, SENT, KILLED_S, SCALE)
+    verdict = judged(1, 1.0, tmp_path, SENT, MOMENTS, SCALE)
     assert verdict.faults == ()
     assert verdict.recovered == 850 - FIRST
     assert verdict.lost_s == pytest.approx(1.5)
@@ -55,7 +55,7 @@ def test_what_is_not_as_it_was_sent_is_noticed(
     rows: np.ndarray, sent: Sent, fault: str, tmp_path: Path
 ) -> None:
     saved(tmp_path, rows)
-    verdict = judged(1, 1.0, tmp_path, sent, KILLED_S, SCALE)
+    verdict = judged(1, 1.0, tmp_path, sent, MOMENTS, SCALE)
     assert any(fault in each for each in verdict.faults)
 
 
