@@ -167,7 +167,10 @@ def text() -> str:
         "The station file describes the frame in `unit_link.frame`.\n",
         *(row for kind in FRAMES for row in _frame_rows(kind)),
         "## Faults of the virtual station\n",
-        "`NAME` or `NAME@SECONDS` of station time: " + ", ".join(f"`{n}`" for n in FAULTS) + ".",
+        "`station serve --fault NAME`, or `NAME@SECONDS` of station time, from which it holds.",
+        "",
+        "| name | what happens |\n|---|---|",
+        *(f"| `{name}` | {meaning} |" for name, (_, meaning) in FAULTS.items()),
     ]
     return "\n".join(lines) + "\n"
 

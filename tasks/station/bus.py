@@ -22,6 +22,8 @@ class Bus:
 
     def __init__(self) -> None:
         self._loop = asyncio.new_event_loop()
+        # What fails is raised where it was asked for; whoever asked may have ended meanwhile.
+        self._loop.set_exception_handler(lambda loop, context: None)
         self._thread = threading.Thread(target=self._loop.run_forever, name="bus", daemon=True)
         self._thread.start()
 

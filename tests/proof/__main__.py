@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from schemas.base import Unusable
+from tests.proof.faults.hold import run_faults
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_station
 from tests.proof.trial.rough.hold import run_rough
 
@@ -63,6 +64,13 @@ def main(
         float | None,
         typer.Option(min=0, help="With --rough: begin no explanation after so many minutes."),
     ] = None,
+    faults: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Nothing but N runs, each with a random fault."),
+    ] = None,
+    write: Annotated[
+        bool, typer.Option("--write", help="With --faults: the table into the evidence.")
+    ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
     ] = False,
@@ -72,7 +80,9 @@ def main(
     Recordings of an independent plant, explained blind, scored against the truth.
     """
     try:
-        if station is not None:
+        if faults is not None:
+            run_faults(faults, seed, write)
+        elif station is not None:
             run_station(station, out)
         elif load is not None:
             run_loaded(load, out)

@@ -28,6 +28,12 @@ from tasks.station.virtual.simulation import Simulation
 LOOK_S = 0.1  # a pause of the station itself counts for no more: it heard nobody meanwhile
 WANTED_S = 30.0  # wall time for which a client that has stopped fetching holds the clock
 
+REFUSALS = {
+    "exception": ExcCodes.DEVICE_FAILURE,
+    "address": ExcCodes.ILLEGAL_ADDRESS,
+    "busy": ExcCodes.DEVICE_BUSY,
+}
+
 _WATCHDOG = next(each.address for each in TABLE_REGISTERS if each.name == "watchdog")
 _CAPTURE = CAPTURE_REGISTERS[0].address
 
@@ -63,6 +69,7 @@ class Controller:
         self._holder: Connection | None = None
         self._unheard_s = self._unfetched_s = 0.0  # wall time since the holder, anybody asked
         self._looked_s = wall_s()
+        self._requests = 0
         self._never = asyncio.Event()
 
     def devices(self) -> list[SimDevice]:
@@ -78,9 +85,9 @@ class Controller:
             _code: int, _start: int, address: int, _count: int, words: list[int],
             written: list[int] | list[bool] | None,
         ) -> ExcCodes | None:  # fmt: skip
-            if failure := await self._failure():
-                return failure
             asking = client.get()
+            if failure := await self._failure(number, asking):
+                return failure
             if written is not None:
                 try:
                     commands = self._is_free() or asking is self._holder
@@ -91,7 +98,7 @@ class Controller:
                 written_to = range(address, address + len(written or ()))
                 self._note_request(asking, address, _WATCHDOG in written_to)
             if written is None:
-                words[: device.size] = device.words()
+                words[: device.size] = self._shown(device.words())
             return None
 
         zeros = SimData(0, count=device.size, values=0, datatype=DataType.REGISTERS)
@@ -126,8 +133,19 @@ class Controller:
         if holder is None:  # whoever fetched for a run that is over fetches no more
             self._simulation.table.wanted = None
 
-    async def _failure(self) -> ExcCodes | None:
-        modbus = self._simulation.condition.modbus
-        if modbus == "silent":
+    def _shown(self, words: list[int]) -> list[int]:
+        stuck = {"zeros": 0, "ones": 0xFFFF}.get(self._simulation.condition.modbus)
+        return words if stuck is None else [stuck] * len(words)
+
+    async def _failure(self, number: int, asking: Connection) -> ExcCodes | None:
+        """By what fault a request to a device is not answered as it should be."""
+        now = self._simulation.condition
+        if now.modbus == "silent" or (now.is_chamber_silent and number == CHAMBER_DEVICE):
             await self._never.wait()
-        return ExcCodes.DEVICE_FAILURE if modbus == "exception" else None
+        if now.modbus_delay_s:
+            await asyncio.sleep(now.modbus_delay_s)
+        self._requests += 1
+        if now.cuts_modbus_every and self._requests % now.cuts_modbus_every == 0:
+            asking.close()
+            return ExcCodes.DEVICE_FAILURE  # which nobody gets
+        return REFUSALS.get(now.modbus)

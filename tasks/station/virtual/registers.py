@@ -158,7 +158,7 @@ class TableRegisters(DeviceRegisters):
             "target_angle": drive.target_angle / DEGREE,
             "target_rate": drive.target_rate / DEGREE,
             "acceleration_limit": drive.acceleration_limit / DEGREE,
-            "angle": int(table.counts(table.angle[axis]).astype(np.int32)),  # turns over
+            "angle": int(table.counts(table.angle)[axis].astype(np.int32)),  # turns over
             "rate": table.rate[axis] / DEGREE,
             "counts_per_turn": table.design.counts_per_turn,
         }
@@ -197,12 +197,18 @@ class ChamberRegisters(DeviceRegisters):
 
     def __init__(self, simulation: Simulation) -> None:
         super().__init__(simulation, CHAMBER_REGISTERS)
+        self._last: Mapping[str, Value] = {}
 
     def values(self, axis: int | None) -> Mapping[str, Value]:
         """What the chamber measures."""
-        air = self.simulation.config.air
+        if not self.simulation.condition.is_chamber_frozen or not self._last:
+            self._last = self._measured()
+        return self._last
+
+    def _measured(self) -> Mapping[str, Value]:
+        air = self.simulation.air
         return {
-            "temperature": self.simulation.air_degc,
+            "temperature": air.temperature_degc,
             "humidity": air.humidity_percent,
             "supply_voltage": air.supply_v,
             "pressure": air.pressure_hpa,

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -10,7 +11,7 @@ from schemas.station import StationFile
 from tasks.station.clock import wall_s
 from tasks.station.virtual.config import STEP_S, VirtualStation, station_file
 from tasks.station.virtual.controller import Controller, ControllerServer
-from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.faults import Condition, StationFault
 from tasks.station.virtual.simulation import Simulation
 
 SLICE_WALL_S = 0.005
@@ -29,6 +30,16 @@ def _send(clients: set[asyncio.StreamWriter], data: bytes) -> None:
             client.transport.abort()
 
 
+def _suffer(condition: Condition, clients: set[asyncio.StreamWriter]) -> None:
+    """The faults of the computer and of the unit's connection."""
+    if condition.busy_s:
+        time.sleep(condition.busy_s)
+    if condition.cuts_unit:
+        for unit in clients:
+            unit.transport.abort()
+        clients.clear()
+
+
 async def keep_time(
     simulation: Simulation,
     speed: float,
@@ -37,12 +48,14 @@ async def keep_time(
 ) -> None:
     """Lets station time pass at speed × wall time, slower where the machine cannot keep up.
 
+    It ends with the station's power.
+
     It stands still while a captured sample would be overwritten that a client still wants.
 
     send: takes the unit's frames as they come. watch: called in every slice of wall time.
     """
     origin_s = wall_s() - simulation.table.steps * STEP_S / speed
-    while True:
+    while not simulation.condition.is_dead:
         behind = int((wall_s() - origin_s) * speed / STEP_S) - simulation.table.steps
         origin_s += max(behind - 2 * MAX_STEPS, 0) * STEP_S / speed
         watch()
@@ -89,9 +102,12 @@ async def serve(
         ) from error
     try:
         ready(station_file(config, speed, host, _port(modbus.transport), _port(unit)))
-        await keep_time(
-            simulation, speed, lambda data: _send(clients, data), watch=controller.watch
-        )
+
+        def watch() -> None:
+            controller.watch()
+            _suffer(simulation.condition, clients)
+
+        await keep_time(simulation, speed, lambda data: _send(clients, data), watch)
     finally:
         modbus.close()
         unit.close()

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from tasks.station.virtual.body import Body
-from tasks.station.virtual.config import STEP_S, VirtualStation
+from tasks.station.virtual.config import STEP_S, Air, VirtualStation
 from tasks.station.virtual.faults import Condition, StationFault, condition
 from tasks.station.virtual.fixture import VirtualFixture
 from tasks.station.virtual.protocol import FRAMES
@@ -28,15 +28,28 @@ class Simulation:
         self.fixture = VirtualFixture(config.mount)
         self.is_supplied = True
         self.supplied_steps = 0  # when the supply was last switched on
+        self._held: list[bytes] = []  # frames that are late
+        self._clock_errs_from: int | None = None  # number of a sample
         self._body = Body(config)
         unit_type = UnitUnderTest if config.unit.angle_lsb is None else Ahrs
         self._unit = unit_type(config.unit, config.air.temperature_degc)
 
     @property
+    def air(self) -> Air:
+        """What the chamber measures."""
+        now = self.condition
+        faulty = {
+            "temperature_degc": now.air_degc,
+            "humidity_percent": now.humidity_percent,
+            "supply_v": now.supply_v,
+        }
+        changed = {name: value for name, value in faulty.items() if value is not None}
+        return self.config.air.model_copy(update=changed)
+
+    @property
     def air_degc(self) -> float:
         """Temperature of the chamber's air."""
-        hot = self.condition.air_degc
-        return self.config.air.temperature_degc if hot is None else hot
+        return self.air.temperature_degc
 
     def advance(self, steps: int) -> list[bytes]:
         """Lets time pass and returns the frames that the unit sent meanwhile."""
@@ -67,18 +80,41 @@ class Simulation:
         before, self.condition = self.condition, condition(self.faults, self.table.now)
         self.table.hunting_rad = self.condition.hunting_rad
         self.table.rate_factor = self.condition.rate_factor
+        self.table.claims_settled = self.condition.claims_settled
+        self.table.capture_skips = self.condition.capture_skips
+        self.table.captures_nothing = self.condition.captures_nothing
+        if self.condition.encoder != before.encoder:
+            self.table.encoder = self.condition.encoder.holding(self.table.angle.copy())
+        if self.condition.is_supply_cut and self.is_supplied:
+            self.supply(False)
         if self.condition.trips - before.trips:
             self.table.trip(self.condition.trips - before.trips)
 
     def _send(
         self, numbers: np.ndarray, stamps: np.ndarray, counts: np.ndarray, degc: np.ndarray
     ) -> list[bytes]:
+        if len(numbers):
+            numbers, stamps = self._by_its_clock(numbers, stamps)
         for change in self.condition.counts:
             counts = change(numbers, counts)
         sent = frames(self.config.unit.frame, numbers, stamps, counts, degc)
         for transmit in self.condition.wire:
             sent = transmit(numbers, sent)
+        self._held += sent
+        if len(self._held) < self.condition.held_frames:
+            return []
+        sent, self._held = self._held, []
         return sent
+
+    def _by_its_clock(
+        self, numbers: np.ndarray, stamps: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Counters and stamps, as the unit's clock has them."""
+        if self.condition.stamps and self._clock_errs_from is None:
+            self._clock_errs_from = int(numbers[0])
+        for change in self.condition.stamps:
+            numbers, stamps = change(numbers, stamps, self._clock_errs_from or 0)
+        return numbers, stamps
 
 
 def frames(

@@ -1,7 +1,7 @@
 """The turntable: drives that follow profiles through a servo, encoders, safety."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,13 @@ MOVING = 0.001 * DEGREE
 # A ramp that turns from +a to −a makes the servo overshoot by 2 × 4.6 % of a.
 OVERSHOOT = 1.1
 HUNTING_HZ = 3.0
+
+
+Encoder = Callable[[np.ndarray], np.ndarray]  # from the axes' angles to those it shows, rad
+
+
+def as_it_is(angles: np.ndarray) -> np.ndarray:
+    return angles
 
 
 @dataclass
@@ -47,6 +54,10 @@ class VirtualTable:
         self.trips: frozenset[str] = frozenset()
         self.rate_factor = 1.0
         self.hunting_rad = 0.0
+        self.claims_settled = False
+        self.encoder: Encoder = as_it_is
+        self.capture_skips = 0
+        self.captures_nothing = False
         self.captured = np.zeros((design.capture_kept, axes), dtype=np.int64)
         self.wanted: int | None = None  # the first captured sample that a client still wants
         omega = 2.0 * np.pi * design.servo_hz
@@ -147,7 +158,8 @@ class VirtualTable:
 
     def counts(self, angles: np.ndarray) -> np.ndarray:
         """The encoders' counts at the angles (rad), any shape, int64."""
-        return np.rint(angles / (2.0 * np.pi) * self.design.counts_per_turn).astype(np.int64)
+        shown = self.encoder(angles)
+        return np.rint(shown / (2.0 * np.pi) * self.design.counts_per_turn).astype(np.int64)
 
     def capture(self, first: int, count: int) -> tuple[int, np.ndarray]:
         """Up to `count` captured samples from number `first` on, or from the oldest kept.
@@ -155,8 +167,10 @@ class VirtualTable:
         Returns the number of the first one and the counts (n, axes).
         """
         newest = self.steps // self.design.capture_ms
-        first = max(first, newest - self.design.capture_kept + 1)
-        numbers = np.arange(first, min(first + count, newest + 1))
+        oldest = newest - self.design.capture_kept + 1
+        first = max(first + self.capture_skips, oldest)
+        last = first if self.captures_nothing else min(first + count, newest + 1)
+        numbers = np.arange(first, last)
         return first, self.captured[numbers % self.design.capture_kept]
 
     def want(self, first: int) -> None:
@@ -179,7 +193,7 @@ class VirtualTable:
         bits = {
             "ready": not self.refuses,
             "moving": abs(self.rate[axis]) > MOVING,
-            "settled": holds,
+            "settled": holds or self.claims_settled,
             **dict.fromkeys(self.trips, True),
         }
         return sum(AXIS_STATUS.get(name, 0) for name, is_so in bits.items() if is_so)

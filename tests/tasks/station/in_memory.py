@@ -99,9 +99,9 @@ class InMemoryChamber:
         self._simulation = simulation
 
     async def climate(self) -> Climate:
-        air = self._simulation.config.air
+        air = self._simulation.air
         return Climate(
-            self._simulation.table.now, self._simulation.air_degc, air.humidity_percent,
+            self._simulation.table.now, air.temperature_degc, air.humidity_percent,
             air.supply_v, air.pressure_hpa,
         )  # fmt: skip
 

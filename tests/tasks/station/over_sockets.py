@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Any
 
+from schemas.devices import ModbusTable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from tasks.station.acquisition import Acquired, RunRequest, acquire
@@ -34,7 +35,8 @@ def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:
     """The table's state once it is at rest, and its watchdog, by a connection of its own."""
 
     async def read() -> tuple[TableState, int]:
-        devices = Devices(tuple(axis.name for axis in station.station.table_axes))
+        devices = Devices(tuple(axis.name for axis in station.station.table_axes or ()))
+        assert isinstance(station.table, ModbusTable)
         link = ModbusLink(station.table)
         try:
             (watchdog,) = await link.read(1, "holding", WATCHDOG, 1)
@@ -54,6 +56,7 @@ def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:
 
 async def let_the_watchdog_bite(station: StationFile) -> None:
     """As a run does that is killed: polls for a while, then no more."""
+    assert isinstance(station.table, ModbusTable)
     link = ModbusLink(station.table)
     try:
         await link.write(1, "holding", WATCHDOG, [50])

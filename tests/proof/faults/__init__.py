@@ -1,0 +1,1 @@
+"""Runs on a station in which something fails at a random time, and what became of them."""
