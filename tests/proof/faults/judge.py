@@ -92,7 +92,10 @@ def _length(segment: Segment) -> float:
 def _figures(
     recording: Recording, segment: Segment
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Mean gyro and accelerometer, mean rates of the table's axes, and samples of the unit."""
+    """Medians of gyro and accelerometer, mean rates of the table's axes, samples of the unit.
+
+    Medians, because the estimation leaves far samples out, too.
+    """
     imu, table = recording.imu, recording.table
     assert table is not None
     rows, turned = (stream.rows(segment.t_start, segment.t_end) for stream in (imu, table))
@@ -100,8 +103,8 @@ def _figures(
     t = table.t[turned]
     rates = (angles[:, -1] - angles[:, 0]) / (t[-1] - t[0])
     return (
-        imu.channels(GYRO, rows).mean(axis=1),
-        imu.channels(ACCEL, rows).mean(axis=1),
+        np.median(imu.channels(GYRO, rows), axis=1),
+        np.median(imu.channels(ACCEL, rows), axis=1),
         rates,
         rows.stop - rows.start,
     )
