@@ -15,6 +15,7 @@ from tasks.station.clock import StationClock, wall_s
 from tasks.station.drivers.samples import no_samples
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
+from tasks.station.time_base import ClockComparison, compared
 
 Note = Callable[[Anomaly], None]
 CLIMATE = tuple(each.name for each in fields(Climate))
@@ -124,6 +125,7 @@ class UnitReader:
         self._note = note
         self._taken_s = clock.station_s
         self._on_s: float | None = None
+        self._moments: list[tuple[float, float]] = []
         self._begin()
 
     def _begin(self) -> None:
@@ -149,12 +151,22 @@ class UnitReader:
         if bad:
             self._note(Anomaly("unit_bad_frames", self._taken_s, now_s, bad))
         self._taken_s = now_s
+        if len(after):
+            self._moments.clear()
+        if len(latest := after if len(after) else before):
+            arrived_s = self._clock.at(self._unit.arrived_s)
+            self._moments.append((latest["stamp"][-1] / 1e6, arrived_s))
         stream = self._timed(before, final)
         if not len(after):
             return stream
         self._begin()
         self.clock_shifts_s.append(0.0)
         return joined([stream, self._timed(after, final)])
+
+    def compared(self) -> ClockComparison | None:
+        """The unit's clock, since it was last switched on, against the table's."""
+        unit_s, arrived_s = np.array(self._moments).reshape(-1, 2).T
+        return compared(unit_s, arrived_s)
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
         if not self._is_shift_known:

@@ -1,6 +1,7 @@
 """What comes in goes to the sink at once, and is checked on the way."""
 
 import asyncio
+from dataclasses import asdict
 from typing import Protocol
 
 from schemas.procedure import EnvironmentLimits
@@ -99,4 +100,6 @@ class Recorder:
             table_time = {"encoder": "polled", "half_width_s": round(half_width_s, 6)}
             self.manifest.extra["table_time"] = table_time
         self.manifest.extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
+        if comparison := self.unit.compared():
+            self.manifest.extra["unit_clock"] = asdict(comparison)
         self._sink.manifest(self.manifest.build())
