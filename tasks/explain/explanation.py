@@ -21,7 +21,7 @@ RefusalKind = Literal[
     "channel_worse",
     "undetermined",
     "overshadowed",
-    "remnant",
+    "form_error",
     "reference_noise",
 ]
 
@@ -35,7 +35,7 @@ class Refusal:
     `channel` (0 to 5) that its equation touches is predicted worse with it, by `value` nats.
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
     overshadowed: what stays unexplained in its channels is `value` times what it removes.
-    remnant: something else found has `value` times its evidence, and a form of its own.
+    form_error: something else found has `value` times its evidence, and a form of its own.
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.

@@ -20,7 +20,7 @@ from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
     small_remainder,
     with_shares,
-    without_remnants,
+    without_form_errors,
     without_shadows,
 )
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
@@ -65,7 +65,7 @@ def explanation_of(
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
     by_term = [by_terms * gain / total for gain in gains]
     if not ordered:
-        terms = without_remnants(without_shadows(terms, by_term, left), artefacts.findings)
+        terms = without_form_errors(without_shadows(terms, by_term, left), artefacts.findings)
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]

@@ -15,7 +15,7 @@ from tasks.explain.channels import CHANNELS, EVERY
 from tasks.explain.events.code_fault import CodeFault
 from tasks.explain.events.faults import Fault
 from tasks.explain.evidence.event_findings import event_finding
-from tasks.explain.evidence.shares import without_remnants
+from tasks.explain.evidence.shares import without_form_errors
 from tasks.explain.explanation import Explanation, Finding
 
 
@@ -64,7 +64,7 @@ def with_faults(
         held_out=explanation.held_out.model_copy(update={"rms_ratio": ratio}),
         left_over=explanation.left_over[place.argsort()],
         explained_share=explanation.explained_share if explanation.findings else 1.0,
-        findings=(*own, *without_remnants(moved, own)),
+        findings=(*own, *without_form_errors(moved, own)),
         small=tuple(_moved(one, matrix, place) for one in explanation.small),
         determined=explanation.determined and replace(explanation.determined, axes=matrix),
     )

@@ -50,7 +50,9 @@ def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Findin
     return _unnamed(finding, refusal)
 
 
-def without_remnants(findings: Sequence[Finding], beside: Sequence[Finding] = ()) -> list[Finding]:
+def without_form_errors(
+    findings: Sequence[Finding], beside: Sequence[Finding] = ()
+) -> list[Finding]:
     """The findings, those without a name that are weak beside something far stronger.
 
     A strong effect whose form is a little different from its equation leaves a remnant of its
@@ -58,15 +60,15 @@ def without_remnants(findings: Sequence[Finding], beside: Sequence[Finding] = ()
     """
     gains = [one.gain for one in (*findings, *beside)]
     strongest = max(gains, default=0.0)
-    return [_named_or_remnant(one, strongest) for one in findings]
+    return [_named_or_form_error(one, strongest) for one in findings]
 
 
-def _named_or_remnant(finding: Finding, strongest: float) -> Finding:
+def _named_or_form_error(finding: Finding, strongest: float) -> Finding:
     clear = finding.delta_bic > WEAK or finding.gain > FORM**2 * strongest
     if finding.effect == UNNAMED or not finding.behaviour or clear:
         return finding
     times = strongest / max(finding.gain, 1e-300)
-    return _unnamed(finding, Refusal("remnant", finding.effect, value=times))
+    return _unnamed(finding, Refusal("form_error", finding.effect, value=times))
 
 
 def _unnamed(finding: Finding, refusal: Refusal) -> Finding:

@@ -80,9 +80,9 @@ def refused(refusal: Refusal, setting: bool) -> Message:
         return message(
             "report-refused-inhomogeneous", **arguments, **shown, parts=refusal.parts or "time"
         )
-    if refusal.kind in ("overshadowed", "remnant"):
+    if refusal.kind in ("overshadowed", "form_error"):
         times = plain(refusal.value or 0.0, 2)
-        return message(f"report-refused-{refusal.kind}", **arguments, times=times)
+        return message(f"report-refused-{refusal.kind.replace('_', '-')}", **arguments, times=times)
     value, limit = refusal.value or 0.0, refusal.limit or 0.0
     shown = {"value": rough_quantity(value, refusal.unit)}
     shown["limit"] = rough_quantity(limit, refusal.unit)

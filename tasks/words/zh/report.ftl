@@ -78,7 +78,7 @@ report-refused-channel = 其表现类似“{ $effect }”，但该效应同样�
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
 report-refused-reference-noise = 其表现类似“{ $effect }”，但其拟合的改善不超过单纯减小编码器噪声所带来的改善（产品本身并无此噪声），故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
-report-refused-remnant = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
+report-refused-form-error = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释

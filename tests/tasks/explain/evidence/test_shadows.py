@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.evidence.left_over import LeftOver
-from tasks.explain.evidence.shares import without_remnants, without_shadows
+from tasks.explain.evidence.shares import without_form_errors, without_shadows
 from tasks.explain.explanation import UNNAMED, Finding
 
 ROWS = 1000
@@ -49,19 +49,19 @@ def test_physics_that_is_known_beforehand_is_no_shadow() -> None:
 
 def test_a_weak_name_beside_something_far_stronger_is_its_remnant() -> None:
     weak, strong = replace(NAMED, gain=60.0, delta_bic=50.0), replace(NAMED, gain=9000.0)
-    remnant, kept = without_remnants([weak, strong])
+    remnant, kept = without_form_errors([weak, strong])
     assert kept == strong
     assert remnant.effect == UNNAMED
     assert remnant.refusal is not None
-    assert (remnant.refusal.kind, remnant.refusal.value) == ("remnant", 150.0)
+    assert (remnant.refusal.kind, remnant.refusal.value) == ("form_error", 150.0)
 
 
 def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
-    assert without_remnants([weak, NAMED]) == [weak, NAMED]
+    assert without_form_errors([weak, NAMED]) == [weak, NAMED]
 
 
 def test_what_was_put_right_first_leaves_remnants_too() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
-    (remnant,) = without_remnants([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
+    (remnant,) = without_form_errors([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
     assert remnant.effect == UNNAMED

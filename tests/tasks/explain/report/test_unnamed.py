@@ -23,7 +23,7 @@ REFUSALS: dict[str, Refusal] = {
         "inhomogeneous", "time_offset", "delay", "s", smallest=0.008, largest=0.0094, parts="rate"
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
-    "remnant": Refusal("remnant", "gyro_scale_asymmetry", value=360.0),
+    "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
     "undetermined": Refusal(
         "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
