@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from schemas.recording import Recording
+from schemas.recording import ANGLE, Recording
 from schemas.text import Remark
 from tasks.run_validity.remark import run_remark
 from tasks.segments.summarise import (
@@ -20,6 +20,7 @@ Channels = tuple[str, ...]
 STUCK_SECONDS = 2.0
 OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
 LARGEST_SHARE = 0.005  # of a channel's samples that may be off
+FEWEST = 3  # samples off: one or two of a short run lie there by chance
 STEPS = 2.0  # of the output: nearer is rounding
 
 
@@ -36,15 +37,19 @@ def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
-    """Channels of which too many samples lie off the rest of their segment."""
+    """Channels of which too many samples lie off the rest of their segment.
+
+    An accumulated angle wanders with the rate's own error: its second differences are judged.
+    """
     held = [s for s in evidence.segments if s.segment.kind != "rotation"]
     for channel, name in enumerate(CHANNELS):
         values = evidence.recording.imu.columns.get(name)
         if values is None or not held:
             continue
-        shares = [_share_off(evidence.recording, values, s, channel) for s in held]
+        accumulated = evidence.channel_names[channel] in ANGLE
+        shares = [_share_off(evidence.recording, values, s, channel, accumulated) for s in held]
         share = float(np.average(shares, weights=[s.rows for s in held]))
-        if share > LARGEST_SHARE:
+        if share > LARGEST_SHARE and share * sum(s.rows for s in held) >= FEWEST:
             yield run_remark(
                 "samples_off", run="invalid", channel=evidence.channel_names[channel],
                 share=f"{100 * share:.2g}", off=f"{OFF:g}", limit=f"{100 * LARGEST_SHARE:g}",
@@ -52,10 +57,10 @@ def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
 
 
 def _share_off(
-    recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int
+    recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int, accumulated: bool
 ) -> float:
     here = values[recording.imu.rows(segment.segment.t_start, segment.segment.t_end)]
-    away = np.abs(here - np.median(here))
+    away = np.abs(np.diff(here, 2) if accumulated else here - np.median(here))
     reach = OFF * 1.4826 * float(np.median(away))
     return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
 
