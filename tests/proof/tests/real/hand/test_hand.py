@@ -100,7 +100,9 @@ def test_half_difference_is_what_follows_gravity(ideal_run: Callable[..., Record
     segments = tuple(s for s in recording.manifest.segments or () if s.name in two)
     manifest = recording.manifest.model_copy(update={"segments": segments})
     seen = half_difference(Recording(manifest, recording.imu), 0)
-    assert seen.value == pytest.approx(np.degrees(9.8e-5) * 3600.0, rel=1e-3)
+    gravity = recording.manifest.station.gravity_m_s2
+    assert gravity is not None
+    assert seen.value == pytest.approx(np.degrees(1e-5 * gravity) * 3600.0, rel=1e-3)
 
 
 def test_walk_is_told_from_rests_that_were_placed_anew(
