@@ -2,6 +2,7 @@
 
 import ast
 import hashlib
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -27,20 +28,41 @@ def fingerprint(method: str) -> str:
     digest = hashlib.sha256()
     for source in sources(method):
         digest.update(source.relative_to(ROOT).as_posix().encode())
-        digest.update(code(source.read_text(encoding="utf-8")).encode())
+        digest.update(_read(source).code.encode())
     return digest.hexdigest()[:16]
 
 
-def code(text: str) -> str:
-    """What a source file computes, in one form: no comments, docstrings, layout or sentences."""
-    tree = ast.parse(text)
+@dataclass(frozen=True)
+class Source:
+    """A source file in one form, and the names of what it imports from `tasks`.
+
+    code: what it computes: no comments, docstrings, layout or sentences.
+    """
+
+    code: str
+    imports: tuple[str, ...]
+
+
+@cache
+def _read(path: Path) -> Source:
+    return read_source(path.read_text(encoding="utf-8"))
+
+
+def read_source(text: str) -> Source:
+    """Reads a source file's text, parsed and walked once: parsing is what takes the time."""
+    tree, names = ast.parse(text), []
     for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(node, DOCUMENTED) and body and ast.get_docstring(node) is not None:
-            node.body = body[1:]
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "message":
-            node.args, node.keywords = [], []
-    return ast.dump(tree)
+        if isinstance(node, DOCUMENTED):
+            if node.body and ast.get_docstring(node, clean=False) is not None:
+                node.body = node.body[1:]
+        elif isinstance(node, ast.Call):
+            if getattr(node.func, "id", "") == "message":
+                node.args, node.keywords = [], []
+        elif isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+    return Source(ast.dump(tree), tuple(name for name in names if name.startswith("tasks.")))
 
 
 def sources(method: str) -> list[Path]:
@@ -51,7 +73,7 @@ def sources(method: str) -> list[Path]:
         path = _file(waiting.pop())
         if path is not None and path not in known:
             known.add(path)
-            waiting.extend(_imports(path))
+            waiting.extend(_read(path).imports)
     return sorted(known)
 
 
@@ -64,15 +86,3 @@ def _file(module: str) -> Path | None:
         if candidate.is_file():
             return candidate
     return None
-
-
-@cache
-def _imports(path: Path) -> tuple[str, ...]:
-    """Names of modules in `tasks`, and of what is imported from them, that a file mentions."""
-    names: list[str] = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return tuple(name for name in names if name.startswith("tasks."))

@@ -5,9 +5,10 @@ What makes it (`tasks.validation.make`) is not imported here: a certificate star
 
 from importlib.resources import files
 
-from schemas.calibration import Calibration
+from schemas.calibration import Calibration, Method
 from schemas.validation import EVIDENCE, Check, ItemValidation, ValidationRecord
 from tasks.validation.fingerprint import fingerprint
+from tasks.version import code_version
 from tasks.words import Message, message, statement
 
 SHIPPED = "record.json"
@@ -37,7 +38,7 @@ def shipped() -> ValidationRecord | None:
 def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict[str, Message]:
     """Why items of a calibration are not validated, by item; empty where all of them are."""
     method = record.methods.get(calibration.method) if record else None
-    if method is None or method.fingerprint != fingerprint(calibration.method):
+    if record is None or method is None or not _is_of_this_code(record, calibration.method):
         stale = message("validation-stale", method=calibration.method)
         return dict.fromkeys(calibration.items, stale)
     doubts = {}
@@ -48,6 +49,17 @@ def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict
         if reason := next(failed, None):
             doubts[name] = reason
     return doubts
+
+
+def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
+    """Whether what a method computes is what it was when the record was made.
+
+    No file has to be parsed where the whole program is still the same text.
+    """
+    made_by, runs_now = (
+        version.partition(" ")[0] for version in (record.code_version, code_version())
+    )
+    return made_by == runs_now or record.methods[method].fingerprint == fingerprint(method)
 
 
 def _failed(name: str, item: ItemValidation | None) -> Message | None:
