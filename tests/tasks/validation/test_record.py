@@ -111,7 +111,7 @@ def test_a_record_made_by_this_very_program_is_taken_without_parsing_its_source(
 ) -> None:
     record = record_of(calibration, fingerprint("jjf2003"))
     made_here = record.model_copy(update={"code_version": code_version()})
-    monkeypatch.setattr("tasks.validation.record.fingerprint", lambda method: pytest.fail(method))
+    monkeypatch.setattr("tasks.validation.record.fingerprint", pytest.fail)
     assert doubts_of(made_here, calibration) == {}
 
 
