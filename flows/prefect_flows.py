@@ -30,7 +30,8 @@ from schemas.orders import (
 from storage.catalogue.certificates import Due
 from storage.catalogue.listing import Run
 from tasks.conformity.limits import verdict_title
-from tasks.stages.certify import Issued, read_inputs
+from tasks.stages.certificate_inputs import read_inputs
+from tasks.stages.certify import Issued
 from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within

@@ -104,11 +104,12 @@ def certify(order: CertifyOrder) -> "Issued":
     A result with terms taken off comes on a certificate only if they are ordered here.
     """
     from tasks.stages import certify as stage
+    from tasks.stages.certificate_inputs import read_inputs
     from tasks.stages.estimate import estimate
     from tasks.stages.import_recording import run_of
 
     place = home_of(order)
-    inputs = stage.read_inputs(order)
+    inputs = read_inputs(order)
     run = run_of(order.run, place)
     found = run_of(order.as_found, place) if order.as_found is not None else None
     calibration = estimate(run, place, order, inputs.laboratory)

@@ -1,21 +1,14 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import Path
 
-from pydantic import BaseModel, ValidationError
-
-from schemas.base import Unusable, first_fault
+from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.certificate import AsFound, Certificate, Laboratory, Order
+from schemas.certificate import AsFound, Certificate
 from schemas.decision import Decision
-from schemas.orders import CertificateOptions
-from schemas.recording import Unit
-from schemas.station import MeasurementStandard
-from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.listing import Run
@@ -23,28 +16,19 @@ from storage.home import Home
 from tasks import conformity, reminders
 from tasks.certificate.pdf import render
 from tasks.specifications.register import SPECIFICATIONS
+from tasks.stages.certificate_inputs import (
+    CertificateInputs,
+    check_order,
+    day_of,
+    day_of_calibration,
+    manifest_fields,
+    tolerance_of,
+)
 from tasks.stages.stage import stage
 from tasks.validation import record
 from tasks.words import statement
 
 DEFAULT_PREFIX = "MIMU"
-
-
-@dataclass(frozen=True)
-class CertificateInputs:
-    """What a certificate needs beside the result; None where the home has to say, or nobody.
-
-    calibrated_on: the day of calibration, for a recording that does not say when it was made.
-    budget: whether the certificate prints the uncertainty budgets. invalid_run: whether a run that
-    is invalid is reported all the same, without a verdict on any element.
-    """
-
-    tolerance: Tolerance | None = None
-    laboratory: Laboratory | None = None
-    order: Order | None = None
-    calibrated_on: date | None = None
-    budget: bool = False
-    invalid_run: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,29 +38,6 @@ class Issued:
     certificate: Certificate
     pdf: Path
     record: Path
-
-
-class _ManifestFields(BaseModel):
-    """The free fields of a manifest that a certificate prints."""
-
-    recorded_at: datetime | date | None = None
-    equipment: tuple[MeasurementStandard, ...] = ()
-
-
-def read_inputs(options: CertificateOptions) -> CertificateInputs:
-    """Reads the files that an order names; raises Unusable for a bad one."""
-    return CertificateInputs(
-        _read(options.tolerance, Tolerance),
-        _read(options.laboratory, Laboratory),
-        _read(options.client_order, Order),
-        options.calibrated_on,
-        options.budget,
-        options.invalid_run,
-    )
-
-
-def _read(path: str | None, model: type[settings.Model]) -> settings.Model | None:
-    return settings.read(Path(path), model) if path else None
 
 
 @stage("decide and publish")
@@ -96,15 +57,15 @@ def certify(
     """
     _check_run(run, calibration, inputs)
     manifest = runs.load(run, home).manifest
-    free = _manifest_fields(manifest.model_extra or {}, run)
-    tolerance = _tolerance(inputs.tolerance, run, manifest.unit, home)
+    free = manifest_fields(manifest.model_extra or {}, run)
+    tolerance = tolerance_of(inputs.tolerance, run, manifest.unit, home)
     laboratory = inputs.laboratory or settings.laboratory(home)
     if laboratory and not laboratory.equipment:
         laboratory = laboratory.model_copy(update={"equipment": free.equipment})
     equipment = laboratory.equipment if laboratory else free.equipment
     order, today = inputs.order, date.today()
-    calibrated_on = _calibrated_on(free, inputs, run)
-    _check_order(order, calibrated_on)
+    calibrated_on = day_of_calibration(free, inputs, run)
+    check_order(order, calibrated_on)
     validated = settings.validation(home) or record.shipped()
     expired = conformity.expired(equipment, calibrated_on or today)
 
@@ -162,7 +123,7 @@ def _as_found(
                 f"(as left) is {others}; name a run of the same {name} with --as-found."
             )
     moment, left_moment = (
-        _manifest_fields(runs.load(each, home).manifest.model_extra or {}, each).recorded_at
+        manifest_fields(runs.load(each, home).manifest.model_extra or {}, each).recorded_at
         for each in (run, left_run)
     )
     if moment and left_moment and _is_after(moment, left_moment):
@@ -171,7 +132,7 @@ def _as_found(
             f"at {left_moment}; change them over."
         )
     return AsFound(
-        calibrated_on=_day(moment), calibration=calibration, decision=decide(calibration)
+        calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration)
     )
 
 
@@ -183,46 +144,7 @@ def _is_after(one: datetime | date, other: datetime | date) -> bool:
     """By the instants where both say their offset from UTC, else by the days."""
     if isinstance(one, datetime) and isinstance(other, datetime) and one.tzinfo and other.tzinfo:
         return one > other
-    return (_day(one) or date.min) > (_day(other) or date.min)
-
-
-def _day(moment: datetime | date | None) -> date | None:
-    return moment.date() if isinstance(moment, datetime) else moment
-
-
-def _manifest_fields(extra: dict[str, object], run: Run) -> _ManifestFields:
-    """The free fields, read strictly: a number is no date."""
-    try:
-        return _ManifestFields.model_validate_json(json.dumps(extra), strict=True)
-    except ValidationError as error:
-        raise Unusable(
-            f"the manifest of run {run.id} ({run.recording_id}): {first_fault(error)}; correct it "
-            "there and import the recording again"
-        ) from error
-
-
-def _tolerance(given: Tolerance | None, run: Run, unit: Unit, home: Home) -> Tolerance | None:
-    if given is None:
-        return settings.tolerance_for(unit.manufacturer, unit.model, home)
-    if not settings.same_model(given, unit.manufacturer, unit.model):
-        raise Unusable(
-            f"the limits are those of {given.manufacturer} {given.model}, but run {run.id} "
-            f"is of {unit.manufacturer} {unit.model}: give the limits of that model"
-        )
-    return given
-
-
-def _calibrated_on(free: _ManifestFields, inputs: CertificateInputs, run: Run) -> date | None:
-    """The day the station recorded the run, by its own clock; else what the inputs say."""
-    ordered = inputs.order.calibrated_on if inputs.order else None
-    given = inputs.calibrated_on or ordered
-    day = _day(free.recorded_at)
-    if day and given and given != day:
-        raise Unusable(
-            f"the calibration of run {run.id} is said to be of {given}, but its manifest says "
-            f"recorded_at = {day}: leave the day out"
-        )
-    return day or given
+    return (day_of(one) or date.min) > (day_of(other) or date.min)
 
 
 def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) -> None:
@@ -234,12 +156,4 @@ def _check_run(run: Run, calibration: Calibration, inputs: CertificateInputs) ->
         raise Unusable(
             f"run {run.id} is invalid: {validity.reasons[0].rstrip('.')}{others}; measure again, "
             "or ask for a report of the invalid run with --invalid-run"
-        )
-
-
-def _check_order(order: Order | None, calibrated_on: date | None) -> None:
-    if order and calibrated_on and order.received > calibrated_on:
-        raise Unusable(
-            f"the order says received = {order.received}, which is after the calibration of "
-            f"{calibrated_on}: correct the order"
         )

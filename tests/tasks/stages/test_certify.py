@@ -17,7 +17,7 @@ from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
-from tasks.stages.certify import CertificateInputs as Inputs
+from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify
 from tasks.stages.estimate import estimate
 from tasks.validation import record

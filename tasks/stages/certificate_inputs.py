@@ -1,0 +1,108 @@
+"""What a certificate takes from outside the result, held against what the run says itself."""
+
+import json
+from dataclasses import dataclass
+from datetime import date, datetime
+from pathlib import Path
+
+from pydantic import BaseModel, ValidationError
+
+from schemas.base import Unusable, first_fault
+from schemas.certificate import Laboratory, Order
+from schemas.orders import CertificateOptions
+from schemas.recording import Unit
+from schemas.station import MeasurementStandard
+from schemas.tolerance import Tolerance
+from storage import settings
+from storage.catalogue.listing import Run
+from storage.home import Home
+
+
+@dataclass(frozen=True)
+class CertificateInputs:
+    """What a certificate needs beside the result; None where the home has to say, or nobody.
+
+    calibrated_on: the day of calibration, for a recording that does not say when it was made.
+    budget: whether the certificate prints the uncertainty budgets. invalid_run: whether a run that
+    is invalid is reported all the same, without a verdict on any element.
+    """
+
+    tolerance: Tolerance | None = None
+    laboratory: Laboratory | None = None
+    order: Order | None = None
+    calibrated_on: date | None = None
+    budget: bool = False
+    invalid_run: bool = False
+
+
+class ManifestFields(BaseModel):
+    """The free fields of a manifest that a certificate prints."""
+
+    recorded_at: datetime | date | None = None
+    equipment: tuple[MeasurementStandard, ...] = ()
+
+
+def read_inputs(options: CertificateOptions) -> CertificateInputs:
+    """Reads the files that an order names; raises Unusable for a bad one."""
+    return CertificateInputs(
+        _read(options.tolerance, Tolerance),
+        _read(options.laboratory, Laboratory),
+        _read(options.client_order, Order),
+        options.calibrated_on,
+        options.budget,
+        options.invalid_run,
+    )
+
+
+def _read(path: str | None, model: type[settings.Model]) -> settings.Model | None:
+    return settings.read(Path(path), model) if path else None
+
+
+def manifest_fields(extra: dict[str, object], run: Run) -> ManifestFields:
+    """The free fields, read strictly: a number is no date."""
+    try:
+        return ManifestFields.model_validate_json(json.dumps(extra), strict=True)
+    except ValidationError as error:
+        raise Unusable(
+            f"the manifest of run {run.id} ({run.recording_id}): {first_fault(error)}; correct it "
+            "there and import the recording again"
+        ) from error
+
+
+def tolerance_of(given: Tolerance | None, run: Run, unit: Unit, home: Home) -> Tolerance | None:
+    """The limits given, else those of the home; Unusable where they are of another model."""
+    if given is None:
+        return settings.tolerance_for(unit.manufacturer, unit.model, home)
+    if not settings.same_model(given, unit.manufacturer, unit.model):
+        raise Unusable(
+            f"the limits are those of {given.manufacturer} {given.model}, but run {run.id} "
+            f"is of {unit.manufacturer} {unit.model}: give the limits of that model"
+        )
+    return given
+
+
+def day_of_calibration(free: ManifestFields, inputs: CertificateInputs, run: Run) -> date | None:
+    """The day the station recorded the run, by its own clock; else what the inputs say."""
+    ordered = inputs.order.calibrated_on if inputs.order else None
+    given = inputs.calibrated_on or ordered
+    day = day_of(free.recorded_at)
+    if day and given and given != day:
+        raise Unusable(
+            f"the calibration of run {run.id} is said to be of {given}, but its manifest says "
+            f"recorded_at = {day}: leave the day out"
+        )
+    return day or given
+
+
+def check_order(order: Order | None, calibrated_on: date | None) -> None:
+    """Raises Unusable for an order that says the unit came after it was calibrated."""
+    if order and calibrated_on and order.received > calibrated_on:
+        raise Unusable(
+            f"the order says received = {order.received}, which is after the calibration of "
+            f"{calibrated_on}: correct the order"
+        )
+
+
+def day_of(moment: datetime | date | None) -> date | None:
+    """The day of a moment; a day is its own."""
+    return moment.date() if isinstance(moment, datetime) else moment
