@@ -10,7 +10,7 @@ the encoder's own noise asks for.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -32,35 +32,55 @@ UNEVEN = 0.01  # of the interval: stamps that differ by more are put on an even 
 class SmoothCourse:
     """Angles (n, k) rad read at t (n,) s, and what is made of them on an even grid.
 
-    even: (m,) s. variance: (m, k) rad² of an angle there. slope: their rate. acceleration: (m, k)
-    rad/s², by a window of `half` samples on each side.
+    t: three or more, rising. angle: continuous (no jumps of a whole turn). even: (m,) s. thinned:
+    (m, k) rad, the angles there.
     """
 
     t: np.ndarray
     angle: np.ndarray
     even: np.ndarray
-    variance: np.ndarray
-    slope: EncoderRate
-    acceleration: np.ndarray
-    half: int
+    thinned: np.ndarray
 
     @classmethod
     def of(cls, t: np.ndarray, angle: np.ndarray) -> "SmoothCourse":
-        """t: three or more, rising; angle: continuous (no jumps of a whole turn)."""
-        even, thinned = even_grid(t, angle)
-        interval = even[1] - even[0]
-        variance = angle_variance(t, angle, thinned)
-        noise = noise_by_differences(thinned, ORDER, 0.9)  # jerks are fewer than a tenth of them
-        quiet = float((np.sqrt(720.0 * interval) * noise / QUIET_ACCELERATION) ** 0.4)
-        half = half_window(min(quiet, LONGEST_WINDOW), interval, len(even))
-        bend = filtered(thinned, _bend_kernel(half) / interval**2)
-        slope = encoder_rate(thinned, float(interval), variance)
-        return cls(t, angle, even, variance, slope, bend, half)
+        """Of angles (n, k) rad read at t (n,) s, put on the grid."""
+        return cls(t, angle, *even_grid(t, angle))
+
+    @cached_property
+    def interval(self) -> float:
+        """Of the grid, s."""
+        return float(self.even[1] - self.even[0])
+
+    @cached_property
+    def variance(self) -> np.ndarray:
+        """(m, k) rad² of an angle on the grid."""
+        return angle_variance(self.t, self.angle, self.thinned)
+
+    @cached_property
+    def slope(self) -> EncoderRate:
+        """The angles' rate."""
+        return encoder_rate(self.thinned, self.interval, self.variance)
+
+    @cached_property
+    def half(self) -> int:
+        """Samples on each side that an acceleration takes."""
+        # Jerks are fewer than a tenth of the differences.
+        noise = noise_by_differences(self.thinned, ORDER, 0.9)
+        quiet = float((np.sqrt(720.0 * self.interval) * noise / QUIET_ACCELERATION) ** 0.4)
+        return half_window(min(quiet, LONGEST_WINDOW), self.interval, len(self.even))
+
+    @cached_property
+    def acceleration(self) -> np.ndarray:
+        """(m, k) rad/s²."""
+        return filtered(self.thinned, _bend_kernel(self.half) / self.interval**2)
+
+    def angles_at(self, at: np.ndarray) -> np.ndarray:
+        """Angles (m, k) at the times `at` (m,) s, NaN in gaps of the samples."""
+        angles = interpolated(at, self.t, self.angle)
+        return np.where(covered(self.t, at)[:, None], angles, np.nan)
 
     def at(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """As `smooth_derivatives`."""
-        angles = interpolated(at, self.t, self.angle)
-        angles = np.where(covered(self.t, at)[:, None], angles, np.nan)
         shortest = len(self.slope.kernels[0]) // 2
         rates, accelerations = (
             np.where(
@@ -73,7 +93,7 @@ class SmoothCourse:
                 (self.half, self.acceleration),
             )
         )
-        return angles, rates, accelerations
+        return self.angles_at(at), rates, accelerations
 
 
 def smooth_derivatives(

@@ -58,6 +58,34 @@ def axis_directions(station: Station) -> list[np.ndarray]:
     return [direction / np.linalg.norm(direction) for direction in directions]
 
 
+def table_vectors(station: Station, angle: np.ndarray) -> list[np.ndarray]:
+    """Up, north, the table's y axis and the direction of each axis, (n, 3) in the payload's frame.
+
+    angle: (n, k) rad of the axes.
+    """
+    heading = station.heading_deg
+    psi = np.radians(np.nan if heading is None else heading)
+    fixed = ([0.0, 0.0, 1.0], [-np.sin(psi), np.cos(psi), 0.0], [0.0, 1.0, 0.0])
+    vectors = [np.tile(vector, (len(angle), 1)) for vector in fixed]
+    for k, direction in enumerate(axis_directions(station)):
+        vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
+        vectors.append(np.tile(direction, (len(angle), 1)))
+    return vectors
+
+
+def _turned(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (n, 3) turned by angles (n,) rad about one unit direction (Rodrigues).
+
+    By hand, because a matrix for each of a million rows, as scipy's Rotation makes, is nine times
+    the memory.
+    """
+    if not angle.any():
+        return vector
+    along = (vector @ direction)[:, None] * direction
+    sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    return along + cos * (vector - along) + sin * np.cross(direction, vector)
+
+
 def payload_attitude(station: Station, angles: np.ndarray) -> np.ndarray:
     """R_n_payload (3, 3) at the table's angles (rad); an unknown heading is taken as zero."""
     turned = rotation(np.array([0.0, 0.0, 1.0]), -np.radians(station.heading_deg or 0.0))

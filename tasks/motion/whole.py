@@ -18,7 +18,7 @@ from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
 from tasks.motion.smooth import smooth_course
-from tasks.motion.table import TableAxes, axis_directions, mount_of
+from tasks.motion.table import TableAxes, mount_of, table_vectors
 
 STANDARD_GRAVITY = 9.80665  # m/s², where the local one is not stated and only ratios are taken
 SEAM = 0.05  # rad that the vertical jumps by, at least, where the unit was fixed anew
@@ -115,6 +115,23 @@ def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
     return mean_motion(motion, before, after, span)
 
 
+def north_at_rest(recording: Recording, t: np.ndarray) -> np.ndarray:
+    """Where north is in the body (n, 3) at times t (n,) s of rests, as `whole_motion` has it.
+
+    The rates of encoders, which take most of its time, are not asked for.
+    """
+    table = attitude_stream(recording)
+    if table is None or table is not recording.table or recording.imu.span:
+        return whole_motion(recording, t).north
+    axes = recording.manifest.station.table_axes or ()
+    course = smooth_course(table, tuple(f"{axis.name}_angle" for axis in axes))
+    angle = np.full((len(t), len(axes)), np.nan) if course is None else course.angles_at(t)
+    up, north, *_ = table_vectors(recording.manifest.station, angle)
+    unknown = np.full((len(t), 3), np.nan)
+    payload = Motion(t, up, north, unknown, unknown, gravity_of(recording))
+    return _mounted(recording, payload).north
+
+
 def _motion_at(recording: Recording, at: np.ndarray) -> Motion:
     stream = attitude_stream(recording)
     if stream is None:
@@ -156,14 +173,7 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
         if (reported := reported_rate(table, axis.name)) is not None:
             known = np.isfinite(speed[:, k])
             speed[:, k] = np.where(known, np.interp(at, table.t, reported), np.nan)
-    heading = recording.manifest.station.heading_deg
-    psi = np.radians(np.nan if heading is None else heading)
-    fixed = ([0.0, 0.0, 1.0], [-np.sin(psi), np.cos(psi), 0.0], [0.0, 1.0, 0.0])
-    vectors = [np.tile(vector, (len(at), 1)) for vector in fixed]  # up, north, y of the table
-    for k, direction in enumerate(axis_directions(recording.manifest.station)):
-        vectors = [_turned(vector, direction, -angle[:, k]) for vector in vectors]
-        vectors.append(np.tile(direction, (len(at), 1)))
-    up, north, base, *spins = vectors
+    up, north, base, *spins = table_vectors(recording.manifest.station, angle)
     rate, acceleration = np.zeros((2, len(at), 3))
     for k in reversed(range(len(axes))):
         own = speed[:, k, None] * spins[k]
@@ -172,19 +182,6 @@ def _by_table(recording: Recording, table: Stream, at: np.ndarray) -> Motion:
     turning = TableAxes(angle, speed, np.stack(spins, axis=1), base)
     gravity = gravity_of(recording)
     return _mounted(recording, Motion(at, up, north, rate, acceleration, gravity, turning))
-
-
-def _turned(vector: np.ndarray, direction: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Vectors (n, 3) turned by angles (n,) rad about one unit direction (Rodrigues).
-
-    By hand, because a matrix for each of a million rows, as scipy's Rotation makes, is nine times
-    the memory.
-    """
-    if not angle.any():
-        return vector
-    along = (vector @ direction)[:, None] * direction
-    sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
-    return along + cos * (vector - along) + sin * np.cross(direction, vector)
 
 
 def _mounted(recording: Recording, payload: Motion) -> Motion:

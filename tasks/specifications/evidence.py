@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from schemas.recording import AXES, UPS, Axis, Kind, Recording, Segment, Up
-from tasks.motion.whole import whole_motion
+from tasks.motion.whole import north_at_rest
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
 from tasks.specifications.earth_rotation import EarthRotationGain
@@ -111,7 +111,7 @@ class ClauseEvidence:
         north = np.full((len(self.segments), 3), np.nan)
         if rests:
             times = [np.linspace(s.t_start, s.t_end, SAMPLES, endpoint=False) for s in held]
-            found = whole_motion(self.recording, np.concatenate(times)).north
+            found = north_at_rest(self.recording, np.concatenate(times))
             north[rests] = found.reshape(len(rests), SAMPLES, 3).mean(axis=1)
         return north
 

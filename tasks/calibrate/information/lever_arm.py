@@ -90,8 +90,9 @@ def _thinned(recording: Recording) -> Recording:
         return recording
     every = int((table.t[-1] - table.t[0]) * FASTEST)
     step = max(1, len(table) // max(1, every))
-    columns = {name: column[::step] for name, column in table.columns.items()}
-    return replace(recording, table=Stream(table.t[::step], columns))
+    if step == 1:
+        return recording
+    return replace(recording, table=table.at(slice(None, None, step)))
 
 
 def _cells(recording: Recording) -> Cells | None:

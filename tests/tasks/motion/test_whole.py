@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Manifest, Recording, Stream
-from tasks.motion.whole import whole_motion
+from tasks.motion.whole import north_at_rest, whole_motion
 
 T = np.arange(0.0, 8.0, 0.01)
 DIRECTIONS = np.array([[0, 0, 1], [1, 0, 0], [0, 0.6, 0.8]], float)
@@ -51,6 +51,8 @@ def test_the_vertical_and_north_are_those_of_the_attitude(angles, heading, turne
     true = attitude(held[:1], heading, mount)
     assert motion.up[5] == pytest.approx(true.inv().apply([0, 0, 1])[0], abs=1e-9)
     assert motion.north[5] == pytest.approx(true.inv().apply([0, 1, 0])[0], abs=1e-9)
+    rested = north_at_rest(recording(held, heading, mount), T[:1])
+    assert rested[0] == pytest.approx(motion.north[0], abs=1e-12)
     assert np.abs(motion.rate).max() < 1e-9
     assert motion.force[5] == pytest.approx(9.8 * motion.up[5])
 
