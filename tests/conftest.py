@@ -1,5 +1,6 @@
 """What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
 
+import gc
 from collections import Counter
 from collections.abc import Callable
 from datetime import date
@@ -29,6 +30,16 @@ settings.load_profile("unhurried")
 GRAVITY = 9.78
 AXES = "xyz"
 RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
+
+
+def pytest_configure() -> None:
+    """Imports and collected tests live to the end: the garbage collector need not look at them."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
