@@ -7,7 +7,14 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
-from flows import correction_commands, explain_commands, options, station, store_commands
+from flows import (
+    correction_commands,
+    explain_commands,
+    history_commands,
+    options,
+    station,
+    store_commands,
+)
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
 
@@ -26,6 +33,7 @@ app = typer.Typer(
 app.add_typer(explain_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
+app.add_typer(history_commands.app)
 app.add_typer(station.app, name="station")
 
 

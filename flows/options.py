@@ -105,6 +105,30 @@ Within = Annotated[int, _option("DAYS", "Days ahead.", min=0, max=MAX_DAYS)]
 Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 1000.", min=1)]
 Out = Annotated[Path | None, _option("FILE", "Where the record (.json) and its page (.html) go.")]
 
+OF_PROCEDURE = "Name of a procedure, or a standard."
+CODE_VERSION = "Beginning of the version that made the newest result."
+SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."
+WORKERS = "Processes; default: one for each processor."
+CHANGES = "Folder for report.json, changed.csv and changed.svg."
+Since = Annotated[
+    datetime | None, _option("YYYY-MM-DD", "First day of recording.", formats=["%Y-%m-%d"])
+]
+Until = Annotated[
+    datetime | None, _option("YYYY-MM-DD", "Last day of recording.", formats=["%Y-%m-%d"])
+]
+Model = Annotated[str | None, _option("NAME", "Model of the unit.")]
+Serial = Annotated[str | None, _option("NUMBER", "Serial number of the unit.")]
+StationId = Annotated[str | None, _option("ID", "Station on which it was recorded.", "--station")]
+OfProcedure = Annotated[str | None, _option("NAME", OF_PROCEDURE, "--procedure")]
+CodeVersion = Annotated[str | None, _option("VERSION", CODE_VERSION)]
+Engine = Annotated[str, _option("NAME", "local (processes) or dask (a cluster).")]
+Scheduler = Annotated[str | None, _option("ADDRESS", SCHEDULER)]
+Workers = Annotated[int | None, _option("NUMBER", WORKERS, min=1)]
+ChangesFolder = Annotated[str | None, _option("DIR", CHANGES, "--out")]
+WouldBeDone = Annotated[
+    bool, typer.Option("--dry-run", help="Say what would be done; nothing is read or made.")
+]
+
 SPEED = "Station seconds in a wall second"
 DEMO_SPEED = f"{SPEED}; default: what the procedure lets it keep up with."
 PORT = "Modbus/TCP port; the unit is on the next. 0: any two that are free."

@@ -7,15 +7,22 @@ after `flows.prefect_server.connect`.
 from collections.abc import Callable
 from contextlib import suppress
 from copy import copy
+from time import monotonic
 from typing import Any
 
 from httpx import TransportError
 from prefect import Flow, flow
-from prefect.artifacts import create_markdown_artifact, create_table_artifact
+from prefect.artifacts import (
+    create_markdown_artifact,
+    create_progress_artifact,
+    create_table_artifact,
+    update_progress_artifact,
+)
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
 from flows import run_orders
 from schemas.calibration import Calibration
+from schemas.history import Reprocessing
 from schemas.orders import (
     AcquireOrder,
     ApplyOrder,
@@ -25,6 +32,7 @@ from schemas.orders import (
     OrderModel,
     ProduceOrder,
     RemindOrder,
+    ReprocessOrder,
     SimulateOrder,
 )
 from storage.catalogue.certificates import Due
@@ -39,6 +47,9 @@ from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
 from tasks.station.acquisition import Acquired
 from tasks.words import say
+
+PROGRESS_EVERY_S = 5.0
+MOST_ROWS = 1000  # of an artifact's table
 
 
 def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
@@ -111,6 +122,15 @@ def certify(order: CertifyOrder) -> Issued:
     return issued
 
 
+@flow(name="reprocess")
+def reprocess(order: ReprocessOrder) -> Reprocessing:
+    """Make the results of a selection of runs again, and say what changed."""
+    report = run_orders.reprocess(order, _progress_artifact("reprocess"))
+    with suppress(TransportError):
+        _show_changes(report)
+    return report
+
+
 @flow(name="remind")
 def remind(order: RemindOrder) -> list[Due]:
     """List the units whose recalibration is due within so many days."""
@@ -121,6 +141,38 @@ def remind(order: RemindOrder) -> list[Due]:
         description=f"Recalibration due within {order.within_days} days",
     )
     return due
+
+
+def _progress_artifact(key: str) -> Callable[[int, int], None]:
+    """Shows how much is done as an artifact, seldom enough to cost nothing."""
+    shown: list[tuple[Any, float]] = []
+
+    def show(done: int, total: int) -> None:
+        now, percent = monotonic(), 100.0 * done / max(total, 1)
+        with suppress(TransportError):
+            if not shown:
+                shown.append((create_progress_artifact(percent, key=key), now))
+            elif now - shown[-1][1] > PROGRESS_EVERY_S or done == total:
+                update_progress_artifact(shown[-1][0], percent)
+                shown.append((shown[-1][0], now))
+
+    return show
+
+
+def _show_changes(report: Reprocessing) -> None:
+    """What moved most, and what failed, as a Prefect artifact."""
+    create_table_artifact(
+        key="reprocess-changes",
+        table=[change.model_dump() for change in report.changed[:MOST_ROWS]],
+        description=f"{report.done} results made again with {report.code_version}: "
+        f"{report.unchanged} as before, {report.failed} failed, {len(report.flips)} verdicts "
+        f"flipped, {len(report.certificates)} certificates touched",
+    )
+    create_table_artifact(
+        key="reprocess-failures",
+        table=[failure.model_dump() for failure in report.failures[:MOST_ROWS]],
+        description=f"{report.failed} results that could not be made again",
+    )
 
 
 def _show_certificate(issued: Issued) -> None:

@@ -12,6 +12,7 @@ from rich.progress import (
     SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
+    TimeRemainingColumn,
 )
 
 CONSOLE = Console(stderr=True)
@@ -57,8 +58,11 @@ def describe(now: str, behind: float) -> None:
 
 @contextmanager
 def counting(description: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar over counted things; yields the function (done, total) that moves it."""
+    """A bar over counted things, with the time that is left.
+
+    Yields the function (done, total) that moves it.
+    """
     count = TextColumn("{task.completed:.0f} of {task.total:.0f}")
-    with _bar(TextColumn(description), BarColumn(), count) as bar:
+    with _bar(TextColumn(description), BarColumn(), count, TimeRemainingColumn()) as bar:
         shown = bar.add_task(description, total=1)
         yield lambda done, total: bar.update(shown, completed=done, total=total)

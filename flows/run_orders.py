@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from flows import refix_prompt
-from flows.progress import describe
+from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
 from schemas.orders import (
     AcquireOrder,
@@ -17,6 +17,7 @@ from schemas.orders import (
     CertifyOrder,
     ExplainOrder,
     OrderModel,
+    ReprocessOrder,
     SimulateOrder,
 )
 from schemas.procedure import Procedure
@@ -25,7 +26,10 @@ from storage import settings
 from storage.home import Home, home
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from schemas.calibration import Calibration
+    from schemas.history import Reprocessing
     from storage.catalogue.listing import Run
     from tasks.stages.certify import Issued
     from tasks.stages.correct import Corrected
@@ -115,6 +119,21 @@ def certify(order: CertifyOrder) -> "Issued":
     calibration = estimate(run, place, order, inputs.laboratory)
     as_found = (found, estimate(found, place, order, inputs.laboratory)) if found else None
     return stage.certify(run, calibration, place, inputs, as_found)
+
+
+def reprocess(
+    order: ReprocessOrder, report: "Callable[[int, int], None] | None" = None
+) -> "Reprocessing":
+    """Make the results of a selection again; report(done, total) is told of each, too."""
+    from tasks.stages import reprocess as stage
+
+    def tell(done: int, total: int) -> None:
+        show(done, total)
+        if report is not None:
+            report(done, total)
+
+    with ending_as_ctrl_c(), counting("reprocess") as show:
+        return stage.reprocess(order, home_of(order), tell)
 
 
 def home_of(order: OrderModel) -> Home:

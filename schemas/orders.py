@@ -151,6 +151,54 @@ class ApplyOrder(OrderModel):
     out: str
 
 
+class Selection(OrderModel):
+    """Runs by what the catalogue says of them; null leaves a question out.
+
+    since, until: days, both included, on which they were recorded (where that is unknown, taken
+    in). procedure: its name, or the standard. code_version: the beginning of that of a run's
+    newest result.
+    """
+
+    since: date | None = None
+    until: date | None = None
+    model: str | None = None
+    serial: str | None = None
+    station: str | None = None
+    procedure: str | None = None
+    code_version: str | None = None
+
+    @model_validator(mode="after")
+    def _not_backwards(self) -> Self:
+        if self.since and self.until and self.since > self.until:
+            raise ValueError(
+                f"--since {self.since} is after --until {self.until}; change them over"
+            )
+        return self
+
+
+class ReprocessOrder(Selection):
+    """The newest results of a selection of runs, made again with today's code.
+
+    engine: processes on this machine, or the dask cluster whose scheduler is given. workers: how
+    many processes; null is one for each processor. out: folder of the report. dry_run: only say
+    what would be done.
+    """
+
+    engine: Literal["local", "dask"] = "local"
+    scheduler: str | None = None
+    workers: int | None = Field(default=None, ge=1)
+    out: str | None = None
+    dry_run: bool = False
+
+    @model_validator(mode="after")
+    def _dask_has_a_scheduler(self) -> Self:
+        if (self.engine == "dask") != (self.scheduler is not None):
+            raise ValueError(
+                "--engine dask and --scheduler ADDRESS go together; give both or neither"
+            )
+        return self
+
+
 class RemindOrder(OrderModel):
     """The units whose recalibration is due within so many days."""
 

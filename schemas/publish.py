@@ -9,6 +9,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
+from schemas.history import Reprocessing
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
@@ -30,6 +31,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-certificate-record": Certificate,
     "mimu-validation": ValidationRecord,
     "mimu-discrepancy": Discrepancy,
+    "mimu-reprocess": Reprocessing,
 }
 
 

@@ -55,6 +55,20 @@ def writing_to(path: Path) -> Iterator[Path]:
         _to_disk(path.parent)
 
 
+def report_folder(name: str | None) -> Path | None:
+    """The folder that --out names, made; Unusable for what cannot become one. None: no report."""
+    if name is None:
+        return None
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise Unusable(
+            f"{folder} cannot be made a folder ({error.strerror}); name another with --out."
+        ) from error
+    return folder
+
+
 def write_once(path: Path, data: bytes) -> None:
     """Writes a file that stays as it is: whole, on the disk, read-only.
 

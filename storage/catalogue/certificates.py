@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, State
 from schemas.decision import Verdict
-from storage.catalogue import database, tables
+from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
@@ -102,7 +102,18 @@ def save(
             supersedes=supersedes,
             why=why,
         )
+        run, standards = certificate.calibration.run, standards_of(certificate)
+        lineage.add_equipment(connection, run, certificate.number, standards)
     return home.path / pdf_name, home.path / record_name
+
+
+def standards_of(certificate: Certificate) -> list[lineage.Used]:
+    """The measurement standards of the laboratory that a certificate prints."""
+    printed = certificate.laboratory.equipment if certificate.laboratory else ()
+    return [
+        lineage.Used(name=each.name, serial=each.serial, certificate=each.certificate)
+        for each in printed
+    ]
 
 
 def register(home: Home) -> list[Entry]:

@@ -32,6 +32,11 @@ def url_of(home: Home) -> sql.URL:
     raise Unusable(f"MIMUCAL_DATABASE is {url!r}, which cannot be used; {WAY_OUT}.")
 
 
+def name_of(home: Home) -> str:
+    """Where the catalogue is, without a password."""
+    return url_of(home).render_as_string(hide_password=True)
+
+
 @lru_cache
 def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     """The engine of a database; a writer in SQLite waits `busy_s` for another one.

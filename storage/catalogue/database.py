@@ -17,10 +17,10 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from storage.catalogue.connection import engine_of, explained, url_of
-from storage.catalogue.tables import numbers, units
+from storage.catalogue.tables import numbers, results, units
 from storage.home import Home
 
-HEAD = "0002"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0003"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 
@@ -64,6 +64,12 @@ def with_units(
         .order_by(moment, *table.primary_key)
     )
     return [model.model_validate(row, from_attributes=True) for row in rows(home, statement)]
+
+
+def newest_results() -> sql.ColumnElement[bool]:
+    """The condition on `results` that no other one supersedes it."""
+    newer = results.alias("newer")
+    return ~sql.exists().where(newer.c.supersedes == results.c.id)
 
 
 def _for_reading(home: Home) -> sql.Engine | None:

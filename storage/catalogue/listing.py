@@ -3,7 +3,7 @@
 Apart from `runs`, which reads and writes recordings and loads numpy and their formats for it.
 """
 
-from datetime import datetime
+from datetime import date, datetime
 
 import sqlalchemy as sql
 
@@ -13,7 +13,11 @@ from storage.home import Home
 
 
 class Run(Frozen):
-    """A recording in the store. `seconds`: from its first row to its last one."""
+    """A recording in the store. `seconds`: from its first row to its last one.
+
+    station, procedure and recorded_on are what the manifest says; null where it says nothing, and
+    until `lineage.complete` for a run of an earlier version.
+    """
 
     id: str
     digest: str
@@ -25,6 +29,9 @@ class Run(Frozen):
     taken_in_at: datetime
     seconds: float
     rows: int
+    station: str | None = None
+    procedure: str | None = None
+    recorded_on: date | None = None
 
 
 def find(reference: str, home: Home) -> Run:
@@ -39,7 +46,7 @@ def find(reference: str, home: Home) -> Run:
         table.recording_id == reference,
         sql.or_(*begins),
     ):
-        matching = _runs(home, meant) if reference else []
+        matching = runs_where(home, meant) if reference else []
         if len(matching) > 1:
             raise Unusable(
                 f"{reference!r} means {len(matching)} runs ({_listed(matching)}); give the id of "
@@ -57,8 +64,9 @@ def _listed(several: list[Run]) -> str:
 
 def all_runs(home: Home) -> list[Run]:
     """Every run, in the order of import."""
-    return _runs(home, sql.true())
+    return runs_where(home, sql.true())
 
 
-def _runs(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
+def runs_where(home: Home, which: sql.ColumnElement[bool]) -> list[Run]:
+    """The runs that meet a condition on `runs` and `units`, in the order of import."""
     return database.with_units(home, Run, tables.runs, which, tables.runs.c.taken_in_at)

@@ -77,6 +77,16 @@ def all_results(home: Home) -> list[Result]:
     return _results(home, sql.true())
 
 
+def chain(result: str | None, home: Home) -> list[str]:
+    """A result and those that it supersedes, one after the other, the newest first."""
+    table, found = tables.results.c, list[str]()
+    while result is not None:
+        found.append(result)
+        rows = database.rows(home, sql.select(table.supersedes).where(table.id == result))
+        result = rows[0].supersedes if rows else None
+    return found
+
+
 def find(reference: str, home: Home) -> Result:
     """The result with this id, or the newest of the run with this id; Unusable for neither."""
     table = tables.results.c
@@ -107,11 +117,10 @@ def calibration_of(row: sql.Row) -> Calibration:
 
 def _latest(connection: sql.Connection, calibration: Calibration) -> sql.Row | None:
     """The result of the same run, method and adopted terms that nothing superseded yet."""
-    table, newer = tables.results, tables.results.alias("newer")
-    superseded = sql.exists().where(newer.c.supersedes == table.c.id)
+    table = tables.results
     mine = (table.c.run == calibration.run, table.c.method == calibration.method)
     adopted = [term.name for term in calibration.terms]
-    for row in connection.execute(sql.select(table).where(*mine, ~superseded)):
+    for row in connection.execute(sql.select(table).where(*mine, database.newest_results())):
         if _terms_of(row) == adopted:
             return row
     return None

@@ -10,7 +10,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Unit
-from storage.catalogue import database, tables
+from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run, find
 from storage.formats import recordings
 from storage.formats.columns import read_columns, write_columns
@@ -109,7 +109,9 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
         taken_in_at=datetime.now(UTC),
         seconds=float(t[-1] - t[0]),
         rows=len(t),
+        **lineage.provenance(manifest),
     )
+    lineage.add_equipment(connection, run, lineage.MANIFEST, lineage.equipment_of(manifest))
     return run, is_new
 
 

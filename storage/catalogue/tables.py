@@ -57,6 +57,19 @@ runs = sql.Table(
     _column("taken_in_at", Utc),
     _column("seconds", sql.Float),
     _column("rows", sql.Integer),
+    sql.Column("station", sql.Text, index=True),  # null: not yet read from the manifest
+    sql.Column("procedure", sql.Text),
+    sql.Column("recorded_on", sql.Date, index=True),
+)
+
+equipment = sql.Table(  # measurement standards: `document` is the manifest, or a certificate
+    "equipment",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), primary_key=True),
+    _column("document", sql.Text, primary_key=True),
+    _column("name", sql.Text, primary_key=True),
+    _column("serial", sql.Text, primary_key=True, index=True),
+    _column("certificate", sql.Text, primary_key=True),
 )
 
 sources = sql.Table(  # one content may come in from several files, as Parquet and as CSV
@@ -77,6 +90,19 @@ results = sql.Table(
     _column("document", sql.Text),
     sql.Column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True),
     sql.Column("why", sql.Text),
+)
+
+reprocessed = sql.Table(  # `made_again`: a result, or a run that had none
+    "reprocessed",
+    metadata,
+    _column("circumstances", sql.Text, primary_key=True),
+    _column("made_again", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    sql.Column("before", sql.Text, sql.ForeignKey("results.id")),
+    sql.Column("after", sql.Text, sql.ForeignKey("results.id")),
+    sql.Column("fault", sql.Text),
+    _column("seconds", sql.Float),
+    _column("done_at", Utc),
 )
 
 numbers = sql.Table(

@@ -37,10 +37,18 @@ def estimate(
     result stands beside the one without them and supersedes only one with the same terms.
     Raises Unusable for a term that this recording cannot have or does not determine.
     """
-    how = how or Estimation()
+    laboratory = laboratory or settings.laboratory(home)
+    calibration = calibration_of(run, home, how or Estimation(), laboratory)
+    results.save(calibration, home)
+    return calibration
+
+
+def calibration_of(
+    run: Run, home: Home, how: Estimation, laboratory: Laboratory | None
+) -> Calibration:
+    """The calibration of a run, which is not kept; see `estimate`."""
     recording = runs.load(run, home)
     specification = specification_for(recording.manifest.standard, how.method)
-    laboratory = laboratory or settings.laboratory(home)
     limits = laboratory.limits if laboratory else None
     calibrated = partial(
         calibrate,
@@ -50,11 +58,19 @@ def estimate(
         evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits),
     )
     if how.terms is None:
-        calibration = calibrated(recording)
-    else:
-        calibration = _with_terms(recording, how.terms, calibrated)
-    results.save(calibration, home)
-    return calibration
+        return calibrated(recording)
+    return _with_terms(recording, how.terms, calibrated)
+
+
+def how_made(calibration: Calibration) -> Estimation:
+    """How a result was estimated: its method, its way to the uncertainties, its terms."""
+    kind = calibration.settings.get("uncertainty")
+    names = [name for name, each in UNCERTAINTIES.items() if each == kind]
+    return Estimation(
+        method=calibration.method,
+        uncertainty=names[0] if names else "gum",
+        terms=tuple(term.name for term in calibration.terms) or None,
+    )
 
 
 def _with_terms(

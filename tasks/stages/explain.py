@@ -14,6 +14,7 @@ from storage import settings
 from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.home import Home
+from storage.whole_files import report_folder
 from tasks.explain.progress import Progress, silent, tell
 from tasks.stages import import_checks
 from tasks.stages.stage import stage
@@ -50,7 +51,7 @@ def explain_run(
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, write_report
 
-    out = _report_folder(order)
+    out = report_folder(order.out)
     recording = runs.load(run, home)
     reference = _reference(as_mean_rates(recording), home, order)
     explanation = explain(recording, reference=reference, progress=progress)
@@ -119,17 +120,3 @@ def _within(known: np.ndarray, t: np.ndarray) -> np.ndarray:
     before = np.clip(after - 1, 0, None)
     inside = (t > known[before]) & (t < known[after])
     return (known[after] == t) | (inside & (known[after] - known[before] <= longest))
-
-
-def _report_folder(order: ExplainOrder) -> Path | None:
-    """Refuses what cannot become a folder before the work begins."""
-    if order.out is None:
-        return None
-    out = Path(order.out)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise Unusable(
-            f"{out} cannot be made a folder ({error.strerror}); name another with --out."
-        ) from error
-    return out

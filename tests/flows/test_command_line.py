@@ -420,7 +420,7 @@ def test_help_starts_without_the_heavy_libraries() -> None:
     text, heavy = loaded("--help")
     assert heavy == set()
     assert "calibrate" in text
-    for later in ("reprocess", "dashboard"):
+    for later in ("dashboard",):
         assert later not in text
 
 

@@ -95,7 +95,7 @@ def _mimucal(home: Path, *arguments: str) -> tuple[dict[str, Any] | None, str]:
     return json.loads(done.stdout) if done.returncode == 0 else None, done.stderr.strip()
 
 
-def worst_in_U(items: Mapping[str, Any], truth: Mapping[str, Any]) -> float:  # noqa: N802
+def worst_in_U(items: Mapping[str, Any], truth: Mapping[str, Any]) -> float:
     """The largest error of a scale factor or cross coupling in units of its U."""
     errors = [0.0]
     for sensor, matrix in MATRICES.items():

@@ -1,0 +1,63 @@
+"""The commands over the history of a store: made again with today's code."""
+
+import typer
+
+from flows import options
+
+app = typer.Typer()
+
+
+@app.command()
+def reprocess(
+    since: options.Since = None,
+    until: options.Until = None,
+    model: options.Model = None,
+    serial: options.Serial = None,
+    station: options.StationId = None,
+    procedure: options.OfProcedure = None,
+    code_version: options.CodeVersion = None,
+    engine: options.Engine = "local",
+    scheduler: options.Scheduler = None,
+    workers: options.Workers = None,
+    out: options.ChangesFolder = None,
+    dry_run: options.WouldBeDone = False,
+    as_json: options.Json = False,
+) -> None:
+    """Make the newest results of past runs again with today's code, and say what changed.
+
+    New results stand beside the old, which stay. Broken off, the same command goes on.
+    """
+    from flows import print_history
+    from flows.carry_out import as_flow_run
+    from flows.run_orders import home_of
+    from schemas.orders import ReprocessOrder, order_of
+
+    order = order_of(
+        ReprocessOrder,
+        since=since.date() if since else None,
+        until=until.date() if until else None,
+        model=model,
+        serial=serial,
+        station=station,
+        procedure=procedure,
+        code_version=code_version,
+        engine=engine,
+        scheduler=scheduler,
+        workers=workers,
+        out=out,
+        dry_run=dry_run,
+    )
+    if dry_run:
+        from tasks.stages.reprocess import plan
+
+        planned = plan(order, home_of(order))
+        if as_json:
+            print(planned.model_dump_json(indent=1))
+        else:
+            print_history.print_plan(planned)
+        return
+    report = as_flow_run("reprocess", order)
+    if as_json:
+        print(report.model_dump_json(indent=1))
+    else:
+        print_history.print_report(report, out)

@@ -1,0 +1,61 @@
+"""What the command line prints of a re-processing."""
+
+from flows.printing import print_rows, stdout
+from schemas.history import Plan, Reprocessing
+from tasks.words.units import unit_text
+
+SHOWN = 20  # rows of each table; the report has all
+
+
+def print_plan(plan: Plan) -> None:
+    """What would be done."""
+    print(
+        f"{plan.results} results of {len(plan.runs)} runs ({plan.rows} samples) would be made with "
+        f"{plan.code_version}; {plan.done_before} were already"
+    )
+    for run in plan.runs:
+        print(run)
+
+
+def print_report(report: Reprocessing, out: str | None) -> None:
+    """What was done and what is different: values by how far they moved, verdicts, certificates."""
+    if report.changed:
+        changes = [
+            (c.run, f"{c.item}.{c.element}", _number(c.before), _number(c.after),
+             _number(c.U_before), _number(c.in_U), unit_text(c.unit))
+            for c in report.changed
+        ]  # fmt: skip
+        columns = ("run", "element", "before", "after", "U", "change / U", "unit")
+        print_rows(f"Changed: {_shown(len(changes))}", columns, changes[:SHOWN])
+    if report.flips:
+        verdicts = [
+            (f.run, ".".join(n for n in (f.item, f.element) if n) or f.about, f.before, f.after)
+            for f in report.flips
+        ]
+        of_verdict = ("run", "verdict of", "before", "after")
+        print_rows(f"Verdicts: {_shown(len(verdicts))}", of_verdict, verdicts[:SHOWN])
+    if report.certificates:
+        papers = [
+            (t.number, t.run, t.state, t.verdict, _number(t.largest_in_U))
+            for t in report.certificates
+        ]
+        of_paper = ("certificate", "run", "state", "verdict", "largest change / U")
+        print_rows(f"Certificates: {_shown(len(papers))}", of_paper, papers[:SHOWN])
+    if report.failures:
+        rows = [(f.run, f.why) for f in report.failures]
+        print_rows(f"Failed: {_shown(len(rows))}", ("run", "why"), rows[:SHOWN])
+    print(
+        f"{report.done} results of {report.runs} runs made with {report.code_version} "
+        f"({report.done_before} of them before this command): {report.unchanged} as they were, "
+        f"{report.failed} failed"
+    )
+    if out is not None:
+        stdout(markup=False).print(f"report {out}")
+
+
+def _shown(total: int) -> str:
+    return str(total) if total <= SHOWN else f"{SHOWN} of {total}; --out writes all of them"
+
+
+def _number(value: float | None) -> str:
+    return "–" if value is None else f"{value:.6g}"

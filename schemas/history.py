@@ -1,0 +1,101 @@
+"""What re-processing changed: values, verdicts, and the certificates that stand on them."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.base import Finite, Frozen
+from schemas.certificate import State
+from schemas.decision import Verdict
+
+
+class Change(Frozen):
+    """An element whose value or U moved. Null: not determined.
+
+    in_U: how far the value moved, over U before (U after, where there was none); null where it
+    was or is not determined.
+    """
+
+    run: str
+    method: str
+    item: str
+    element: str
+    unit: str
+    before: Finite | None
+    after: Finite | None
+    U_before: Finite | None
+    U_after: Finite | None
+    in_U: Finite | None
+
+
+class Flip(Frozen):
+    """A verdict that is another one now: of the run itself, of the unit, or of one element.
+
+    That of the unit and of an element is by the limits in the home.
+    """
+
+    run: str
+    method: str
+    about: Literal["run", "unit", "element"]
+    item: str | None = None
+    element: str | None = None
+    before: str
+    after: str
+
+
+class Touched(Frozen):
+    """A certificate that prints a result whose values moved; it stays what it is."""
+
+    number: str
+    run: str
+    state: State
+    verdict: Verdict
+    largest_in_U: Finite | None = Field(description="null where no value of it moved by a number")
+
+
+class Failure(Frozen):
+    """A result that could not be made again, and why, as a sentence."""
+
+    run: str
+    why: str
+
+
+class Difference(Frozen):
+    """What is different between two results of one run."""
+
+    changed: tuple[Change, ...] = ()
+    flips: tuple[Flip, ...] = ()
+
+
+class Reprocessing(Frozen):
+    """What re-processing a selection did and changed (format `mimu-reprocess/1`).
+
+    done: results made again now or before under the same circumstances, which are the code and the
+    laboratory. unchanged: of them, results without any change. seconds: of this command.
+    """
+
+    format: Literal["mimu-reprocess/1"] = "mimu-reprocess/1"
+    code_version: str
+    circumstances: str
+    runs: int
+    done: int
+    done_before: int
+    failed: int
+    unchanged: int
+    changed: tuple[Change, ...] = ()
+    flips: tuple[Flip, ...] = ()
+    certificates: tuple[Touched, ...] = ()
+    failures: tuple[Failure, ...] = ()
+    seconds: float
+
+
+class Plan(Frozen):
+    """What re-processing a selection would do (format `mimu-reprocess-plan/1`)."""
+
+    format: Literal["mimu-reprocess-plan/1"] = "mimu-reprocess-plan/1"
+    code_version: str
+    circumstances: str
+    runs: tuple[str, ...] = Field(description="of which a result is still to be made")
+    results: int = Field(description="to be made")
+    done_before: int
+    rows: int = Field(description="samples that are to be read")

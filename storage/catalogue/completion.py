@@ -1,0 +1,49 @@
+"""Runs that an earlier version kept get what the catalogue now says of every run."""
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.recording import Manifest
+from storage.catalogue import certificates, database, lineage, listing, runs, tables
+from storage.catalogue.listing import Run
+from storage.formats.manifest import MANIFEST, manifest_of
+from storage.home import Home
+
+
+def complete(home: Home) -> None:
+    """Fills in station, procedure, day and measurement standards where they are not yet known.
+
+    Reads the manifests of those runs, once. A run whose manifest cannot be read stays as it is.
+    """
+    unknown = tables.runs.c.station.is_(None)
+    ids = {row.id for row in database.rows(home, sql.select(tables.runs.c.id).where(unknown))}
+    if not ids:
+        return
+    register = certificates.register(home)
+    for run in listing.all_runs(home):
+        if run.id not in ids:
+            continue
+        try:
+            manifest = _manifest(run, home)
+            printed = [
+                (entry.number, certificates.standards_of(certificates.record_of(entry, home)))
+                for entry in register
+                if entry.run == run.id
+            ]
+        except Unusable:
+            continue
+        used = [(lineage.MANIFEST, lineage.equipment_of(manifest)), *printed]
+        with database.changing(home) as connection:
+            known = lineage.provenance(manifest)
+            connection.execute(
+                sql.update(tables.runs).where(tables.runs.c.id == run.id).values(**known)
+            )
+            for document, standards in used:
+                lineage.add_equipment(connection, run.id, document, standards)
+
+
+def _manifest(run: Run, home: Home) -> Manifest:
+    file = home.columns / run.digest / MANIFEST
+    if file.exists():
+        return manifest_of(file.read_bytes(), str(file))
+    return runs.load(run, home).manifest

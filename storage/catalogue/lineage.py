@@ -1,0 +1,65 @@
+"""Where a run was recorded, and with which measurement standards: what the catalogue keeps of it.
+
+The measurement standards of a run are those that its manifest names, and those of the laboratory
+on each certificate that stands on the run.
+"""
+
+from collections.abc import Iterable, Mapping
+from datetime import date
+from typing import TYPE_CHECKING, Any
+
+import sqlalchemy as sql
+
+from schemas.base import Frozen
+from storage.catalogue import database, tables
+
+if TYPE_CHECKING:
+    from schemas.recording import Manifest
+
+MANIFEST = "manifest"  # the document that names a standard; else the number of a certificate
+
+
+class Used(Frozen):
+    """A measurement standard, and the calibration certificate under which a run used it."""
+
+    name: str
+    serial: str
+    certificate: str
+
+
+def provenance(manifest: "Manifest") -> dict[str, Any]:
+    """station, procedure and recorded_on as a manifest gives them; None for what it does not."""
+    free = manifest.model_extra or {}
+    procedure = free.get("procedure")
+    return {
+        "station": manifest.station.id,
+        "procedure": procedure if isinstance(procedure, str) else None,
+        "recorded_on": _day(free.get("recorded_at")),
+    }
+
+
+def equipment_of(manifest: "Manifest") -> list[Used]:
+    """The measurement standards of a manifest; what is no such record is left out."""
+    listed = (manifest.model_extra or {}).get("equipment")
+    records = listed if isinstance(listed, list | tuple) else ()
+    named = [each for each in records if isinstance(each, Mapping)]
+    return [
+        Used(**{name: str(each.get(name) or "") for name in Used.model_fields}) for each in named
+    ]
+
+
+def add_equipment(
+    connection: sql.Connection, run: str, document: str, used: Iterable[Used]
+) -> None:
+    """Notes with which measurement standards a run was made, as a document names them."""
+    for each in used:
+        row = {"run": run, "document": document, **each.model_dump()}
+        database.add_new(connection, tables.equipment, **row)
+
+
+def _day(moment: object) -> date | None:
+    """The day at the beginning of an ISO 8601 text, as the station's own clock had it."""
+    try:
+        return date.fromisoformat(str(moment)[:10])
+    except ValueError:
+        return None

@@ -1,0 +1,107 @@
+"""Which results were made again under which circumstances, each once.
+
+Circumstances: the code and the laboratory, as a digest. What is noted here lets a command that was
+broken off go on, and tells the report what was before.
+"""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+import sqlalchemy as sql
+
+from schemas.base import Frozen
+from schemas.calibration import Calibration
+from storage.catalogue import database, tables
+from storage.catalogue.listing import Run
+from storage.catalogue.results import add_result
+from storage.home import Home
+
+
+class ToMake(Frozen):
+    """A result to be made again, or the first one of a run that has none (`before` is null)."""
+
+    run: Run
+    before: str | None
+
+    @property
+    def key(self) -> str:
+        return self.before or self.run.id
+
+
+class Made(Frozen):
+    """A result that was made again, or `fault`: why it could not be."""
+
+    made_again: str
+    run: str
+    before: str | None
+    after: str | None
+    fault: str | None
+    seconds: float
+
+
+def to_make(runs: Sequence[Run], circumstances: str, home: Home) -> list[ToMake]:
+    """The newest results of each run, and runs without any, that are still to be made again."""
+    table = tables.results.c
+    newest = database.rows(
+        home, sql.select(table.id, table.run).where(database.newest_results()).order_by(table.id)
+    )
+    of_run: dict[str, list[str | None]] = {}
+    for row in newest:
+        of_run.setdefault(row.run, []).append(row.id)
+    made = made_under(circumstances, home)
+    done = {each.after for each in made} | {each.made_again for each in made if not each.fault}
+    every = (
+        ToMake(run=run, before=before) for run in runs for before in of_run.get(run.id, [None])
+    )
+    return [each for each in every if each.key not in done]
+
+
+def made_under(circumstances: str, home: Home) -> list[Made]:
+    """What was made again under circumstances, the first one first."""
+    table = tables.reprocessed
+    columns = [table.c[name] for name in Made.model_fields]
+    mine = sql.select(*columns).where(table.c.circumstances == circumstances)
+    found = database.rows(home, mine.order_by(table.c.done_at, table.c.made_again))
+    return [Made.model_validate(row, from_attributes=True) for row in found]
+
+
+def keep(
+    made: ToMake, calibration: Calibration, circumstances: str, seconds: float, home: Home
+) -> str:
+    """Keeps a result beside the one before and notes it, both or neither; gives its id."""
+    with database.changing(home) as connection:
+        after = add_result(connection, calibration, None)
+        _note(connection, made, circumstances, after=after, seconds=seconds)
+    return after
+
+
+def keep_fault(made: ToMake, why: str, circumstances: str, seconds: float, home: Home) -> None:
+    """Notes why a result could not be made again; the same command tries it once more."""
+    with database.changing(home) as connection:
+        _note(connection, made, circumstances, fault=why, seconds=seconds)
+
+
+def _note(
+    connection: sql.Connection,
+    made: ToMake,
+    circumstances: str,
+    *,
+    seconds: float,
+    after: str | None = None,
+    fault: str | None = None,
+) -> None:
+    table = tables.reprocessed
+    mine = (table.c.circumstances == circumstances, table.c.made_again == made.key)
+    connection.execute(sql.delete(table).where(*mine, table.c.fault.is_not(None)))
+    database.add_new(
+        connection,
+        table,
+        circumstances=circumstances,
+        made_again=made.key,
+        run=made.run.id,
+        before=made.before,
+        after=after,
+        fault=fault,
+        seconds=seconds,
+        done_at=datetime.now(UTC),
+    )

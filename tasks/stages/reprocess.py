@@ -1,0 +1,169 @@
+"""Stage: the history of a store, made again with today's code, beside what it was."""
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+
+from schemas.history import Difference, Failure, Plan, Reprocessing, Touched
+from schemas.orders import ReprocessOrder
+from schemas.tolerance import Tolerance
+from storage import settings
+from storage.catalogue import certificates, reprocessing, results
+from storage.catalogue.connection import name_of
+from storage.catalogue.listing import Run
+from storage.catalogue.reprocessing import Made
+from storage.catalogue.selection import select
+from storage.home import Home
+from storage.whole_files import report_folder
+from tasks.history.difference import difference
+from tasks.history.report import write_report
+from tasks.stages.fan_out import fan_out, processors
+from tasks.stages.make_again import Job, Outcome, circumstances, make_again, with_fault
+from tasks.stages.stage import stage
+from tasks.version import code_version
+
+Progress = Callable[[int, int], None]
+DIED = (
+    "its worker died twice while it was at this run alone; see that the machine has enough memory "
+    "for it, and calibrate it by itself"
+)
+
+
+def plan(order: ReprocessOrder, home: Home) -> Plan:
+    """What the order would do; nothing is read but the catalogue, and nothing is written."""
+    now = circumstances(settings.laboratory(home))
+    runs = select(order, home)
+    to_make = reprocessing.to_make(runs, now, home)
+    waiting = {each.run.id: each.run.rows for each in to_make}
+    return Plan(
+        code_version=code_version(),
+        circumstances=now,
+        runs=tuple(waiting),
+        results=len(to_make),
+        done_before=len(_done(runs, now, home)),
+        rows=sum(waiting.values()),
+    )
+
+
+@stage("reprocess")
+def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reprocessing:
+    """Make the newest results of a selection again, and say what changed.
+
+    A result is made once under the same circumstances: a command that was broken off goes on where
+    it was, and after the end the same again only gives the report. What failed is tried again.
+    progress(done, total) is called after each result. Raises Unusable for a report folder that
+    cannot be made.
+    """
+    began = time.monotonic()
+    out = report_folder(order.out)
+    laboratory = settings.laboratory(home)
+    now = circumstances(laboratory)
+    runs = select(order, home)
+    earlier = _done(runs, now, home)
+    limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))
+    catalogue = name_of(home)
+    jobs = [
+        Job(each, home, catalogue, now, laboratory, limits(each.run.manufacturer, each.run.model))
+        for each in reprocessing.to_make(runs, now, home)
+    ]
+    progress(0, len(jobs))
+    outcomes = []
+    for outcome in _carried_out(jobs, order):
+        outcomes.append(outcome)
+        progress(len(outcomes), len(jobs))
+    report = _report(runs, [*_again(earlier, runs, limits, home), *outcomes], home).model_copy(
+        update={
+            "circumstances": now,
+            "done_before": len(earlier),
+            "seconds": time.monotonic() - began,
+        }
+    )
+    if out is not None:
+        write_report(report, out)
+    return report
+
+
+def _carried_out(jobs: Sequence[Job], order: ReprocessOrder) -> Iterator[Outcome]:
+    def died(job: Job) -> Outcome:
+        return with_fault(job, DIED)
+
+    if order.scheduler is None:
+        return fan_out(make_again, jobs, order.workers or processors(), died)
+    from tasks.stages.on_cluster import on_cluster
+
+    return on_cluster(make_again, jobs, order.scheduler, died)
+
+
+def _done(runs: Sequence[Run], now: str, home: Home) -> list[Made]:
+    """What was made again before, of these runs, under the same circumstances."""
+    ids = {run.id for run in runs}
+    made = reprocessing.made_under(now, home)
+    return [each for each in made if each.run in ids and not each.fault]
+
+
+def _again(
+    earlier: Sequence[Made],
+    runs: Sequence[Run],
+    limits: Callable[[str, str], Tolerance | None],
+    home: Home,
+) -> Iterator[Outcome]:
+    """The differences of what was made again before."""
+    by_id = {run.id: run for run in runs}
+    for made in earlier:
+        changes = Difference()
+        if made.before and made.after and made.before != made.after:
+            run = by_id[made.run]
+            before, after = (results.find(each, home) for each in (made.before, made.after))
+            tolerance = limits(run.manufacturer, run.model)
+            changes = difference(before.calibration, after.calibration, tolerance)
+        yield Outcome(made, changes)
+
+
+def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Reprocessing:
+    done = [each for each in outcomes if not each.made.fault]
+    changed = [change for each in done for change in each.difference.changed]
+    same = [each for each in done if not each.difference.changed and not each.difference.flips]
+    faults = ((each.made.run, each.made.fault) for each in outcomes if each.made.fault)
+    return Reprocessing(
+        code_version=code_version(),
+        circumstances="",
+        runs=len(runs),
+        done=len(done),
+        done_before=0,
+        failed=len(outcomes) - len(done),
+        unchanged=len(same),
+        changed=tuple(sorted(changed, key=lambda c: (-(c.in_U or 0.0), c.run, c.item, c.element))),
+        flips=tuple(flip for each in done for flip in each.difference.flips),
+        certificates=tuple(_touched(done, home)),
+        failures=tuple(Failure(run=run, why=why) for run, why in faults),
+        seconds=0.0,
+    )
+
+
+def _touched(done: Sequence[Outcome], home: Home) -> Iterator[Touched]:
+    """Certificates that print a result which is different now, or was already."""
+    of_run: dict[str, list[Outcome]] = {}
+    for outcome in done:
+        of_run.setdefault(outcome.made.run, []).append(outcome)
+    for entry in certificates.register(home):
+        for outcome in of_run.get(entry.run, ()):
+            made = outcome.made
+            if made.before is None or made.after is None or made.after == entry.result:
+                continue
+            if entry.result == made.before:
+                moved = outcome.difference
+            elif entry.result in results.chain(made.before, home):
+                printed = results.find(entry.result, home).calibration
+                moved = difference(printed, results.find(made.after, home).calibration)
+            else:
+                continue
+            if moved.changed:
+                yield Touched(
+                    number=entry.number,
+                    run=entry.run,
+                    state=entry.state,
+                    verdict=entry.verdict,
+                    largest_in_U=max(
+                        (c.in_U for c in moved.changed if c.in_U is not None), default=None
+                    ),
+                )

@@ -1,0 +1,185 @@
+"""History made again: new results beside the old, exactly what moved, and nothing twice."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flows import run_orders
+from schemas.calibration import Calibration
+from schemas.certificate import Certificate
+from schemas.decision import Decision
+from schemas.history import Reprocessing
+from schemas.orders import ReprocessOrder
+from schemas.recording import Recording
+from storage.catalogue import certificates, listing, results, runs
+from storage.home import Home
+from tasks.stages import make_again
+
+EARLIER = "0.0.9+earlier"
+
+
+@pytest.fixture
+def store(home: Path, mimucal, ideal_run: Callable[..., Recording]) -> Home:
+    """Two runs, calibrated."""
+    kept = Home(home)
+    for off in (1.0, 1.01):
+        run, _ = runs.add(ideal_run(dwell=2.0, Kg=off * np.eye(3)), kept)
+        assert mimucal("calibrate", run.id).code == 0
+    return kept
+
+
+def reprocess(**order: Any) -> Reprocessing:
+    return run_orders.reprocess(ReprocessOrder(workers=1, **order))
+
+
+def newest(home: Home) -> list[Calibration]:
+    return [results.of_run(run, home)[-1].calibration for run in listing.all_runs(home)]
+
+
+def plant(result: Calibration, home: Home, item: str, element: str, by: float) -> Calibration:
+    """Keeps a result as earlier code made it: one value of it was another by so many U."""
+    was = result.items[item]
+    moved = was.value[element] - by * was.U[element]
+    items = result.items | {item: was.model_copy(update={"value": was.value | {element: moved}})}
+    earlier = result.model_copy(update={"items": items, "code_version": EARLIER})
+    results.save(earlier, home)
+    return earlier
+
+
+def test_the_same_code_changes_nothing_and_keeps_nothing_new(store: Home) -> None:
+    report = reprocess()
+    assert (report.done, report.unchanged, report.failed) == (2, 2, 0)
+    assert (report.changed, report.flips) == ((), ())
+    for run in listing.all_runs(store):
+        assert len(results.of_run(run, store)) == 1
+
+
+def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
+    store: Home, tmp_path: Path
+) -> None:
+    first, second = newest(store)
+    planted = plant(first, store, "gyro_scale_factor", "x", 3.0)
+    report = reprocess(out=str(tmp_path / "report"))
+    (change,) = report.changed
+    assert (change.run, change.item, change.element) == (first.run, "gyro_scale_factor", "x")
+    assert change.before == planted.items["gyro_scale_factor"].value["x"]
+    assert change.after == first.items["gyro_scale_factor"].value["x"]
+    assert change.in_U == pytest.approx(3.0)
+    assert newest(store) == [first, second]  # made again bit for bit
+    kept = results.of_run(listing.find(first.run, store), store)
+    assert [each.code_version for each in kept] == [first.code_version, EARLIER, first.code_version]
+    assert "code_version" in str(kept[-1].why)
+    written = json.loads((tmp_path / "report/report.json").read_text(encoding="utf-8"))
+    assert len(written["changed"]) == 1
+
+
+def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) -> None:
+    plant(newest(store)[0], store, "gyro_scale_factor", "x", 3.0)
+    first = reprocess()
+    again = reprocess()
+    assert (again.done, again.done_before) == (2, 2)
+    assert again.changed == first.changed
+    assert again.unchanged == first.unchanged == 1
+
+
+def test_a_failed_recording_is_a_row_and_is_tried_again(
+    store: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bad, _ = listing.all_runs(store)
+    estimate = make_again.calibration_of
+
+    def fails(run: Any, *more: Any) -> Calibration:
+        if run.id == bad.id:
+            raise ZeroDivisionError("a planted fault")
+        return estimate(run, *more)
+
+    monkeypatch.setattr(make_again, "calibration_of", fails)
+    report = reprocess()
+    assert (report.done, report.failed) == (1, 1)
+    assert report.failures[0].run == bad.id
+    assert "planted fault" in report.failures[0].why
+    monkeypatch.setattr(make_again, "calibration_of", estimate)
+    again = reprocess()
+    assert (again.done, again.done_before, again.failed) == (2, 1, 0)
+
+
+def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal) -> None:
+    before = {path: path.stat().st_mtime_ns for path in store.raw.iterdir()}
+    planned = mimucal("reprocess", "--dry-run", "--json", "--serial", "nobody").json
+    assert planned["runs"] == []
+    planned = mimucal("reprocess", "--dry-run", "--json").json
+    assert (len(planned["runs"]), planned["results"], planned["done_before"]) == (2, 2, 0)
+    assert {path: path.stat().st_mtime_ns for path in store.raw.iterdir()} == before
+    assert all(len(results.of_run(run, store)) == 1 for run in listing.all_runs(store))
+
+
+def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, shared: Path) -> None:
+    first, second = newest(store)
+    plant(first, store, "gyro_scale_factor", "x", 3.0)
+    touched = _certified(store, first.run)
+    _certified(store, second.run)
+    report = reprocess()
+    assert [each.number for each in report.certificates] == [touched]
+    assert report.certificates[0].largest_in_U == pytest.approx(3.0)
+    assert reprocess().certificates == report.certificates
+
+
+def _certified(home: Home, run: str) -> str:
+    """A certificate that prints the newest result of a run."""
+    kept = listing.find(run, home)
+    number = certificates.reserve_number(home, "T", 2026)
+    day = date(2026, 11, 22)
+    certificate = Certificate(
+        number=number, state="issued", calibrated_on=day, issued_on=day, due=date(2027, 11, 22),
+        laboratory=None, order=None, manifest=runs.load(kept, home).manifest,
+        calibration=results.of_run(kept, home)[-1].calibration,
+        decision=Decision(verdict="inconclusive", rule="simple", document=None, limits=()),
+    )  # fmt: skip
+    certificates.save(certificate, b"", home)
+    return number
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--since", "2026-03-02", "--until", "2026-03-01"), "--since 2026-03-02"),
+        (("--engine", "dask"), "--scheduler"),
+        (("--engine", "mpi"), "--engine mpi"),
+        (("--out", "/dev/null/report"), "/dev/null/report"),
+    ],
+)
+def test_an_order_that_cannot_be_is_one_sentence(
+    mimucal, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], named: str
+) -> None:
+    monkeypatch.setattr("flows.carry_out.as_flow_run", lambda _, order: run_orders.reprocess(order))
+    done = mimucal("reprocess", *arguments)
+    assert done.code == 2
+    assert named in done.err
+    assert done.err.strip().count("\n") == 0
+
+
+@pytest.mark.real_time
+def test_the_command_is_a_flow_whose_processes_make_the_same_results(
+    store: Home, prefect_server: str
+) -> None:
+    first, second = newest(store)
+    plant(first, store, "gyro_scale_factor", "x", 3.0)
+    plant(second, store, "gyro_scale_factor", "y", 2.0)
+    keep = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    done = subprocess.run(
+        [sys.executable, "-m", "flows.cli", "reprocess", "--workers", "2", "--json"],
+        capture_output=True, text=True, timeout=600,
+        env=keep | {"MIMUCAL_HOME": str(store.path), "PREFECT_API_URL": prefect_server},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    moved = {(each["run"], each["element"]) for each in json.loads(done.stdout)["changed"]}
+    assert moved == {(first.run, "x"), (second.run, "y")}
+    assert newest(store) == [first, second]

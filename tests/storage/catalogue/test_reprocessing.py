@@ -1,0 +1,79 @@
+"""Results made again: noted once for each circumstances, beside the results before."""
+
+from collections.abc import Callable
+
+import pytest
+
+from schemas.calibration import Calibration
+from schemas.recording import Recording
+from storage.catalogue import reprocessing, results, runs
+from storage.catalogue.listing import Run
+from storage.catalogue.reprocessing import keep, keep_fault, made_under, to_make
+from storage.home import Home
+
+Calibrate = Callable[..., Calibration]
+
+
+@pytest.fixture
+def run(fresh: Home, small: Callable[..., Recording]) -> Run:
+    return runs.add(small(), fresh)[0]
+
+
+def test_each_newest_result_is_made_again_and_a_run_without_any_once(
+    fresh: Home, small: Callable[..., Recording], run: Run, calibrated: Calibrate
+) -> None:
+    bare = runs.add(small(1.0), fresh)[0]
+    results.save(calibrated(run), fresh)
+    newest = results.save(calibrated(run, 0.5), fresh)
+    joint = results.save(calibrated(run, method="joint"), fresh)
+    waiting = to_make([run, bare], "now", fresh)
+    assert {(each.run.id, each.before) for each in waiting} == {
+        (run.id, newest), (run.id, joint), (bare.id, None),
+    }  # fmt: skip
+
+
+def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(
+    fresh: Home, run: Run, calibrated: Calibrate
+) -> None:
+    before = results.save(calibrated(run), fresh)
+    (waiting,) = to_make([run], "now", fresh)
+    after = keep(waiting, calibrated(run, 0.5), "now", 1.0, fresh)
+    assert to_make([run], "now", fresh) == []
+    assert [each.before for each in to_make([run], "later", fresh)] == [after]
+    (made,) = made_under("now", fresh)
+    assert (made.before, made.after, made.fault) == (before, after, None)
+    assert [each.id for each in results.of_run(run, fresh)] == [before, after]
+
+
+def test_a_first_result_is_not_made_twice(fresh: Home, run: Run, calibrated: Calibrate) -> None:
+    (waiting,) = to_make([run], "now", fresh)
+    keep(waiting, calibrated(run), "now", 1.0, fresh)
+    assert to_make([run], "now", fresh) == []
+
+
+def test_what_failed_is_tried_again_and_then_fails_no_more(
+    fresh: Home, run: Run, calibrated: Calibrate
+) -> None:
+    results.save(calibrated(run), fresh)
+    (waiting,) = to_make([run], "now", fresh)
+    for why in ("the disk was off", "it still was"):
+        keep_fault(waiting, why, "now", 1.0, fresh)
+        assert [each.fault for each in made_under("now", fresh)] == [why]
+        assert to_make([run], "now", fresh) == [waiting]
+    keep(waiting, calibrated(run), "now", 1.0, fresh)
+    assert [each.fault for each in made_under("now", fresh)] == [None]
+
+
+def test_result_and_note_are_kept_both_or_neither(
+    fresh: Home, run: Run, calibrated: Calibrate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (waiting,) = to_make([run], "now", fresh)
+
+    def power_cut(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(reprocessing, "_note", power_cut)
+    with pytest.raises(KeyboardInterrupt):
+        keep(waiting, calibrated(run), "now", 1.0, fresh)
+    assert results.of_run(run, fresh) == []
+    assert made_under("now", fresh) == []

@@ -1,0 +1,91 @@
+"""Work by a dask cluster: each thing once for the caller, whatever becomes of its workers."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from tasks.stages import on_cluster as cluster
+from tasks.stages.on_cluster import on_cluster
+from tests.tasks.stages.cluster_work import noted, squared
+
+pytestmark = pytest.mark.real_time
+
+
+@pytest.fixture
+def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+    """Starts a scheduler or a worker, which end with the test."""
+    running: list[subprocess.Popen[bytes]] = []
+
+    def start(*command: str) -> subprocess.Popen[bytes]:
+        running.append(
+            subprocess.Popen(
+                [sys.executable, "-m", *command],
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                cwd=Path.cwd(),
+                start_new_session=True,
+                env=os.environ | {"PYTHONPATH": str(Path.cwd())},
+            )
+        )
+        return running[-1]
+
+    yield start
+    for process in running:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(60)
+
+
+@pytest.fixture
+def address() -> str:
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return f"tcp://127.0.0.1:{free.getsockname()[1]}"
+
+
+def scheduler(address: str) -> tuple[str, ...]:
+    return "distributed.cli.dask_scheduler", "--host", address, "--no-dashboard"
+
+
+def worker(address: str, folder: Path) -> tuple[str, ...]:
+    return (
+        "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard",
+        "--local-directory", str(folder), "--death-timeout", "300",
+    )  # fmt: skip
+
+
+def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
+    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "ANSWER_S", 2.0)
+    first = started(*scheduler(address))
+    victim = started(*worker(address, tmp_path / "one"))
+    started(*worker(address, tmp_path / "two"))
+    things = [str(tmp_path / f"thing-{k}") for k in range(40)]
+    done = []
+    for result in on_cluster(noted, things, address, died=lambda thing: f"died at {thing}"):
+        done.append(result)
+        if len(done) == 5:
+            victim.kill()
+        if len(done) == 15:
+            os.killpg(first.pid, signal.SIGKILL)
+            first.wait(60)
+            started(*scheduler(address))
+            started(*worker(address, tmp_path / "three"))
+    assert sorted(done) == sorted(things)
+
+
+def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)
+    began = time.monotonic()
+    with pytest.raises(Unusable, match=r"--scheduler tcp://127\.0\.0\.1"):
+        list(on_cluster(squared, [1, 2], address, died=squared))
+    assert time.monotonic() - began < 60.0
