@@ -16,7 +16,7 @@ from tasks.motion.whole import Motion
 NEAR = 0.03  # of the largest reading: what may be disturbed by a limit, at first
 TOPMOST = 8  # readings above the one that counts as the largest, for spikes
 BEYOND = 1.02  # times the limit, from where on a prediction is beyond it, be it ever so noisy
-MIN_BEYOND = 20  # readings whose prediction is beyond
+MIN_BEYOND = 12  # readings whose prediction is beyond
 APPROACH = 0.7  # of the limit, from where on the readings must follow the prediction
 MIN_APPROACH = 30
 MOSTLY = 0.5  # of the readings at a limit, whose prediction is beyond
@@ -102,7 +102,8 @@ def _plateau(
         return None
     if not _mostly_beyond(read, beyond, level, scatter):
         return None
-    abrupt = scatter < missed and _abrupt(read, expected, beyond, level - 2.0 * missed)
+    lost = float(np.median((expected - read)[beyond]))
+    abrupt = REACH * scatter < lost and _abrupt(read, expected, beyond, level - 2.0 * missed)
     if not (abrupt or _flat(read, expected, beyond, approach)):
         return None
     noise = float(np.std(np.diff((read - expected)[approach]))) / np.sqrt(2.0)
@@ -115,7 +116,7 @@ def _mostly_beyond(read: np.ndarray, beyond: np.ndarray, level: float, scatter: 
     Of a motion that dwells at its highest rate an encoder's noise predicts a few readings beyond,
     and they alone would look as if they stood still.
     """
-    there = np.abs(read - level) <= REACH * scatter
+    there = read >= level - scatter
     return int((there & beyond).sum()) >= MOSTLY * int(there.sum())
 
 
