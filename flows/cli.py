@@ -172,14 +172,13 @@ def acquire(
 
     What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
     Ctrl-Z again has it go on; Ctrl-C ends it, and --resume goes on with it later.
-    Exits with 3 for a run that is kept but invalid.
+    Exits with 3 for a run that is kept but invalid, with 1 where one of several units was given
+    up on the way; the runs of the others are kept.
     """
     from flows.carry_out import as_flow_run
-    from flows.print_validity import lines, summary
-    from flows.printing import print_json
+    from flows.print_acquired import print_acquired
     from flows.run_orders import check_acquisition, home_of
     from schemas.orders import AcquireOrder
-    from tasks.stages.validity import validity_of
 
     order = AcquireOrder(
         station=station_file, procedure=procedure, attended=not as_json, resume=resume
@@ -190,25 +189,11 @@ def acquire(
 
         print_dry_run(order, as_json)
         return
-    run, acquired = as_flow_run("acquire", order)
-    validity = validity_of(run, home_of(order))
-    if as_json:
-        print_json(
-            {
-                "format": "mimu-acquire/1",
-                "run": run.id,
-                "recording_id": run.recording_id,
-                "lost_samples": acquired.lost_samples,
-                "bad_frames": acquired.bad_frames,
-                "warnings": [remark.en for remark in acquired.warnings],
-                "validity": summary(validity),
-            }
-        )
-    else:
-        print(run.id)
-        for sentence in (*(remark.en for remark in acquired.warnings), *lines(validity)):
-            print(sentence, file=sys.stderr)
-    if validity.verdict == "invalid":
+    acquired = as_flow_run("acquire", order)
+    is_sound = print_acquired(acquired, home_of(order), as_json)
+    if acquired.given_up:
+        raise BrokenOff("; ".join(acquired.given_up))
+    if not is_sound:
         raise typer.Exit(INVALID)
 
 

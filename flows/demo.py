@@ -41,7 +41,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
         from flows import prefect_flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write(station_file, station.model_dump_json(indent=1))
-        issued = prefect_flows.run_now(
+        (issued,) = prefect_flows.run_now(
             prefect_flows.produce, order.model_copy(update=_certificate_files(ahrs))
         )
     made = _made(issued, folder)

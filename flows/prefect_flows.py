@@ -21,6 +21,7 @@ from prefect.artifacts import (
 from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settings
 
 from flows import run_orders
+from schemas.base import BrokenOff
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
 from schemas.orders import (
@@ -36,8 +37,8 @@ from schemas.orders import (
     SimulateOrder,
 )
 from storage.catalogue.certificates import Due
-from storage.catalogue.listing import Run
 from tasks.conformity.limits import verdict_title
+from tasks.stages.acquire import AcquiredRuns
 from tasks.stages.certificate_inputs import read_inputs
 from tasks.stages.certify import Issued
 from tasks.stages.correct import Corrected
@@ -45,7 +46,6 @@ from tasks.stages.explain import Explained
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
-from tasks.station.acquisition import Acquired
 from tasks.words import say
 
 PROGRESS_EVERY_S = 5.0
@@ -69,17 +69,23 @@ def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
 
 
 @flow(name="acquire", flow_run_name="acquire on {order.station}")
-def acquire(order: AcquireOrder) -> tuple[Run, Acquired]:
-    """Acquire a run from the station of a station file."""
+def acquire(order: AcquireOrder) -> AcquiredRuns:
+    """Acquire a run of each unit on the station of a station file."""
     return run_orders.acquire(order)
 
 
 @flow(name="produce", flow_run_name="produce on {order.station}")
-def produce(order: ProduceOrder) -> Issued:
-    """Acquire a run from a station, estimate every item, decide, publish the certificate."""
+def produce(order: ProduceOrder) -> tuple[Issued, ...]:
+    """Acquire a run from a station, estimate every item, decide, publish each unit's certificate.
+
+    Raises BrokenOff for units that were given up, when the others have theirs.
+    """
     read_inputs(order)  # bad files are refused before it turns
-    run, _ = acquire(order)
-    return certify(order.certify(run.id))
+    acquired = acquire(order)
+    issued = tuple(certify(order.certify(run.id)) for run, _ in acquired.kept)
+    if acquired.given_up:
+        raise BrokenOff("; ".join(acquired.given_up))
+    return issued
 
 
 @flow(name="calibrate", flow_run_name="calibrate {order.run}")

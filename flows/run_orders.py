@@ -30,16 +30,15 @@ if TYPE_CHECKING:
 
     from schemas.calibration import Calibration
     from schemas.history import Reprocessing
-    from storage.catalogue.listing import Run
+    from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certify import Issued
     from tasks.stages.correct import Corrected
     from tasks.stages.explain import Explained
     from tasks.stages.simulate import Simulated
-    from tasks.station.acquisition import Acquired
     from tasks.station.ports import Ask
 
 
-def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
+def acquire(order: AcquireOrder) -> "AcquiredRuns":
     """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
     from flows.acquisition_view import acquisition_view
     from tasks.stages.acquire import acquire_run
@@ -51,13 +50,10 @@ def acquire(order: AcquireOrder) -> tuple["Run", "Acquired"]:
 
 def check_acquisition(order: AcquireOrder) -> None:
     """Raises Unusable, before a flow starts, for an acquisition that cannot be carried out."""
-    from tasks.station.limits import check_limits
-    from tasks.station.requirements import check_attended, check_procedure
+    from tasks.station.acquisition import check_run
 
     station, procedure, ask = _acquisition(order)
-    check_procedure(procedure, station)
-    check_limits(procedure, station)
-    check_attended(procedure, station, ask)
+    check_run(procedure, station, ask)
 
 
 def _acquisition(order: AcquireOrder) -> tuple[StationFile, Procedure, "Ask | None"]:

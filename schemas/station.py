@@ -1,7 +1,9 @@
 """A station file: the devices of a station, and what the manifest says of it."""
 
 from datetime import date
-from typing import Literal
+from typing import Literal, Self
+
+from pydantic import model_validator
 
 from schemas.base import Frozen
 from schemas.devices import ChamberDevice, FixtureDevice, TableDevice
@@ -23,11 +25,20 @@ class MeasurementStandard(Frozen):
     valid_until: date | None = None
 
 
+class UnitOnTable(Frozen):
+    """A further unit on the same table: its line, how it sits in the fixture, and what it is."""
+
+    unit_link: UnitLink
+    mount: Mount = Mount()
+    unit: Unit
+
+
 class StationFile(Frozen):
     """A station to acquire from: its devices, the manifest's station part, unit and fixture.
 
     mount: how the unit sits in its fixture. fixture: who turns the fixture over, a person or a
-    device. limits: what a procedure may ask of table and fixture.
+    device. limits: what a procedure may ask of table and fixture. other_units: those that are
+    measured in the same run.
     """
 
     format: Literal["mimu-station/2"] = "mimu-station/2"
@@ -40,3 +51,24 @@ class StationFile(Frozen):
     unit: Unit
     limits: Limits = Limits()
     equipment: tuple[MeasurementStandard, ...] = ()
+    other_units: tuple[UnitOnTable, ...] = ()
+
+    @model_validator(mode="after")
+    def _units_are_apart(self) -> Self:
+        """Two readers of one line would each get half of it, two runs of a unit the same name."""
+        every = self.per_unit()
+        for what, each in (
+            ("unit.serial", [one.unit.serial for one in every]),
+            ("unit_link.url", [one.unit_link.url for one in every]),
+        ):
+            if twice := [name for name in each if each.count(name) > 1]:
+                raise ValueError(f"two units have the same {what}: {twice[0]}")
+        return self
+
+    def per_unit(self) -> tuple[Self, ...]:
+        """The station as each of its units has it, with no other on the table."""
+        alone = (
+            {name: getattr(one, name) for name in UnitOnTable.model_fields}
+            for one in (self, *self.other_units)
+        )
+        return tuple(self.model_copy(update=fields | {"other_units": ()}) for fields in alone)

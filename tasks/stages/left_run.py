@@ -1,4 +1,4 @@
-"""The run that a station, a unit and a procedure were left with when it was interrupted."""
+"""The runs that a station, its units and a procedure were left with when interrupted."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -26,21 +26,34 @@ class LeftRun:
             path.unlink(missing_ok=True)
 
 
-def left_run(station: StationFile, procedure: Procedure, home: Home) -> LeftRun:
-    """The last one of this unit on this station by this procedure.
+def left_runs(station: StationFile, procedure: Procedure, home: Home) -> dict[str, LeftRun]:
+    """The last one of each unit on this station by this procedure, by the unit's serial.
 
-    Raises Unusable where there is none.
+    A unit without one is not in it. Raises Unusable where none has one.
     """
-    left = {
-        path: recording
-        for path, recording in _readable(home)
-        if _is_of(recording.manifest, station, procedure)
-    }
-    if not left:
+    readable = dict(_readable(home))
+    found = {}
+    for alone in station.per_unit():
+        if left := _last_of(alone, procedure, readable):
+            found[alone.unit.serial] = left
+    if not found:
         raise Unusable(
             f"{home.acquiring} has no interrupted run of unit {station.unit.serial} by procedure "
             f"{procedure.name} on station {station.station.id}: start a run without --resume"
         )
+    return found
+
+
+def _last_of(
+    station: StationFile, procedure: Procedure, readable: dict[Path, Recording]
+) -> LeftRun | None:
+    left = {
+        path: recording
+        for path, recording in readable.items()
+        if _is_of(recording.manifest, station, procedure)
+    }
+    if not left:
+        return None
     longest = max(left.values(), key=lambda each: (_began(each.manifest), each.imu.t[-1]))
     of_it = [
         path for path, each in left.items() if _began(each.manifest) == _began(longest.manifest)

@@ -14,15 +14,17 @@ from schemas.text import Remark
 from tasks.station.anomalies import MEASURED, remarks_on
 from tasks.station.bench import Bench, connected
 from tasks.station.clock import StationClock
+from tasks.station.drivers.unit import UnitDriver
 from tasks.station.interrupted import Interrupted, remaining
 from tasks.station.limits import check_limits
 from tasks.station.manifest import ManifestBuilder
 from tasks.station.plan import plan
 from tasks.station.ports import Ask, Table
 from tasks.station.progress import Progress, Tracker
-from tasks.station.recorder import Recorder, Sink
+from tasks.station.recorder import Recorder
 from tasks.station.requirements import check_attended, check_procedure
 from tasks.station.sequencer import Sequencer
+from tasks.station.unit_recorder import Sink, UnitRecorder
 from tasks.words import Message, message
 
 LEAVE_TIMEOUT_S = 3.0
@@ -32,44 +34,75 @@ CANCEL_AGAIN_S = 0.1
 
 @dataclass(frozen=True)
 class Acquired:
-    """What a run gave beside the streams, which are in the sink."""
+    """What a run gave of a unit beside the streams, which are in the sink.
+
+    given_up: why the run went on without the unit, as a sentence.
+    """
 
     manifest: Manifest
     warnings: tuple[Remark, ...]
     bad_frames: int
     lost_samples: int
+    given_up: str | None = None
+
+
+@dataclass(frozen=True)
+class NewRecording:
+    """The recording of a unit that is to be made: the station as that unit has it, and its sink.
+
+    earlier: a run that was interrupted and goes on: its streams are in the sink.
+    """
+
+    station: StationFile
+    sink: Sink
+    recording_id: str
+    earlier: Interrupted | None = None
+
+    def recorder(
+        self, driver: UnitDriver, clock: StationClock, procedure: Procedure
+    ) -> UnitRecorder:
+        """What makes it, from the present station time on."""
+        manifest = ManifestBuilder(
+            self.station, procedure, self.recording_id, clock.station_s, self.earlier
+        )
+        return UnitRecorder(driver, clock, self.sink, manifest)
 
 
 @dataclass(frozen=True)
 class RunRequest:
-    """A procedure to run on a station, and where the recording and the progress go.
+    """A procedure to run on a station, and where the recordings and the progress go.
 
-    `ask` has a person turn the unit over, where the station cannot. While `is_paused`, no further
-    segment begins. `earlier` is a run that was interrupted and goes on: its streams are in the
-    sink. Raises Unusable, with one sentence, where procedure and station do not suit each other.
+    `ask` has a person turn the units over, where the station cannot. While `is_paused`, no further
+    segment begins. Raises Unusable, with one sentence, where procedure and station do not suit
+    each other.
     """
 
     station: StationFile
     procedure: Procedure
-    sink: Sink
+    recordings: tuple[NewRecording, ...]
     report: Callable[[Progress], None]
-    recording_id: str
     ask: Ask | None = None
     is_paused: Callable[[], bool] = lambda: False
-    earlier: Interrupted | None = None
 
     def __post_init__(self) -> None:
-        check_procedure(self.procedure, self.station)
-        check_limits(self.procedure, self.station)
-        check_attended(self.procedure, self.station, self.ask)
+        check_run(self.procedure, self.station, self.ask)
 
 
-def acquire(request: RunRequest) -> Acquired:
-    """Run a procedure on a station and write what it gives to the sink as it comes.
+def check_run(procedure: Procedure, station: StationFile, ask: Ask | None) -> None:
+    """Raises Unusable, naming step and way out, where a station cannot run a procedure."""
+    for alone in station.per_unit():
+        check_procedure(procedure, alone)
+    check_limits(procedure, station)
+    check_attended(procedure, station, ask)
+
+
+def acquire(request: RunRequest) -> tuple[Acquired, ...]:
+    """Run a procedure on a station and write what it gives to the sinks as it comes.
 
     Streams, in SI: imu over the unit's own time stamps, table as captured encoder angles
-    (rad, `<axis>_angle`) and environment over station time. The manifest is written after
-    every finished segment.
+    (rad, `<axis>_angle`) and environment over station time. The manifests are written after
+    every finished segment. One Acquired for each recording; a unit that fails is given up as long
+    as another is sound.
 
     Raises Unusable, with one sentence, where the station does not answer, and where something
     fails on the way; what was recorded until then is in the sink. Whatever ends the run, the
@@ -78,27 +111,28 @@ def acquire(request: RunRequest) -> Acquired:
     return asyncio.run(_acquire(request))
 
 
-async def _acquire(request: RunRequest) -> Acquired:
-    async with connected(request.station, request.ask) as bench:
+async def _acquire(request: RunRequest) -> tuple[Acquired, ...]:
+    links = [recording.station.unit_link for recording in request.recordings]
+    async with connected(request.station, links, request.ask) as bench:
         return await run(request, bench)
 
 
-async def run(request: RunRequest, bench: Bench) -> Acquired:
+async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
     """A run on a bench that is connected; raises as `acquire` does."""
     await bench.table.home()
     await bench.chamber.climate()
     clock = await _station_clock(bench.table)
-    procedure, earlier = request.procedure, request.earlier
-    measured = earlier.measured() if earlier else set()
-    planned = tuple(remaining(plan(procedure), measured))
-    manifest = ManifestBuilder(
-        request.station, procedure, request.recording_id, clock.station_s, earlier
+    procedure = request.procedure
+    planned = tuple(remaining(plan(procedure), _measured(request.recordings)))
+    units = tuple(
+        each.recorder(driver, clock, procedure)
+        for each, driver in zip(request.recordings, bench.units, strict=True)
     )
     total_s = procedure.warm_up_s + sum(segment.planned_s for segment in planned)
-    recorder = Recorder(bench, clock, procedure.environment, request.sink, manifest)
+    recorder = Recorder(bench, clock, procedure.environment, units)
     tracker = Tracker(request.report, clock, recorder, total_s, len(planned))
     tracker.enter("begun", procedure.title)
-    recorder.write_manifest()
+    recorder.write_manifests()
     sequencer = Sequencer(
         bench, request.station, clock, procedure, recorder, tracker, request.is_paused
     )
@@ -113,18 +147,30 @@ async def run(request: RunRequest, bench: Bench) -> Acquired:
         await bench.table.leave()
     except BaseException as cause:
         await _stop_if_reachable(bench.table)
-        recorder.log.enter("stopped", _cause_of_the_end(cause))
+        recorder.enter("stopped", _cause_of_the_end(cause))
         if isinstance(cause, Unusable):
-            raise Unusable(_stopped(tracker.now, cause, manifest)) from cause
+            raise Unusable(_stopped(tracker.now, cause, recorder)) from cause
         raise
     finally:
-        bench.unit.end()
+        for driver in bench.units:
+            driver.end()
         _write_rest(recorder, procedure)
+    return tuple(_acquired(unit, procedure) for unit in units)
+
+
+def _measured(recordings: tuple[NewRecording, ...]) -> set[str]:
+    """The segments that every one of some interrupted runs has."""
+    of_each = [each.earlier.measured() if each.earlier else set() for each in recordings]
+    return set.intersection(*of_each)
+
+
+def _acquired(unit: UnitRecorder, procedure: Procedure) -> Acquired:
     return Acquired(
-        manifest=manifest.build(),
-        warnings=remarks_on(recorder.anomalies, manifest.segments, procedure.environment),
-        bad_frames=bench.unit.bad_frames,
-        lost_samples=recorder.unit.lost_samples,
+        manifest=unit.manifest.build(),
+        warnings=remarks_on(unit.anomalies, unit.manifest.segments, procedure.environment),
+        bad_frames=unit.driver.bad_frames,
+        lost_samples=unit.unit.lost_samples,
+        given_up=unit.given_up,
     )
 
 
@@ -171,15 +217,12 @@ async def _stop_if_reachable(table: Table) -> None:
 
 
 def _write_rest(recorder: Recorder, procedure: Procedure) -> None:
-    """Write what is still on its way, and what was noticed; the unit may be what failed."""
+    """Write what is still on its way, and what was noticed; a unit may be what failed."""
     with suppress(Unusable):
         recorder.flush(final=True)
-    manifest = recorder.manifest
-    noticed = remarks_on(recorder.anomalies, manifest.segments, procedure.environment)
-    before = manifest.extra.get("station_remarks", [])
-    dumped = [remark.model_dump(mode="json") for remark in noticed]
-    manifest.extra["station_remarks"] = [*before, *dumped]
-    recorder.write_manifest()
+    for unit in recorder.units:
+        unit.remember(remarks_on(unit.anomalies, unit.manifest.segments, procedure.environment))
+        unit.write_manifest(recorder.encoders.table.time_half_width_s)
 
 
 def _cause_of_the_end(cause: BaseException) -> Message:
@@ -188,8 +231,9 @@ def _cause_of_the_end(cause: BaseException) -> Message:
     return message("station-log-stopped", cause=str(cause) or type(cause).__name__)
 
 
-def _stopped(now: str, cause: Unusable, manifest: ManifestBuilder) -> str:
-    measured = sum(segment.kind in MEASURED for segment in manifest.segments)
+def _stopped(now: str, cause: Unusable, recorder: Recorder) -> str:
+    segments = recorder.sound[0].manifest.segments
+    measured = sum(segment.kind in MEASURED for segment in segments)
     return (
         f"the run stopped during «{now}»: {cause}; what was recorded until then is kept "
         f"(finished segments: {measured})"

@@ -1,12 +1,13 @@
 """What a run needs of a station, connected and ready."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
-from contextlib import asynccontextmanager, closing
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
+from contextlib import ExitStack, asynccontextmanager, closing
 from dataclasses import dataclass
 from typing import Any
 
 from schemas.procedure import Refix
 from schemas.station import StationFile
+from schemas.unit_link import UnitLink
 from tasks.station.bus import BusChamber, BusFixture, BusTable, bus
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.unit import UnitDriver
@@ -24,15 +25,17 @@ class Bench:
     table: Table
     chamber: Chamber
     fixture: Fixture | None
-    unit: UnitDriver
+    units: tuple[UnitDriver, ...]
     beside: Callable[[Coroutine[Any, Any, None]], Awaitable[None]]
 
 
 @asynccontextmanager
-async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Bench]:
-    """The bench of a station file, for the length of the block.
+async def connected(
+    station: StationFile, links: Sequence[UnitLink], ask: Ask | None
+) -> AsyncIterator[Bench]:
+    """The bench of a station file with the units at some links, for the length of the block.
 
-    Raises Unusable where the table or the unit's line cannot be reached.
+    Raises Unusable where the table or a unit's line cannot be reached.
     """
     names = tuple(axis.name for axis in station.station.table_axes or ())
     devices = Devices(names)
@@ -43,9 +46,11 @@ async def connected(station: StationFile, ask: Ask | None) -> AsyncIterator[Benc
         try:
             table = BusTable(await drivers.do(devices.table(station.table)), drivers)
             chamber = BusChamber(await drivers.do(devices.chamber(station.chamber)), drivers)
-            with closing(UnitLine(station.unit_link)) as line:
-                unit = UnitDriver(station.unit_link, line)
-                yield Bench(table, chamber, fixture, unit, drivers.do)
+            with ExitStack() as lines:
+                units = tuple(
+                    UnitDriver(link, lines.enter_context(closing(UnitLine(link)))) for link in links
+                )
+                yield Bench(table, chamber, fixture, units, drivers.do)
         finally:
             await drivers.do(devices.hang_up())
 

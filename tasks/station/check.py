@@ -57,7 +57,9 @@ async def _check(station: StationFile, move: bool) -> tuple[Trial, ...]:
         if station.fixture != "by_hand":
             fixture: Awaitable[Fixture] = devices.fixture(station.fixture)
             await trials.of("fixture", "found", fixture, _is_one)
-        await trials.of("unit", "samples", _unit(station), _itself)
+        for alone in station.per_unit():
+            name = f"unit {alone.unit.serial}" if station.other_units else "unit"
+            await trials.of(name, "samples", _unit(alone), _itself)
     finally:
         await devices.hang_up()
     return tuple(trials.made)

@@ -6,10 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from schemas.procedure import Procedure
+from schemas.procedure import Procedure, Refix
 from schemas.recording import Manifest, Mount, Segment, Stream
 from schemas.station import StationFile
 from tasks.station.interrupted import Interrupted
+from tasks.station.requirements import mount_in
 
 
 class ManifestBuilder:
@@ -91,6 +92,14 @@ class ManifestBuilder:
             mount=segment.mount,
         )
         return segment
+
+    def turned_over(self, refix: Refix | None) -> None:
+        """The unit's attitude on the table from now on; not known while it is turned (None)."""
+        self.mount = None if refix is None else mount_in(refix.mount, self._station.mount)
+
+    @property
+    def serial(self) -> str:
+        return self._station.unit.serial
 
     def build(self) -> Manifest:
         """The manifest with the segments finished so far."""

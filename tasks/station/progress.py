@@ -71,7 +71,7 @@ class Tracker:
             f"station-log-{state.replace('_', '-')}",
             now=now, number=self.segment, count=self.segments,
         )  # fmt: skip
-        self.recorder.log.enter(state, cause)
+        self.recorder.enter(state, cause)
         self._reported_wall_s = -REPORT_EVERY_S
         self.tick()
 
@@ -98,11 +98,11 @@ class Tracker:
                 station_s_done=done_s,
                 station_s_total=self.total_s,
                 wall_s_left=left_s,
-                state=recorder.log.state,
+                state=recorder.state,
                 segment=self.segment,
                 segments=self.segments,
-                rates_hz=recorder.last_rows.rates_hz,
-                noise=recorder.last_rows.noise,
-                alarms=recorder.log.alarms,
+                rates_hz=recorder.rates_hz,
+                noise=recorder.noise,
+                alarms=recorder.alarms,
             )
         )

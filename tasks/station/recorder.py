@@ -1,53 +1,51 @@
-"""What comes in goes to the sink at once, and is checked on the way."""
+"""The streams of a run, written as they come: each unit's own, and the table's and air's to all."""
 
 import asyncio
-from dataclasses import asdict
-from typing import Protocol
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Literal
 
-from schemas.procedure import EnvironmentLimits
-from schemas.recording import Manifest, Segment, Stream
-from schemas.run_log import LogEntry
-from tasks.station.anomalies import FAILURES, Anomaly, touches
+from schemas.base import Unusable
+from schemas.procedure import EnvironmentLimits, Refix
+from schemas.recording import Segment
+from schemas.run_log import State
+from schemas.text import Statement
+from tasks.station.anomalies import Anomaly
 from tasks.station.bench import Bench
 from tasks.station.clock import StationClock
-from tasks.station.manifest import ManifestBuilder
-from tasks.station.monitor import SegmentMonitor
-from tasks.station.readers import ClimateReader, EncoderReader, UnitReader
-from tasks.station.run_log import RunLog
-from tasks.station.stream_figures import LastRows
+from tasks.station.readers import ClimateReader, EncoderReader
+from tasks.station.unit_recorder import UnitRecorder
+from tasks.words import Message, message, statement
 
 FLUSH_S = 0.2  # wall time: what a kill may lose
-
-
-class Sink(Protocol):
-    """Where a recording goes as it is made; what a call gives is soon on the disk."""
-
-    def append(self, name: str, stream: Stream, /) -> object: ...
-
-    def manifest(self, manifest: Manifest, /) -> object: ...
+MOST_REPEATED = 12
 
 
 class Recorder:
-    """The three streams of a run, written to the sink every FLUSH_S of wall time."""
+    """The recordings of a run's units, written every FLUSH_S of wall time.
+
+    A unit that fails is given up as long as another is sound; the last one's failure is the run's.
+    """
 
     def __init__(
         self,
         bench: Bench,
         clock: StationClock,
         limits: EnvironmentLimits,
-        sink: Sink,
-        manifest: ManifestBuilder,
+        units: Sequence[UnitRecorder],
     ) -> None:
-        self.anomalies: list[Anomaly] = []
-        self.manifest = manifest
-        self.encoders = EncoderReader(bench.table, clock, self.anomalies.append)
-        self.climate = ClimateReader(bench.chamber, clock, limits, self.anomalies.append)
-        self.unit = UnitReader(bench.unit, clock, self.anomalies.append)
-        self.monitor = SegmentMonitor(bench.unit.link)
-        self.last_rows = LastRows()
-        self.log = RunLog(clock, manifest.origin_s)
-        self.log.entries += map(LogEntry.model_validate, manifest.extra.get("log", ()))
-        self._sink = sink
+        self.units = tuple(units)
+        self.encoders = EncoderReader(bench.table, clock, self.note)
+        self.climate = ClimateReader(bench.chamber, clock, limits, self.note)
+
+    @property
+    def sound(self) -> tuple[UnitRecorder, ...]:
+        """The units that are still recorded."""
+        return tuple(unit for unit in self.units if unit.given_up is None)
+
+    def note(self, anomaly: Anomaly) -> None:
+        """Something about the table or the air, which every unit shares."""
+        for unit in self.sound:
+            unit.anomalies.append(anomaly)
 
     async def run(self) -> None:
         """Flush for ever."""
@@ -56,50 +54,123 @@ class Recorder:
             self.flush()
 
     def flush(self, final: bool = False) -> None:
-        """Write what has come. The unit is last: its silence must not cost the other streams."""
-        table = self._written("table", self.encoders.take())
-        self._written("environment", self.climate.take())
-        imu = self._written("imu", self.unit.take(final))
-        self.anomalies += self.monitor.run(imu, table)
-        self.log.notice(self.anomalies)
+        """Write what has come. Raises Unusable where no unit is left."""
+        table, environment = self.encoders.take(), self.climate.take()
+        faults: list[tuple[UnitRecorder, Unusable]] = []
+        for unit in self.sound:
+            try:
+                unit.write(table, environment, final)
+            except Unusable as fault:
+                faults.append((unit, fault))
+        if faults and len(faults) == len(self.sound):
+            raise faults[-1][1]
+        for unit, its_fault in faults:
+            unit.give_up(str(its_fault))
+            unit.write_manifest(self.encoders.table.time_half_width_s)
 
-    def _written(self, name: str, stream: Stream) -> Stream:
-        if len(stream):
-            self._sink.append(name, self.manifest.since_start(stream))
-            self.last_rows.add(name, stream)
-        return stream
+    @property
+    def t_end(self) -> float:
+        """The station time (s) up to which the run is labelled."""
+        return self.sound[0].manifest.segments[-1].t_end
+
+    @property
+    def reached_s(self) -> float:
+        """The station time (s) up to which the table's data and every unit's have come."""
+        return min(unit.monitor.reached_s for unit in self.sound)
+
+    def fill(self, name: str, kind: Literal["settle", "transition"], t_end: float) -> None:
+        """Label what lies between the last segment and a time (s)."""
+        for unit in self.sound:
+            unit.manifest.fill(name, kind, t_end)
 
     def finish(self, segment: Segment, spin_axis: str | None) -> None:
-        """A measured segment is over: label it, and check it when its data are there."""
-        self.manifest.add(segment)
-        self.monitor.add(segment, spin_axis)
-        self.write_manifest()
+        """A measured segment is over."""
+        for unit in self.sound:
+            unit.finish(segment, spin_axis)
+        self.write_manifests()
 
-    def failed(self) -> list[str]:
-        """Measured segments whose data are there and not sound."""
-        doubts = [anomaly for anomaly in self.anomalies if anomaly.code in FAILURES]
-        return [each.name for each in self.manifest.segments if touches(each, doubts)]
+    def failed(self, among: Collection[str]) -> dict[str, list[UnitRecorder]]:
+        """Which of some segments are to be repeated, and for which units.
 
-    def withdraw(self, name: str) -> None:
-        """A measured segment is to be repeated: its data stay, and its label goes."""
-        segment = self.manifest.withdraw(name)
-        self.anomalies.append(
-            Anomaly("segment_repeated", segment.t_start, segment.t_end, subject=name)
+        Where more than MOST_REPEATED of a unit fail, the bench or the unit itself does.
+        """
+        found: dict[str, list[UnitRecorder]] = {}
+        for unit in self.sound:
+            names = [name for name in unit.failed() if name in among]
+            for name in names if len(names) <= MOST_REPEATED else ():
+                found.setdefault(name, []).append(unit)
+        return found
+
+    def withdraw(self, name: str, units: Iterable[UnitRecorder]) -> None:
+        """A measured segment is to be repeated for some units."""
+        for unit in units:
+            unit.withdraw(name)
+        self.write_manifests()
+
+    def turned_over(self, refix: Refix | None) -> None:
+        """The units' attitude in their fixture, not known while it is turned."""
+        for unit in self.sound:
+            unit.manifest.turned_over(refix)
+
+    def switched_off(self) -> None:
+        """The units are to be switched off: they may be silent now."""
+        for unit in self.sound:
+            unit.unit.switched_off()
+
+    def switched_on(self, station_s: float | None) -> None:
+        """They were switched on again, at a station time (s) where that is known."""
+        for unit in self.sound:
+            unit.unit.switched_on(station_s)
+
+    def write_manifests(self) -> None:
+        """Write every manifest with the segments finished so far."""
+        for unit in self.sound:
+            unit.write_manifest(self.encoders.table.time_half_width_s)
+
+    def enter(self, state: State, cause: Message) -> None:
+        """The run enters a state."""
+        for unit in self.sound:
+            unit.log.enter(state, cause)
+
+    @property
+    def state(self) -> State:
+        return self.sound[0].log.state
+
+    @property
+    def alarms(self) -> tuple[Statement, ...]:
+        """What was noticed so far, of which unit where there are several."""
+        of_each = [
+            (unit, alarm) for unit in self.units for alarm in (*unit.log.alarms, *_given_up(unit))
+        ]
+        if len(self.units) == 1:
+            return tuple(alarm for _, alarm in of_each)
+        return tuple(
+            Statement(en=f"{unit.serial}: {alarm.en}", zh=f"{unit.serial}: {alarm.zh}")
+            for unit, alarm in of_each
         )
-        self.write_manifest()
 
-    def write_manifest(self) -> None:
-        """Write the manifest with the segments finished so far."""
-        first_s, *again_s = self.unit.clock_shifts_s
-        if first_s:
-            self.manifest.extra["unit_clock_shift_s"] = first_s
-        if again_s:
-            since_start = [round(shift_s - self.manifest.origin_s, 6) for shift_s in again_s]
-            self.manifest.extra["unit_power_on_s"] = since_start
-        if half_width_s := self.encoders.table.time_half_width_s:
-            table_time = {"encoder": "polled", "half_width_s": round(half_width_s, 6)}
-            self.manifest.extra["table_time"] = table_time
-        self.manifest.extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
-        if comparison := self.unit.compared():
-            self.manifest.extra["unit_clock"] = asdict(comparison)
-        self._sink.manifest(self.manifest.build())
+    @property
+    def rates_hz(self) -> Mapping[str, float]:
+        """Rows of each stream in a second of its time; of several units, the slowest's."""
+        return _most((unit.last_rows.rates_hz for unit in self.sound), min)
+
+    @property
+    def noise(self) -> Mapping[str, float]:
+        """As LastRows has it; of several units, the noisiest's."""
+        return _most((unit.last_rows.noise for unit in self.sound), max)
+
+
+def _given_up(unit: UnitRecorder) -> tuple[Statement, ...]:
+    if unit.given_up is None:
+        return ()
+    return (statement(message("station-log-given-up", cause=unit.given_up)),)
+
+
+def _most(
+    figures: Iterable[Mapping[str, float]], choose: Callable[[list[float]], float]
+) -> dict[str, float]:
+    found: dict[str, list[float]] = {}
+    for each in figures:
+        for name, value in each.items():
+            found.setdefault(name, []).append(value)
+    return {name: choose(values) for name, values in found.items()}

@@ -14,14 +14,12 @@ from tasks.station.plan import PlannedSegment
 from tasks.station.ports import TableState, check_trips
 from tasks.station.progress import Tracker
 from tasks.station.recorder import Recorder
-from tasks.station.requirements import mount_in
 from tasks.station.setpoints import SetPoint, move_s, nearest_turn, rate_change_s
 
 SETTLING_MARGIN_S = 20.0  # station time beyond twice the computed duration
 GUARD_WALL_S = 0.2
 POLL_STATION_S = 0.25
 REPEATS = 2
-MOST_REPEATED = 12
 CATCH_UP_S = 3.0
 CATCH_UP_STEP_S = 0.02
 
@@ -43,7 +41,6 @@ class Sequencer:
 
     def __post_init__(self) -> None:
         self._table = self.bench.table
-        self._manifest = self.recorder.manifest
         self._spinning: PlannedSegment | None = None
         self._standing: tuple[float, ...] = ()  # angles that were asked for, deg
 
@@ -62,7 +59,7 @@ class Sequencer:
             measured[segment.name] = replace(segment, refix=None)
         await self._repeat_failed(measured)
         self.tracker.begin("finishing", "last data", 0.0)
-        await self._catch_up(self._manifest.segments[-1].t_end)
+        await self._catch_up(self.recorder.t_end)
         self.tracker.end()
 
     async def _pause(self) -> None:
@@ -74,19 +71,17 @@ class Sequencer:
         while self.is_paused():
             await self._watch()
             await asyncio.sleep(GUARD_WALL_S)
-        self._manifest.fill("pause", "transition", self.clock.station_s)
+        self.recorder.fill("pause", "transition", self.clock.station_s)
 
     async def _repeat_failed(self, measured: dict[str, PlannedSegment]) -> None:
-        """Measure anew what is not sound; if that is more than MOST_REPEATED, the bench fails."""
+        """Measure anew what is not sound, for the units of which it is not."""
         for _ in range(REPEATS):
-            await self._catch_up(self._manifest.segments[-1].t_end)
-            failed = [name for name in self.recorder.failed() if name in measured]
-            if not failed or len(failed) > MOST_REPEATED:
-                return
-            for name in failed:
+            await self._catch_up(self.recorder.t_end)
+            failed = self.recorder.failed(measured)
+            for name, units in failed.items():
                 self.tracker.add(measured[name].planned_s)
                 self.tracker.begin("repeating", measured[name].text, measured[name].planned_s)
-                self.recorder.withdraw(name)
+                self.recorder.withdraw(name, units)
                 await self._measure(measured[name])
 
     async def guard(self) -> None:
@@ -98,7 +93,7 @@ class Sequencer:
     async def _warm_up(self) -> None:
         warm_s = self.clock.station_s + self.procedure.warm_up_s
         await self._wait_until(warm_s)
-        self._manifest.fill("warm", "settle", warm_s)
+        self.recorder.fill("warm", "settle", warm_s)
 
     async def _measure(self, planned: PlannedSegment) -> None:
         if planned.refix is not None:
@@ -113,8 +108,8 @@ class Sequencer:
             await self._wait_until(t_start + self._table.period_us / 1e6)
             late_s = self.clock.station_s - self.procedure.settle_s
             t_start = round(max(t_start, late_s), 6)
-        self._manifest.fill("ramp" if planned.kind == "rate" else "move", "transition", settled_s)
-        self._manifest.fill("settle", "settle", t_start)
+        self.recorder.fill("ramp" if planned.kind == "rate" else "move", "transition", settled_s)
+        self.recorder.fill("settle", "settle", t_start)
         if planned.kind == "rotation":
             t_end = await self._turn(planned)
         else:
@@ -128,16 +123,16 @@ class Sequencer:
         assert self.bench.fixture is not None  # check_attended
         await self._stop_spinning()
         await self._go_to((0.0,) * len(self._table.names))
-        self._manifest.fill("move", "transition", self.clock.station_s)
+        self.recorder.fill("move", "transition", self.clock.station_s)
         if refix.power_off:
-            self.recorder.unit.switched_off()
+            self.recorder.switched_off()
         on_s = await self.bench.fixture.turn(refix)
         if refix.power_off:
-            self.recorder.unit.switched_on(on_s)
+            self.recorder.switched_on(on_s)
         await self._watch()
-        self._manifest.mount = None  # while it is turned over its attitude is not known
-        self._manifest.fill("refix", "transition", self.clock.station_s)
-        self._manifest.mount = mount_in(refix.mount, self.station.mount)
+        self.recorder.turned_over(None)
+        self.recorder.fill("refix", "transition", self.clock.station_s)
+        self.recorder.turned_over(refix)
         if refix.power_off:
             await self._warm_up()
 
@@ -225,17 +220,15 @@ class Sequencer:
             for name, axis in zip(self._table.names, state.axes, strict=True):
                 if settled and state.station_s < station_s and not axis.is_settled:
                     at_s = state.station_s
-                    self.recorder.anomalies.append(
-                        Anomaly("table_unsettled", at_s, at_s, subject=name)
-                    )
+                    self.recorder.note(Anomaly("table_unsettled", at_s, at_s, subject=name))
 
     async def _catch_up(self, station_s: float) -> None:
         """Wait for the last data while they come; a unit that is silent says so itself."""
-        monitor, came_s = self.recorder.monitor, wall_s()
-        while not monitor.has_passed(station_s) and wall_s() - came_s < CATCH_UP_S:
-            before_s = monitor.reached_s
+        came_s = wall_s()
+        while self.recorder.reached_s < station_s and wall_s() - came_s < CATCH_UP_S:
+            before_s = self.recorder.reached_s
             self.recorder.flush(final=True)
-            came_s = wall_s() if monitor.reached_s > before_s else came_s
+            came_s = wall_s() if self.recorder.reached_s > before_s else came_s
             await asyncio.sleep(CATCH_UP_STEP_S)
 
     async def _watch(self) -> TableState:

@@ -106,7 +106,7 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home,
     order = (
         "from flows.carry_out import as_flow_run; from schemas.orders import ProduceOrder\n"
         f"order = ProduceOrder(station={str(station_file)!r}, procedure={str(procedure)!r})\n"
-        "issued = as_flow_run('produce', order)\n"
+        "(issued,) = as_flow_run('produce', order)\n"
         "print('VERDICT', issued.certificate.decision.verdict)\n" + ARTIFACTS
     )
     done = subprocess.run(

@@ -50,7 +50,10 @@ class Air(Frozen):
 
 
 class VirtualStation(Frozen):
-    """Everything that is so at the station, whether the program knows it or not."""
+    """Everything that is so at the station, whether the program knows it or not.
+
+    neighbours: further units on the table, seated as `unit` is; faults are of `unit` alone.
+    """
 
     id: str = "VIRTUAL-1"
     latitude_deg: Finite = Field(default=39.9, ge=-90, le=90)
@@ -60,6 +63,7 @@ class VirtualStation(Frozen):
     air: Air = Air()
     mount: Mount = Mount()
     unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
+    neighbours: tuple[UnitTruth, ...] = ()
 
 
 def virtual_station(seed: int, ahrs: bool) -> VirtualStation:
@@ -75,21 +79,24 @@ def virtual_station(seed: int, ahrs: bool) -> VirtualStation:
 
 
 def station_file(
-    config: VirtualStation, speed: float, host: str, modbus_port: int, unit_port: int
+    config: VirtualStation, speed: float, host: str, modbus_port: int, *unit_ports: int
 ) -> StationFile:
-    """What a client needs; `clock_speed` of its station part is station time over wall time."""
-    unit, angles = config.unit, config.unit.angle_lsb is not None
+    """What a client needs; `clock_speed` of its station part is station time over wall time.
+
+    unit_ports: of the unit, then of its neighbours.
+    """
+    units = [
+        _unit(truth, config.mount, f"socket://{host}:{port}")
+        for truth, port in zip((config.unit, *config.neighbours), unit_ports, strict=True)
+    ]
     devices = tomllib.loads((files(stations) / "mimucal.toml").read_text(encoding="utf-8"))
     devices = {name: devices[name] for name in ("table", "chamber", "fixture")}
     for device in devices.values():
         device["url"] = f"socket://{host}:{modbus_port}"
     _describe(config.table, devices["table"])
     return StationFile.model_validate(devices | {
-        "unit_link": {
-            "url": f"socket://{host}:{unit_port}",
-            "rate_hz": unit.rate_hz,
-            "frame": _frame(unit),
-        },
+        **units[0],
+        "other_units": units[1:],
         "station": {
             "id": config.id,
             "latitude_deg": config.latitude_deg,
@@ -98,14 +105,22 @@ def station_file(
             "table_axes": config.table.axes,
             "clock_speed": speed,
         },
-        "mount": config.mount,
-        "unit": {
-            "manufacturer": "Virtual",
-            "model": "V-AHRS" if angles else "V-MIMU",
-            "serial": f"{'A' if angles else 'V'}{unit.seed:05d}",
-        },
         "equipment": _equipment(len(config.table.axes)),
     })  # fmt: skip
+
+
+def _unit(truth: UnitTruth, mount: Mount, url: str) -> dict[str, Any]:
+    """A unit and its line, as a station file has them."""
+    letter, model = ("V", "V-MIMU") if truth.angle_lsb is None else ("A", "V-AHRS")
+    return {
+        "unit_link": {"url": url, "rate_hz": truth.rate_hz, "frame": _frame(truth)},
+        "mount": mount,
+        "unit": {
+            "manufacturer": "Virtual",
+            "model": model,
+            "serial": f"{letter}{truth.seed:05d}",
+        },
+    }
 
 
 def _describe(design: TableDesign, table: dict[str, Any]) -> None:

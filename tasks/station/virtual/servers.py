@@ -77,7 +77,8 @@ async def serve(
 ) -> None:
     """Runs the station until it is cancelled.
 
-    speed: station seconds in a wall second. Port 0 takes a free one. ready gets what a client
+    speed: station seconds in a wall second. Port 0 takes a free one; neighbours of the unit
+    have the ports behind its own. ready gets what a client
     needs to find its way. Raises Unusable where a port cannot be had or the speed is no speed.
     """
     if not 0.0 < speed < float("inf"):
@@ -88,31 +89,46 @@ async def serve(
     simulation = Simulation(config, faults)
     simulation.advance(1)  # so that the faults of second 0 hold for the first request
     controller = Controller(simulation)
-    clients: set[asyncio.StreamWriter] = set()
+    # of the unit, then of its neighbours
+    clients: list[set[asyncio.StreamWriter]] = [set() for _ in (0, *config.neighbours)]
     modbus = ControllerServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
         raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
     try:
-        # what a client sends is ignored
-        unit = await asyncio.start_server(lambda _, client: clients.add(client), host, unit_port)
-    except OSError as error:
+        units = [
+            await _unit_server(each, host, unit_port and unit_port + place)
+            for place, each in enumerate(clients)
+        ]
+    except Unusable:
         modbus.close()
-        raise Unusable(
-            f"port {unit_port} of {host} cannot be had for the unit: choose another"
-        ) from error
+        raise
     try:
-        ready(station_file(config, speed, host, _port(modbus.transport), _port(unit)))
+        ports = (_port(modbus.transport), *map(_port, units))
+        ready(station_file(config, speed, host, *ports))
 
         def watch() -> None:
             controller.watch()
-            _suffer(simulation.condition, clients)
+            _suffer(simulation.condition, clients[0])
+            for each, data in zip(clients[1:], simulation.neighbours_sent(), strict=True):
+                _send(each, data)
 
-        await keep_time(simulation, speed, lambda data: _send(clients, data), watch)
+        await keep_time(simulation, speed, lambda data: _send(clients[0], data), watch)
     finally:
         modbus.close()
-        unit.close()
-        for client in clients:
+        for unit in units:
+            unit.close()
+        for client in set.union(*clients):
             client.close()
+
+
+async def _unit_server(clients: set[asyncio.StreamWriter], host: str, port: int) -> asyncio.Server:
+    """Takes in who wants a unit's frames; what a client sends is ignored."""
+    try:
+        return await asyncio.start_server(lambda _, client: clients.add(client), host, port)
+    except OSError as error:
+        raise Unusable(
+            f"port {port} of {host} cannot be had for the unit: choose another"
+        ) from error
 
 
 def _port(server: Any) -> int:

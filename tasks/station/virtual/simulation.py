@@ -3,6 +3,7 @@
 import struct
 from binascii import crc_hqx
 from collections.abc import Iterable
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from tasks.station.virtual.sensors import Ahrs, UnitUnderTest
 from tasks.station.virtual.table import VirtualTable
 
 STILL_AFTER_S = 1.0  # by then servo and filters are where they are going, to 1e-15
+
+
+Samples: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
 class Simulation:
@@ -31,8 +35,11 @@ class Simulation:
         self._held: list[bytes] = []  # frames that are late
         self._clock_errs_from: int | None = None  # number of a sample
         self._body = Body(config)
-        unit_type = UnitUnderTest if config.unit.angle_lsb is None else Ahrs
-        self._unit = unit_type(config.unit, config.air.temperature_degc)
+        self._unit, *self._neighbours = (
+            (UnitUnderTest if truth.angle_lsb is None else Ahrs)(truth, config.air.temperature_degc)
+            for truth in (config.unit, *config.neighbours)
+        )
+        self._neighbours_sent = [bytearray() for _ in self._neighbours]
 
     @property
     def air(self) -> Air:
@@ -57,10 +64,25 @@ class Simulation:
         still_since = max(self.table.still_since(), self.fixture.still_since())
         if self.table.now > still_since + STILL_AFTER_S:
             self.table.rest(steps)
-            return self._send(*self._unit.rest(*self._body.still(), steps, self.air_degc))
+            still = (*self._body.still(), steps, self.air_degc)
+            self._gather(each.rest(*still) for each in self._neighbours)
+            return self._send(*self._unit.rest(*still))
         mount = self.fixture.mount((self.table.steps + np.arange(1, steps + 1)) * STEP_S)
-        motion = self._body.move(self.table.advance(steps), mount)
-        return self._send(*self._unit.sense(*motion, self.air_degc))
+        motion = (*self._body.move(self.table.advance(steps), mount), self.air_degc)
+        self._gather(each.sense(*motion) for each in self._neighbours)
+        return self._send(*self._unit.sense(*motion))
+
+    def neighbours_sent(self) -> list[bytes]:
+        """What each neighbour sent since the last call."""
+        sent = [bytes(each) for each in self._neighbours_sent]
+        for each in self._neighbours_sent:
+            each.clear()
+        return sent
+
+    def _gather(self, samples: Iterable[Samples]) -> None:
+        units = zip(self._neighbours_sent, self.config.neighbours, samples, strict=True)
+        for waiting, truth, read in units:
+            waiting += b"".join(frames(truth.frame, *read))
 
     def turn_fixture(self) -> None:
         """Sets the fixture going, where its drive obeys."""
@@ -70,10 +92,12 @@ class Simulation:
     def supply(self, on: bool) -> None:
         """Switches the unit's supply."""
         if on and not self.is_supplied:
-            self._unit.switch_on(self.air_degc)
+            for each in (self._unit, *self._neighbours):
+                each.switch_on(self.air_degc)
             self.supplied_steps = self.table.steps
         elif not on:
-            self._unit.switch_off()
+            for each in (self._unit, *self._neighbours):
+                each.switch_off()
         self.is_supplied = on
 
     def _apply_faults(self) -> None:

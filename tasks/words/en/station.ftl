@@ -52,6 +52,7 @@ station-log-turning-over = The unit is turned over in its fixture: { $now }.
 station-log-finishing = Every segment is measured, and the last data are waited for.
 station-log-done = The run is complete.
 station-log-stopped = The run stopped: { $cause }
+station-log-given-up = The unit was given up, and the run went on without it: { $cause }
 station-log-operator = The operator stopped the run.
 station-log-alarm = Noticed: { $alarm }.
 station-log-times = { $alarm } ({ $count }×)

@@ -55,6 +55,7 @@ station-log-turning-over = 在夹具上翻转被校单元：{ $now }。
 station-log-finishing = 各段测量完毕，等待最后的数据。
 station-log-done = 采集完成。
 station-log-stopped = 采集中止：{ $cause }
+station-log-given-up = 放弃该器件，采集继续进行：{ $cause }
 station-log-operator = 操作员中止采集。
 station-log-alarm = 发现：{ $alarm }。
 station-log-times = { $alarm }（{ $count } 次）

@@ -52,7 +52,7 @@ def named(station: StationFile, serial: str) -> StationFile:
 def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     station: StationFile, fresh: Home, serial: str
 ) -> None:
-    run, _ = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None)
+    ((run, _),) = acquire_run(named(station, serial), PROCEDURE, fresh, lambda _: None).kept
     assert run.recording_id.startswith(f"{serial}-short-")
     assert run.serial == serial
     assert list(fresh.acquiring.iterdir()) == []

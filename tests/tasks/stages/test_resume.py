@@ -1,5 +1,6 @@
 """A run that was interrupted goes on as the same run."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from storage.home import Home
 from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run
 from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.unit import draw_unit
 from tests.tasks.stages.test_acquire import POSITION, PROCEDURE
 from tests.tasks.station.in_memory import InMemoryStation
@@ -41,7 +43,10 @@ class Bench:
         self.restart()
 
     def restart(self) -> None:
-        self.station = InMemoryStation(VirtualStation(unit=draw_unit(7)), speed=5.0)
+        self.use(VirtualStation(unit=draw_unit(7)))
+
+    def use(self, config: VirtualStation, faults: Iterable[StationFault] = ()) -> None:
+        self.station = InMemoryStation(config, speed=5.0, faults=faults)
         self._monkeypatch.setattr(acquire, "acquire", self.station.run)
 
     def acquire(self, until: str = "", resume: bool = False) -> Recording:
@@ -57,7 +62,8 @@ class Bench:
             if looks == LOOKS:
                 raise KeyboardInterrupt
 
-        run, _ = acquire_run(self.station.file, FOUR, self.home, report, resume=resume)
+        made = acquire_run(self.station.file, FOUR, self.home, report, resume=resume)
+        ((run, _),) = made.kept
         return runs.load(run, self.home)
 
     def interrupt(self, until: str, resume: bool = False) -> Path:
@@ -131,3 +137,23 @@ def test_the_station_may_have_been_restarted_and_the_run_broken_off_again(bench)
 def test_where_no_run_was_interrupted_it_is_refused_with_the_way_out(bench):
     with pytest.raises(Unusable, match="without --resume"):
         bench.acquire(resume=True)
+
+
+def test_a_unit_that_was_given_up_is_measured_to_the_end_later_and_alone(bench):
+    config = VirtualStation(unit=draw_unit(7), neighbours=(draw_unit(8),))
+    bench.use(config, [StationFault("unit_silent", 12.0)])
+    made = acquire_run(bench.station.file, FOUR, bench.home, lambda _: None)
+    ((run, acquired),) = made.kept
+    assert measured(runs.load(run, bench.home)) == NAMES
+    assert (run.serial, acquired.given_up) == ("V00008", None)
+    (sentence,) = made.given_up
+    (left,) = bench.home.acquiring.iterdir()
+    assert "unit V00007 was given up: the unit on" in sentence
+    assert f"recorded so far: {left} (`mimucal acquire --resume`" in sentence
+    bench.use(config)
+    again = acquire_run(bench.station.file, FOUR, bench.home, lambda _: None, resume=True)
+    ((other, _),) = again.kept
+    assert other.serial == "V00007"
+    assert measured(runs.load(other, bench.home)) == NAMES
+    assert_whole(runs.load(other, bench.home))
+    assert list(bench.home.acquiring.iterdir()) == []

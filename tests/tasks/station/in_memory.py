@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.procedure import Procedure, Refix
 from schemas.station import StationFile
-from tasks.station.acquisition import Acquired, RunRequest, run
+from tasks.station.acquisition import Acquired, NewRecording, RunRequest, run
 from tasks.station.bench import Bench, ByHand
 from tasks.station.clock import wall_s
 from tasks.station.drivers.unit import UnitDriver
@@ -159,7 +159,8 @@ class InMemoryStation:
     def __init__(
         self, config: VirtualStation, speed: float = 20.0, faults: Iterable[StationFault] = ()
     ) -> None:
-        self.file: StationFile = station_file(config, speed, "in-memory", 1, 1)
+        ports = range(1, 3 + len(config.neighbours))
+        self.file: StationFile = station_file(config, speed, "in-memory", *ports)
         self.simulation = Simulation(config, faults)
         self.simulation.advance(1)
         self.table = InMemoryTable(self.simulation)
@@ -176,19 +177,32 @@ class InMemoryStation:
         ask: Any = None,
     ) -> Acquired:
         """The run of a procedure. Raises as `tasks.station.acquisition.acquire` does."""
-        return self.run(RunRequest(file or self.file, procedure, sink, report, "in memory", ask))
+        station = file or self.file
+        recording = NewRecording(station, sink, "in memory")
+        (acquired,) = self.run(RunRequest(station, procedure, (recording,), report, ask))
+        return acquired
 
-    def run(self, request: RunRequest) -> Acquired:
+    def run(self, request: RunRequest) -> tuple[Acquired, ...]:
         """In the place of `tasks.station.acquisition.acquire`."""
         return run_simulated(self._run(request))
 
-    async def _run(self, request: RunRequest) -> Acquired:
-        line = InMemoryLine()
-        time_passes = asyncio.ensure_future(keep_time(self.simulation, self._speed, line.send))
+    async def _run(self, request: RunRequest) -> tuple[Acquired, ...]:
+        lines = [InMemoryLine() for _ in request.recordings]
+
+        def to_neighbours() -> None:
+            for line, data in zip(lines[1:], self.simulation.neighbours_sent(), strict=False):
+                line.send(data)
+
+        time_passes = asyncio.ensure_future(
+            keep_time(self.simulation, self._speed, lines[0].send, to_neighbours)
+        )
         fixture = self.fixture if request.ask is None else ByHand(request.ask)
         chamber = InMemoryChamber(self.simulation)
-        unit = UnitDriver(request.station.unit_link, line)
-        bench = Bench(self.table, chamber, fixture, unit, beside=_here)
+        units = tuple(
+            UnitDriver(recording.station.unit_link, line)
+            for recording, line in zip(request.recordings, lines, strict=True)
+        )
+        bench = Bench(self.table, chamber, fixture, units, beside=_here)
         try:
             return await run(request, bench)
         finally:

@@ -7,7 +7,7 @@ from typing import Any
 from schemas.devices import ModbusTable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
-from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.ports import TableState
@@ -28,7 +28,9 @@ def over_sockets(
     sink: Any,
     report: Callable[[Progress], None] = ignore,
 ) -> Acquired:
-    return acquire(RunRequest(station, procedure, sink, report, "over sockets"))
+    recording = NewRecording(station, sink, "over sockets")
+    (acquired,) = acquire(RunRequest(station, procedure, (recording,), report))
+    return acquired
 
 
 def table_and_watchdog(station: StationFile) -> tuple[TableState, int]:

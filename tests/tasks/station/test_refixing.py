@@ -11,12 +11,13 @@ from schemas.station import StationFile
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
-from tasks.station.acquisition import RunRequest, acquire
+from tasks.station.acquisition import check_run
 from tasks.station.requirements import check_procedure
 from tasks.station.virtual.config import virtual_station
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tests.tasks.station.in_memory import InMemoryStation
+from tests.tasks.station.over_sockets import over_sockets
 from tests.tasks.station.sample_stations import rates_link
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
 
@@ -82,11 +83,8 @@ def test_while_it_is_turned_over_no_attitude_is_claimed(tmp_path):
 def test_a_fixture_is_turned_and_the_supply_switched_through_its_registers(new_sink):
     sink = new_sink()
     with running(settled(), 20.0) as station:  # faster, a busy machine loses whole rests
-        acquired = acquire(
-            RunRequest(
-                station, part("fix_x_up", "rest_x", "fix_y_up", "rest_y"), sink, ignore, "turned"
-            )
-        )
+        procedure = part("fix_x_up", "rest_x", "fix_y_up", "rest_y")
+        acquired = over_sockets(station, procedure, sink)
     imu = sink.stream("imu")
     for segment in acquired.manifest.segments:
         if segment.kind == "static":
@@ -95,9 +93,9 @@ def test_a_fixture_is_turned_and_the_supply_switched_through_its_registers(new_s
     assert len(acquired.manifest.model_extra["unit_power_on_s"]) == 1
 
 
-def test_nobody_to_ask_is_said_before_anything_moves(new_sink):
+def test_nobody_to_ask_is_said_before_anything_moves():
     with pytest.raises(Unusable, match=r"turned over by hand 8 times, and nobody is at a"):
-        RunRequest(bench("by_hand"), procedures.load("jjf1536"), new_sink(), ignore, "alone")
+        check_run(procedures.load("jjf1536"), bench("by_hand"), None)
 
 
 def test_a_refix_with_nothing_behind_it_is_refused():

@@ -5,8 +5,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from tasks.station import sequencer as sequencer_module
-from tasks.station.acquisition import Acquired, RunRequest
+from tasks.station import recorder as recorder_module
+from tasks.station.acquisition import Acquired, NewRecording, RunRequest
 from tasks.station.progress import Progress
 from tasks.station.sequencer import REPEATS
 from tasks.station.virtual.config import VirtualStation
@@ -29,8 +29,9 @@ def test_a_pause_rests_before_the_next_segment_and_the_run_goes_on_as_one(short,
             rates.append(station.simulation.table.rate[0])
         return resting and station.simulation.table.now < 120.0
 
+    recording = NewRecording(station.file, kept, "paused")
     request = RunRequest(
-        station.file, short, kept, ignore, "paused", is_paused=until_a_minute_has_passed
+        station.file, short, (recording,), ignore, is_paused=until_a_minute_has_passed
     )
     station.run(request)
     assert rates[-1] == pytest.approx(0.0, abs=1e-6)
@@ -71,7 +72,7 @@ def test_a_segment_that_stays_bad_is_repeated_twice_and_then_kept_with_its_remar
 
 def test_where_everything_is_bad_nothing_is_repeated(short, kept):
     station = InMemoryStation(VirtualStation(), faults=[StationFault("stuck_channel")])
-    with patch.object(sequencer_module, "MOST_REPEATED", 3):
+    with patch.object(recorder_module, "MOST_REPEATED", 3):
         acquired = station.acquire(short, kept)
     assert repeats(acquired) == []
     assert kept.measured() == MEASURED

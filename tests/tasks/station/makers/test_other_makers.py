@@ -14,9 +14,10 @@ import pytest
 
 from schemas.procedure import Procedure
 from schemas.station import StationFile
-from tasks.station.acquisition import Acquired, RunRequest, acquire
+from tasks.station.acquisition import Acquired
 from tasks.station.check import check_station
 from tests.tasks.station.makers import modbus_maker, text_maker
+from tests.tasks.station.over_sockets import over_sockets
 from tests.tasks.station.sample_stations import sample
 
 pytestmark = pytest.mark.real_time
@@ -75,7 +76,7 @@ def port_of(server: socketserver.TCPServer) -> int:
 
 def acquired(fields: dict[str, Any], procedure: Procedure, sink: Any) -> Acquired:
     station = StationFile.model_validate(fields)
-    return acquire(RunRequest(station, procedure, sink, lambda _: None, "another maker's"))
+    return over_sockets(station, procedure, sink)
 
 
 def check(run: Acquired, sink: Any, environment: list[str]) -> None:

@@ -1,0 +1,119 @@
+"""One unit of a run: what comes of it goes to its sink at once, and is checked on the way."""
+
+from dataclasses import asdict
+from typing import Protocol
+
+from schemas.recording import Manifest, Segment, Stream
+from schemas.run_log import LogEntry
+from schemas.text import Remark
+from tasks.station.anomalies import FAILURES, Anomaly, touches
+from tasks.station.clock import StationClock
+from tasks.station.drivers.unit import UnitDriver
+from tasks.station.manifest import ManifestBuilder
+from tasks.station.monitor import SegmentMonitor
+from tasks.station.readers import UnitReader
+from tasks.station.run_log import RunLog
+from tasks.station.stream_figures import LastRows
+from tasks.words import message
+
+
+class Sink(Protocol):
+    """Where a recording goes as it is made; what a call gives is soon on the disk."""
+
+    def append(self, name: str, stream: Stream, /) -> object: ...
+
+    def manifest(self, manifest: Manifest, /) -> object: ...
+
+
+class UnitRecorder:
+    """The recording of one unit, with the table and the air of the run in it.
+
+    given_up: why nothing more of it is recorded, as a sentence.
+    """
+
+    def __init__(
+        self, driver: UnitDriver, clock: StationClock, sink: Sink, manifest: ManifestBuilder
+    ) -> None:
+        self.anomalies: list[Anomaly] = []
+        self.given_up: str | None = None
+        self.manifest = manifest
+        self.driver = driver
+        self.unit = UnitReader(driver, clock, self.anomalies.append)
+        self.monitor = SegmentMonitor(driver.link)
+        self.last_rows = LastRows()
+        self.log = RunLog(clock, manifest.origin_s)
+        self.log.entries += map(LogEntry.model_validate, manifest.extra.get("log", ()))
+        self._sink = sink
+
+    @property
+    def serial(self) -> str:
+        return self.manifest.serial
+
+    def write(self, table: Stream, environment: Stream, final: bool) -> None:
+        """Write what has come. The unit is last: its silence must not cost the other streams."""
+        self._write("table", table)
+        self._write("environment", environment)
+        imu = self.unit.take(final)
+        self._write("imu", imu)
+        self.anomalies += self.monitor.run(imu, table)
+        self.log.notice(self.anomalies)
+
+    def _write(self, name: str, stream: Stream) -> None:
+        if len(stream):
+            self._sink.append(name, self.manifest.since_start(stream))
+            self.last_rows.add(name, stream)
+
+    def give_up(self, why: str) -> None:
+        """Record no more of it: it has failed, and its neighbours go on."""
+        self.given_up = why
+        self.driver.end()
+        self.log.enter("stopped", message("station-log-given-up", cause=why))
+
+    def finish(self, segment: Segment, spin_axis: str | None) -> None:
+        """A measured segment is over: label it, and check it when its data are there.
+
+        Where the unit has it already, and a neighbour needed it again, it is no more than time.
+        """
+        if any(each.name == segment.name for each in self.manifest.segments):
+            self.manifest.fill("neighbour", "transition", segment.t_end)
+            return
+        self.manifest.add(segment)
+        self.monitor.add(segment, spin_axis)
+
+    def failed(self) -> list[str]:
+        """Measured segments whose data are there and not sound."""
+        doubts = [anomaly for anomaly in self.anomalies if anomaly.code in FAILURES]
+        return [each.name for each in self.manifest.segments if touches(each, doubts)]
+
+    def withdraw(self, name: str) -> None:
+        """A measured segment is to be repeated: its data stay, and its label goes."""
+        segment = self.manifest.withdraw(name)
+        self.anomalies.append(
+            Anomaly("segment_repeated", segment.t_start, segment.t_end, subject=name)
+        )
+
+    def remember(self, noticed: tuple[Remark, ...]) -> None:
+        """Have the manifest say what was noticed, behind what an interrupted run noticed."""
+        before = self.manifest.extra.get("station_remarks", [])
+        dumped = [remark.model_dump(mode="json") for remark in noticed]
+        self.manifest.extra["station_remarks"] = [*before, *dumped]
+
+    def write_manifest(self, time_half_width_s: float) -> None:
+        """Write the manifest with the segments finished so far.
+
+        time_half_width_s: by how much an encoder sample's time may be wrong.
+        """
+        extra = self.manifest.extra
+        first_s, *again_s = self.unit.clock_shifts_s
+        if first_s:
+            extra["unit_clock_shift_s"] = first_s
+        if again_s:
+            since_start = [round(shift_s - self.manifest.origin_s, 6) for shift_s in again_s]
+            extra["unit_power_on_s"] = since_start
+        if time_half_width_s:
+            table_time = {"encoder": "polled", "half_width_s": round(time_half_width_s, 6)}
+            extra["table_time"] = table_time
+        extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
+        if comparison := self.unit.compared():
+            extra["unit_clock"] = asdict(comparison)
+        self._sink.manifest(self.manifest.build())
