@@ -6,11 +6,12 @@ positions. Without them it is known where the body rests, and nowhere else.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.ndimage import correlate1d
 
 from schemas.recording import ACCEL, Recording, Stream
 from tasks.motion.band import band_edge, derivatives
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 POSE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
 BRIDGED = 3.5  # intervals between two frames that a straight line may join
+BATCHED = 0.5  # of the mean step between stamps: where most are closer, frames come in batches
 FEWEST = 16  # frames without a gap whose motion is known
 MARGIN = 0.5  # periods of the band's edge at either end that are not
 RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
@@ -132,9 +134,26 @@ class Frames:
 
 
 def _frames(pose: Stream) -> Frames:
+    pose = replace(pose, t=_even_stamps(pose.t))
     interval = float(np.median(np.diff(pose.t))) if len(pose.t) > 1 else 1.0
     placed = set(PLACE) <= set(pose.columns)
     return Frames(tuple(_spans(pose, interval)), interval, placed)
+
+
+def _even_stamps(t: np.ndarray) -> np.ndarray:
+    """When frames stamped t (n,) s were taken, where a host stamps them in batches.
+
+    Most stamps are then closer together than frames come, and each batch ends in a long step; the
+    mean over as many as a batch has is free of it.
+    """
+    steps = np.diff(t)
+    if len(steps) < FEWEST or np.median(steps) > BATCHED * steps.mean():
+        return t
+    batch = max(2, round(len(steps) / max(1, int((steps > steps.mean()).sum()))))
+    kernel = np.convolve(np.ones(batch), np.ones(batch)) / batch**2
+    rows = np.arange(len(t))
+    slope = (t[-1] - t[0]) / rows[-1]
+    return slope * rows + np.asarray(correlate1d(t - slope * rows, kernel, mode="nearest"))
 
 
 def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:

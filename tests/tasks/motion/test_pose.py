@@ -49,6 +49,14 @@ def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet
     assert rms((motion.translation - true.translation)[inner]) < 0.15
 
 
+def test_frames_that_a_host_stamped_in_batches_tell_the_same_motion() -> None:
+    frames, true = poses(), by_hand(T)
+    place = np.arange(len(frames.t)) % 6
+    batched = frames.t + 0.9 * (2.5 - place) / 120.0  # stamps close up to the middle of six
+    motion = whole_motion(recording(reference=replace(frames, t=batched)))
+    assert rms((motion.rate - true.rate)[INNER]) < 0.02
+
+
 def test_a_few_lost_frames_are_bridged_and_more_are_not() -> None:
     frames = poses()
     kept = np.ones(len(frames.t), bool)
