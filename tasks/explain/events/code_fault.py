@@ -16,6 +16,7 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.events.event import CHANNELS, UNITS, Event
 from tasks.explain.events.quantisation import quantiser_of
 from tasks.explain.events.stuck_bit import put_back, stuck_bit
+from tasks.explain.events.torn_code import BYTE, torn_codes
 from tasks.model.plain_fit import plain_prediction
 from tasks.motion.whole import Motion
 from tasks.words import message
@@ -84,6 +85,12 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
                 off[:, c] = added
                 found.append(_faulty(c, codes[c], steps[c], off))
                 break
+    told = {one.channel for one in found}
+    for c, step in steps.items():
+        torn = None if c in told else torn_codes(right[:, c] / step, predicted[:, c] / step)
+        if torn is not None:
+            off[:, c] += torn * step
+            found.append(_faulty(c, round(BYTE), step, off))
     return _event(found, off) if found else None
 
 

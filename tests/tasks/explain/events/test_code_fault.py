@@ -5,6 +5,7 @@ import pytest
 from made_up import SIGMA, mean_readings, motion, noisy
 
 from tasks.explain.events.code_fault import CodeFault, find_code_fault
+from tasks.explain.events.torn_code import torn_codes
 from tasks.words import texts
 
 STEP = np.repeat([1.0 / 131.0 * np.pi / 180.0, 9.8 / 16384.0], 3)
@@ -89,6 +90,41 @@ def test_a_high_byte_of_the_row_before_is_put_right() -> None:
     assert found.channels == (4,)
     wrong = (found.undone(faulty * STEP) - right * STEP)[:, 4] / STEP[4]
     assert np.mean(np.abs(wrong) > 0.5) < 1e-3
+
+
+def wide_noise(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Whole codes of a step so fine that noise is a fourth of a byte, and the step (6,)."""
+    step = SIGMA / 64.0
+    return np.round(noisy(mean_readings(MADE), seed) / step).astype(int), step
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_codes_whose_noise_is_a_fourth_of_a_byte_have_no_fault(seed: int) -> None:
+    right, step = wide_noise(seed)
+    assert find_code_fault(right * step, MADE) is None
+
+
+def test_a_high_byte_of_the_row_before_is_told_where_noise_hides_each_one() -> None:
+    right, step = wide_noise(11)
+    faulty, late = right.copy(), np.random.default_rng(11).random(len(right)) < 0.7
+    late[0] = False
+    mixed = (np.roll(right, 1, axis=0) >> 8 << 8) + (right & 0xFF)
+    faulty[:, :3] = np.where(late[:, None], mixed, right)[:, :3]
+    found = find_code_fault(faulty * step, MADE)
+    assert found is not None
+    assert found.channels == (0, 1, 2)
+    was, wrong = faulty - right, found.undone(faulty * step) / step - right
+    assert np.mean(was[:, :3] != 0) > 0.1
+    assert np.mean(np.abs(wrong[:, :3]) > 0.5) < 0.2 * np.mean(was[:, :3] != 0)
+
+
+def test_a_high_byte_of_the_row_after_is_not_called_that_of_the_row_before() -> None:
+    right, step = wide_noise(12)
+    faulty, early = right.copy(), np.random.default_rng(12).random(len(right)) < 0.7
+    early[-1] = False
+    mixed = (np.roll(right, -1, axis=0) >> 8 << 8) + (right & 0xFF)
+    faulty[:, 0] = np.where(early, mixed[:, 0], right[:, 0])
+    assert torn_codes(faulty[:, 0], mean_readings(MADE)[:, 0] / step[0]) is None
 
 
 def test_a_sign_that_was_not_extended_is_a_fault_of_the_whole_word() -> None:

@@ -1,0 +1,51 @@
+"""Codes whose high byte is that of the row before: where the byte turns over, 256 codes are lacking.
+
+Where noise is not far below a byte no single reading tells it. But the low byte is right, and with
+what is expected it tells the high one; readings that are off by it then have the high byte of the
+row before far more often than of the row after. Noise knows no direction of time, and neither do
+spikes, held rows or a bias that jumps.
+"""
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+BYTE = 256.0  # codes
+ABOUT = 25  # rows about one, most of which are right
+ROUNDS = 3
+SLOW = 64.0  # codes from row to row: faster, a delay has the high byte of the row before, too
+MIN_TORN = 15
+Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
+MIN_RATIO = 3.0  # of rows before to rows after
+MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
+
+
+def torn_codes(code: np.ndarray, predicted: np.ndarray) -> np.ndarray | None:
+    """By how many codes (n,) each reading is off; None where they are not torn.
+
+    code, predicted: (n,) as read, and as expected without the fault.
+    """
+    known = np.isfinite(code) & np.isfinite(predicted)
+    read, expected = np.where(known, code, 0.0), np.where(known, predicted, 0.0)
+    low, right, near = np.mod(read, BYTE), read, expected
+    slow = np.flatnonzero(known & (np.abs(np.gradient(expected)) < SLOW))
+    if len(slow) < ABOUT:
+        return None
+    for _ in range(ROUNDS):
+        # On a ramp most rows may be off, and alike: what is expected there is told by rests beside.
+        beyond = median_filter((right - expected)[slow], ABOUT, mode="nearest")
+        near = expected + np.interp(np.arange(len(read)), slow, beyond)
+        right = low + BYTE * np.round((near - low) / BYTE)
+        if np.count_nonzero(read != right) < MIN_TORN:
+            return None
+    off = np.round((read - right) / BYTE)
+    high = np.floor(right / BYTE)
+    before, after = np.zeros_like(off), np.zeros_like(off)
+    before[1:], after[:-1] = high[:-1] - high[1:], high[1:] - high[:-1]
+    from_before, from_after = (off != 0.0) & (off == before), (off != 0.0) & (off == after)
+    count = int((from_before & ~from_after)[slow].sum())
+    chance = int((from_after & ~from_before)[slow].sum())
+    noise = float(np.median(np.abs(right - near)[slow]))
+    clear = count - chance > Z * np.sqrt(count + chance) and count > MIN_RATIO * chance
+    if count < MIN_TORN or not clear or noise > MAX_NOISE:
+        return None
+    return np.asarray(np.where(known & from_before, BYTE * off, 0.0))
