@@ -15,7 +15,7 @@ ROUNDS = 3
 SLOW = 64.0  # codes from row to row: faster, a delay has the high byte of the row before, too
 MIN_TORN = 15
 Z = 6.0  # by which rows before outnumber rows after: p = 1e-9
-MIN_RATIO = 3.0  # of rows before to rows after
+MIN_RATIO = 3.0  # of rows that have it of the row before to those of the row after
 MAX_NOISE = 50.0  # codes, median: of noise that fills a byte it is 64
 
 
