@@ -139,11 +139,12 @@ class Stream:
 
     def channels(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
         """The named columns over some rows, (len(names), n); NaN for absent ones."""
-        gathered = np.full((len(names), rows.stop - rows.start), np.nan)
-        for channel, name in enumerate(names):
-            if name in self.columns:
-                gathered[channel] = self.columns[name][rows]
-        return gathered
+        return np.array(self.views(names, rows)).reshape(len(names), -1)
+
+    def views(self, names: tuple[str, ...], rows: slice) -> list[np.ndarray]:
+        """The named columns (n,) over some rows as they lie in memory; NaN for absent ones."""
+        absent = np.full(rows.stop - rows.start, np.nan)
+        return [self.columns[name][rows] if name in self.columns else absent for name in names]
 
     def stack(self, names: tuple[str, ...], rows: slice | None = None) -> np.ndarray:
         """The named columns side by side over all or some rows, (n, len(names))."""

@@ -14,6 +14,7 @@ from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, all_runs
 from storage.catalogue.results import calibration_of, result_id
 from storage.catalogue.runs import from_columns, raw_path
+from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 
@@ -92,7 +93,8 @@ def _raw(run: Run, home: Home) -> Iterator[str]:
 
 
 def _columns(run: Run, home: Home) -> Iterator[str]:
-    if from_columns(run, home) is None:
+    recording = from_columns(run, home)
+    if recording is None or fingerprint(recording) != run.digest:
         yield (
             f"the columns are not those of run {run.id}; delete the folder, and they are made "
             "again from raw when they are needed"

@@ -77,7 +77,7 @@ def from_columns(run: Run, home: Home) -> Recording | None:
     """A run's recording from its columns; None unless they hold exactly what was imported."""
     try:
         recording = read_columns(home.columns / run.digest)
-        return recording if fingerprint(recording) == run.digest else None
+        return recording if recording.digest == run.digest else None
     except Exception:  # however they are damaged, raw has it all
         return None
 

@@ -14,14 +14,15 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import Recording, Stream
 from storage.formats.arrow import from_numpy, to_numpy
-from storage.formats.content import digest, together
+from storage.formats.content import check_sum, digest, fingerprint, together
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.whole_files import drafted
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
-DIGEST = b"mimucal.digest"  # in the metadata of each Parquet file
+# In the metadata of each Parquet file: of the content, and of what was written.
+DIGEST, CHECK_SUM = b"mimucal.digest", b"mimucal.check_sum"
 
 
 def write_columns(recording: Recording, folder: Path) -> None:
@@ -29,7 +30,7 @@ def write_columns(recording: Recording, folder: Path) -> None:
 
     The folder appears whole or not at all. Raises FileExistsError for one that is not empty.
     """
-    content_digest = recording.digest or digest(recording)
+    marks = {DIGEST: recording.digest or digest(recording), CHECK_SUM: check_sum(recording)}
     streams = recording.streams()
     files = {name: f"{name}.parquet" for name in streams}
     manifest = recording.manifest.model_copy(update={"streams": files})
@@ -37,15 +38,14 @@ def write_columns(recording: Recording, folder: Path) -> None:
     with drafted(folder) as draft:
         draft.mkdir()
         for name, stream in streams.items():
-            _write(stream, draft / files[name], content_digest)
+            _write(stream, draft / files[name], marks)
         (draft / MANIFEST).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
 
 
 def read_columns(folder: Path) -> Recording:
     """Reads what `write_columns` wrote, with the digest it had; arrays are read-only.
 
-    Raises Unusable for a folder that is not whole. The numbers are not checked again: they were
-    when the recording was imported; `content.digest` computes whether they are still the same.
+    Raises Unusable for a folder that is not whole, or in which something was damaged since.
     """
     import pyarrow as pa
 
@@ -56,21 +56,23 @@ def read_columns(folder: Path) -> Recording:
     except (OSError, pa.ArrowException) as error:
         reason = str(error).splitlines()[0]
         raise Unusable(f"{folder} is not whole ({reason}); make the columns again.") from error
-    digests = {content_digest for _, content_digest in read.values()}
-    if "imu" not in read or len(digests) != 1:
+    marks = {each for _, each in read.values()}
+    if "imu" not in read or len(marks) != 1:
         raise Unusable(f"{folder} holds files of different recordings; make the columns again.")
     recording = together(manifest, {name: stream for name, (stream, _) in read.items()})
-    return replace(recording, digest=digests.pop())
+    content_digest, written = marks.pop()
+    # Columns of earlier versions have no check sum.
+    if (check_sum(recording) if written else fingerprint(recording)) != (written or content_digest):
+        raise Unusable(f"{folder} is not what was written there; make the columns again.")
+    return replace(recording, digest=content_digest)
 
 
-def _write(stream: Stream, path: Path, content_digest: str) -> None:
+def _write(stream: Stream, path: Path, marks: Mapping[bytes, str]) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     columns: Mapping[str, np.ndarray] = {"t": stream.t, **stream.columns}
-    schema = pa.schema(
-        [pa.field(name, pa.float64(), nullable=False) for name in columns], {DIGEST: content_digest}
-    )
+    schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in columns], marks)
     table = pa.table([from_numpy(values) for values in columns.values()], schema=schema)
     pq.write_table(
         table,
@@ -83,10 +85,12 @@ def _write(stream: Stream, path: Path, content_digest: str) -> None:
     )
 
 
-def _read(path: Path) -> tuple[Stream, str]:
+def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
+    """The stream, with the digest and the check sum in its file."""
     import pyarrow.parquet as pq
 
     table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
     columns = {name: to_numpy(table.column(name)) for name in table.column_names}
-    content_digest = (table.schema.metadata or {}).get(DIGEST, b"").decode()
-    return Stream(columns.pop("t"), columns), content_digest
+    said = table.schema.metadata or {}
+    marks = said.get(DIGEST, b"").decode(), said.get(CHECK_SUM, b"").decode()
+    return Stream(columns.pop("t"), columns), marks

@@ -67,7 +67,7 @@ def noise(calibration: Calibration, recording: Recording, triad: str) -> TriadNo
     rests = [s for s in calibration.segments if s.kind == "static" and not s.rows_left_out]
     longest = max((rest.t_end - rest.t_start for rest in rests), default=0.0)
     readings = [
-        recording.imu.channels(channels, recording.imu.rows(rest.t_start, rest.t_end))
+        recording.imu.views(channels, recording.imu.rows(rest.t_start, rest.t_end))
         for rest in rests
         if rest.t_end - rest.t_start >= AS_LONG * longest
     ]

@@ -20,7 +20,7 @@ MOVING = np.radians(5.0)  # rad/s: a part in which nothing turns as fast says no
 def clock_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """Parts of the run in which what the gyros read lies beside what the encoders show."""
     recording = evidence.recording
-    if len(recording.imu) < 2:
+    if recording.table is None or len(recording.imu) < 2:
         return
     interval = max(INTERVAL, float(np.median(np.diff(recording.imu.t))))
     rates = _rates(recording, interval)

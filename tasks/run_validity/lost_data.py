@@ -13,6 +13,7 @@ from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
 
 LARGEST_SHARE = 0.01  # of a segment's samples, or of the run's, that may be lost
+GAP = 1.5  # usual intervals: a longer step is a gap
 
 
 def lost_data_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
@@ -32,13 +33,15 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
     """Samples of a stream that are missing in all segments together, by its usual interval."""
     if len(rows) < 2 or not segments:
         return
-    interval = float(np.median(np.diff(rows.t)))
-    asked = sum((s.segment.t_end - s.segment.t_start) / interval for s in segments)
+    seconds = sum(s.segment.t_end - s.segment.t_start for s in segments)
     found = 0
     for s in segments:
         here = rows.rows(s.segment.t_start, s.segment.t_end)
         found += here.stop - here.start + 1  # one more for the ends
-    share = 1.0 - found / asked
+    steps = np.diff(rows.t)
+    if found >= (1.0 - LARGEST_SHARE) * seconds / steps.min():
+        return  # whatever the usual interval is
+    share = 1.0 - found * float(np.median(steps)) / seconds
     if share > LARGEST_SHARE:
         yield run_remark(
             "lost_share", run="invalid", stream=stream, share=f"{100 * share:.2g}",
@@ -50,10 +53,10 @@ def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     """Samples missing between two time stamps."""
     rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
     steps = np.diff(recording.imu.t[rows])
-    if len(steps) < 2:
+    if len(steps) < 2 or steps.max() <= GAP * steps.min():  # whatever the usual one is
         return
     interval = float(np.median(steps))
-    gaps = steps > 1.5 * interval
+    gaps = steps > GAP * interval
     if not gaps.any():
         return
     lost = int(np.round(steps[gaps] / interval - 1).sum())
@@ -102,9 +105,12 @@ def _table_gap(recording: Recording, segments: tuple[SegmentMean, ...]) -> Itera
     table, imu = recording.table, recording.imu
     if table is None or not recording.manifest.station.table_axes:
         return
-    rows = {s.segment.name: imu.rows(s.t_start, s.t_end) for s in segments}
-    bare = {name: imu.t[row][~covered(table.t, imu.t[row])] for name, row in rows.items()}
-    first = {name: float(t[0]) for name, t in bare.items() if len(t)}
+    bare = imu.t[~covered(table.t, imu.t)]
+    first = {}
+    for s in segments:
+        start, stop = np.searchsorted(bare, (s.t_start, s.t_end))
+        if stop > start:
+            first[s.segment.name] = float(bare[start])
     if first:
         gaps = tuple(
             message("validity-table-gap-from", segment=name, time=f"{t:.2f}")

@@ -19,6 +19,7 @@ OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
 PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
 SLOWEST_POINT = np.radians(0.05)  # rad/s: slower is a rest
+FEWEST_ROWS = 6  # whose thirds have means
 READOUT = np.radians(0.01)  # rad/s: what an encoder's step makes of a rate
 
 
@@ -103,13 +104,16 @@ def _by_gyro_and_label(
     shown, (slope, offset) = float(segment.mean[axis]), line
     reach = max(OFF_LINE * abs(label) * slope, OFF_LINE_LEAST)
     contradicted = abs(shown - slope * label - offset) > reach
-    wander, noise = _gyro_wander(recording, segment, axis)
+    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
+    values = recording.imu.columns[GYRO[axis]][rows]
+    wander = _wander(values)
+    allowed = 4 * STEADINESS * abs(label) + 2 * READOUT
     return TurningPoint(
         rate=float("nan") if contradicted else _input_rate(label),
         label=label,
         shown=shown,
         contradicted=contradicted,
-        unsteady=wander > 4 * STEADINESS * abs(label) + 2 * READOUT + 6 * noise,
+        unsteady=wander > allowed and wander > allowed + 6 * _noise_of_thirds(values),
         wander=wander,
     )
 
@@ -133,12 +137,18 @@ def _line(turning: dict[int, SegmentMean], axis: Axis) -> tuple[float, float]:
     return slope, float(np.median(y - slope * x))
 
 
-def _gyro_wander(recording: Recording, segment: SegmentMean, axis: int) -> tuple[float, float]:
-    """Largest difference of the means of the thirds (medians: spikes do not count), and noise."""
-    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    values = recording.imu.columns[GYRO[axis]][rows]
-    if len(values) < 6:
-        return 0.0, 0.0
+def _wander(values: np.ndarray) -> float:
+    """Largest difference of the means of the thirds of (n,) values (medians: spikes do not count).
+
+    0 for values too few to tell.
+    """
+    if len(values) < FEWEST_ROWS:
+        return 0.0
     medians = [float(np.median(part)) for part in np.array_split(values, 3)]
+    return max(medians) - min(medians)
+
+
+def _noise_of_thirds(values: np.ndarray) -> float:
+    """Standard deviation of the median of a third of (n,) values, by their noise alone."""
     spread = 1.4826 * float(np.median(np.abs(values - np.median(values))))
-    return max(medians) - min(medians), spread * float(np.sqrt(4.7 / len(values)))
+    return spread * float(np.sqrt(4.7 / len(values)))

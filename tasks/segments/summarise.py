@@ -1,5 +1,6 @@
 """Segment means that transmission errors do not spoil, with what their noise is made of."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -99,7 +100,7 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     an evenly spread sample, so that a spike, or a hundred, cannot hide itself. Rows a few steps
     of the channel away are near. A channel that was not recorded (NaN) has none.
     """
-    sample = np.sort(channel[:: max(1, len(channel) // SAMPLE_ROWS)])
+    sample = np.sort(_sampled(channel))
     low, centre, high = (sample[int(share * (len(sample) - 1))] for share in (0.02, 0.5, 0.98))
     spread = 1.4826 * float(np.median(np.abs(sample - centre)))
     resolution = 8 * np.finfo(float).eps * abs(centre)
@@ -107,6 +108,11 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     if not (channel.max() > centre + reach or channel.min() < centre - reach):
         return None
     return np.abs(channel - centre) > reach
+
+
+def _sampled(channel: np.ndarray) -> np.ndarray:
+    """About SAMPLE_ROWS entries of a channel (n,), evenly spread."""
+    return channel[:: max(1, len(channel) // SAMPLE_ROWS)]
 
 
 def longest_run(flags: np.ndarray) -> int:
@@ -130,22 +136,25 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
     return count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
 
 
-def allan_variances(values: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances of (c, n) values at block lengths seconds/32, /16, /8, /4 and /2.
-
-    Returns variances (levels, c) and block lengths (levels,) s. Fewer levels where there are
-    fewer rows than blocks.
-    """
-    count = values.shape[1]
+def block_means(values: Sequence[np.ndarray]) -> np.ndarray:
+    """Means (c, blocks) of c channels (n,) over BLOCKS blocks; fewer where there are fewer rows."""
+    count = len(values[0])
     blocks = min(BLOCKS, 1 << (count.bit_length() - 1))
     size = count // blocks
-    means = values[:, : size * blocks].reshape(len(values), blocks, size).mean(axis=2)
+    return np.array([c[: size * blocks].reshape(blocks, size).mean(axis=1) for c in values])
+
+
+def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
+    """Allan variances of `block_means` (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
+
+    Returns variances (levels, c) and block lengths (levels,) s.
+    """
     variances, lengths = [], []
     while means.shape[1] >= 2:
         variances.append(0.5 * np.mean(np.diff(means, axis=1) ** 2, axis=1))
         lengths.append(seconds / means.shape[1])
         means = 0.5 * (means[:, ::2] + means[:, 1::2])
-    return np.array(variances).reshape(-1, len(values)), np.array(lengths)
+    return np.array(variances).reshape(-1, len(means)), np.array(lengths)
 
 
 def summarise(
@@ -162,50 +171,52 @@ def summarise(
     if rows.stop <= rows.start:
         return None
     t = imu.t[rows]
-    values = imu.channels(CHANNELS, rows)
+    values = imu.views(CHANNELS, rows)
     step = steps(imu) if step is None else step
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
     kept, stamps, left_out, longest_burst = values, t, 0, 0
     far = {} if segment.kind == "rotation" else _far_by_channel(values, step)
     if far:
         corrupt = _widened(np.any(list(far.values()), axis=0))
-        kept, stamps = values[:, ~corrupt], t[~corrupt]
+        kept, stamps = [channel[~corrupt] for channel in values], t[~corrupt]
         left_out, longest_burst = int(corrupt.sum()), longest_run(corrupt)
-    allan, tau = allan_variances(_without_turning(kept, stamps, segment), seconds)
+    means = block_means(kept) - _turning(kept, stamps, segment)
+    allan, tau = allan_variances(means, seconds)
     return SegmentMean(
         segment=segment,
         origin=origin,
         rows=len(t),
         t_start=float(t[0]),
         t_end=float(t[0]) + seconds,
-        mean=kept.mean(axis=1),
+        mean=np.array([channel.mean() for channel in kept]),
         allan=allan,
         tau=tau,
         left_out=left_out,
         far_rows=np.array([far[c].sum() if c in far else 0 for c in range(len(CHANNELS))]),
         longest_burst=longest_burst,
         step=step,
-        deviation=kept[:, :: max(1, kept.shape[1] // SAMPLE_ROWS)].std(axis=1),
+        deviation=np.array([_sampled(channel) for channel in kept]).std(axis=1),
     )
 
 
-def _without_turning(values: np.ndarray, t: np.ndarray, segment: Segment) -> np.ndarray:
-    """Values (c, n) of a held rate without what comes back once a turn: it is no noise.
+def _turning(values: Sequence[np.ndarray], t: np.ndarray, segment: Segment) -> np.ndarray:
+    """Block means (6, blocks) of what comes back once a turn at a held rate: it is no noise.
 
     The ripple of the table, the level parts of Earth's rotation and of gravity average out over
-    whole turns; where less than one was made, nothing is known of them.
+    whole turns; where less than one was made, nothing is known of them (zeros).
     """
     rate = np.radians(segment.rate_deg_s or 0.0)
     if segment.kind != "rate" or abs(rate) * (t[-1] - t[0]) < 2.0 * np.pi:
-        return values
+        return np.zeros((len(values), 1))
     angle = rate * (t - t[0])
     both = np.array([np.cos(angle), np.sin(angle)])
     both -= both.mean(axis=1, keepdims=True)
-    amplitude = np.linalg.solve(both @ both.T, both @ values.T)
-    return values - amplitude.T @ both
+    along = np.array([both @ channel for channel in values])
+    amplitude = np.linalg.solve(both @ both.T, along.T)
+    return np.asarray(amplitude.T @ block_means(list(both)))
 
 
-def _far_by_channel(values: np.ndarray, step: np.ndarray) -> dict[int, np.ndarray]:
+def _far_by_channel(values: Sequence[np.ndarray], step: np.ndarray) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
     flags = ((channel, far_rows(row, step[channel])) for channel, row in enumerate(values))
     return {channel: far for channel, far in flags if far is not None}

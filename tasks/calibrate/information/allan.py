@@ -42,32 +42,34 @@ class WhiteNoise:
     u: float
 
 
-def overlapping_variances(readings: np.ndarray, sizes: Sequence[int]) -> np.ndarray:
-    """Overlapping Allan variances (sizes, channels) of (channels, n) readings.
+def overlapping_variances(readings: Sequence[np.ndarray], sizes: Sequence[int]) -> np.ndarray:
+    """Overlapping Allan variances (sizes, channels) of readings (n,) of each channel.
 
     sizes: rows averaged over, 2·size ≤ n. Multiples of STARTS begin an average at every
     (size/STARTS)-th row only: what those between would add is nearly nothing.
     """
-    phase = np.zeros((len(readings), readings.shape[1] + 1))
-    np.cumsum(readings - readings.mean(axis=1, keepdims=True), axis=1, out=phase[:, 1:])
     variances = np.empty((len(sizes), len(readings)))
-    for level, size in enumerate(sizes):
-        stride = 1 if size % STARTS else size // STARTS
-        reach, x = size // stride, phase[:, ::stride]
-        second = x[:, 2 * reach :] - 2.0 * x[:, reach:-reach] + x[:, : -2 * reach]
-        square = np.einsum("ij,ij->i", second, second)
-        variances[level] = square / (2.0 * size**2 * second.shape[1])
+    phase = np.zeros(len(readings[0]) + 1)
+    for channel, values in enumerate(readings):  # one at a time stays in the processor's cache
+        np.cumsum(values - values.mean(), out=phase[1:])
+        for level, size in enumerate(sizes):
+            stride = 1 if size % STARTS else size // STARTS
+            reach, x = size // stride, np.ascontiguousarray(phase[::stride])
+            second = x[2 * reach :] + x[: -2 * reach]
+            second -= 2.0 * x[reach:-reach]
+            variances[level, channel] = second @ second / (2.0 * size**2 * len(second))
     return variances
 
 
-def allan_curve(rests: Sequence[np.ndarray], interval: float) -> AllanCurve:
-    """The Allan variances of rests (channels, n) sampled every `interval` s, weighted by length.
+def allan_curve(rests: Sequence[Sequence[np.ndarray]], interval: float) -> AllanCurve:
+    """The Allan variances of rests sampled every `interval` s, weighted by length.
 
-    Averaging times go up to a quarter of the shortest rest; none where it has fewer than 4 rows.
+    rests: of each its channels (n,). Averaging times go up to a quarter of the shortest rest; none
+    where it has fewer than 4 rows.
     """
-    shortest = min(rest.shape[1] for rest in rests)
+    shortest = min(len(rest[0]) for rest in rests)
     sizes = [1 << power for power in range(shortest.bit_length()) if 4 << power <= shortest]
-    rows = [rest.shape[1] for rest in rests]
+    rows = [len(rest[0]) for rest in rests]
     variances = [overlapping_variances(rest, sizes) for rest in rests]
     return AllanCurve(
         tau=interval * np.array(sizes, float),

@@ -59,7 +59,7 @@ def _of_triad(
         return {}
     interval = float(np.median([rest.seconds / rest.rows for rest in rests]))
     within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
-    curve = allan_curve([imu.channels(CHANNELS[triad], rows) for rows in within], interval)
+    curve = allan_curve([imu.views(CHANNELS[triad], rows) for rows in within], interval)
     hidden = np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0)
     white, floor = np.full((2, 3), np.nan), np.full((3, 3), np.nan)
     if len(curve.tau) >= MIN_LEVELS:

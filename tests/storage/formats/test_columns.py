@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from schemas.base import Unusable
@@ -45,6 +48,28 @@ def test_columns_with_a_file_missing_are_refused(missing: str, tmp_path: Path) -
     write_columns(read_folder(shared_path("data/real/ferraris_session")), tmp_path / "columns")
     (tmp_path / "columns" / missing).unlink()
     with pytest.raises(Unusable, match="not whole"):
+        read_columns(tmp_path / "columns")
+
+
+def flipped(column: np.ndarray) -> np.ndarray:
+    bits = column.copy().view(np.uint64)
+    bits[777] ^= 1
+    return bits.view(float)
+
+
+def pages_swapped(column: np.ndarray) -> np.ndarray:
+    return np.concatenate([column[512:1024], column[:512], column[1024:]])
+
+
+@pytest.mark.parametrize("damage", [flipped, pages_swapped])
+def test_columns_that_were_changed_since_are_refused(damage, tmp_path: Path) -> None:
+    write_columns(read_folder(shared_path("data/plant/plant_clean")), tmp_path / "columns")
+    path = tmp_path / "columns" / "imu.parquet"
+    table = pq.read_table(path)
+    place = table.column_names.index("gyro_x")
+    changed = pa.chunked_array([damage(table.column(place).to_numpy())])
+    pq.write_table(table.set_column(place, table.field(place), changed), path)
+    with pytest.raises(Unusable, match="not what was written"):
         read_columns(tmp_path / "columns")
 
 
