@@ -1,4 +1,4 @@
-"""The commands over the history of a store: made again with today's code."""
+"""The commands over the history of a store: made again with today's code, and as tables."""
 
 import typer
 
@@ -61,3 +61,18 @@ def reprocess(
         print(report.model_dump_json(indent=1))
     else:
         print_history.print_report(report, out)
+
+
+@app.command()
+def table(
+    what: options.What,
+    form: options.TableForm = "csv",
+    out: options.TableFile = None,
+) -> None:
+    """The store as tables: runs, results, segments or certificates.
+
+    On standard output, or in a file.
+    """
+    from flows.tables import write_table
+
+    write_table(what, form, out)

@@ -105,6 +105,14 @@ Within = Annotated[int, _option("DAYS", "Days ahead.", min=0, max=MAX_DAYS)]
 Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 1000.", min=1)]
 Out = Annotated[Path | None, _option("FILE", "Where the record (.json) and its page (.html) go.")]
 
+WHAT = "runs, results, segments or certificates."
+TABLE_FILE = (
+    "Where it goes; default: standard output. With --as parquet, a folder is one file for each "
+    "station and month (station=…/month=…)."
+)
+What = Annotated[str, typer.Argument(metavar="WHAT", help=WHAT)]
+TableForm = Annotated[str, _option("FORM", "csv or parquet.", "--as")]
+TableFile = Annotated[Path | None, _option("PATH", TABLE_FILE, "--out")]
 OF_PROCEDURE = "Name of a procedure, or a standard."
 CODE_VERSION = "Beginning of the version that made the newest result."
 SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."

@@ -85,6 +85,12 @@ class SegmentUsed(Frozen):
     rate_deg_s: Finite | None = None
     rows: int
     rows_left_out: int = 0
+    mean: dict[str, Finite] = Field(
+        default_factory=dict, description="of each recorded channel: gyro_* rad/s, accel_* m/s²"
+    )
+    deviation: dict[str, Finite] = Field(
+        default_factory=dict, description="standard deviation of the rows of each channel"
+    )
 
 
 class EnvironmentSeen(Frozen):

@@ -7,68 +7,78 @@
     bias = table[(table["item"] == "gyro_bias") & table["newest"]]
     bias.pivot_table("value", "made_at", ["serial", "element"]).plot()
 
-Units are those of the columns' names, or of the column `unit`. pandas is imported when a table
-is asked for.
+Each is one question to the catalogue: no recording is opened. Units are those of the columns'
+names, or of the column `unit`. pandas is imported when a table is asked for.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from schemas.calibration import Calibration, SegmentUsed
+import sqlalchemy as sql
+
+from schemas.calibration import Calibration
 from schemas.uncertainty import BudgetInput
-from storage.catalogue import listing
-from storage.catalogue import results as kept_results
-from storage.catalogue.listing import Run
-from storage.catalogue.results import Result
+from storage.catalogue import database, tables
+from storage.catalogue.completion import complete_results, complete_runs
 from storage.home import Home
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OF_RUN = ("recording_id", "manufacturer", "model", "serial")
-OF_RESULT = ("method", "code_version", "made_at")
-OF_ELEMENT = ("item", "element", "value", "u", "U", "k", "unit")
+RUN, RESULT = tables.runs.c, tables.results.c
+OF_RUN = (
+    RUN.recording_id,
+    *(tables.units.c[name] for name in ("manufacturer", "model", "serial")),
+    *(RUN[name] for name in ("station", "procedure", "recorded_on")),
+)
+OF_RESULT = (RESULT.method, RESULT.code_version, RESULT.made_at)
 
 
 def runs(home: Home) -> "pd.DataFrame":
-    """A row for each run in the order of import, with the columns of `Run`."""
-    return _frame([run.model_dump() for run in listing.all_runs(home)], list(Run.model_fields))
+    """A row for each run in the order of import: who, where, when, and how long."""
+    complete_runs(home)
+    columns = (RUN.id, RUN.digest, *OF_RUN, RUN.standard, RUN.taken_in_at)
+    asked = sql.select(*columns, RUN.seconds, RUN.rows).join_from(tables.runs, tables.units)
+    return _frame(home, asked.order_by(RUN.taken_in_at, RUN.id))
 
 
 def results(home: Home) -> "pd.DataFrame":
     """A row for each element of each item of each result, the oldest result first.
 
-    result, run: their ids; of the run recording_id, manufacturer, model, serial; of the result
-    method, code_version, made_at, and newest: whether no other supersedes it; then item, element
-    (the axis that reads, then the input axis), value, u, U, k and their unit. What the recording
-    cannot determine is NaN.
+    result, run: their ids; then what is known of the run, and of the result method, code_version,
+    made_at, and newest: whether no other supersedes it; then item, element (the axis that reads,
+    then the input axis), value, u, U, k and their unit. What the recording cannot determine is NaN.
     """
-    columns = ["result", "run", *OF_RUN, *OF_RESULT, "newest", *OF_ELEMENT]
-    kept = kept_results.all_results(home)
-    superseded = {result.supersedes for result in kept}
-    rows = (
-        row
-        | {"newest": result.id not in superseded, "item": name, "element": element, "value": value}
-        | {"u": item.u.get(element), "U": item.U.get(element), "k": item.k, "unit": item.unit}
-        for result, row in _of_runs(kept, home)
-        for name, item in result.calibration.items.items()
-        for element, value in item.value.items()
+    element = tables.elements.c
+    columns = (
+        *(element[name] for name in ("item", "element", "value", "u")),
+        element.expanded.label("U"),
+        *(element[name] for name in ("k", "unit")),
     )
-    return _frame(rows, columns).astype(dict.fromkeys(("value", "u", "U", "k"), float))
+    return _of_results(home, tables.elements, columns).astype(
+        dict.fromkeys(("value", "u", "U", "k"), float)
+    )
 
 
 def segments(home: Home) -> "pd.DataFrame":
-    """A row for each segment that a result used, with the columns of `SegmentUsed`.
+    """A row for each segment that a result used, with what `SegmentUsed` says of it.
 
-    Before them the columns of the result and its run, as in `results`. t_start and t_end: s.
+    Before that what is known of the run and of the result, as in `results`. t_start and t_end: s;
+    mean_* and deviation_* of a channel over the rows: gyro rad/s, accel m/s².
     """
-    columns = ["result", "run", *OF_RUN, *OF_RESULT, *SegmentUsed.model_fields]
-    rows = (
-        row | segment.model_dump()
-        for result, row in _of_runs(kept_results.all_results(home), home)
-        for segment in result.calibration.segments
-    )
-    return _frame(rows, columns)
+    segment = tables.segments.c
+    columns = [column for column in segment if column is not segment.result]
+    means = [column.name for column in columns if column.name.startswith(("mean_", "deviation_"))]
+    return _of_results(home, tables.segments, columns).astype(dict.fromkeys(means, float))
+
+
+def certificates(home: Home) -> "pd.DataFrame":
+    """A row for each certificate in the order in which they were kept, with its run and result."""
+    complete_runs(home)
+    paper = tables.certificates
+    columns = [column for column in paper.c if column is not paper.c.unit]
+    asked = sql.select(*columns, *OF_RUN).join_from(paper, tables.runs).join(tables.units)
+    return _frame(home, asked.order_by(paper.c.kept_at, paper.c.number))
 
 
 def budgets(calibration: Calibration) -> "pd.DataFrame":
@@ -77,27 +87,42 @@ def budgets(calibration: Calibration) -> "pd.DataFrame":
     item and element say of what the budget is, u_c is the combined standard uncertainty in the
     item's unit; the other columns are those of `BudgetInput`.
     """
+    import pandas as pd
+
     columns = ["item", "element", "u_c", *BudgetInput.model_fields]
-    rows = (
+    rows = [
         {"item": name, "element": element, "u_c": budget.u_c} | line.model_dump()
         for name, item in calibration.items.items()
         for element, budget in item.budgets.items()
         for line in budget.inputs
-    )
-    return _frame(rows, columns)
+    ]
+    return pd.DataFrame(rows, columns=columns)
 
 
-def _of_runs(kept: Sequence[Result], home: Home) -> Iterable[tuple[Result, dict[str, Any]]]:
-    """Each result with the columns that it and its run have in every table."""
-    by_id = {run.id: run for run in listing.all_runs(home)}
-    for result in kept:
-        row = {"result": result.id, "run": result.run}
-        row |= {name: getattr(by_id[result.run], name) for name in OF_RUN}
-        yield result, row | {name: getattr(result, name) for name in OF_RESULT}
+TABLES: Mapping[str, Callable[[Home], "pd.DataFrame"]] = {
+    "runs": runs,
+    "results": results,
+    "segments": segments,
+    "certificates": certificates,
+}
 
 
-def _frame(rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> "pd.DataFrame":
+def _of_results(
+    home: Home, table: sql.Table, columns: Sequence[sql.ColumnElement[Any]]
+) -> "pd.DataFrame":
+    """Rows that belong to results, each with the columns of its run and its result before it."""
+    complete_runs(home)
+    complete_results(home)
+    newest = database.newest_results().label("newest")
+    first = (RESULT.id.label("result"), RESULT.run, *OF_RUN, *OF_RESULT, newest)
+    joined = tables.results.join(tables.runs).join(tables.units).join(table)
+    asked = sql.select(*first, *columns).select_from(joined)
+    return _frame(home, asked.order_by(RESULT.made_at, RESULT.id, *table.primary_key))
+
+
+def _frame(home: Home, asked: sql.Select[Any]) -> "pd.DataFrame":
     """The columns are there even where there is no row."""
     import pandas as pd
 
-    return pd.DataFrame(list(rows), columns=list(columns))
+    names = [column.name for column in asked.selected_columns]
+    return pd.DataFrame.from_records(database.rows(home, asked), columns=names)

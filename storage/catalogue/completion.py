@@ -1,16 +1,19 @@
-"""Runs that an earlier version kept get what the catalogue now says of every run."""
+"""What an earlier version kept gets what the catalogue now says of every run and every result."""
 
 import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.recording import Manifest
-from storage.catalogue import certificates, database, lineage, listing, runs, tables
+from storage.catalogue import certificates, database, lineage, listing, runs, summaries, tables
 from storage.catalogue.listing import Run
+from storage.catalogue.results import calibration_of
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.home import Home
 
+AT_ONCE = 50  # documents of results completed in one transaction
 
-def complete(home: Home) -> None:
+
+def complete_runs(home: Home) -> None:
     """Fills in station, procedure, day and measurement standards where they are not yet known.
 
     Reads the manifests of those runs, once. A run whose manifest cannot be read stays as it is.
@@ -40,6 +43,25 @@ def complete(home: Home) -> None:
             )
             for document, standards in used:
                 lineage.add_equipment(connection, run.id, document, standards)
+
+
+def complete_results(home: Home) -> None:
+    """Adds the rows of elements and segments of results that have none.
+
+    A document that cannot be read has none.
+    """
+    result = tables.results.c.id
+    known = sql.exists().where(tables.elements.c.result == result)
+    waiting = [row.id for row in database.rows(home, sql.select(result).where(~known))]
+    for start in range(0, len(waiting), AT_ONCE):
+        some = result.in_(waiting[start : start + AT_ONCE])
+        documents = database.rows(home, sql.select(tables.results).where(some))
+        with database.changing(home) as connection:
+            for row in documents:
+                try:
+                    summaries.add(connection, row.id, calibration_of(row))
+                except Unusable:
+                    continue
 
 
 def _manifest(run: Run, home: Home) -> Manifest:

@@ -20,7 +20,7 @@ from storage.catalogue.connection import engine_of, explained, url_of
 from storage.catalogue.tables import numbers, results, units
 from storage.home import Home
 
-HEAD = "0003"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0004"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 
@@ -140,6 +140,15 @@ def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool
     """
     insert = _dialect(connection).insert(table).values(values)
     return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
+
+
+def add_all_new(
+    connection: sql.Connection, table: sql.Table, values: Sequence[dict[str, Any]]
+) -> None:
+    """Adds rows of the same columns, but for those whose key is there."""
+    if values:
+        insert = _dialect(connection).insert(table).on_conflict_do_nothing()
+        connection.execute(insert, values)
 
 
 def next_number(connection: sql.Connection, prefix: str, year: int) -> int:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.calibration import Calibration, Method
-from storage.catalogue import database, tables
+from storage.catalogue import database, summaries, tables
 from storage.catalogue.listing import Run
 from storage.home import Home
 
@@ -64,6 +64,7 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
         "why": why if latest is None else why or _why(latest, calibration),
     }
     connection.execute(sql.insert(tables.results).values(row))
+    summaries.add(connection, result, calibration)
     return result
 
 

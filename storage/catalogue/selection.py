@@ -6,14 +6,14 @@ import sqlalchemy as sql
 
 from schemas.orders import Selection
 from storage.catalogue import database, tables
-from storage.catalogue.completion import complete
+from storage.catalogue.completion import complete_runs
 from storage.catalogue.listing import Run, runs_where
 from storage.home import Home
 
 
 def select(selection: Selection, home: Home) -> list[Run]:
     """The runs of a selection in the order of import; all of them for an empty one."""
-    complete(home)
+    complete_runs(home)
     return runs_where(home, sql.and_(sql.true(), *_conditions(selection)))
 
 

@@ -21,6 +21,9 @@ class Utc(sql.TypeDecorator[datetime]):
         return value.replace(tzinfo=UTC)
 
 
+CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")  # rad/s, m/s²
+
+
 def _column(name: str, kind: Any, *more: Any, **options: Any) -> sql.Column[Any]:
     return sql.Column(name, kind, *more, nullable=False, **options)
 
@@ -90,6 +93,31 @@ results = sql.Table(
     _column("document", sql.Text),
     sql.Column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True),
     sql.Column("why", sql.Text),
+)
+
+elements = sql.Table(  # `expanded`: U, which SQLite does not tell from u
+    "elements",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("item", sql.Text, primary_key=True),
+    _column("element", sql.Text, primary_key=True),
+    *(sql.Column(name, sql.Float) for name in ("value", "u", "expanded")),
+    _column("k", sql.Float),
+    *_texts("unit"),
+)
+
+segments = sql.Table(
+    "segments",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    *_texts("name", "kind", "origin"),
+    *(sql.Column(name, sql.Text) for name in ("up", "axis")),
+    *(_column(name, sql.Float) for name in ("t_start", "t_end")),
+    sql.Column("rate_deg_s", sql.Float),
+    *(_column(name, sql.Integer) for name in ("rows", "rows_left_out")),
+    *(sql.Column(f"mean_{name}", sql.Float) for name in CHANNELS),
+    *(sql.Column(f"deviation_{name}", sql.Float) for name in CHANNELS),
 )
 
 reprocessed = sql.Table(  # `made_again`: a result, or a run that had none

@@ -1,10 +1,13 @@
 """The calibration of a recording by a specification."""
 
+import numpy as np
+
 from schemas.calibration import Calibration, EnvironmentSeen, SegmentUsed
 from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.run_validity.judge import run_remarks
+from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
 from tasks.words import say
@@ -68,7 +71,15 @@ def _used(evidence: ClauseEvidence, i: int) -> SegmentUsed:
         up=evidence.up[i],
         rows=summary.rows,
         rows_left_out=summary.left_out,
+        mean=_recorded(summary.mean),
+        deviation=_recorded(summary.deviation),
     )
+
+
+def _recorded(of_channels: np.ndarray) -> dict[str, float]:
+    """(6,) as numbers by the names of the channels; without those that were not recorded."""
+    named = zip(CHANNELS, of_channels.tolist(), strict=True)
+    return {name: value for name, value in named if np.isfinite(value)}
 
 
 def _extent(environment: Stream | None, name: str) -> tuple[float, float] | None:

@@ -1,15 +1,20 @@
 """The store as DataFrames: one row for each thing, columns even where there is nothing."""
 
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 
 import numpy as np
+import pandas as pd
+import pytest
+import sqlalchemy as sql
 
 from schemas.calibration import Calibration
+from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage import dataframes
-from storage.catalogue import results, runs
+from storage.catalogue import certificates, database, results, runs, tables
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
@@ -45,6 +50,11 @@ def test_segments_and_budgets_of_a_calibration(
     used = dataframes.segments(fresh)
     assert list(used["name"]) == [segment.name for segment in calibration.segments]
     assert set(used["recording_id"]) == {"ideal"}
+    first = recording.imu.rows(used["t_start"][0], used["t_end"][0])
+    for name in ("gyro_x", "accel_z"):
+        values = recording.imu.columns[name][first]
+        assert used[f"mean_{name}"][0] == pytest.approx(values.mean(), rel=1e-12)
+        assert used[f"deviation_{name}"][0] == pytest.approx(values.std(), rel=1e-6)
     budgets = dataframes.budgets(calibration)
     for (name, element), lines in budgets.groupby(["item", "element"]):
         budget = calibration.items[str(name)].budgets[str(element)]
@@ -52,8 +62,48 @@ def test_segments_and_budgets_of_a_calibration(
         np.testing.assert_allclose(lines["u_c"], budget.u_c)
 
 
+def test_tables_open_no_document_and_no_recording(
+    fresh: Home, small: Callable[..., Recording], calibrated: Callable[..., Calibration]
+) -> None:
+    run = runs.add(small(), fresh)[0]
+    results.save(calibrated(run), fresh)
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.results).values(document="no JSON"))
+    shutil.rmtree(fresh.raw)
+    shutil.rmtree(fresh.columns)
+    assert list(dataframes.results(fresh)["value"].dropna()) == [0.25]
+    assert list(dataframes.runs(fresh)["station"]) == ["T1"]
+
+
+def test_results_of_an_earlier_version_are_in_the_tables(
+    fresh: Home, ideal_run: Callable[..., Recording]
+) -> None:
+    recording = ideal_run(dwell=1.0)
+    run = runs.add(recording, fresh)[0]
+    results.save(calibrate(JJF2003, runs.load(run, fresh), run=run.id, code_version="v"), fresh)
+    expected = [dataframes.results(fresh), dataframes.segments(fresh)]
+    with database.changing(fresh) as connection:
+        for table in (tables.elements, tables.segments):
+            connection.execute(sql.delete(table))
+    for table, before in zip((dataframes.results, dataframes.segments), expected, strict=True):
+        pd.testing.assert_frame_equal(table(fresh), before)
+
+
+def test_each_certificate_is_a_row_with_its_run(
+    fresh: Home, small, calibrated, certified: Callable[..., Certificate]
+) -> None:
+    recording = small()
+    run = runs.add(recording, fresh)[0]
+    certificates.save(certified(recording, calibrated(run), "A-1"), b"", fresh)
+    (row,) = dataframes.certificates(fresh).to_dict("records")
+    assert (row["number"], row["run"], row["serial"], row["verdict"]) == (
+        "A-1", run.id, "1", "pass",
+    )  # fmt: skip
+
+
 def test_an_empty_home_gives_empty_tables_with_their_columns(fresh: Home) -> None:
-    for table in (dataframes.runs(fresh), dataframes.results(fresh), dataframes.segments(fresh)):
+    for ask in dataframes.TABLES.values():
+        table = ask(fresh)
         assert table.empty
         assert len(table.columns) > 5
     assert not fresh.path.exists()

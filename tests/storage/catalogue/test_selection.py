@@ -13,7 +13,7 @@ from schemas.certificate import Certificate
 from schemas.orders import Selection
 from schemas.recording import Manifest, Recording
 from storage.catalogue import certificates, database, listing, results, runs, tables
-from storage.catalogue.completion import complete
+from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
 
@@ -83,7 +83,7 @@ def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificate
         unknown = dict.fromkeys(("station", "procedure", "recorded_on"))
         connection.execute(sql.update(tables.runs).values(**unknown))
     assert listing.find(run.id, fresh).station is None
-    complete(fresh)
+    complete_runs(fresh)
     assert listing.find(run.id, fresh) == run
     assert set(database.rows(fresh, sql.select(tables.equipment))) == set(expected)
 

@@ -1,0 +1,42 @@
+"""Elements and segments of every result as rows: questions over many runs open no document.
+
+They are made of the documents alone, and can be made again from them.
+"""
+
+from typing import Any
+
+import sqlalchemy as sql
+
+from schemas.calibration import Calibration
+from storage.catalogue import database, tables
+
+
+def add(connection: sql.Connection, result: str, calibration: Calibration) -> None:
+    """Adds the rows of a result; those that are there stay."""
+    for table, rows in (
+        (tables.elements, elements_of(calibration)),
+        (tables.segments, segments_of(calibration)),
+    ):
+        database.add_all_new(connection, table, [{"result": result} | row for row in rows])
+
+
+def elements_of(calibration: Calibration) -> list[dict[str, Any]]:
+    """A row for each element of each item."""
+    return [
+        {"item": name, "element": element, "value": value}
+        | {"u": item.u.get(element), "expanded": item.U.get(element)}
+        | {"k": item.k, "unit": item.unit}
+        for name, item in calibration.items.items()
+        for element, value in item.value.items()
+    ]
+
+
+def segments_of(calibration: Calibration) -> list[dict[str, Any]]:
+    """A row for each segment that was used, with the mean and deviation of each channel."""
+    return [
+        {"number": number}
+        | segment.model_dump(exclude={"mean", "deviation"})
+        | {f"mean_{name}": segment.mean.get(name) for name in tables.CHANNELS}
+        | {f"deviation_{name}": segment.deviation.get(name) for name in tables.CHANNELS}
+        for number, segment in enumerate(calibration.segments)
+    ]

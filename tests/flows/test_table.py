@@ -1,0 +1,66 @@
+"""The store as tables that other programs read."""
+
+from collections.abc import Callable
+from io import StringIO
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.dataset as ds
+import pytest
+
+from schemas.recording import Recording
+from storage import dataframes
+from storage.catalogue import runs
+from storage.home import Home
+
+
+@pytest.fixture
+def store(home: Path, mimucal, ideal_run: Callable[..., Recording]) -> Home:
+    """A run, calibrated."""
+    kept = Home(home)
+    run, _ = runs.add(ideal_run(dwell=1.0), kept)
+    assert mimucal("calibrate", run.id).code == 0
+    return kept
+
+
+@pytest.mark.parametrize("what", ["runs", "results", "segments"])
+def test_csv_on_standard_output_holds_the_table(store: Home, mimucal, what: str) -> None:
+    printed = pd.read_csv(StringIO(mimucal("table", what).out))
+    expected = dataframes.TABLES[what](store)
+    assert list(printed.columns) == list(expected.columns)
+    assert len(printed) == len(expected) > 0
+
+
+def test_parquet_keeps_every_digit(store: Home, mimucal, tmp_path: Path) -> None:
+    file = tmp_path / "results.parquet"
+    assert mimucal("table", "results", "--as", "parquet", "--out", file).code == 0
+    pd.testing.assert_series_equal(
+        pd.read_parquet(file)["value"], dataframes.results(store)["value"]
+    )
+
+
+def test_a_folder_is_partitioned_by_station_and_month(store: Home, mimucal, tmp_path: Path) -> None:
+    folder = tmp_path / "segments"
+    assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 0
+    assert [each.name for each in (folder / "station=test").iterdir()] == ["month=unknown"]
+    read = ds.dataset(folder, partitioning="hive").to_table(filter=ds.field("station") == "test")
+    assert read.num_rows == len(dataframes.segments(store))
+    assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 2
+
+
+def test_no_certificates_is_a_header_alone(store: Home, mimucal) -> None:
+    (header,) = mimucal("table", "certificates").out.splitlines()
+    assert header.startswith("number,")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [(("raw",), "'raw'"), (("runs", "--as", "xlsx"), "--as xlsx"),
+     (("runs", "--out", "/dev/null/x.csv"), "/dev/null/x.csv")],
+)  # fmt: skip
+def test_what_cannot_be_is_one_sentence(
+    store: Home, mimucal, arguments: tuple[str, ...], named: str
+) -> None:
+    refused = mimucal("table", *arguments)
+    assert refused.code == 2
+    assert named in refused.err
