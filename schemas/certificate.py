@@ -43,6 +43,7 @@ class Laboratory(Frozen):
     """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home).
 
     limits: what its equipment may be off by, in the place of Table 1 of the specification.
+    latitude_deg: of its own place, against which that of each recording is held.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -50,6 +51,7 @@ class Laboratory(Frozen):
     certificate_prefix: str = "MIMU"
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
+    latitude_deg: float | None = Field(default=None, ge=-90, le=90)
     operator: str | None = None
     checker: str | None = None
     issuer: str | None = None

@@ -7,6 +7,7 @@ from schemas.recording import Recording, Stream
 from tasks.calibrate.evaluation import Evaluation, evaluation_for
 from tasks.calibrate.information import information
 from tasks.run_validity.judge import run_remarks
+from tasks.run_validity.laboratory import laboratory_remarks
 from tasks.segments.summarise import CHANNELS
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.specification import Specification
@@ -20,11 +21,12 @@ def calibrate(
     run: str,
     code_version: str,
     evaluation: Evaluation | None = None,
+    own_latitude_deg: float | None = None,
 ) -> Calibration:
     """Every item of the specification that the recording determines, with what must be known.
 
     evaluation: of the uncertainties; by the law of propagation with the limits of the recording's
-    specification where it is not given.
+    specification where it is not given. own_latitude_deg: the laboratory's, where it is told.
     Raises Unusable for a recording that the specification's method cannot serve.
     """
     specification.check(recording)
@@ -34,7 +36,10 @@ def calibrate(
     items = {
         item.key: evaluation.item(item, result.items[item.key]) for item in specification.items
     }
-    checked = run_remarks(evidence, specification.conditions, items)
+    checked = (
+        *run_remarks(evidence, specification.conditions, items),
+        *laboratory_remarks(recording, own_latitude_deg),
+    )
     missing = {key: result.unavailable[key] for key in items if key in result.unavailable}
     return Calibration(
         recording_id=evidence.recording.manifest.recording_id,

@@ -87,7 +87,7 @@ def _gain(evidence: ClauseEvidence) -> Iterator[Remark]:
             continue
         rates = np.array([evidence.turning_points[i].rate for i in points])
         gains = (evidence.means[points, number] - zero[number]) / rates
-        away = np.abs(gains / np.median(gains) - 1.0) > GAIN
+        away = np.abs(gains - np.median(gains)) > GAIN * abs(np.median(gains))
         names = [evidence.labels[points[i]].name for i in np.flatnonzero(away)]
         if names:
             yield run_remark(

@@ -17,6 +17,8 @@ from tasks.specifications.evidence import ClauseEvidence
 
 TURNING = np.radians(2.0)  # rad/s: a gyro at rest reads no more than the usual rest does
 CREEPING = np.radians(0.01)  # rad/s that a table at rest turns by its encoders
+FAST = np.radians(5.0)  # rad/s: below it a zero looks like a gain
+FOLLOWS = 0.5  # of a rate, from which a gyro turns with it whatever its scale factor
 ANGLE = 1e-3  # of a turn by an angle, by which the encoders may have it otherwise
 
 
@@ -28,6 +30,7 @@ def label_remarks(evidence: ClauseEvidence, conditions: Conditions) -> Iterator[
         yield from _turned_angle(evidence, segment)
         if i in evidence.turning_points:
             yield from _rate(evidence, segment, evidence.turning_points[i], conditions)
+    yield from _input_axes(evidence)
     yield from _turning_rests(evidence)
 
 
@@ -71,6 +74,32 @@ def _rate(
             wander=f"{np.degrees(point.wander):.4f}", clause=conditions.steadiness_clause,
             percent=f"{100 * conditions.steadiness:g}",
         )  # fmt: skip
+
+
+def _input_axes(evidence: ClauseEvidence) -> Iterator[Remark]:
+    """Runs about an axis that another gyro follows, or its own gyro the other way round."""
+    rests = evidence.means[evidence.of_kind("static")][:, GYRO_COLUMNS]
+    zero = np.median(rests, axis=0) if len(rests) else np.zeros(len(AXES))
+    for axis in AXES:
+        points = [*evidence.points[axis], *evidence.turns[axis]]
+        rates = np.array([_rate_of(evidence, i) for i in points])
+        if not len(rates) or np.abs(rates).max() < FAST:
+            continue
+        gains = rates @ (evidence.means[points][:, GYRO_COLUMNS] - zero) / (rates @ rates)
+        largest = int(np.abs(gains).argmax())
+        if abs(gains[largest]) > FOLLOWS and (AXES[largest] != axis or gains[largest] < 0.0):
+            yield run_remark(
+                "input_axis", *(evidence.labels[i].name for i in points), run="invalid",
+                axis=axis, gyro=AXES[largest], gain=f"{gains[largest]:+.2f}",
+            )  # fmt: skip
+
+
+def _rate_of(evidence: ClauseEvidence, i: int) -> float:
+    """The rate of a held rate, or the mean one of a turn (rad/s)."""
+    label = evidence.labels[i]
+    if label.kind == "rate":
+        return float(evidence.rate[i])
+    return float(np.radians(label.angle_deg or 0.0) / evidence.segments[i].seconds)
 
 
 def _turned_angle(evidence: ClauseEvidence, segment: SegmentMean) -> Iterator[Remark]:

@@ -32,9 +32,10 @@ def estimate(
 ) -> Calibration:
     """Calibrate a run and keep the result; the same result twice is one.
 
-    laboratory: whose limits go before those of the specification's Table 1; that of the home,
-    unless it is given. With terms, their contributions are taken off the readings first; that
-    result stands beside the one without them and supersedes only one with the same terms.
+    laboratory: whose limits go before those of the specification's Table 1, and at whose latitude
+    the run was made; that of the home, unless it is given. With terms, their contributions are
+    taken off the readings first; that result stands beside the one without them and supersedes
+    only one with the same terms.
     Raises Unusable for a term that this recording cannot have or does not determine.
     """
     laboratory = laboratory or settings.laboratory(home)
@@ -56,6 +57,7 @@ def calibration_of(
         run=run.id,
         code_version=code_version(),
         evaluation=evaluation_for(recording, UNCERTAINTIES[how.uncertainty], limits),
+        own_latitude_deg=laboratory.latitude_deg if laboratory else None,
     )
     if how.terms is None:
         return calibrated(recording)

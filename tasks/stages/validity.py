@@ -27,8 +27,9 @@ def validity_of(run: Run, home: Home) -> Validity:
     evaluation = evaluation_for(recording, own=laboratory.limits if laboratory else None)
     try:
         calibration = calibrate(
-            specification, recording, run=run.id, code_version="", evaluation=evaluation
-        )
+            specification, recording, run=run.id, code_version="", evaluation=evaluation,
+            own_latitude_deg=laboratory.latitude_deg if laboratory else None,
+        )  # fmt: skip
     except Unusable as fault:
         return Validity(verdict="remarks", reasons=(str(fault),), reasons_zh=(str(fault),))
     return calibration.validity

@@ -8,7 +8,7 @@ import typer
 
 from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
-from tests.proof.prove import run_kills, run_loaded, run_prove, run_station
+from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.trial.rough.hold import run_rough
 
 UNUSABLE = 2
@@ -49,6 +49,12 @@ def main(
             metavar="N", min=1, help="Nothing but N acquisitions killed at random moments."
         ),
     ] = None,
+    resumes: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N acquisitions that are killed and go on."
+        ),
+    ] = None,
     rough: Annotated[
         bool, typer.Option("--rough", help="Rough recordings in place of the catalogue's.")
     ] = False,
@@ -79,16 +85,14 @@ def main(
 
     Recordings of an independent plant, explained blind, scored against the truth.
     """
+    only = ((run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes))
     try:
+        for run, count in only:
+            if count is not None:
+                run(count, out)
+                return
         if faults is not None:
             run_faults(faults, seed, write)
-        elif station is not None:
-            run_station(station, out)
-        elif load is not None:
-            run_loaded(load, out)
-        elif kills is not None:
-            if not run_kills(kills, out):
-                raise typer.Exit(1)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

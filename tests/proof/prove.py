@@ -10,7 +10,9 @@ from flows.progress import counting
 from schemas.base import Unusable
 from tasks.version import code_version
 from tests.proof import load
+from tests.proof.faults.run import DWELL_S, short_procedure
 from tests.proof.kills import hold as kills
+from tests.proof.kills import resume
 from tests.proof.peers import page as peers_page
 from tests.proof.peers.installed import MISSING, peers_installed
 from tests.proof.peers.score import PeerScore, score_peers
@@ -109,19 +111,32 @@ def run_loaded(count: int, out: Path | None) -> None:
         raise Unusable(f"{load.summary(found)} {folder / 'load.md'} says which")
 
 
-def run_kills(count: int, out: Path | None) -> bool:
-    """Kills acquisitions at random moments; whether each kept what it must.
-
-    Raises Unusable for a folder that is in use or cannot be written.
+def run_kills(count: int, out: Path | None) -> None:
+    """Kills acquisitions at random moments; Unusable as for `run_station`, or where one did not
+    keep what it must.
     """
     folder = out or Path(f"{DEFAULT_OUT}-kills")
     _make(folder)
     with counting("kills") as report:
         killed = kills.hold(folder, count, report)
-    console = stdout(markup=False)
-    console.print(kills.summary(killed))
-    console.print(str(folder / kills.PAGE))
-    return not any(each.faults for each in killed)
+    stdout(markup=False).print(str(folder / kills.PAGE))
+    if any(each.faults for each in killed):
+        raise Unusable(kills.summary(killed))
+    stdout(markup=False).print(kills.summary(killed))
+
+
+def run_resumes(count: int, out: Path | None) -> None:
+    """Kills acquisitions and goes on with them; Unusable as for `run_station`, or where one has
+    other values than an uninterrupted run.
+    """
+    folder = out or Path(f"{DEFAULT_OUT}-resumes")
+    _make(folder)
+    with counting("resumes") as report:
+        found = resume.hold(folder, count, short_procedure(DWELL_S), report)
+    stdout(markup=False).print(str(folder / resume.PAGE))
+    if not all(each.holds for each in found):
+        raise Unusable(resume.summary(found))
+    stdout(markup=False).print(resume.summary(found))
 
 
 def prove_real(real: Path, folder: Path, seed: int) -> Results:

@@ -135,7 +135,7 @@ FAULTS: dict[str, tuple[Change, str]] = {
     "supply_low": (_set(supply_v=4.0), "the unit's supply is at 4 V"),
     "supply_cut": (_set(is_supply_cut=True), "the unit's supply goes, and comes not back"),
     "fixture_stays": (_set(fixture_stays=True), "the fixture does not turn"),
-    "busy_computer": (_set(busy_s=0.2), "the station's computer is busy for 0.2 s at a time"),
+    "busy_computer": (_set(busy_s=0.2), "the station's computer is busy for every other 0.2 s"),
     "power_cut": (_set(is_dead=True), "the station is gone: its process ends"),
     "unit_silent": (_wire(line.silence), "the unit sends nothing more"),
     "unit_garbage": (_wire(line.garble), "each 20th frame has a wrong byte and noise behind it"),

@@ -30,14 +30,20 @@ def _send(clients: set[asyncio.StreamWriter], data: bytes) -> None:
             client.transport.abort()
 
 
-def _suffer(condition: Condition, clients: set[asyncio.StreamWriter]) -> None:
-    """The faults of the computer and of the unit's connection."""
-    if condition.busy_s:
+def _suffer(condition: Condition, clients: set[asyncio.StreamWriter], free_since_s: float) -> float:
+    """The faults of the computer and of the unit's connection.
+
+    free_since_s: since when (wall time) the computer is not busy, also what is returned: it is so
+    for as long as it is busy.
+    """
+    if condition.busy_s and time.monotonic() - free_since_s > condition.busy_s:
         time.sleep(condition.busy_s)
+        free_since_s = time.monotonic()
     if condition.cuts_unit:
         for unit in clients:
             unit.transport.abort()
         clients.clear()
+    return free_since_s
 
 
 async def keep_time(
@@ -106,9 +112,12 @@ async def serve(
         ports = (_port(modbus.transport), *map(_port, units))
         ready(station_file(config, speed, host, *ports))
 
+        free_since_s = 0.0
+
         def watch() -> None:
+            nonlocal free_since_s
             controller.watch()
-            _suffer(simulation.condition, clients[0])
+            free_since_s = _suffer(simulation.condition, clients[0], free_since_s)
             for each, data in zip(clients[1:], simulation.neighbours_sent(), strict=True):
                 _send(each, data)
 

@@ -44,7 +44,9 @@ validity-rest-turns = { $count } rests are none ({ $first } first): the table tu
 validity-encoder-jump = The encoder of axis { $axis } jumps { $count } times, by up to { $size }° at t = { $time } s, as no table turns.
 validity-attitude-contradicted = In { $count } rests ({ $first } first) gravity lies otherwise in the unit than the encoders have it, by up to { $left } m/s² where { $limit } m/s² is allowed.
 validity-gyro-contradicts-encoder = In { $count } runs about { $axis } ({ $first } first) the gyro follows the encoders by more than { $percent } % otherwise than in the rest.
+validity-input-axis = In the runs about { $axis } it is gyro { $gyro } that follows the rate, by { $gain } times: the unit is mounted otherwise than the manifest says, or its channels or signs are changed.
 validity-latitude-not-given = The latitude is not stated: gravity and Earth's rotation could not be checked against it.
+validity-laboratory-latitude = The recording states { $latitude }° latitude, but the laboratory is at { $own }°.
 validity-gravity-not-given = The local gravity is not stated.
 validity-gravity-contradicted = The local gravity is stated as { $gravity } m/s², but at { $latitude }° latitude, { $lowest } to { $highest } m high, it is { $low } to { $high } m/s².
 validity-earth-not-shown = The rests do not show the level part of Earth's rotation: { $north } of it along north and { $east } along east (u = { $u }) where { $latitude }° latitude has { $expected } along north; latitude or heading may be wrong, or the data are compensated.

@@ -44,7 +44,9 @@ validity-rest-turns = { $count } 个静止段并非静止（首个为 { $first }
 validity-encoder-jump = { $axis } 轴编码器跳变 { $count } 次，最大 { $size }°，位于 t = { $time } s，转台不可能如此转动。
 validity-attitude-contradicted = { $count } 个静止段（首个为 { $first }）中重力方向与编码器不符，最大相差 { $left } m/s²，允许 { $limit } m/s²。
 validity-gyro-contradicts-encoder = 绕 { $axis } 轴的 { $count } 段（首个为 { $first }）中，陀螺对编码器的响应与其余各段相差超过 { $percent }%。
+validity-input-axis = 绕 { $axis } 轴转动的各段中，跟随转速的是陀螺 { $gyro }，响应为 { $gain } 倍：被检单元的安装与清单所述不符，或其通道、符号被改变。
 validity-latitude-not-given = 未给出纬度：无法据此核对重力和地球自转。
+validity-laboratory-latitude = 记录给出的纬度为 { $latitude }°，而实验室位于 { $own }°。
 validity-gravity-not-given = 未给出当地重力加速度。
 validity-gravity-contradicted = 给出的当地重力加速度为 { $gravity } m/s²，但纬度 { $latitude }°、海拔 { $lowest }~{ $highest } m 处应为 { $low }~{ $high } m/s²。
 validity-earth-not-shown = 静止数据未显示地球自转的水平分量：北向 { $north }、东向 { $east }（u = { $u }，以地球自转角速率为单位），而纬度 { $latitude }° 处北向应为 { $expected }；纬度或方位可能有误，或数据已经补偿。

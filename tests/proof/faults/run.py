@@ -1,5 +1,6 @@
 """One run on a virtual station with a fault: how it ended, and what it left."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,15 +9,16 @@ from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.recording import Manifest, Recording, Stream, joined
 from tasks.station import procedures
-from tasks.station.acquisition import Acquired
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
+from tests.proof.faults.client import OF_THE_CLIENT, run_of_client
+from tests.proof.faults.outcome import Outcome, comes_to_rest
 from tests.tasks.station.in_memory import InMemoryStation
-from tests.tasks.station.over_sockets import over_sockets, table_and_watchdog
+from tests.tasks.station.over_sockets import over_sockets
 
 SPEED = 40.0
-DWELL_S, DWELL_OVER_SOCKETS_S = 31.0, 3.0  # those of the specification, and real seconds
+DWELL_S = 31.0  # what the specification asks, and a little more
 AT_REST = 1e-3  # deg/s
 REST_STEPS = 60_000  # ms in which it comes to rest, where nobody sees it
 # Faults of the links and of the station's computer, which a run in this process has not.
@@ -25,8 +27,8 @@ OVER_SOCKETS = frozenset({
     "modbus_ones", "modbus_slow", "modbus_very_slow", "modbus_cut", "modbus_cut_often",
     "chamber_silent", "chamber_frozen", "busy_computer", "power_cut", "unit_cut",
 })  # fmt: skip
-UNREACHABLE = frozenset({"modbus_silent", "modbus_exception", "modbus_address", "modbus_busy",
-                         "modbus_zeros", "modbus_ones", "power_cut"})  # fmt: skip
+IN_REAL_TIME = OVER_SOCKETS | OF_THE_CLIENT.keys()
+UNSEEN = ("power_cut", "unit_cut")  # the unit does not tell any more whether the table turns
 
 
 @dataclass
@@ -50,18 +52,8 @@ class Sink:
         )
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """recording: None where the run stopped, with a sentence. is_at_rest: None where not seen."""
-
-    recording: Recording | None
-    acquired: Acquired | None
-    sentence: str
-    is_at_rest: bool | None
-
-
-def short_procedure(dwell_s: float) -> Procedure:
-    """Six positions and two rates each way about every axis, a dwell (s) each."""
+def short_procedure(dwell_s: float, axes: str = "xyz") -> Procedure:
+    """Six positions and two rates each way about the axes, a dwell (s) each."""
     values = procedures.load("jjf2003").model_dump()
     steps = [step | {"dwell_s": dwell_s} for step in values["steps"] if step["kind"] == "position"]
     runs = [
@@ -70,19 +62,32 @@ def short_procedure(dwell_s: float) -> Procedure:
         if step["kind"] == "rate_run"
     ]
     ups = {step["up"]: step for step in reversed(steps)}
-    axes = {step["axis"]: step for step in reversed(runs)}
-    values |= {"steps": (*ups.values(), *axes.values()), "warm_up_s": 1.0}
+    turns = {step["axis"]: step for step in reversed(runs) if step["axis"] in axes}
+    values |= {"steps": (*ups.values(), *turns.values()), "warm_up_s": 1.0}
     return Procedure.model_validate(values)
 
 
-def run_with(fault: StationFault | None, config: VirtualStation) -> Outcome:
-    """A run with a fault, or with none."""
-    faults = [] if fault is None else [fault]
-    if fault is not None and fault.name in OVER_SOCKETS:
+def procedure_of(name: str) -> Procedure:
+    """That of runs with a fault: in real time a briefer one."""
+    return short_procedure(DWELL_S, "x" if name in IN_REAL_TIME else "xyz")
+
+
+def run_with(fault: StationFault, config: VirtualStation) -> Outcome:
+    """A run with a fault."""
+    if fault.name in OF_THE_CLIENT:
+        return run_of_client(fault, procedure_of(fault.name), config)
+    if fault.name in OVER_SOCKETS:
         return _over_sockets(fault, config)
+    return run_in_memory(procedure_of(fault.name), config, [fault])
+
+
+def run_in_memory(
+    procedure: Procedure, config: VirtualStation, faults: Iterable[StationFault] = ()
+) -> Outcome:
+    """A run in this process and in simulated time."""
     station, sink = InMemoryStation(config, SPEED, faults), Sink()
     try:
-        acquired, sentence = station.acquire(short_procedure(DWELL_S), sink), ""
+        acquired, sentence = station.acquire(procedure, sink), ""
     except Unusable as stop:
         acquired, sentence = None, str(stop)
     station.simulation.condition = type(station.simulation.condition)()
@@ -97,14 +102,8 @@ def _over_sockets(fault: StationFault, config: VirtualStation) -> Outcome:
     with running(config, SPEED, [fault]) as station:
         sink = Sink()
         try:
-            acquired, sentence = (
-                over_sockets(station, short_procedure(DWELL_OVER_SOCKETS_S), sink),
-                "",
-            )
+            acquired, sentence = over_sockets(station, procedure_of(fault.name), sink), ""
         except Unusable as stop:
             acquired, sentence = None, str(stop)
-        at_rest = None
-        if fault.name not in UNREACHABLE:
-            state, _ = table_and_watchdog(station)
-            at_rest = max(abs(axis.rate_deg_s) for axis in state.axes) < AT_REST
+        at_rest = None if fault.name in UNSEEN else comes_to_rest(station, config.unit.gyro.lsb)
     return Outcome(sink.recording() if acquired else None, acquired, sentence, at_rest)

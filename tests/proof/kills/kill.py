@@ -61,13 +61,13 @@ def kill(seed: int, folder: Path) -> Killed:
         file = folder / "station.json"
         tapped = station.model_copy(update={"unit_link": link})
         file.write_text(tapped.model_dump_json(), encoding="utf-8")
-        moments = _acquire_and_kill(file, procedure, folder, after_s)
+        moments = acquire_and_kill(file, procedure, folder, after_s)
         tap.close()
     counts = np.array([config.unit.gyro.lsb] * 3 + [config.unit.accel.lsb] * 3)
     return judged(seed, after_s, folder, tap.sent(), moments, counts)
 
 
-def _acquire_and_kill(station: Path, procedure: Path, home: Path, after_s: float) -> Moments:
+def acquire_and_kill(station: Path, procedure: Path, home: Path, after_s: float) -> Moments:
     """When its file had its first bytes, and when it was killed, s (monotonic)."""
     with subprocess.Popen(
         [sys.executable, "-c", ACQUIRE, station, procedure],

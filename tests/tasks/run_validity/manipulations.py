@@ -142,6 +142,14 @@ def _shaken(size: float) -> Change:
     return lambda t, values: values + size * np.random.default_rng(2).standard_normal(len(t))
 
 
+def _swapped(one: str, other: str) -> Manipulation:
+    def edit(stream: Stream) -> Stream:
+        columns = stream.columns
+        return Stream(stream.t, {**columns, one: columns[other], other: columns[one]})
+
+    return _stream("imu", edit)
+
+
 NO_TABLE = _stream("table", lambda table: None)
 DEG = float(np.radians(1.0))
 UNSETTLED = {"code": "table_unsettled", "en": "Not settled.", "zh": "未稳定。", "segments": ["a"]}
@@ -235,6 +243,8 @@ MANIPULATIONS: dict[str, Manipulation] = {
     "1 m/s² in one rest": _in_segments(ACCEL, "static", 2, _shaken(1.0)),
     "gyros shaken in the rests": _in_segments(GYRO, "static", None, _shaken(2.0 * DEG)),
     "a gyro shaken in one rest": _in_segments(GYRO[2:], "static", 1, _shaken(1.0 * DEG)),
+    "gyros of the wrong sign": _columns("imu", GYRO, lambda t, v: -v),
+    "two gyros change places": _swapped(GYRO[0], GYRO[1]),
     "a rest that turns": _in_segments(GYRO[2:], "static", 4, lambda t, v: v + 5.0 * DEG),
     "a twentieth lost": _kept("imu", lambda t: ~_some(t, 0.05)),
     "a minute lost": _kept("imu", lambda t: ~_mid(t, 60.0)),

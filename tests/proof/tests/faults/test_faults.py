@@ -8,7 +8,8 @@ from schemas.recording import Recording, Stream
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault
 from tests.proof.faults import judge, run
-from tests.proof.faults.hold import drawn
+from tests.proof.faults.client import OF_THE_CLIENT, run_of_client
+from tests.proof.faults.hold import Ended, drawn, page
 
 
 @pytest.fixture(autouse=True)
@@ -18,9 +19,7 @@ def brief(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def sound() -> run.Outcome:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "DWELL_S", 3.0)
-        return run.run_with(None, VirtualStation())
+    return run.run_in_memory(run.short_procedure(3.0), VirtualStation())
 
 
 def recording_of(outcome: run.Outcome) -> Recording:
@@ -49,4 +48,29 @@ def test_a_table_that_turns_and_an_end_without_a_sentence_are_seen(sound: run.Ou
 
 def test_every_fault_is_drawn_and_the_same_seed_draws_the_same() -> None:
     assert drawn(3, 200) == drawn(3, 200)
-    assert {fault.name for fault in drawn(3, 200)} == FAULTS.keys() - {"fixture_stays"}
+    every = FAULTS.keys() | OF_THE_CLIENT.keys()
+    assert {fault.name for fault in drawn(3, 200)} == every - {"fixture_stays"}
+
+
+def test_the_page_counts_how_runs_ended_and_lists_what_must_not_be() -> None:
+    fault, slow = StationFault("spike", 12.5), StationFault("slow_disk", 3.0)
+    found = [
+        Ended(fault, "repeated", [], ""),
+        Ended(fault, "invalid", ["the table still turns"], ""),
+        Ended(slow, "recovered", [], ""),
+    ]
+    told = page(found, seed=4, seconds=60.0)
+    assert "3 runs of a short procedure (seed 4, 60 s)" in told
+    assert "1 violations" in told
+    assert "| `spike` | each 1500th sample is far off |  | 1 |  | 1 |  |" in told
+    assert "| `slow_disk` | each flush to the disk takes 1.5 s | 1 |" in told
+    assert told.endswith("- spike@12.5: the table still turns\n")
+
+
+@pytest.mark.real_time
+def test_a_run_on_a_slow_disk_is_whole() -> None:
+    fault, procedure = StationFault("slow_disk", 20.0), run.procedure_of("slow_disk")
+    outcome = run_of_client(fault, procedure, VirtualStation())
+    same = recording_of(run.run_in_memory(procedure, VirtualStation()))
+    assert outcome.sentence == ""
+    assert judge.violations("slow_disk", outcome, same) == []
