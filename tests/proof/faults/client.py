@@ -52,7 +52,8 @@ def _acquired(
     if fault.name == "client_killed":
         return killed_and_resumed(station, procedure, home, after_s)[:2]
     with _flushing(FLUSHES_S[fault.name], after_s):
-        return acquire_run(station, procedure, home, ignore)
+        (kept,) = acquire_run(station, procedure, home, ignore).kept
+    return kept
 
 
 @contextmanager

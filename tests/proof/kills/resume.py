@@ -20,7 +20,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.stages.acquire import acquire_run
-from tasks.stages.left_run import left_run
+from tasks.stages.left_run import left_runs
 from tasks.station.acquisition import Acquired
 from tasks.station.interrupted import interrupted
 from tasks.station.virtual.config import VirtualStation
@@ -67,7 +67,7 @@ def hold(
     config = VirtualStation()
     with running(config, SPEED) as station:
         began_s = time.monotonic()
-        whole, _ = acquire_run(station, procedure, Home(folder / "whole"), ignore)
+        ((whole, _),) = acquire_run(station, procedure, Home(folder / "whole"), ignore).kept
         takes_s = time.monotonic() - began_s
     uninterrupted = _calibrated(runs.load(whole, Home(folder / "whole")))
     found = []
@@ -103,11 +103,13 @@ def killed_and_resumed(
     if not comes_to_rest(station, VirtualStation().unit.gyro.lsb):
         raise Unusable("the table still turns, long after the acquisition was killed")
     try:
-        left = left_run(station, procedure, home)
+        (left,) = left_runs(station, procedure, home).values()
     except Unusable:
-        return *acquire_run(station, procedure, home, ignore), 0
-    kept = len(interrupted(left.recording, station.unit_link).measured())
-    return *acquire_run(station, procedure, home, ignore, resume=True), kept
+        (kept,) = acquire_run(station, procedure, home, ignore).kept
+        return *kept, 0
+    stood = len(interrupted(left.recording, station.unit_link).measured())
+    (kept,) = acquire_run(station, procedure, home, ignore, resume=True).kept
+    return *kept, stood
 
 
 def _calibrated(recording: Recording) -> Calibration:
