@@ -30,10 +30,12 @@ STEPS = 2.0  # of the output: nearer is rounding
 def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """What is wrong with single samples, segment by segment and in the whole run."""
     channels = evidence.channel_names
+    flags = [coarsely_quantised(segment) for segment in evidence.segments]
+    coarse = np.mean(flags, axis=0) > 0.5 if flags else np.zeros(6, bool)
     for segment in evidence.segments:
         yield from _corrupted(segment, channels)
         if not evidence.may_stand_still:
-            yield from _stuck(evidence.recording, segment, channels)
+            yield from _stuck(evidence.recording, segment, channels, coarse)
     yield from _coarse(evidence.segments, channels)
     if not evidence.may_stand_still:  # rounding is no outlier
         yield from _off(evidence)
@@ -112,8 +114,13 @@ def _corrupted(segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
     )  # fmt: skip
 
 
-def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> Iterator[Remark]:
-    """A channel that stood still where noise should have moved it."""
+def _stuck(
+    recording: Recording, segment: SegmentMean, channels: Channels, coarse: np.ndarray
+) -> Iterator[Remark]:
+    """A channel that stood still where noise should have moved it.
+
+    coarse: (6,) channels whose step is larger than their noise in most segments: they may.
+    """
     if segment.segment.kind == "rotation":
         return
     rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
@@ -126,7 +133,8 @@ def _stuck(recording: Recording, segment: SegmentMean, channels: Channels) -> It
         if length < shortest:
             continue
         yield run_remark(
-            "stuck", name, segment=name, channel=channels[channel],
+            "stuck", name, run="remarks" if coarse[channel] else "invalid",
+            segment=name, channel=channels[channel],
             value=f"{values[start]:.6g}", rows=length,
             time=f"{recording.imu.t[rows.start + start]:.2f}",
         )  # fmt: skip
