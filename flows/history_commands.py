@@ -1,4 +1,4 @@
-"""The commands over the history of a store: made again with today's code, and as tables."""
+"""The commands over the history of a store: made again, as tables, and what used what."""
 
 import typer
 
@@ -15,6 +15,7 @@ def reprocess(
     serial: options.Serial = None,
     station: options.StationId = None,
     procedure: options.OfProcedure = None,
+    equipment: options.OfEquipment = None,
     code_version: options.CodeVersion = None,
     engine: options.Engine = "local",
     scheduler: options.Scheduler = None,
@@ -40,6 +41,7 @@ def reprocess(
         serial=serial,
         station=station,
         procedure=procedure,
+        equipment=equipment,
         code_version=code_version,
         engine=engine,
         scheduler=scheduler,
@@ -76,3 +78,28 @@ def table(
     from flows.tables import write_table
 
     write_table(what, form, out)
+
+
+@app.command()
+def impact(
+    equipment: options.Equipment,
+    since: options.Since = None,
+    until: options.Until = None,
+    as_json: options.Json = False,
+) -> None:
+    """Which runs, results and certificates used a measurement standard or a station.
+
+    Between two days of recording, both included.
+    """
+    from flows.print_history import print_impact
+    from schemas.orders import Selection, order_of
+    from storage.catalogue.impact import impact_of
+    from storage.home import home
+
+    first, last = since.date() if since else None, until.date() if until else None
+    selection = order_of(Selection, equipment=equipment, since=first, until=last)
+    found = impact_of(selection, home())
+    if as_json:
+        print(found.model_dump_json(indent=1))
+    else:
+        print_impact(found)

@@ -113,6 +113,7 @@ TABLE_FILE = (
 What = Annotated[str, typer.Argument(metavar="WHAT", help=WHAT)]
 TableForm = Annotated[str, _option("FORM", "csv or parquet.", "--as")]
 TableFile = Annotated[Path | None, _option("PATH", TABLE_FILE, "--out")]
+EQUIPMENT = "Measurement standard (name, serial number or certificate), or station."
 OF_PROCEDURE = "Name of a procedure, or a standard."
 CODE_VERSION = "Beginning of the version that made the newest result."
 SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."
@@ -127,6 +128,8 @@ Until = Annotated[
 Model = Annotated[str | None, _option("NAME", "Model of the unit.")]
 Serial = Annotated[str | None, _option("NUMBER", "Serial number of the unit.")]
 StationId = Annotated[str | None, _option("ID", "Station on which it was recorded.", "--station")]
+OfEquipment = Annotated[str | None, _option("NAME", EQUIPMENT, "--equipment")]
+Equipment = Annotated[str, typer.Argument(metavar="EQUIPMENT", help=EQUIPMENT)]
 OfProcedure = Annotated[str | None, _option("NAME", OF_PROCEDURE, "--procedure")]
 CodeVersion = Annotated[str | None, _option("VERSION", CODE_VERSION)]
 Engine = Annotated[str, _option("NAME", "local (processes) or dask (a cluster).")]

@@ -1,7 +1,7 @@
-"""What the command line prints of a re-processing."""
+"""What the command line prints of a re-processing, and of what used a standard."""
 
 from flows.printing import print_rows, stdout
-from schemas.history import Plan, Reprocessing
+from schemas.history import Impact, Plan, Reprocessing
 from tasks.words.units import unit_text
 
 SHOWN = 20  # rows of each table; the report has all
@@ -51,6 +51,25 @@ def print_report(report: Reprocessing, out: str | None) -> None:
     )
     if out is not None:
         stdout(markup=False).print(f"report {out}")
+
+
+def print_impact(impact: Impact) -> None:
+    """Runs with their results, and certificates."""
+    made: dict[str, list[str]] = {}
+    for result in impact.results:
+        made.setdefault(result.run, []).append(f"{result.result} ({result.method})")
+    runs = [
+        (r.run, r.unit, str(r.recorded_on or "unknown"), ", ".join(r.documents) or str(r.station),
+         ", ".join(made.get(r.run, ())))
+        for r in impact.runs
+    ]  # fmt: skip
+    print_rows("Runs", ("run", "unit", "recorded", "named by", "results"), runs)
+    papers = [
+        (c.number, c.run, c.state, c.verdict, str(c.issued_on), str(c.due))
+        for c in impact.certificates
+    ]
+    of_paper = ("certificate", "run", "state", "verdict", "issued", "due")
+    print_rows("Certificates", of_paper, papers)
 
 
 def _shown(total: int) -> str:

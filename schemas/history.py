@@ -1,10 +1,12 @@
-"""What re-processing changed: values, verdicts, and the certificates that stand on them."""
+"""What re-processing changed, and what used a measurement standard."""
 
+from datetime import date
 from typing import Literal
 
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
+from schemas.calibration import Method
 from schemas.certificate import State
 from schemas.decision import Verdict
 
@@ -99,3 +101,49 @@ class Plan(Frozen):
     results: int = Field(description="to be made")
     done_before: int
     rows: int = Field(description="samples that are to be read")
+
+
+class AffectedRun(Frozen):
+    """A run that used a measurement standard, and which documents name it.
+
+    documents: the manifest, or numbers of certificates; none for a run at the station of that name.
+    """
+
+    run: str
+    recording_id: str
+    unit: str
+    station: str | None
+    recorded_on: date | None
+    documents: tuple[str, ...]
+
+
+class AffectedResult(Frozen):
+    """A result of such a run; newest: whether no other supersedes it."""
+
+    result: str
+    run: str
+    method: Method
+    newest: bool
+
+
+class AffectedCertificate(Frozen):
+    """A certificate that stands on such a run, as found or as left."""
+
+    number: str
+    run: str
+    state: State
+    verdict: Verdict
+    issued_on: date
+    due: date
+
+
+class Impact(Frozen):
+    """What used a measurement standard or a station in a time (format `mimu-impact/1`)."""
+
+    format: Literal["mimu-impact/1"] = "mimu-impact/1"
+    equipment: str
+    since: date | None
+    until: date | None
+    runs: tuple[AffectedRun, ...]
+    results: tuple[AffectedResult, ...]
+    certificates: tuple[AffectedCertificate, ...]

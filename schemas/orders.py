@@ -155,8 +155,9 @@ class Selection(OrderModel):
     """Runs by what the catalogue says of them; null leaves a question out.
 
     since, until: days, both included, on which they were recorded (where that is unknown, taken
-    in). procedure: its name, or the standard. code_version: the beginning of that of a run's
-    newest result.
+    in). procedure: its name, or the standard. equipment: name, serial number or calibration
+    certificate of a measurement standard, or the station. code_version: the beginning of that of a
+    run's newest result.
     """
 
     since: date | None = None
@@ -165,6 +166,7 @@ class Selection(OrderModel):
     serial: str | None = None
     station: str | None = None
     procedure: str | None = None
+    equipment: str | None = None
     code_version: str | None = None
 
     @model_validator(mode="after")

@@ -9,7 +9,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
-from schemas.history import Reprocessing
+from schemas.history import Impact, Reprocessing
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
 from schemas.station import StationFile
@@ -32,6 +32,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-validation": ValidationRecord,
     "mimu-discrepancy": Discrepancy,
     "mimu-reprocess": Reprocessing,
+    "mimu-impact": Impact,
 }
 
 

@@ -126,10 +126,10 @@ def of_run(run: Run, home: Home) -> list[Entry]:
     unit = (run.manufacturer, run.model, run.serial)
     entries = register(home)
     of_unit = [e for e in entries if (e.manufacturer, e.model, e.serial) == unit]
-    return [entry for entry in of_unit if run.id in (entry.run, _found(entry, home))]
+    return [entry for entry in of_unit if run.id in (entry.run, found_of(entry, home))]
 
 
-def _found(entry: Entry, home: Home) -> str | None:
+def found_of(entry: Entry, home: Home) -> str | None:
     """The run as found of a certificate; None for a record that cannot be read, too."""
     try:
         found = record_of(entry, home).as_found

@@ -57,6 +57,12 @@ def add_equipment(
         database.add_new(connection, tables.equipment, **row)
 
 
+def named_by(name: str) -> sql.ColumnElement[bool]:
+    """The condition on `equipment` that a name, serial number or certificate is the given one."""
+    used = tables.equipment.c
+    return sql.or_(used.name == name, used.serial == name, used.certificate == name)
+
+
 def _day(moment: object) -> date | None:
     """The day at the beginning of an ISO 8601 text, as the station's own clock had it."""
     try:

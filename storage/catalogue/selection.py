@@ -7,6 +7,7 @@ import sqlalchemy as sql
 from schemas.orders import Selection
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_runs
+from storage.catalogue.lineage import named_by
 from storage.catalogue.listing import Run, runs_where
 from storage.home import Home
 
@@ -34,6 +35,8 @@ def _conditions(selection: Selection) -> list[sql.ColumnElement[bool]]:
     if selection.until is not None:
         ends = datetime.combine(selection.until + timedelta(days=1), time(), UTC)
         found.append(_recorded(runs.recorded_on <= selection.until, runs.taken_in_at < ends))
+    if selection.equipment is not None:
+        found.append(_used(selection.equipment))
     if selection.code_version is not None:
         found.append(runs.id.in_(_made_by(selection.code_version)))
     return found
@@ -45,6 +48,11 @@ def _recorded(
     """By the day of the recording; by that of the import where the manifest gives none."""
     unknown = tables.runs.c.recorded_on.is_(None)
     return sql.or_(by_day, sql.and_(unknown, by_import))
+
+
+def _used(named: str) -> sql.ColumnElement[bool]:
+    runs, used = tables.runs.c, tables.equipment.c.run
+    return sql.or_(runs.station == named, runs.id.in_(sql.select(used).where(named_by(named))))
 
 
 def _made_by(code_version: str) -> sql.Select[tuple[str]]:
