@@ -16,6 +16,7 @@ from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
 from tasks.explain.evidence.partitions import partitions
+from tasks.explain.evidence.shares import WEAK
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Refusal
 from tasks.model.regression import inverse
@@ -133,15 +134,16 @@ def _channel_worse(evidence: Evidence, number: int) -> Refusal | None:
 def _undetermined(
     evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
 ) -> Refusal | None:
-    """Where no parameter is larger than its U, nor all of them together where they make up for
-    each other: the clearest.
+    """Where no parameter is larger than its U, nor, of a finding that is not weak, all of them
+    together where they make up for each other: the clearest.
     """
     parameters = _parameters(evidence, number)
     off = values - np.array([0.0 if one is SIZE else one.nominal for one in parameters])
     joint = float(off @ inverse(evidence.correlation(number) * u[:, None] * u) @ off)
     clear = np.abs(off) / np.maximum(COVERAGE * u, 1e-300)
     k = int(clear.argmax())
-    if clear[k] > 1.0 or joint > COVERAGE**2 * len(u):
+    together = joint > COVERAGE**2 * len(u) and evidence.delta_bic(number) > WEAK
+    if clear[k] > 1.0 or together:
         return None
     parameter = parameters[k]
     return Refusal(

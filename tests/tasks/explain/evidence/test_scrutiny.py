@@ -1,6 +1,8 @@
 """A name stands where its parameters are the same everywhere, and every channel is the better."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -8,7 +10,7 @@ from engine_run import MOVE, NOISY, RATE, REST, motion, noise, observed, read
 
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.pruning import pruned
-from tasks.explain.evidence.scrutiny import Scrutiny
+from tasks.explain.evidence.scrutiny import Scrutiny, _undetermined
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import NormalEquations
 from tasks.explain.search.fitted import FittedSelection
@@ -112,6 +114,21 @@ def test_a_size_is_implausible_where_its_whole_interval_is(beyond: float, refuse
               for k, one in enumerate(LEVER_ARM.parameters)]  # fmt: skip
     (one,) = scrutinised(made, replace(LEVER_ARM, parameters=tuple(narrow)))
     assert (one.refusal is not None and one.refusal.kind == "implausible") == refused
+
+
+@pytest.mark.parametrize(("delta_bic", "refused"), [(50.0, True), (500.0, False)])
+def test_what_only_all_parameters_together_determine_has_a_name_unless_it_is_weak(
+    delta_bic: float, refused: bool
+) -> None:
+    values, u = np.array([1.0, 1.0]), np.array([1.0, 1.0])  # each less than its U, of two
+    evidence: Any = SimpleNamespace(
+        groups=[SimpleNamespace(name=LEVER_ARM.name)],
+        parameters=lambda _: LEVER_ARM.parameters[:2],
+        correlation=lambda _: np.array([[1.0, -0.99], [-0.99, 1.0]]),
+        delta_bic=lambda _: delta_bic,
+    )
+    refusal = _undetermined(cast(Evidence, evidence), 0, values, u)
+    assert (refusal is not None and refusal.kind == "undetermined") == refused
 
 
 def rough(seed: int) -> np.ndarray:
