@@ -43,6 +43,8 @@ def main() -> None:
     Exit 2 with one sentence for unusable input, 1 for own failures and for what was broken off.
     """
     end_as_ctrl_c()
+    # Before numpy is there: on matrices this small a second thread only waits, and takes a core.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         _check_text(sys.argv[1:])
         code = app(sys.argv[1:] or ["--help"], standalone_mode=False)

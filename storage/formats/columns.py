@@ -91,6 +91,6 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
 
     table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
     columns = {name: to_numpy(table.column(name)) for name in table.column_names}
-    said = table.schema.metadata or {}
-    marks = said.get(DIGEST, b"").decode(), said.get(CHECK_SUM, b"").decode()
+    metadata = table.schema.metadata or {}
+    marks = metadata.get(DIGEST, b"").decode(), metadata.get(CHECK_SUM, b"").decode()
     return Stream(columns.pop("t"), columns), marks

@@ -10,7 +10,6 @@ Statist. 6, 1997), and then one half as long, whose bias is small beside its noi
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter, minimum_filter
 
 RATE_WINDOW = 0.05  # s: the shortest
 LONGEST_HALF = 1.0  # s
@@ -47,6 +46,8 @@ class EncoderRate:
 
 def encoder_rate(angle: np.ndarray, interval: float, variance: np.ndarray) -> EncoderRate:
     """Of angles (n, k) rad on an even grid, whose samples have variance (n, k) rad²."""
+    from scipy.ndimage import median_filter, minimum_filter  # late: a quarter of a start
+
     kernels = _kernels(angle, interval, variance)
     rates, variances = [], []
     low, high = np.full(angle.shape, -np.inf), np.full(angle.shape, np.inf)

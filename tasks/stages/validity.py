@@ -6,8 +6,6 @@ from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
-from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tasks.version import code_version
 
@@ -23,6 +21,10 @@ def validity_of(run: Run, home: Home) -> Validity:
         made = kept.calibration
         if (made.method, made.code_version) == (specification.method, code_version()):
             return made.validity
+    # Late: a run with a result needs none of it.
+    from tasks.calibrate.calibrate import calibrate
+    from tasks.calibrate.evaluation import evaluation_for
+
     laboratory = settings.laboratory(home)
     evaluation = evaluation_for(recording, own=laboratory.limits if laboratory else None)
     try:
