@@ -19,6 +19,12 @@ import pytest
 from flows import cli
 from tasks.validation import record
 
+MAKE_DATABASE = """
+import asyncio
+from prefect.server.database import provide_database_interface
+asyncio.run(provide_database_interface().create_db())
+"""
+
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated) -> Path:
@@ -41,7 +47,7 @@ def prefect_database(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "made").exists():
             subprocess.run(
-                [sys.executable, "-m", "prefect", "server", "database", "upgrade", "-y"],
+                [sys.executable, "-c", MAKE_DATABASE],
                 check=True, capture_output=True, env=os.environ | {"PREFECT_HOME": str(folder)},
             )  # fmt: skip
             (folder / "made").touch()
@@ -57,11 +63,14 @@ def own_home(tmp_path: Path, prefect_database: Path) -> Path:
     return folder
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def prefect_server(
     prefect_database: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[str]:
-    """URL of a Prefect server that commands are told of, so that they start none of their own."""
+    """URL of a Prefect server that commands are told of, so that they start none of their own.
+
+    It ends with the module, for it computes though nobody asks.
+    """
     folder = tmp_path_factory.mktemp("prefect_server")
     shutil.copy(prefect_database, folder)
     with socket.create_server(("127.0.0.1", 0)) as listener:

@@ -24,6 +24,10 @@ def short(tmp_path: Path) -> Path:
     for step in whole["steps"]:
         if "dwell_s" in step:
             step["dwell_s"] = 4.0
+        if step["kind"] == "rate_run":
+            step["rates_deg_s"] = [-200.0, -50.0, 50.0, 200.0]
+        if step["kind"] == "turns":
+            step["turns"] = 3
     told = Procedure.model_validate(whole | {"name": "short1536", "warm_up_s": 5.0})
     path = tmp_path / "short1536.json"
     path.write_text(told.model_dump_json(), encoding="utf-8")

@@ -131,7 +131,7 @@ def test_acquire_prints_the_run_and_the_run_can_be_calibrated(
         capture_output=True, text=True, timeout=600,
         env=environment(home, PREFECT_API_URL=prefect_server),
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
     acquired = json.loads(done.stdout)
     assert acquired["lost_samples"] == 0
     scale = mimucal("calibrate", acquired["run"], "--json").json["items"]["gyro_scale_factor"]
