@@ -8,6 +8,7 @@ import typer
 
 from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
+from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.trial.rough.hold import run_rough
 
@@ -74,8 +75,13 @@ def main(
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but N runs, each with a random fault."),
     ] = None,
+    fuzz: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Nothing but N damaged inputs for each parser."),
+    ] = None,
     write: Annotated[
-        bool, typer.Option("--write", help="With --faults: the table into the evidence.")
+        bool,
+        typer.Option("--write", help="With --faults or --fuzz: the table into the evidence."),
     ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
@@ -93,6 +99,8 @@ def main(
                 return
         if faults is not None:
             run_faults(faults, seed, write)
+        elif fuzz is not None:
+            run_fuzz(fuzz, seed, write)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

@@ -66,14 +66,14 @@ def _sync_places(octets: np.ndarray, frame: BinaryFrame) -> np.ndarray:
 
 
 def _without_overlap(starts: np.ndarray, size: int) -> np.ndarray:
-    """Of good frames that overlap, the first: the other is a chance inside it."""
+    """Of good frames that overlap, the last: one whose end was lost may run into it by chance."""
     if np.all(np.diff(starts) >= size):
         return starts
     taken: list[int] = []
-    for start in starts:
-        if not taken or start >= taken[-1] + size:
-            taken.append(int(start))
-    return np.array(taken, dtype=starts.dtype)
+    for start in reversed(starts.tolist()):
+        if not taken or start + size <= taken[-1]:
+            taken.append(start)
+    return np.array(taken[::-1], dtype=starts.dtype)
 
 
 def _apart(places: np.ndarray, taken: np.ndarray, size: int) -> int:

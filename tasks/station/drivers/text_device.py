@@ -10,7 +10,7 @@ from schemas.described import Query, TextDevice
 from tasks.station.drivers.backend import Values
 from tasks.station.drivers.text_link import TextLink
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"  # with one way to read each
 PATTERNS = {"": NUMBER, "x": r"(?:0[xX])?[0-9a-fA-F]+", "w": r"[^\s,;]+"}
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from schemas.unit_link import TextFrame
 from tasks.station.drivers.samples import FrameSearch, filled, no_samples
 
-NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+# of each number there is one way to read it: a damaged line must not be tried for ever
+NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_BYTES = 4096  # of a line; what is longer is no line
 CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
 
@@ -71,12 +72,13 @@ def _check(line: bytes, frame: TextFrame) -> int:
 
 @lru_cache
 def _pattern(frame: TextFrame) -> re.Pattern[bytes]:
-    separator = re.escape(frame.separator.encode())
+    blank = frame.separator == " "
+    separator = b" +" if blank else b" *" + re.escape(frame.separator.encode()) + b" *"
     fields = separator.join(
-        rb" *" + re.escape(field.prefix.encode()) + rb"(" + NUMBER + rb") *"
-        for field in frame.fields
+        re.escape(field.prefix.encode()) + rb"(" + NUMBER + rb")" for field in frame.fields
     )
     check = b""
     if frame.check != "none":
         check = rb"\*([0-9a-fA-F]{%d})" % CHECK_DIGITS[frame.check]
-    return re.compile(re.escape(frame.start.encode()) + fields + check + rb"\r?")
+    start = re.escape(frame.start.encode())
+    return re.compile(start + b" *" + fields + b" *" + check + rb"\r?")

@@ -1,0 +1,1 @@
+"""Every parser of the station fed with damaged input: `make prove ARGS="--fuzz N"`."""

@@ -1,0 +1,29 @@
+"""Some thousand inputs for each parser; the command has a million."""
+
+import pytest
+
+from tests.proof.fuzz import answers, frames
+from tests.proof.fuzz.hold import hold
+
+COUNT = 2000
+
+
+@pytest.mark.parametrize("kind", frames.KINDS, ids=lambda kind: kind.name)
+def test_no_frame_is_taken_whose_damage_the_check_sum_shows(kind):
+    tally = frames.feed(kind, COUNT, seed=3)
+    assert tally.fed.total() == COUNT
+    assert frames.wrong_though_shown(tally) == 0
+    assert tally.lost == 0
+
+
+@pytest.mark.parametrize("feed", answers.KINDS.values(), ids=answers.KINDS)
+def test_answers_are_read_rightly_or_refused(feed):
+    assert feed(COUNT, 3).wrong == 0
+
+
+def test_a_parser_that_takes_damaged_frames_is_found_out(monkeypatch):
+    monkeypatch.setattr(
+        "tasks.station.drivers.binary_frames._is_good", lambda rows, _: rows[:, 0] > 0
+    )
+    little = hold(200, 3)[0]
+    assert little.wrong > 0
