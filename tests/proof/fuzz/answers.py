@@ -9,12 +9,14 @@ from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU
 
 from schemas.base import Unusable
-from tasks.station.drivers.modbus import decode, encode
+from schemas.described import RegisterType
+from tasks.station.drivers.modbus import WordOrder, decode, encode
 from tasks.station.drivers.text_device import Answer
 from tests.proof.fuzz.damage import ANY, SHOWN
 
-WORDS = {"uint16": 1, "int16": 1, "uint32": 2, "int32": 2, "uint64": 4, "int64": 4,
-         "float32": 2, "float64": 4}  # fmt: skip
+ORDERS: tuple[WordOrder, ...] = ("big", "little")
+WORDS: dict[RegisterType, int] = {"uint16": 1, "int16": 1, "uint32": 2, "int32": 2, "uint64": 4,
+         "int64": 4, "float32": 2, "float64": 4}  # fmt: skip
 TEMPLATES = ("{angle[0]},{angle[1]},{angle[2]}", "VEL {rate}", "#{status:x}",
              "{maker:w},{model:w},{revision}")  # fmt: skip
 SIGNS = "0123456789+-.eExX#,; \tVELOKinfaN"
@@ -33,7 +35,7 @@ def registers(count: int, seed: int) -> Held:
     rng, wrong = random.Random(seed), 0
     for _ in range(count):
         kind = rng.choice(tuple(WORDS))
-        order = rng.choice(("big", "little"))
+        order = rng.choice(ORDERS)
         words = [rng.randrange(2**16) for _ in range(WORDS[kind])]
         value = decode(words, kind, order)
         is_nan = value != value
