@@ -1,9 +1,9 @@
 """What makes up for each other is tested together, and told together where data cannot tell.
 
 Each combination costs what it leaves of chi-squared, counted against what the best leaves, and
-ln(stretches) for each parameter: so that a pair that one effect explains is that effect. Compared
-are linear forms, by the normal equations of the search. Delays and filters are not linear: those
-that come near are fitted in their real form, and so is whatever is put in another's place.
+ln(stretches) for each parameter and each shape that is fitted: so that a pair that one effect
+explains is that effect. Compared are linear forms, by the search's normal equations. Delays and
+filters that come near are fitted in their real form, and so is what is put in another's place.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 
 from tasks.explain.groups.combinations import Combination, chi2_of
-from tasks.explain.groups.families import FAMILIES, Form, forms_of, group_delays
+from tasks.explain.groups.families import FAMILIES, Form, forms_of, group_delays, shape_count
 from tasks.explain.groups.marking import group_names, is_by_triad, keys_of, marked, names_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
@@ -207,7 +207,7 @@ class _Family:
 
     def _linear_cost(self, members: Form) -> float:
         gain, count = self._linear(members)
-        return count * self._price - gain / self._dispersion
+        return (count + shape_count(members)) * self._price - gain / self._dispersion
 
     def _linear(self, members: Form) -> tuple[float, int]:
         selection = self.fit.selection
@@ -215,7 +215,7 @@ class _Family:
         return joint_gain(selection.equations, members, others)
 
     def _cost(self, one: Combination) -> float:
-        return one.chi2 / self._dispersion + self._price * one.count
+        return one.chi2 / self._dispersion + self._price * (one.count + shape_count(one.members))
 
     @cached_property
     def _dispersion(self) -> float:

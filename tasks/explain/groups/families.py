@@ -77,6 +77,11 @@ def _alike(form: Sequence[Candidate], selected: Sequence[Candidate]) -> Form:
     return tuple(one for one in form if one.own in parts) or (form[0],)
 
 
+def shape_count(members: Form) -> int:
+    """Number of time constants and the like that are fitted, each as free as a parameter."""
+    return sum(len(term.shapes) for term in {one.term.key: one.term for one in members}.values())
+
+
 def starting_values(model: Model, members: Form, delays: tuple[float, float]) -> Model:
     """The model with delays and filters of such sizes that gyros and accelerometers are late by
     so much (s), as a fit may start from. Beside a delay a filter is what the later triad has.

@@ -8,14 +8,14 @@ from engine_run import NOISY, motion, noise, observed, read
 
 from tasks.explain.groups.combinations import Combination
 from tasks.explain.groups.compare import FILTER, compared
-from tasks.explain.groups.families import common_part
+from tasks.explain.groups.families import common_part, shape_count
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, search
 from tasks.model.term import Column, Term
 from tasks.model.terms.electronics import BANDWIDTH
-from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
+from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT, thermal_transient
 from tasks.model.terms.geometry import LEVER_ARM
 from tasks.model.terms.timing import TIME_OFFSET
 
@@ -83,6 +83,15 @@ def test_a_family_without_the_nuisance_is_compared_as_ever() -> None:
 def test_what_is_not_plausible_gives_way_to_what_fits_as_well_and_is() -> None:
     fit, candidates = warmed()
     assert names(compared(fit, candidates)) == {"temperature_bias"}
+
+
+def test_a_time_constant_costs_as_much_as_a_parameter() -> None:
+    warm_up = thermal_transient(60.0)
+    (bias, one, other) = (
+        Candidate(term, (), (), 1) for term in (TEMPERATURE_BIAS, warm_up, warm_up)
+    )
+    assert shape_count((bias,)) == 0
+    assert shape_count((one, other)) == 1
 
 
 def test_each_of_several_forms_promises_what_it_promises_alone() -> None:
