@@ -10,6 +10,7 @@ from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
 from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
+from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough
 
 UNUSABLE = 2
@@ -79,9 +80,13 @@ def main(
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but N damaged inputs for each parser."),
     ] = None,
+    throughput: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", min=1, help="Nothing but fast stations, each for so long."),
+    ] = None,
     write: Annotated[
         bool,
-        typer.Option("--write", help="With --faults or --fuzz: the table into the evidence."),
+        typer.Option("--write", help="With --faults, --fuzz, --throughput: into the evidence."),
     ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
@@ -99,6 +104,8 @@ def main(
                 return
         if faults is not None:
             run_faults(faults, seed, write)
+        elif throughput is not None:
+            run_throughput(throughput, write)
         elif fuzz is not None:
             run_fuzz(fuzz, seed, write)
         elif rough:

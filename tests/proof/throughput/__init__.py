@@ -1,0 +1,1 @@
+"""How many frames a second the acquisition takes: `make prove ARGS="--throughput SECONDS"`."""
