@@ -22,10 +22,10 @@ CASES = ((8, 1000.0), (1, 10_000.0))  # stations, frames in a second of each
 HEAD = ("stations", "Hz", "s", "rows", "missing", "bad", "CPU of a core, each", "peak MB, each")
 TEXT = """# Throughput
 
-`make prove ARGS="--throughput {seconds:g}"` on {cores} cores: acquisitions side by side, each a process
-with a virtual table and chamber at the clock's speed, a unit that sends, and a raw file on the disk.
-Rows are read back from the file; none may be missing between the first and the last. Processor time is
-the acquisition's own; the stations and senders beside it take the rest.
+`make prove ARGS="--throughput {seconds:g}"` on {cores} cores: acquisitions side by side, each a
+process with a virtual table and chamber at the clock's speed, a unit that sends, and a raw file on
+the disk. Rows are read back from the file; none may be missing between the first and the last.
+Processor time is the acquisition's own; the stations and senders beside it take the rest.
 
 | {head} |
 |{rule}
