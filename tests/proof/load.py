@@ -1,4 +1,8 @@
-"""Demonstrations on a computer whose every core is busy: whole, or invalid and said so."""
+"""Demonstrations on a computer whose every core is busy: whole, or invalid and said so.
+
+Each has a validation record of this code in its home, so that a verdict is not withheld for a
+record that is out of date; whether the shipped one is, is said.
+"""
 
 import json
 import os
@@ -11,6 +15,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from tasks.validation.fingerprint import fingerprint
+from tasks.validation.record import shipped
 from tasks.version import code_version
 
 LONGEST_S = 1800.0
@@ -25,7 +31,8 @@ COLUMNS = ("run", "outcome", "validity", "verdict", "worst in U", "load", "s", "
 class LoadedRun:
     """What became of one demonstration.
 
-    outcome: whole, invalid (and no verdict on the unit), stopped (with a sentence), or false.
+    outcome: whole, undecided (valid, and no verdict on the unit), invalid (no verdict either),
+    stopped (with a sentence), or false.
     worst: the largest error of scale factors and cross couplings against the truth, in U.
     load: of the computer over the last minute, at the end.
     """
@@ -70,6 +77,7 @@ def busy(cores: int) -> Iterator[None]:
 
 
 def _one(home: Path, number: int) -> LoadedRun:
+    _have_validated(home)
     began_s = time.monotonic()
     made, said = _mimucal(home, "demo", "--json", "--seed", str(number))
     seconds, load = time.monotonic() - began_s, os.getloadavg()[0]
@@ -84,6 +92,22 @@ def _one(home: Path, number: int) -> LoadedRun:
     reasons = "; ".join(made["validity"]["reasons"])
     outcome = outcome_of(validity, verdict, worst)
     return LoadedRun(number, outcome, validity, verdict, worst, load, seconds, reasons)
+
+
+def _have_validated(home: Path) -> None:
+    """The shipped record in a new home, as one of this code."""
+    home.mkdir()
+    if record := shipped():
+        own = record.model_copy(update={"code_version": code_version()})
+        (home / "validation.json").write_text(own.model_dump_json(), encoding="utf-8")
+
+
+def shipped_is_stale() -> bool:
+    """Whether the shipped record is of another code than this one, for any method."""
+    record = shipped()
+    return record is None or any(
+        method.fingerprint != fingerprint(name) for name, method in record.methods.items()
+    )
 
 
 def _mimucal(home: Path, *arguments: str) -> tuple[dict[str, Any] | None, str]:
@@ -112,7 +136,9 @@ def outcome_of(validity: str, verdict: str, worst: float) -> str:
     """Of a unit that conforms: a run that is not invalid must be right, and not fail it."""
     if validity == "invalid":
         return "invalid" if verdict == "inconclusive" else "false"
-    return "false" if verdict == "fail" or worst > FALSE_U else "whole"
+    if verdict == "fail" or worst > FALSE_U:
+        return "false"
+    return "undecided" if validity == "valid" and verdict != "pass" else "whole"
 
 
 def summary(found: list[LoadedRun]) -> str:
@@ -126,7 +152,22 @@ def summary(found: list[LoadedRun]) -> str:
 def as_markdown(found: list[LoadedRun]) -> str:
     """What came out in all, then a row for each run."""
     rows = [COLUMNS, ("---",) * len(COLUMNS), *map(_row, found)]
-    return "\n".join([summary(found), "", *(f"| {' | '.join(row)} |" for row in rows), ""])
+    record = (
+        f"The validation record that ships is {'not ' if shipped_is_stale() else ''}of this code "
+        f"({code_version()}); a copy in the name of this code stood in each home."
+    )
+    return "\n".join(
+        [
+            "# Demonstrations under load",
+            "",
+            summary(found),
+            "",
+            record,
+            "",
+            *(f"| {' | '.join(row)} |" for row in rows),
+            "",
+        ]
+    )
 
 
 def _row(one: LoadedRun) -> tuple[str, ...]:

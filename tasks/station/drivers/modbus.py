@@ -141,7 +141,7 @@ class ModbusLink:
     async def _ask(self, what: str, request: Request) -> "ModbusPDU":
         async with self._one_at_a_time:
             for attempt in range(ATTEMPTS):
-                if attempt:
+                if attempt > 1:  # at first perhaps the connection alone was cut
                     await asyncio.sleep(PAUSE_S)
                 answer = await self._answer(request)
                 if answer is not None:

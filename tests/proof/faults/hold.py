@@ -1,6 +1,5 @@
 """Random faults at random times, each in a run of its own; a table of how they ended."""
 
-import os
 import time
 from collections import Counter
 from collections.abc import Sequence
@@ -24,6 +23,7 @@ EVIDENCE = Path(__file__).parents[1] / "evidence" / "faults.md"
 LATEST_S = 600.0  # station time: a sound run takes a bit longer
 LATEST_IN_REAL_TIME_S = 200.0  # of a briefer run, on a station that is slower than it was asked
 KINDS = ("recovered", "repeated", "remarks", "invalid", "stopped")
+AT_ONCE = 5  # some wait for their stations
 NOT_IN_THIS_PROCEDURE = ("fixture_stays",)
 
 
@@ -55,17 +55,20 @@ def _latest_s(name: str) -> float:
 
 
 def run_faults(count: int, seed: int, write: bool) -> None:
-    """Hold the runs and print their table. Raises Unusable where anything is violated."""
+    """Hold the runs and print their table, which grows as they end.
+
+    Raises Unusable where anything is violated.
+    """
     began_s, found = time.monotonic(), []
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with ProcessPoolExecutor(AT_ONCE) as pool:
         for done in as_completed([pool.submit(hold, fault) for fault in drawn(seed, count)]):
             found.append(one := done.result())
             said = "; ".join(one.violations) or one.sentence[:110]
             print(f"{one.fault!s:30} {one.how:10} {said}", flush=True)
-    text = page(found, seed, time.monotonic() - began_s)
-    print(text)
-    if write:
-        EVIDENCE.write_text(text, encoding="utf-8")
+            if write:
+                text = page(found, seed, time.monotonic() - began_s)
+                EVIDENCE.write_text(text, encoding="utf-8")
+    print(page(found, seed, time.monotonic() - began_s))
     if wrong := sum(bool(one.violations) for one in found):
         raise Unusable(f"{wrong} of {count} runs with a fault did not end as they should")
 

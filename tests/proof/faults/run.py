@@ -17,7 +17,7 @@ from tests.proof.faults.outcome import Outcome, comes_to_rest
 from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.over_sockets import over_sockets
 
-SPEED = 40.0
+SPEED, SPEED_IN_MEMORY = 100.0, 160.0  # times the clock
 DWELL_S = 31.0  # what the specification asks, and a little more
 AT_REST = 1e-3  # deg/s
 REST_STEPS = 60_000  # ms in which it comes to rest, where nobody sees it
@@ -85,7 +85,7 @@ def run_in_memory(
     procedure: Procedure, config: VirtualStation, faults: Iterable[StationFault] = ()
 ) -> Outcome:
     """A run in this process and in simulated time."""
-    station, sink = InMemoryStation(config, SPEED, faults), Sink()
+    station, sink = InMemoryStation(config, SPEED_IN_MEMORY, faults), Sink()
     try:
         acquired, sentence = station.acquire(procedure, sink), ""
     except Unusable as stop:

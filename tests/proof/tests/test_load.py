@@ -12,6 +12,7 @@ TRUTH = {"Kg": [[1.01, 0.002, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "Ka": [[1
     [
         ("valid", "pass", 0.8, "whole"),
         ("remarks", "inconclusive", 0.8, "whole"),
+        ("valid", "inconclusive", 0.8, "undecided"),
         ("valid", "fail", 0.8, "false"),
         ("valid", "pass", 2.5, "false"),
         ("invalid", "inconclusive", 900.0, "invalid"),
