@@ -1,105 +1,101 @@
-"""`calibrate` on 1.44 million rows beside pyarrow reading the same columns, in one run."""
+"""`calibrate` and `certify` on runs in store, beside the limit of the machine and a pandas script.
 
-import os
-import subprocess
+The limit: pyarrow reads the same columns, and numpy takes means and 6 × 6 covariances of every
+segment in one pass.
+"""
+
 import sys
 import tempfile
-import time
-from collections.abc import Callable
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from statistics import median
 
 import numpy as np
+import pandas as pd
 import pyarrow.parquet as pq
 
-from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+from schemas.recording import ACCEL, GYRO, Segment
 from storage.catalogue import runs
 from storage.home import Home
+from tasks.calibrate.calibrate import calibrate
+from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.estimate import estimate
+from tests.bench.measure import Figure, Section, processor_s, processor_s_of
+from tests.bench.recordings import RATE_HZ, recording
 
-RATE_HZ = 1000.0
-DWELL_S = 30.0
-GRAVITY = 9.8
-RUNS = 5
-
-
-def recording() -> Recording:
-    """A JJF 2003 run at 1 kHz: twelve positions, ten rates and two rests about each axis."""
-    rng = np.random.default_rng(0)
-    rows, segments = [], []
-    count = round(RATE_HZ * DWELL_S)
-
-    def hold(name: str, rate: np.ndarray, upward: np.ndarray, **label: object) -> None:
-        level = np.concatenate([rate, upward * GRAVITY])
-        rows.append(level + rng.normal(0.0, [1e-3] * 3 + [1e-2] * 3, (count, 6)))
-        start = DWELL_S * len(segments)
-        segments.append({"name": name, "t_start": start, "t_end": start + DWELL_S, **label})
-
-    still = np.zeros(3)
-    for axis, letter in enumerate("xyz"):
-        up = np.eye(3)[axis]
-        for sign, mark in ((1, "+"), (-1, "-")):
-            for turn in (0, 180):
-                hold(f"{mark}{letter}{turn}", still, sign * up, kind="static",
-                     item="twelve_position", up=mark + letter, turn_deg=turn)  # fmt: skip
-    for axis, letter in enumerate("xyz"):
-        up = np.eye(3)[axis]
-        rest = {"kind": "static", "item": "rate_sensitivity", "up": "+" + letter}
-        hold(f"rest_{letter}", still, up, **rest)
-        for rate in (-300, -200, -100, -50, -10, 10, 50, 100, 200, 300):
-            hold(f"{letter}{rate}", up * np.radians(rate), up, kind="rate", item="scale_factor",
-                 axis=letter, up="+" + letter, rate_deg_s=rate)  # fmt: skip
-        hold(f"rest2_{letter}", still, up, **rest)
-    values = np.concatenate(rows)
-    manifest = Manifest.model_validate({
-        "format": "mimu-recording/1", "recording_id": "bench", "standard": "JJF 2003-2022",
-        "unit": {"manufacturer": "b", "model": "b", "serial": "1"},
-        "station": {"id": "b", "latitude_deg": 40.0, "gravity_m_s2": GRAVITY},
-        "segments": segments,
-    })  # fmt: skip
-    t = np.round(np.arange(len(values)) / RATE_HZ, 9)
-    return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))))
+READINGS = [*GYRO, *ACCEL]
+SAMPLES = (100_000, 1_000_000, 10_000_000)
+ASKED = 2.0  # times the limit
 
 
-def timed(work: Callable[[], object]) -> float:
-    """Median wall seconds of five runs after a first one that is not counted."""
-    work()
-    seconds = []
-    for _ in range(RUNS):
-        began = time.perf_counter()
-        work()
-        seconds.append(time.perf_counter() - began)
-    return median(seconds)
-
-
-def main() -> None:
+def in_store(rows: int) -> Section:
+    """One run in store, calibrated in process and by commands."""
     with tempfile.TemporaryDirectory() as folder:
         home = Home(Path(folder))
-        began = time.perf_counter()
-        run, _ = runs.add(recording(), home)
-        taken_in = time.perf_counter() - began
+        run, _ = runs.add(recording(rows), home)
         columns = home.columns / run.digest / "imu.parquet"
-        names = ["t", *GYRO, *ACCEL]
-
-        def read() -> None:
-            table = pq.read_table(columns, columns=names)
-            [table[name].to_numpy() for name in names]
-
-        reading = timed(read)
-        calibrating = timed(lambda: estimate(run, home))
-        command = [sys.executable, "-m", "flows.cli", "calibrate", run.id, "--json"]
-        environment = os.environ | {"MIMUCAL_HOME": folder}
-        whole = timed(lambda: subprocess.run(
-            command, env=environment, check=True, capture_output=True
-        ))  # fmt: skip
-    print(f"calibrate, {run.rows} rows")
-    print(f"  pyarrow reads the columns          {reading * 1e3:8.1f} ms")
-    print(f"  calibrate (load, estimate, keep)   {calibrating * 1e3:8.1f} ms"
-          f"   {calibrating / reading:6.1f} × the reading")  # fmt: skip
-    print(f"  mimucal calibrate, whole process   {whole * 1e3:8.1f} ms"
-          f"   {whole / reading:6.1f} × the reading")  # fmt: skip
-    print(f"  taking it in (raw MCAP + columns)  {taken_in * 1e3:8.1f} ms")
+        segments = runs.load(run, home).manifest.segments or ()
+        figures = (
+            Figure("the limit: pyarrow, means and covariances", processor_s(
+                partial(_limit, columns, segments)
+            )),
+            Figure("pandas groupby: means and deviations", processor_s(
+                partial(_by_pandas, columns, segments)
+            )),
+            Figure("`estimate`: read, check, calibrate, keep", processor_s(
+                partial(estimate, run, home)
+            ), ASKED),
+            Figure("`mimucal calibrate`, the whole process", _command(home, "calibrate", run.id)),
+        )  # fmt: skip
+    return Section(f"A run of {run.rows:,} rows in store", figures)
 
 
-if __name__ == "__main__":
-    main()
+def commands(rows: int = 150_000) -> Section:
+    """Whole processes of commands, on an ordinary run."""
+    with tempfile.TemporaryDirectory() as folder:
+        home = Home(Path(folder))
+        run, _ = runs.add(recording(rows), home)
+        figures = tuple(
+            Figure(f"mimucal {name}", _command(home, name, *of_run))
+            for name, of_run in (
+                ("runs", ()), ("calibrate", (run.id,)), ("show", (run.id,)), ("certify", (run.id,))
+            )
+        )  # fmt: skip
+    note = "Asked are 0.5 s of commands that need no flow, and 1.5 s of `certify`."
+    return Section(f"Commands, a store with a run of {rows:,} rows", figures, note)
+
+
+def by_samples(samples: Sequence[int] = SAMPLES) -> Section:
+    """The calibration of longer and longer recordings in memory, for each million samples."""
+    figures = []
+    for rows in samples:
+        made = recording(rows)
+        work = partial(calibrate, JJF2003, made, run="bench", code_version="bench")
+        seconds = processor_s(work, runs=3)
+        figures.append(Figure(f"{rows:.0e} samples, for each million", seconds * 1e6 / rows))
+    whole = [figure.seconds * rows for figure, rows in zip(figures, samples, strict=True)]
+    growth = np.diff(whole) / np.diff(samples)
+    listed = ", ".join(f"{1e3 * each:.0f} ms" for each in growth)
+    note = f"Every further million costs {listed}; the rest is budgets, once for each recording."
+    return Section("Scaling with samples (in memory)", tuple(figures), note)
+
+
+def _limit(columns: Path, segments: Sequence[Segment]) -> None:
+    table = pq.read_table(columns, columns=["t", *READINGS])
+    readings = np.array([table[name].to_numpy() for name in READINGS])
+    for segment in segments:
+        rows = slice(round(segment.t_start * RATE_HZ), round(segment.t_end * RATE_HZ))
+        readings[:, rows].mean(axis=1)
+        np.cov(readings[:, rows])
+
+
+def _by_pandas(columns: Path, segments: Sequence[Segment]) -> None:
+    frame = pd.read_parquet(columns, columns=["t", *READINGS])
+    edges = [segment.t_end for segment in segments]
+    number = np.searchsorted(edges, frame["t"], side="right")
+    frame.groupby(number)[READINGS].agg(["mean", "std"])
+
+
+def _command(home: Home, *words: str) -> float:
+    command = [sys.executable, "-m", "flows.cli", *words, "--json"]
+    return processor_s_of(command, {"MIMUCAL_HOME": str(home.path)}, runs=3)

@@ -1,0 +1,50 @@
+"""Recordings of any length to measure on."""
+
+import numpy as np
+
+from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
+
+RATE_HZ = 1000.0
+DWELLS = 48  # twelve positions, ten rates and two rests about each axis
+GRAVITY = 9.8
+NOISE = [1e-3] * 3 + [1e-2] * 3  # rad/s, m/s²
+
+
+def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
+    """A JJF 2003 run of about so many rows: twelve positions, ten rates and two rests per axis."""
+    rng = np.random.default_rng(seed)
+    readings, segments = [], []
+    count = rows // DWELLS
+    dwell_s = count / RATE_HZ
+
+    def hold(name: str, rate: np.ndarray, upward: np.ndarray, **label: object) -> None:
+        level = np.concatenate([rate, upward * GRAVITY])
+        readings.append(level + rng.normal(0.0, NOISE, (count, 6)))
+        start = dwell_s * len(segments)
+        segments.append({"name": name, "t_start": start, "t_end": start + dwell_s, **label})
+
+    still = np.zeros(3)
+    for axis, letter in enumerate("xyz"):
+        up = np.eye(3)[axis]
+        for sign, mark in ((1, "+"), (-1, "-")):
+            for turn in (0, 180):
+                hold(f"{mark}{letter}{turn}", still, sign * up, kind="static",
+                     item="twelve_position", up=mark + letter, turn_deg=turn)  # fmt: skip
+    for axis, letter in enumerate("xyz"):
+        up = np.eye(3)[axis]
+        rest = {"kind": "static", "item": "rate_sensitivity", "up": "+" + letter}
+        hold(f"rest_{letter}", still, up, **rest)
+        for rate in (-300, -200, -100, -50, -10, 10, 50, 100, 200, 300):
+            hold(f"{letter}{rate}", up * np.radians(rate), up, kind="rate", item="scale_factor",
+                 axis=letter, up="+" + letter, rate_deg_s=rate)  # fmt: skip
+        hold(f"rest2_{letter}", still, up, **rest)
+    values = np.concatenate(readings)
+    manifest = Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": f"bench {rows} {seed}",
+        "standard": "JJF 2003-2022",
+        "unit": {"manufacturer": "b", "model": "b", "serial": "1"},
+        "station": {"id": "b", "latitude_deg": 40.0, "gravity_m_s2": GRAVITY},
+        "segments": segments,
+    })  # fmt: skip
+    t = np.round(np.arange(len(values)) / RATE_HZ, 9)
+    return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))))
