@@ -45,7 +45,6 @@ def in_store(rows: int) -> Section:
             Figure("`estimate`: read, check, calibrate, keep", processor_s(
                 partial(estimate, run, home)
             ), ASKED),
-            Figure("`mimucal calibrate`, the whole process", _command(home, "calibrate", run.id)),
         )  # fmt: skip
     return Section(f"A run of {run.rows:,} rows in store", figures)
 

@@ -74,3 +74,7 @@ def _bad_text(rng: np.random.Generator, good: bytes) -> bytes:
     for place in {mark, *rng.integers(0, len(good) - 2, rng.integers(0, 4)).tolist()}:
         broken[place] = (broken[place] + int(rng.integers(1, 256))) % 256
     return bytes(broken)
+
+
+if __name__ == "__main__":
+    main()
