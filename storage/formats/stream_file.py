@@ -1,5 +1,6 @@
 """One stream file, Parquet or CSV, as columns of numbers."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,9 @@ NULLS = ("", "null", "NULL", "nan", "NaN", "NAN", "NA", "N/A")
 
 OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}  # separators that are not CSV's
 PARQUET = b"PAR1"
+VALUE_BYTES = 8  # of a number, however few it takes in the file
+SHARE = 0.25  # of the memory, for one stream before anything is made of it
+GB = 1e9
 HEAD = 2**20  # bytes in which a header ends
 
 
@@ -79,8 +83,13 @@ def read_table(path: Path) -> StreamTable:
     if not path.stat().st_size:
         raise Unusable(f"{path} is empty; export it again, or take its stream out.")
     try:
-        is_csv = path.suffix.lower() == ".csv"
-        table = _read_csv(path) if is_csv else pq.ParquetFile(path).read()
+        if path.suffix.lower() == ".csv":
+            _check_size(path, path.stat().st_size)
+            table = _read_csv(path)
+        else:
+            with pq.ParquetFile(path) as file:
+                _check_size(path, file.metadata.num_rows * file.metadata.num_columns * VALUE_BYTES)
+                table = file.read()
     except (pa.ArrowException, OSError, ValueError) as error:
         reason = str(error).splitlines()[0].rstrip(".")
         kind = path.suffix[1:]
@@ -88,6 +97,21 @@ def read_table(path: Path) -> StreamTable:
     if not table.num_rows:
         raise Unusable(f"{path} has no row of data; export it again, or take its stream out.")
     return StreamTable(path, table)
+
+
+def memory_bytes() -> int:
+    """The computer's memory."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def _check_size(path: Path, needed: int) -> None:
+    """Raises Unusable for a file that takes more than its share of the computer's memory."""
+    memory = memory_bytes()
+    if needed > SHARE * memory:
+        raise Unusable(
+            f"{path} takes {needed / GB:.1f} GB and the computer has {memory / GB:.1f} GB: cut the "
+            "recording, or read it on a larger one."
+        )
 
 
 def _read_csv(path: Path) -> "pa.Table":

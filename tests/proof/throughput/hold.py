@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -18,6 +19,7 @@ from tasks.station.virtual.process import running
 from tests.proof.throughput.sender import LINK
 
 PAGE = Path(__file__).parent.parent / "evidence/throughput.md"
+APART_S = 3.0  # nobody starts eight stations in the same second
 CASES = ((8, 1000.0), (1, 10_000.0))  # stations, frames in a second of each
 HEAD = ("stations", "Hz", "s", "rows", "missing", "bad", "CPU of a core, each", "peak MB, each")
 TEXT = """# Throughput
@@ -64,12 +66,16 @@ def hold(stations: int, rate_hz: float, seconds: float) -> Acquisitions:
     """So many acquisitions at once."""
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(stations) as pool:
         folders = [Path(name) / str(number) for number in range(stations)]
-        each = pool.map(lambda folder: _acquired(folder, rate_hz, seconds), folders)
+        each = pool.map(
+            lambda number: _acquired(folders[number], number * APART_S, rate_hz, seconds),
+            range(stations),
+        )
         return Acquisitions(stations, rate_hz, tuple(each))
 
 
-def _acquired(folder: Path, rate_hz: float, seconds: float) -> dict[str, float]:
+def _acquired(folder: Path, after_s: float, rate_hz: float, seconds: float) -> dict[str, float]:
     folder.mkdir()
+    time.sleep(after_s)
     with ExitStack() as beside:
         station = beside.enter_context(running(VirtualStation(), 1.0))
         port = beside.enter_context(_sending(rate_hz))

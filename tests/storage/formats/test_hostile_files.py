@@ -7,6 +7,8 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import zstandard
 from mcap.opcode import Opcode
@@ -14,7 +16,7 @@ from mcap.opcode import Opcode
 from schemas.base import Unusable
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.formats import recordings
+from storage.formats import recordings, stream_file
 from storage.formats.mcap.chunk_writer import MAGIC, RECORD
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
@@ -158,3 +160,31 @@ def test_limit_that_nothing_reaches(tmp_path: Path, field: str, value: float) ->
     path.write_text(json.dumps(fields, default=str), encoding="utf-8")
     with pytest.raises(Unusable, match=field):
         settings.read(path, Tolerance)
+
+
+def folder_with(folder: Path, stream: str) -> Path:
+    fields = manifest().model_dump(mode="json") | {"streams": {"imu": stream}}
+    (folder / "manifest.json").write_text(json.dumps(fields), encoding="utf-8")
+    return folder
+
+
+def test_csv_that_is_larger_than_the_memory_is_refused_unread(tmp_path: Path) -> None:
+    with (tmp_path / "imu.csv").open("wb") as file:
+        file.write(b"t,gyro_x\n0,0\n")
+        file.truncate(2**42)  # of holes: nothing on the disk
+    assert "imu.csv takes 4398.0 GB and the computer has" in refusal(
+        folder_with(tmp_path, "imu.csv")
+    )
+
+
+def test_parquet_whose_few_bytes_hold_more_than_the_memory_is_refused_unread(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "imu.parquet"
+    still = np.zeros(1_000_000)
+    pq.write_table(pa.table({"t": still, "gyro_x": still}), path)
+    assert path.stat().st_size < 100_000
+    monkeypatch.setattr(stream_file, "memory_bytes", lambda: 20_000_000)
+    assert "takes 0.0 GB and the computer has 0.0 GB: cut the recording" in refusal(
+        folder_with(tmp_path, "imu.parquet")
+    )
