@@ -25,7 +25,7 @@ from tasks.station.recorder import Recorder
 from tasks.station.requirements import check_attended, check_procedure
 from tasks.station.sequencer import Sequencer
 from tasks.station.unit_recorder import Sink, UnitRecorder
-from tasks.words import Message, message
+from tasks.words import Message, message, texts
 
 LEAVE_TIMEOUT_S = 3.0
 CLOCK_INTERVAL_S = 0.1
@@ -119,6 +119,7 @@ async def _acquire(request: RunRequest) -> tuple[Acquired, ...]:
 
 async def run(request: RunRequest, bench: Bench) -> tuple[Acquired, ...]:
     """A run on a bench that is connected; raises as `acquire` does."""
+    texts(message("station-log-operator"))  # the catalogues are read before the watchdog counts
     await bench.table.home()
     await bench.chamber.climate()
     clock = await _station_clock(bench.table)
