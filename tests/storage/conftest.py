@@ -1,5 +1,6 @@
 """A fresh home, small recordings and results, and processes that do a thing at the same time."""
 
+import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -17,17 +18,33 @@ from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
 from storage.catalogue.listing import Run
 from storage.home import Home
 
-PRELUDE = """
+AT_ONCE = """
+import json
 import sys
+from contextlib import redirect_stdout
 from datetime import date
+from io import StringIO
+from multiprocessing import get_context
 from pathlib import Path
 
 from storage.catalogue import certificates, results, runs
 from storage.formats import recordings
 from storage.home import Home
-home, *arguments = Home(Path(sys.argv[1])), *sys.argv[2:]
-print("ready", flush=True)
-sys.stdin.readline()
+
+home, script, processes = Home(Path(sys.argv[1])), sys.argv[2], int(sys.argv[3])
+arguments = sys.argv[4:]
+forked = get_context("fork")  # one import for all of them
+everybody = forked.Barrier(processes)
+
+def run(_):
+    everybody.wait()
+    with redirect_stdout(StringIO()) as printed:
+        exec(script, globals())
+    return printed.getvalue()
+
+with forked.Pool(processes) as pool:
+    said = pool.map(run, range(processes), chunksize=1)
+print(json.dumps(said))
 """
 
 
@@ -118,21 +135,10 @@ def at_once() -> Callable[..., list[str]]:
     """
 
     def run(script: str, home: Home, *arguments: str, processes: int = 2) -> list[str]:
-        command = [sys.executable, "-W", "error", "-c", PRELUDE + script, str(home.path)]
-        pipe = subprocess.PIPE
-        started = [
-            subprocess.Popen([*command, *arguments], stdin=pipe, stdout=pipe, text=True)
-            for _ in range(processes)
-        ]
-        for process in started:
-            assert process.stdout is not None
-            assert process.stdout.readline() == "ready\n"
-        for process in started:
-            assert process.stdin is not None
-            process.stdin.write("go\n")
-            process.stdin.flush()
-        said = [process.communicate(timeout=600)[0] for process in started]
-        assert [process.returncode for process in started] == [0] * processes
-        return said
+        command = [sys.executable, "-W", "error", "-c", AT_ONCE, str(home.path), script]
+        done = subprocess.run(
+            [*command, str(processes), *arguments], stdout=subprocess.PIPE, timeout=600, check=True
+        )
+        return list(json.loads(done.stdout))
 
     return run
