@@ -8,4 +8,4 @@ export OPENBLAS_NUM_THREADS=1 # two workers share two cores
 .venv/bin/ruff format --check .
 .venv/bin/mypy
 .venv/bin/lint-imports
-.venv/bin/pytest -n 2 --dist loadfile "$@"
+.venv/bin/pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"

@@ -37,6 +37,15 @@ def pytest_configure() -> None:
     gc.disable()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that wait for the wall clock come first: at the end one worker would wait alone."""
+    items.sort(key=lambda item: not waits(item.getparent(pytest.Module)))
+
+
+def waits(file: pytest.Module | None) -> bool:
+    return file is not None and file.get_closest_marker("real_time") is not None
+
+
 def pytest_collection_finish() -> None:
     gc.freeze()
     gc.enable()

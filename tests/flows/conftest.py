@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -15,6 +16,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+import typer.main
 
 from flows import cli
 from tasks.validation import record
@@ -24,6 +26,9 @@ import asyncio
 from prefect.server.database import provide_database_interface
 asyncio.run(provide_database_interface().create_db())
 """
+
+
+built = cache(typer.main.get_command)  # from all the signatures, at every call of the app
 
 
 @pytest.fixture
@@ -89,6 +94,8 @@ def prefect_server(
 @pytest.fixture
 def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
     """Runs `mimucal ARGS…`; gives code, out, err and the JSON document, if there is one."""
+
+    monkeypatch.setattr(typer.main, "get_command", built)
 
     def run(*arguments: object) -> SimpleNamespace:
         monkeypatch.setattr(sys, "argv", ["mimucal", *map(str, arguments)])
