@@ -11,8 +11,9 @@ from tasks.motion.whole import Motion
 
 REFERENCE = 25.0  # °C
 # Where the zero of an analogue output moves with the supply, or the converter's reference does: 0.4
-# to 0.5 V/V, over 9.1 mV/(deg/s) up to 1 rad/s per V (data sheet of the InvenSense IDG-500: zero at
-# 1.35 V of 3.3 V), over 300 mV/g up to 16 m/s² per V (Analog Devices ADXL335: at half the supply).
+# to 0.5 V/V, over 9.1 mV/(deg/s) up to 1 rad/s per V (scale factor: data sheet of the InvenSense
+# IDG-500; its zero at 1.35 V of a supply of 3.3 V: as users report it, not the data sheet), over
+# 300 mV/g up to 16 m/s² per V (Analog Devices ADXL335: zero at half the supply).
 RATIOMETRIC = (1.0, 10.0)  # rad/s and m/s² per V
 LATE = 60.0  # s: a sensor behind its thermometer
 TIME_CONSTANTS = tuple(np.geomspace(30.0, 400.0, 5).tolist())  # s
