@@ -6,6 +6,7 @@ R_n_body = R_n_payload·R(mount).
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -45,11 +46,17 @@ def rotation(direction: np.ndarray, angle: float) -> np.ndarray:
 
 
 def mount_of(manifest: Manifest, segment: Segment | None = None) -> np.ndarray:
-    """R(mount) (3, 3): the segment's own mount, else the recording's."""
+    """R(mount) (3, 3), frozen: the segment's own mount, else the recording's."""
+    return _matrix_of(((segment and segment.mount) or manifest.mount).quaternion_wxyz)
+
+
+@lru_cache(maxsize=64)
+def _matrix_of(quaternion_wxyz: tuple[float, ...]) -> np.ndarray:
     from scipy.spatial.transform import Rotation  # late: see above
 
-    mount = (segment and segment.mount) or manifest.mount
-    return np.asarray(Rotation.from_quat(mount.quaternion_wxyz, scalar_first=True).as_matrix())
+    matrix = np.asarray(Rotation.from_quat(quaternion_wxyz, scalar_first=True).as_matrix())
+    matrix.setflags(write=False)
+    return matrix
 
 
 def axis_directions(station: Station) -> list[np.ndarray]:
@@ -97,10 +104,10 @@ def payload_attitude(station: Station, angles: np.ndarray) -> np.ndarray:
 def axis_in_body(manifest: Manifest, segment: Segment, angles: np.ndarray, axis: int) -> np.ndarray:
     """Direction of one table axis in the body frame, (3,), at the given axis angles (rad)."""
     directions = axis_directions(manifest.station)
-    inner = np.eye(3)
+    seen = directions[axis][None]
     for direction, angle in zip(directions[axis + 1 :], angles[axis + 1 :], strict=True):
-        inner = inner @ rotation(direction, angle)
-    return (inner @ mount_of(manifest, segment)).T @ directions[axis]
+        seen = _turned(seen, direction, np.array([-angle]))
+    return mount_of(manifest, segment).T @ seen[0]
 
 
 def table_angles(recording: Recording, segment: Segment) -> np.ndarray:
