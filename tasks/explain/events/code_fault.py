@@ -85,9 +85,9 @@ def find_code_fault(readings: np.ndarray, motion: Motion) -> CodeFault | None:
                 off[:, c] = added
                 found.append(_faulty(c, codes[c], steps[c], off))
                 break
-    told = {one.channel for one in found}
+    explained = {one.channel for one in found}
     for c, step in steps.items():
-        torn = None if c in told else torn_codes(right[:, c] / step, predicted[:, c] / step)
+        torn = None if c in explained else torn_codes(right[:, c] / step, predicted[:, c] / step)
         if torn is not None:
             off[:, c] += torn * step
             found.append(_faulty(c, round(BYTE), step, off))
