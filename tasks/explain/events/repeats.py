@@ -5,7 +5,7 @@ straight line between its neighbours on every axis, but for rounding. How often 
 follows from the steps of the output and from how much the readings about a row change.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -86,7 +86,7 @@ def _held(readings: np.ndarray, steps: np.ndarray) -> np.ndarray:
     change = np.full(readings.shape, np.nan)
     change[1:] = np.abs(np.diff(readings, axis=0))
     apart = (np.abs(readings[lag:] - readings[:-lag]) for lag in LAGS)
-    return _beyond_chance(change / steps, 0.5, [off / steps for off in apart])
+    return _beyond_chance(change / steps, 0.5, (off / steps for off in apart))
 
 
 def _between(t: np.ndarray, readings: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -100,10 +100,10 @@ def _between(t: np.ndarray, readings: np.ndarray, steps: np.ndarray) -> np.ndarr
     middles = (
         readings[lag:-lag] - 0.5 * (readings[2 * lag :] + readings[: -2 * lag]) for lag in LAGS
     )
-    return _beyond_chance(off / steps, HALF, [np.abs(middle) / steps for middle in middles])
+    return _beyond_chance(off / steps, HALF, (np.abs(middle) / steps for middle in middles))
 
 
-def _beyond_chance(size: np.ndarray, within: float, distant: Sequence[np.ndarray]) -> np.ndarray:
+def _beyond_chance(size: np.ndarray, within: float, distant: Iterable[np.ndarray]) -> np.ndarray:
     """(n,) bool: rows that are repeats in every channel, if they are more than chance makes.
 
     size: (n, k) steps by which each row is off a repeat; within: how many of them still are one.
@@ -114,6 +114,8 @@ def _beyond_chance(size: np.ndarray, within: float, distant: Sequence[np.ndarray
     """
     with np.errstate(invalid="ignore"):
         hit = np.asarray((size < within).all(axis=1))
+        if np.count_nonzero(hit) < MIN_REPEATS:  # as in most recordings: chance need not be asked
+            return np.zeros(len(hit), bool)
         near = np.asarray((size < within + 1.0).all(axis=1)) & ~hit
     reach = 2.0 * within / (np.sqrt(2.0 * np.pi) * _scale(hit, size))
     chance = np.prod(np.minimum(1.0, reach), axis=1)
