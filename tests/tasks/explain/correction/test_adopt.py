@@ -68,32 +68,41 @@ def determined(recording: Recording, r_xy: float = 0.0) -> DeterminedModel:
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def run(ideal_run: Callable[..., Recording]) -> Recording:
-    return ideal_run(dwell=10.0, noise=1e-6)
+    return ideal_run(dwell=6.0, noise=1e-6)
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
+def clean(run: Recording) -> Calibration:
+    return calibrated(run)
+
+
+@pytest.fixture(scope="module")
 def displaced(run: Recording) -> tuple[Recording, Finding]:
     """A run of a unit off the axes, and the finding that says where it is."""
     found = lever_arm(run)
     return corrected(run, (-found.contribution,)), found
 
 
-def test_items_are_those_of_a_unit_without_the_effect(run, displaced) -> None:
+@pytest.fixture(scope="module")
+def adopted(displaced: tuple[Recording, Finding]) -> Calibration:
     recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, determined(recording))
-    clean = calibrated(run)
+    return adopt(recording, [found], calibrated, determined(recording))
+
+
+def test_items_are_those_of_a_unit_without_the_effect(clean, adopted) -> None:
     for name, item in clean.items.items():
         for element, value in item.value.items():
             assert adopted.items[name].value[element] == pytest.approx(value, abs=1e-9)
 
 
-def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displaced) -> None:
+def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(
+    clean, adopted, displaced
+) -> None:
     """At a steady rate an arm r reads r_i·ω_j² along the axis i: u(p_ij) has u(r_i) in it."""
-    recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, determined(recording))
-    before, after = (c.items["accel_rate_sensitivity"] for c in (calibrated(run), adopted))
+    found = displaced[1]
+    before, after = (c.items["accel_rate_sensitivity"] for c in (clean, adopted))
     for element, u in after.u.items():
         along = "xyz".index(element[0])
         own, symbol = U_ARM[along], f"lever_arm.{found.parameters[along].name}"
@@ -106,12 +115,10 @@ def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(run, displa
         assert budget.u_c == u
         assert after.U[element] == pytest.approx(after.k * u)
     same = adopted.items["gyro_scale_factor"]
-    assert same.u == pytest.approx(calibrated(run).items["gyro_scale_factor"].u)
+    assert same.u == pytest.approx(clean.items["gyro_scale_factor"].u)
 
 
-def test_result_says_what_was_taken_off_and_passes_no_unit(displaced) -> None:
-    recording, found = displaced
-    adopted = adopt(recording, [found], calibrated, determined(recording))
+def test_result_says_what_was_taken_off_and_passes_no_unit(adopted) -> None:
     (term,) = adopted.terms
     assert (term.name, term.title_zh) == ("lever_arm", TITLE.zh)
     assert [(p.value, p.u) for p in term.parameters] == list(zip(ARM, U_ARM, strict=True))
@@ -134,7 +141,7 @@ def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displac
 
 def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
     """At the pole only the diagonal is concerned; by eq. (7) it holds the Earth's rate."""
-    recording = ideal_run(dwell=10.0)
+    recording = ideal_run(dwell=6.0)
     station = recording.manifest.station.model_copy(update={"latitude_deg": 90.0})
     manifest = recording.manifest.model_copy(update={"station": station})
     recording = Recording(
@@ -162,9 +169,9 @@ def test_each_parameter_is_spread_by_its_own_term(run) -> None:
         )
 
 
-def test_correlation_of_what_was_taken_off_is_in_u(run) -> None:
+def test_correlation_of_what_was_taken_off_is_in_u(run, clean) -> None:
     """What two parameters that make up for each other do to one element nearly cancels."""
-    item, model = calibrated(run).items["gyro_bias"], determined(run, r_xy=-0.9)
+    item, model = clean.items["gyro_bias"], determined(run, r_xy=-0.9)
     inputs = uncertain_inputs([lever_arm(run)], model)
     own = item.u["x"]
     assert own is not None
@@ -179,7 +186,7 @@ def test_correlation_of_what_was_taken_off_is_in_u(run) -> None:
     assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
 
 
-def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run) -> None:
+def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run, clean) -> None:
     """Along its own axis a steady rate shows the arm by p_xy alone."""
     values = np.concatenate([STANDARD_VALUES, [0.0, *ARM[1:]]])
     full = determined(run)
@@ -187,7 +194,7 @@ def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run) -> Non
     arm = replace(full, model=replace(full.model, values=values), held=held)
     loose = replace(lever_arm(run), contribution=arm.contribution([LEVER_ARM.key]))
     recording = corrected(run, (-loose.contribution,))
-    adopted, clean = adopt(recording, [loose], calibrated, arm), calibrated(run)
+    adopted = adopt(recording, [loose], calibrated, arm)
     assert [p.name for p in adopted.terms[0].parameters] == ["r_y", "r_z"]
     (said,) = [each for each in adopted.remarks if each.code == "parameters_not_taken_off"]
     assert "r_x" in said.en
@@ -228,14 +235,13 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     assert said.segments == (segment.name,)
 
 
-def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run) -> None:
+def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean) -> None:
     wander = finding(
         1e-4 * np.sin(np.linspace(0.0, 9.0, len(run.imu)))[:, None] * np.ones(6),
         "bias_random_walk", parameters=(),
     )  # fmt: skip
-    plain = calibrated(run)
     result = adopt(run, [wander], calibrated, None)
-    assert result.items == plain.items
+    assert result.items == clean.items
     assert result.terms == ()
     assert result.remarks[0].code == "term_not_taken_off"
     assert "bias_random_walk" in result.remarks[0].en

@@ -41,9 +41,9 @@ def limits(item: str, unit: str, magnitude: float) -> Tolerance:
     return Tolerance(manufacturer="test", model="ideal", document="d", limits=(limit,))
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def run(ideal_run: Build) -> Recording:
-    return ideal_run(dwell=10.0, noise=1e-6)
+    return ideal_run(dwell=6.0, noise=1e-6)
 
 
 def test_before_is_what_was_read_and_after_is_less_what_was_found(run: Recording) -> None:

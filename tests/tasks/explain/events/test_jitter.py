@@ -12,7 +12,7 @@ from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
 from tasks.words import texts
 
-MADE = motion()
+MADE = motion(minutes=4.0)
 COUNT = len(MADE.t)
 
 

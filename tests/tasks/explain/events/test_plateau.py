@@ -11,9 +11,11 @@ from tasks.explain.events.event import Events
 from tasks.motion.whole import Motion
 from tasks.words import texts
 
+MADE = motion(minutes=4.0)
+
 
 def found(readings: np.ndarray) -> Events:
-    made = motion()
+    made = MADE
     events = events_in_readings(made.t, readings, made)
     assert all(all(texts(event.description).values()) for event in events.events)
     return events
@@ -21,7 +23,7 @@ def found(readings: np.ndarray) -> Events:
 
 def calibrated(clipped: np.ndarray, seed: int) -> np.ndarray:
     """What a calibration that follows the temperature makes of clipped codes: no two are alike."""
-    t = motion().t
+    t = MADE.t
     drift = 1.0 + 1e-3 * np.sin(t / 60.0) + 2e-4 * np.random.default_rng(seed).normal(size=len(t))
     return np.asarray(clipped * drift + 0.002)
 
@@ -31,7 +33,7 @@ def limits(events: Events) -> dict[str, float]:
 
 
 def test_a_calibrated_limit_is_a_plateau_of_its_axis_and_side() -> None:
-    readings = noisy(mean_readings(motion()), 1)
+    readings = noisy(mean_readings(MADE), 1)
     readings[:, 2] = calibrated(np.clip(readings[:, 2], -4.4, 4.7), 2)
     events = found(readings)
     assert [event.effect for event in events.events] == ["gyro_saturation"]
@@ -40,7 +42,7 @@ def test_a_calibrated_limit_is_a_plateau_of_its_axis_and_side() -> None:
 
 
 def test_a_plateau_is_masked_and_its_mean_predicted() -> None:
-    made = motion()
+    made = MADE
     mean = mean_readings(made)
     readings = noisy(mean, 3)
     readings[:, 2] = calibrated(np.minimum(readings[:, 2], 4.5), 4)
@@ -55,7 +57,7 @@ def test_a_plateau_is_masked_and_its_mean_predicted() -> None:
 
 
 def test_accelerometers_that_end_before_gravity_does_have_a_plateau() -> None:
-    readings = noisy(mean_readings(motion()), 5)
+    readings = noisy(mean_readings(MADE), 5)
     readings[:, 3] = calibrated(np.clip(readings[:, 3], -20.0, 6.5), 6)
     events = found(readings)
     assert [event.effect for event in events.events] == ["accel_saturation"]
@@ -64,7 +66,7 @@ def test_accelerometers_that_end_before_gravity_does_have_a_plateau() -> None:
 
 def at_rest_in_six_positions() -> Motion:
     """Tipped from each position to the next in 2 s, at rest in it for 13 s."""
-    made = motion()
+    made = MADE
     corners = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, -1], [0, -1, 0], [-1, 0, 0]])
     turn, share = np.divmod(made.t / 15.0, 1.0)
     angle = 0.5 * np.pi * np.minimum(1.0, share * 15.0 / 2.0)[:, None]
@@ -97,7 +99,7 @@ def test_accelerometers_that_bend_towards_gravity_have_no_plateau(order: int) ->
 
 
 def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
-    made = motion()
+    made = MADE
     readings = noisy(mean_readings(made), 7)
     readings[:, :3] = np.minimum(readings[:, :3], 4.5)
     readings[np.abs(readings[:, 1] + 3.0) < 0.05, 1] = -4.5
@@ -108,13 +110,13 @@ def test_a_limit_on_one_side_does_not_count_what_lies_at_the_other() -> None:
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("bend", [0.0, -0.03, 0.03])
 def test_a_scale_factor_that_bends_is_no_plateau(seed: int, bend: float) -> None:
-    mean = mean_readings(motion())
+    mean = mean_readings(MADE)
     mean[:, :3] *= 1.0 + bend * (mean[:, :3] / 5.0) ** 2
     assert found(counted(noisy(mean, seed))).events == ()
 
 
 def test_rests_in_gravity_are_no_plateau() -> None:
-    made = motion()
+    made = MADE
     up = np.zeros_like(made.up)
     up[np.arange(len(up)), (np.arange(len(up)) // 2000) % 3] = 1.0
     still = replace(made, up=up, rate=np.zeros_like(made.rate))

@@ -13,7 +13,7 @@ from tasks.explain.events.repeats import find_repeats
 from tasks.motion.whole import Motion
 from tasks.words import texts
 
-MADE = motion()
+MADE = motion(minutes=4.0)
 EVERY = len(MADE.t)
 
 
