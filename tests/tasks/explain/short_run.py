@@ -67,10 +67,10 @@ class ShortRun:
 
 
 @cache
-def short_run(seed: int) -> ShortRun:
-    """Twelve positions and three rates both ways about each axis, 10 s each, some 8 minutes."""
+def short_run(seed: int, dwell_s: float = 6.0) -> ShortRun:
+    """Twelve positions and three rates both ways about each axis: of 6 s each, some 5 minutes."""
     made = simulate(
-        Case(seed=seed, rate_hz=RATE, rates_deg_s=(20.0, 80.0, 200.0), dwell_s=10.0,
+        Case(seed=seed, rate_hz=RATE, rates_deg_s=(20.0, 80.0, 200.0), dwell_s=dwell_s,
              order=("rising", "alternating", "shuffled")[seed % 3])
     )  # fmt: skip
     t = made.recording.imu.t

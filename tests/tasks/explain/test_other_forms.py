@@ -7,6 +7,9 @@ from short_run import short_run
 
 from tasks.explain.explain import explain
 
+# s: what a knock changes is told from the supply's course where it is seen for longer.
+LONGER_DWELL = {"knock": 10.0}
+
 
 @pytest.mark.parametrize(
     ("effect", "form", "z"),
@@ -23,7 +26,7 @@ from tasks.explain.explain import explain
     ],
 )
 def test_a_name_is_a_kind_of_physics_and_not_one_equation(effect: str, form: str, z: float) -> None:
-    run = short_run(3)
+    run = short_run(3, LONGER_DWELL.get(form, 6.0))
     signal = FORMS[effect][form](run, np.random.default_rng(3007))
     answer = explain(run.with_signal(signal, z))
     assert [finding.effect for finding in answer.findings][:1] == [effect]

@@ -6,16 +6,18 @@ import numpy as np
 import pytest
 
 from tests.proof.peers.answer import PEERS
-from tests.proof.peers.gp_discrepancy import gp_discrepancy
 from tests.proof.peers.peer import UNNAMED, Answer
-from tests.proof.peers.residual_threshold import residual_threshold
 from tests.proof.peers.seen import Seen
-from tests.proof.peers.sindy import sindy
-from tests.proof.peers.stepwise_bic import stepwise_bic
 from tests.proof.plant.simulate import Simulated
 
 GYROS = {"gyro_x", "gyro_y", "gyro_z"}
 Peer = Callable[[Seen], Answer]
+
+
+@pytest.fixture(scope="module")
+def answers(seen_bent: Seen) -> dict[str, Answer]:
+    """Of each peer on the bent scale factors."""
+    return {name: peer(seen_bent) for name, peer in PEERS.items()}
 
 
 @pytest.mark.parametrize("peer", PEERS.values(), ids=list(PEERS))
@@ -26,28 +28,28 @@ def test_clean_recording_is_left_alone(peer: Peer, seen_clean: Seen) -> None:
     assert answer.found is None
 
 
-@pytest.mark.parametrize("peer", PEERS.values(), ids=list(PEERS))
-def test_bent_scale_factor_is_located_in_the_gyros(peer: Peer, seen_bent: Seen) -> None:
-    answer = peer(seen_bent)
+@pytest.mark.parametrize("name", PEERS)
+def test_bent_scale_factor_is_located_in_the_gyros(name: str, answers: dict[str, Answer]) -> None:
+    answer = answers[name]
     assert answer.detected
     assert {each.channel for each in answer.located} == GYROS
 
 
-@pytest.mark.parametrize("peer", [stepwise_bic, sindy])
+@pytest.mark.parametrize("name", ["stepwise_bic", "sindy"])
 def test_regressions_name_it_and_predict_unseen_segments_better(
-    peer: Peer, seen_bent: Seen
+    name: str, answers: dict[str, Answer]
 ) -> None:
-    answer = peer(seen_bent)
+    answer = answers[name]
     assert answer.names[0] == "gyro_scale_nonlinearity"
     assert answer.held_out.gain > 0.0
     assert answer.held_out.rms_ratio < 1.0
 
 
-@pytest.mark.parametrize("peer", [stepwise_bic, sindy, gp_discrepancy])
+@pytest.mark.parametrize("name", ["stepwise_bic", "sindy", "gp_discrepancy"])
 def test_what_models_closes_the_gap_to_the_truth(
-    peer: Peer, seen_bent: Seen, bent: Simulated
+    name: str, answers: dict[str, Answer], seen_bent: Seen, bent: Simulated
 ) -> None:
-    found = peer(seen_bent).found
+    found = answers[name].found
     assert found is not None
     truth = bent.truth[: 2 * len(found)].reshape(len(found), 2, 6).mean(axis=1)  # 50 Hz, 25 Hz
     known = (seen_bent.observed.weight > 0).all(axis=1)
@@ -55,13 +57,15 @@ def test_what_models_closes_the_gap_to_the_truth(
     assert left < 0.3 * first
 
 
-def test_threshold_and_process_name_nothing(seen_bent: Seen) -> None:
-    for peer in (residual_threshold, gp_discrepancy):
-        assert peer(seen_bent).names == (UNNAMED,)
+def test_threshold_and_process_name_nothing(answers: dict[str, Answer]) -> None:
+    for name in ("residual_threshold", "gp_discrepancy"):
+        assert answers[name].names == (UNNAMED,)
 
 
-def test_threshold_tells_the_segments_with_the_highest_rates(seen_bent: Seen) -> None:
-    answer = residual_threshold(seen_bent)
+def test_threshold_tells_the_segments_with_the_highest_rates(
+    answers: dict[str, Answer], seen_bent: Seen
+) -> None:
+    answer = answers["residual_threshold"]
     (gyro_z,) = (each for each in answer.located if each.channel == "gyro_z")
     dwells = (each for each in seen_bent.observed.segments if each.axis == "z")
     fast = {each.name for each in dwells if abs(each.rate_deg_s or 0.0) == 200.0}
@@ -69,9 +73,9 @@ def test_threshold_tells_the_segments_with_the_highest_rates(seen_bent: Seen) ->
     assert fast <= set(gyro_z.segments)
 
 
-def test_same_recording_gives_the_same_answer(seen_bent: Seen) -> None:
-    for peer in PEERS.values():
-        first, again = peer(seen_bent), peer(seen_bent)
+def test_same_recording_gives_the_same_answer(answers: dict[str, Answer], seen_bent: Seen) -> None:
+    for name, peer in PEERS.items():
+        first, again = answers[name], peer(seen_bent)
         assert first.statistic == again.statistic
         assert first.located == again.located
         assert (first.found is None) == (again.found is None)
