@@ -12,7 +12,13 @@ from tests.proof.trial.draw import Drawn
 from tests.proof.trial.score import Score, scored
 from tests.proof.trial.seal import record_and_seal, set_seals
 
-SHORT: dict[str, Any] = {"seed": 11, "dwell_s": 5.0, "rates_deg_s": (200.0,), "procedure": "rests"}
+SHORT: dict[str, Any] = {
+    "seed": 11,
+    "rate_hz": 50,
+    "dwell_s": 5.0,
+    "rates_deg_s": (200.0,),
+    "procedure": "rests",
+}
 
 
 @pytest.fixture(scope="session")
