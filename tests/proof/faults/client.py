@@ -20,7 +20,7 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.process import running
 from tests.proof.faults.outcome import Outcome, comes_to_rest
-from tests.proof.kills.resume import SPEED, killed_and_resumed
+from tests.proof.kills.go_on import SPEED, killed_and_resumed
 from tests.tasks.station.over_sockets import ignore
 
 FLUSHES_S = {"slow_disk": 1.5, "standing_disk": 12.0}  # wall time

@@ -1,37 +1,29 @@
 """An acquisition that is killed and goes on: its values against those of an uninterrupted run."""
 
 import random
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import astuple, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
 from schemas.procedure import Procedure
 from schemas.recording import MEASURED, Recording
-from schemas.station import StationFile
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
-from tasks.stages.acquire import acquire_run
-from tasks.stages.left_run import left_runs
-from tasks.station.acquisition import Acquired
-from tasks.station.interrupted import interrupted
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
-from tests.proof.faults.outcome import comes_to_rest
-from tests.proof.kills.kill import acquire_and_kill
-from tests.tasks.station.over_sockets import ignore
+from tests.proof.faults.run import run_in_memory
+from tests.proof.kills.go_on import SPEED, killed_and_resumed
 
-SPEED = 40.0
+AT_ONCE = 3
 PAGE = "resumes.md"
-LATEST = 0.9  # of the time that the uninterrupted run takes
+LATEST = 0.9  # of the time that an uninterrupted run takes at least
 COLUMNS = (
     "seed", "kill after (s)", "segments kept", "measured then", "run", "largest difference (U)",
     "of",
@@ -52,8 +44,8 @@ class Resumed:
     kept: int
     again: int
     validity: str
-    worst: float
-    element: str
+    worst: float = 0.0
+    element: str = ""
 
     @property
     def holds(self) -> bool:
@@ -64,52 +56,32 @@ def hold(
     folder: Path, count: int, procedure: Procedure, report: Callable[[int, int], None]
 ) -> list[Resumed]:
     """An uninterrupted run, and kills of the seeds 1 to count; resumes.md in the folder."""
-    config = VirtualStation()
-    with running(config, SPEED) as station:
-        began_s = time.monotonic()
-        ((whole, _),) = acquire_run(station, procedure, Home(folder / "whole"), ignore).kept
-        takes_s = time.monotonic() - began_s
-    uninterrupted = _calibrated(runs.load(whole, Home(folder / "whole")))
+    whole = run_in_memory(procedure, VirtualStation()).recording
+    assert whole is not None
+    uninterrupted, latest_s = _calibrated(whole), LATEST * float(whole.imu.t[-1]) / SPEED
     found = []
-    for seed in range(1, count + 1):
-        after_s = random.Random(seed).uniform(0.0, LATEST * takes_s)
-        home = Home(folder / f"{seed:03d}")
-        with running(config, SPEED) as station:
-            run, acquired, kept = killed_and_resumed(station, procedure, home, after_s)
-        resumed = _calibrated(runs.load(run, home))
-        segments = sum(each.kind in MEASURED for each in acquired.manifest.segments or ())
-        differs = worst_difference(resumed, uninterrupted)
-        verdict = resumed.validity.verdict
-        found.append(Resumed(seed, after_s, kept, segments - kept, verdict, *differs))
-        report(len(found), count)
-        (folder / PAGE).write_text(as_markdown(found), encoding="utf-8")
+    with ProcessPoolExecutor(AT_ONCE) as pool:
+        seeds = range(1, count + 1)
+        begun = [pool.submit(_one, seed, folder, procedure, latest_s) for seed in seeds]
+        for done in as_completed(begun):
+            resumed, one = done.result()
+            worst, element = worst_difference(resumed, uninterrupted)
+            found.append(replace(one, worst=worst, element=element))
+            report(len(found), count)
+            (folder / PAGE).write_text(as_markdown(found), encoding="utf-8")
     return found
 
 
-def killed_and_resumed(
-    station: StationFile, procedure: Procedure, home: Home, after_s: float
-) -> tuple[Run, Acquired, int]:
-    """A run that is killed so long (s) after its first bytes, and then goes on; and how many of
-    its measured segments stood after the kill.
-
-    Where the kill left no reading, it begins anew. Raises Unusable where the table did not come to
-    rest after the kill, and as `acquire_run` does.
-    """
-    home.path.mkdir(parents=True, exist_ok=True)
-    files = home.path / "station.json", home.path / "procedure.json"
-    for file, content in zip(files, (station, procedure), strict=True):
-        file.write_text(content.model_dump_json(), encoding="utf-8")
-    acquire_and_kill(*files, home.path, after_s)
-    if not comes_to_rest(station, VirtualStation().unit.gyro.lsb):
-        raise Unusable("the table still turns, long after the acquisition was killed")
-    try:
-        (left,) = left_runs(station, procedure, home).values()
-    except Unusable:
-        (kept,) = acquire_run(station, procedure, home, ignore).kept
-        return *kept, 0
-    stood = len(interrupted(left.recording, station.unit_link).measured())
-    (kept,) = acquire_run(station, procedure, home, ignore, resume=True).kept
-    return *kept, stood
+def _one(
+    seed: int, folder: Path, procedure: Procedure, latest_s: float
+) -> tuple[Calibration, Resumed]:
+    after_s = random.Random(seed).uniform(0.0, latest_s)
+    home = Home(folder / f"{seed:03d}")
+    with running(VirtualStation(), SPEED) as station:
+        run, acquired, kept = killed_and_resumed(station, procedure, home, after_s)
+    resumed = _calibrated(runs.load(run, home))
+    segments = sum(each.kind in MEASURED for each in acquired.manifest.segments or ())
+    return resumed, Resumed(seed, after_s, kept, segments - kept, resumed.validity.verdict)
 
 
 def _calibrated(recording: Recording) -> Calibration:
@@ -158,7 +130,9 @@ def as_markdown(found: Sequence[Resumed]) -> str:
     """The summary, how it was held, and a row for each run."""
     rows = [
         f"| {seed} | {after:.1f} | {kept} | {again} | {validity} | {worst:.2f} | {element} |"
-        for seed, after, kept, again, validity, worst, element in map(astuple, found)
+        for seed, after, kept, again, validity, worst, element in map(
+            astuple, sorted(found, key=lambda each: each.seed)
+        )
     ]
     return "\n".join([
         "# Runs that were killed and went on",
