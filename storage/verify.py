@@ -9,6 +9,7 @@ from pathlib import Path
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from storage.blobs import Blobs, blobs_of
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, all_runs
@@ -56,12 +57,12 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Stor
 
 
 def _checks(home: Home) -> Iterator[Check]:
-    runs, register = all_runs(home), certificates.register(home)
+    runs, register, blobs = all_runs(home), certificates.register(home), blobs_of(home)
     for run in runs:
-        yield raw_path(run.digest, home), partial(_raw, run, home)
-        columns = home.columns / run.digest
-        if columns.exists():  # missing columns are made again when needed
-            yield columns, partial(_columns, run, home)
+        name, columns = f"raw/{run.digest}.mcap", f"columns/{run.digest}"
+        yield blobs.where(name), partial(_raw, run, name, blobs)
+        if blobs.exists(columns):  # missing columns are made again when needed
+            yield blobs.where(columns), partial(_columns, run, home)
     digests = {run.id: run.digest for run in runs}
     for (result,) in database.rows(home, sql.select(tables.results.c.id)):
         yield f"result {result}", partial(_result, result, digests, home)
@@ -74,14 +75,14 @@ def _checks(home: Home) -> Iterator[Check]:
         yield path, partial(iter, (why,))
 
 
-def _raw(run: Run, home: Home) -> Iterator[str]:
-    path = raw_path(run.digest, home)
+def _raw(run: Run, name: str, blobs: Blobs) -> Iterator[str]:
     again = f"import {run.recording_id} again from its source"
-    if not path.exists():
+    if not blobs.exists(name):
         yield f"the raw recording of run {run.id} is missing; {again}"
         return
     try:
-        digest = read_mcap(path).digest
+        with blobs.local(name) as path:
+            digest = read_mcap(path).digest
     except Unusable as error:
         yield f"{error} Move the file away and {again}."
         return

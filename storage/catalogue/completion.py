@@ -7,7 +7,7 @@ from schemas.recording import Manifest
 from storage.catalogue import certificates, database, lineage, listing, runs, summaries, tables
 from storage.catalogue.listing import Run
 from storage.catalogue.results import calibration_of
-from storage.formats.manifest import MANIFEST, manifest_of
+from storage.formats.manifest import manifest_of
 from storage.home import Home
 
 AT_ONCE = 50  # documents of results completed in one transaction
@@ -65,7 +65,5 @@ def complete_results(home: Home) -> None:
 
 
 def _manifest(run: Run, home: Home) -> Manifest:
-    file = home.columns / run.digest / MANIFEST
-    if file.exists():
-        return manifest_of(file.read_bytes(), str(file))
-    return runs.load(run, home).manifest
+    kept = runs.manifest_bytes(run, home)
+    return manifest_of(kept, run.id) if kept else runs.load(run, home).manifest

@@ -1,24 +1,25 @@
 """Recordings in the store: imported once, known by their content, read as columns."""
 
-import shutil
 from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.recording import Recording, Unit
+from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run, find
 from storage.formats import recordings
 from storage.formats.columns import read_columns, write_columns
 from storage.formats.content import as_raw, fingerprint
+from storage.formats.manifest import MANIFEST
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
-from storage.whole_files import writing_in_home, writing_to
 
 ID_DIGITS = 12  # hex digits of the digest in a run's id
 
@@ -34,10 +35,7 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
     source_bytes = source and recordings.fingerprint(source)
     recording = as_raw(recording)
     recording = replace(recording, digest=fingerprint(recording))
-    raw = raw_path(recording.digest, home)
-    if not raw.exists():
-        with writing_to(raw) as draft:
-            write_mcap(recording, draft)
+    blobs_of(home).keep(_raw(recording.digest), partial(write_mcap, recording))
     _write_columns(recording, home)
     with database.changing(home) as connection:
         run, is_new = _add(connection, recording)
@@ -55,7 +53,7 @@ def imported_before(path: Path, home: Home) -> Run | None:
     if not rows:
         return None
     run = find(rows[0].run, home)
-    return run if raw_path(run.digest, home).exists() else None
+    return run if blobs_of(home).exists(_raw(run.digest)) else None
 
 
 def load(run: Run, home: Home) -> Recording:
@@ -67,8 +65,8 @@ def load(run: Run, home: Home) -> Recording:
     if recording is not None:
         return recording
     recording = _load_raw(run, home)
-    shutil.rmtree(home.columns / run.digest, ignore_errors=True)
     with suppress(Unusable):  # a home that only reads still gives the recording
+        blobs_of(home).remove_folder(_columns(run.digest))
         _write_columns(recording, home)
     return recording
 
@@ -76,15 +74,27 @@ def load(run: Run, home: Home) -> Recording:
 def from_columns(run: Run, home: Home) -> Recording | None:
     """A run's recording from its columns; None unless they hold exactly what was imported."""
     try:
-        recording = read_columns(home.columns / run.digest)
+        with blobs_of(home).local(_columns(run.digest)) as folder:
+            recording = read_columns(folder)
         return recording if recording.digest == run.digest else None
+    except Unreachable:
+        raise
     except Exception:  # however they are damaged, raw has it all
         return None
 
 
 def raw_path(digest: str, home: Home) -> Path:
-    """Where the raw recording of a digest is kept."""
-    return home.raw / f"{digest}.mcap"
+    """Where the raw recording of a digest is kept in the home, if it is not in a bucket."""
+    return home.path / _raw(digest)
+
+
+def manifest_bytes(run: Run, home: Home) -> bytes | None:
+    """The manifest beside a run's columns; None where it is not there."""
+    name = f"{_columns(run.digest)}/{MANIFEST}"
+    if not blobs_of(home).exists(name):
+        return None
+    with blobs_of(home).local(name) as path:
+        return bytes(path.read_bytes())
 
 
 def unit_id(connection: sql.Connection, unit: Unit) -> int:
@@ -116,25 +126,30 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
 
 
 def _write_columns(recording: Recording, home: Home) -> None:
-    folder = home.columns / recording.digest
-    if folder.exists():
-        return
-    with writing_in_home(folder), suppress(FileExistsError):  # somebody was faster with the same
-        write_columns(recording, folder)
+    blobs_of(home).keep_folder(_columns(recording.digest), partial(write_columns, recording))
 
 
 def _load_raw(run: Run, home: Home) -> Recording:
-    path = raw_path(run.digest, home)
-    if not path.exists():
+    blobs, name = blobs_of(home), _raw(run.digest)
+    if not blobs.exists(name):
         raise Unusable(
-            f"The raw recording {path} of run {run.id} is missing; import {run.recording_id} "
-            "again from its source."
+            f"The raw recording {blobs.where(name)} of run {run.id} is missing; import "
+            f"{run.recording_id} again from its source."
         )
-    recording = read_mcap(path)
+    with blobs.local(name) as path:
+        recording = read_mcap(path)
     if recording.digest != run.digest:
         raise Unusable(
-            f"The raw recording {path} is not what was taken in (digest "
+            f"The raw recording {blobs.where(name)} is not what was taken in (digest "
             f"{recording.digest[:ID_DIGITS]}); move it away and import {run.recording_id} again "
             "from its source."
         )
     return recording
+
+
+def _raw(digest: str) -> str:
+    return f"raw/{digest}.mcap"
+
+
+def _columns(digest: str) -> str:
+    return f"columns/{digest}"

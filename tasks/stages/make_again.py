@@ -15,6 +15,7 @@ from schemas.certificate import Laboratory
 from schemas.history import Difference
 from schemas.orders import Estimation
 from schemas.tolerance import Tolerance
+from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import reprocessing, results
 from storage.catalogue.connection import Busy, name_of
 from storage.catalogue.reprocessing import Made, ToMake
@@ -35,7 +36,7 @@ class Job:
 
     to_make: ToMake
     home: Home
-    catalogue: str
+    store: str
     circumstances: str
     laboratory: Laboratory | None
     tolerance: Tolerance | None
@@ -105,12 +106,17 @@ def circumstances(laboratory: Laboratory | None) -> str:
     return hashlib.sha256("\n".join([code_version(), *texts]).encode()).hexdigest()[:12]
 
 
+def store_of(home: Home) -> str:
+    """Which catalogue and which recordings a home means on this machine."""
+    return f"{name_of(home)} and {blobs_of(home).where('raw')}"
+
+
 def _check_worker(job: Job) -> None:
     """Refuses to work with other code, or into another catalogue, than the order was given with."""
-    if (mine := name_of(job.home)) != job.catalogue:
+    if (mine := store_of(job.home)) != job.store:
         raise Unusable(
-            f"a worker on {platform.node()} has the catalogue {mine}, not {job.catalogue}; start "
-            "it with the same MIMUCAL_DATABASE"
+            f"a worker on {platform.node()} works on {mine}, not on {job.store}; start it with the "
+            "same MIMUCAL_DATABASE and MIMUCAL_STORE"
         )
     if circumstances(job.laboratory) != job.circumstances:
         raise Unusable(
@@ -120,12 +126,12 @@ def _check_worker(job: Job) -> None:
 
 
 def _patiently(ask: Callable[[], R]) -> R:
-    """What a catalogue gives that may be out of reach for a while."""
+    """What a catalogue or a bucket gives that may be out of reach for a while."""
     gives_up = time.monotonic() + PATIENCE_S
     while True:
         try:
             return ask()
-        except Busy:
+        except (Busy, Unreachable):
             if time.monotonic() > gives_up:
                 raise
             time.sleep(PAUSE_S)

@@ -9,7 +9,6 @@ from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, reprocessing, results
-from storage.catalogue.connection import name_of
 from storage.catalogue.listing import Run
 from storage.catalogue.reprocessing import Made
 from storage.catalogue.selection import select
@@ -18,7 +17,7 @@ from storage.whole_files import report_folder
 from tasks.history.difference import difference
 from tasks.history.report import write_report
 from tasks.stages.fan_out import fan_out, processors
-from tasks.stages.make_again import Job, Outcome, circumstances, make_again, with_fault
+from tasks.stages.make_again import Job, Outcome, circumstances, make_again, store_of, with_fault
 from tasks.stages.stage import stage
 from tasks.version import code_version
 
@@ -61,9 +60,9 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     runs = select(order, home)
     earlier = _done(runs, now, home)
     limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))
-    catalogue = name_of(home)
+    store = store_of(home)
     jobs = [
-        Job(each, home, catalogue, now, laboratory, limits(each.run.manufacturer, each.run.model))
+        Job(each, home, store, now, laboratory, limits(each.run.manufacturer, each.run.model))
         for each in reprocessing.to_make(runs, now, home)
     ]
     progress(0, len(jobs))
