@@ -31,6 +31,7 @@ class Handler(BaseHTTPRequestHandler):
     """What pyarrow asks of S3: objects whole and in parts, their heads, and listings."""
 
     protocol_version = "HTTP/1.1"
+    disable_nagle_algorithm = True
     store: Store
 
     def log_message(self, *_: object) -> None:
