@@ -76,6 +76,28 @@ def check(
 
 
 @app.command()
+def load(station_file: options.Station, result: options.Calibrated) -> None:
+    """Write the coefficients of a result into the unit, by the lines of the station file.
+
+    The unit must be the one that was calibrated, and acknowledge each line.
+    """
+    from schemas.orders import ExportOrder, order_of
+    from schemas.station import StationFile
+    from storage import settings
+    from storage.home import home
+    from storage.station_lock import one_run_on
+    from tasks.stages.correct import export_correction
+    from tasks.station.load import load_correction
+
+    station = settings.read(Path(station_file), StationFile)
+    order = order_of(ExportOrder, calibration=result, **{"as": "json"})
+    correction, _ = export_correction(order, home())
+    with one_run_on(station.station.id, home()):
+        unit, lines = load_correction(correction, station)
+    print(f"{unit.manufacturer} {unit.model} {unit.serial} acknowledged {lines} lines")
+
+
+@app.command()
 def status(as_json: options.Json = False) -> None:
     """How the last run of each station stands."""
     from flows.acquisition_view import facts

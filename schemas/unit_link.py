@@ -145,8 +145,26 @@ class TextFrame(_Frame):
 AnyFrame = BinaryFrame | TextFrame
 
 
+class CoefficientLines(Frozen):
+    """The lines of text that load a correction into the unit, one after the other.
+
+    lines: with coefficients of the correction in braces, by name and place counted from 0, as
+    `$WRITE,{C_g[0][1]:.7f},{B_g[2]:.4f}`. scale: what one unit of a coefficient is in SI, where the
+    unit wants another. check: what stands behind `*`, which is then appended to each line.
+    acknowledge: what the unit's answer to each line holds.
+    """
+
+    lines: tuple[str, ...] = Field(min_length=1)
+    scale: Mapping[str, Finite] = {}
+    check: Literal["xor8", "none"] = "none"
+    terminator: str = Field(default="\r\n", min_length=1)
+    acknowledge: str = Field(min_length=1)
+
+
 class UnitLink(Frozen):
     """The line: where the frames come from, how many in a second, and what they hold.
+
+    load: how the unit takes the coefficients of its correction, where it does.
 
     url: `socket://host:port`, a serial device, `udp://host:port` on which to listen, or
     `file:///path` of a file that is being written.
@@ -156,3 +174,4 @@ class UnitLink(Frozen):
     baudrate: int = Field(default=460800, gt=0)
     rate_hz: Finite = Field(gt=0)
     frame: Annotated[AnyFrame, Field(discriminator="kind")]
+    load: CoefficientLines | None = None

@@ -12,6 +12,8 @@ from schemas.station import StationFile
 from tasks.station.interrupted import Interrupted
 from tasks.station.requirements import mount_in
 
+NOT_OF_THE_FRAMES = {"url", "baudrate", "load"}
+
 
 class ManifestBuilder:
     """Segments without holes between them, from the beginning of the run on.
@@ -40,7 +42,7 @@ class ManifestBuilder:
             "recorded_at": now.astimezone().isoformat(timespec="seconds"),
             "acquired_at": (now - timedelta(seconds=t_start - self.origin_s)).isoformat(),
             "equipment": [item.model_dump(mode="json") for item in station.equipment],
-            "unit_link": station.unit_link.model_dump(mode="json", exclude={"url", "baudrate"}),
+            "unit_link": station.unit_link.model_dump(mode="json", exclude=NOT_OF_THE_FRAMES),
         }
         self._station = station
         self._procedure = procedure

@@ -56,11 +56,13 @@ def check_rate(segment: Segment, axis: str, table: Stream) -> list[Anomaly]:
 class SegmentMonitor:
     """Segments waiting until the streams have passed them.
 
-    imu, table: the end of each stream, as much as a segment that is still to be checked needs.
+    imu, table: the end of each stream, as much as a segment that is still to be checked needs, in
+    the pieces it came in: a long segment of a fast unit is joined once.
     """
 
     def __init__(self, link: UnitLink) -> None:
-        self.imu = self.table = Stream(np.empty(0), {})
+        self.imu: list[Stream] = []
+        self.table: list[Stream] = []
         self._link = link
         self._waiting: list[tuple[Segment, str | None]] = []
 
@@ -71,24 +73,27 @@ class SegmentMonitor:
     @property
     def reached_s(self) -> float:
         """The time up to which both streams have come."""
-        return min(stream.t[-1] if len(stream) else -np.inf for stream in (self.imu, self.table))
-
-    def has_passed(self, t: float) -> bool:
-        """Whether both streams have passed a time."""
-        return self.reached_s >= t
+        return min(each[-1].t[-1] if each else -np.inf for each in (self.imu, self.table))
 
     def run(self, imu: Stream, table: Stream) -> list[Anomaly]:
         """Take in what came next, and check every segment whose data are there."""
-        self.imu, self.table = joined([self.imu, imu]), joined([self.table, table])
+        self.imu += [imu] if len(imu) else []
+        self.table += [table] if len(table) else []
         anomalies = []
-        while self._waiting and self.has_passed(self._waiting[0][0].t_end):
+        while self._waiting and self.reached_s >= self._waiting[0][0].t_end:
             segment, spin_axis = self._waiting.pop(0)
-            anomalies += check_unit(segment, self.imu, self._link)
+            imu, table = joined(self.imu), joined(self.table)
+            anomalies += check_unit(segment, imu, self._link)
             if spin_axis is not None:
-                anomalies += check_rate(segment, spin_axis, self.table)
-            self.imu = self.imu.at(self.imu.t >= segment.t_end)
-            self.table = self.table.at(self.table.t >= segment.t_end)
+                anomalies += check_rate(segment, spin_axis, table)
+            self.imu = [imu.at(slice(_last_before(imu, segment.t_end), None))]
+            self.table = [table.at(slice(_last_before(table, segment.t_end), None))]
         return anomalies
+
+
+def _last_before(stream: Stream, t: float) -> int:
+    """Where what is still needed of a stream begins; its last row stays in any case."""
+    return min(int(np.searchsorted(stream.t, t)), len(stream) - 1)
 
 
 def _anomaly(code: str, segment: Segment, subject: str, amount: float = 1.0) -> Anomaly:
