@@ -26,8 +26,9 @@ TEXT = """# Throughput
 
 `make prove ARGS="--throughput {seconds:g}"` on {cores} cores: acquisitions side by side, each a
 process with a virtual table and chamber at the clock's speed, a unit that sends, and a raw file on
-the disk; all of them at the same time. Rows are read back from the file; none may be missing between the first and the last.
-Processor time is the acquisition's own; the stations and senders beside it take the rest.
+the disk; all of them at the same time. Rows are read back from the file; none may be missing
+between the first and the last. Processor time is the acquisition's own; the stations and senders
+beside it take the rest.
 
 | {head} |
 |{rule}
