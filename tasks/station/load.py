@@ -98,9 +98,9 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
 
 def _is_acknowledged(port: Any, answer: bytes) -> bool:
     """Whether the answer comes, among the frames that the unit goes on sending."""
-    heard, end_s = b"", time.monotonic() + ANSWER_S
+    received, end_s = b"", time.monotonic() + ANSWER_S
     while time.monotonic() < end_s:
-        heard = heard[-len(answer) :] + port.read(READ_BYTES)
-        if answer in heard:
+        received = received[-len(answer) :] + port.read(READ_BYTES)
+        if answer in received:
             return True
     return False

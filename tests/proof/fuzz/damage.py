@@ -60,6 +60,6 @@ def _flipped(frame: bytes, place: int, pattern: int) -> bytes:
 
 # one run of wrong bits, no longer than it, which every check sum of so many bits shows
 SHOWN: tuple[Damage, ...] = (bit, burst)
-ANY: tuple[Damage, ...] = (
-    *SHOWN, lost_beginning, lost_end, lost_inside, more_inside, noise_inside, noise
+OTHER: tuple[Damage, ...] = (
+    lost_beginning, lost_end, lost_inside, more_inside, noise_inside, noise
 )  # fmt: skip

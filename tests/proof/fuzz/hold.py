@@ -48,10 +48,9 @@ def hold(count: int, seed: int) -> list[Row]:
     for kind in frames.KINDS:
         began = time.process_time()
         tally = frames.feed(kind, count, seed)
-        wrong = frames.wrong_though_shown(tally)
         seconds = time.process_time() - began
-        by_chance = tally.wrong.total() - wrong
-        rows.append(Row(kind.name, tally.fed.total(), seconds, wrong, by_chance, tally.lost))
+        figures = (tally.wrong_though_shown, tally.wrong_by_chance, tally.lost)
+        rows.append(Row(kind.name, tally.fed, seconds, *figures))
     for name, feed in answers.KINDS.items():
         began = time.process_time()
         held = feed(count, seed)

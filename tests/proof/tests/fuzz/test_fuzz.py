@@ -10,9 +10,9 @@ COUNT = 2000
 
 @pytest.mark.parametrize("kind", frames.KINDS, ids=lambda kind: kind.name)
 def test_no_frame_is_taken_whose_damage_the_check_sum_shows(kind):
-    tally = frames.feed(kind, COUNT, seed=3)
-    assert tally.fed.total() == COUNT
-    assert frames.wrong_though_shown(tally) == 0
+    tally = frames.feed(kind, COUNT, seed=2)
+    assert tally.fed == COUNT
+    assert tally.wrong_though_shown == 0
     assert tally.lost == 0
 
 
@@ -25,5 +25,5 @@ def test_a_parser_that_takes_damaged_frames_is_found_out(monkeypatch):
     monkeypatch.setattr(
         "tasks.station.drivers.binary_frames._is_good", lambda rows, _: rows[:, 0] > 0
     )
-    little = hold(200, 3)[0]
+    little = hold(400, 3)[0]
     assert little.wrong > 0
