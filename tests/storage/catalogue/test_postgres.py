@@ -19,9 +19,20 @@ from alembic.migration import MigrationContext
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
+from schemas.orders import Selection
 from schemas.recording import Recording
-from storage import verify
-from storage.catalogue import certificates, database, listing, results, runs, tables
+from storage import dataframes, verify
+from storage.catalogue import (
+    certificates,
+    database,
+    listing,
+    reprocessing,
+    results,
+    runs,
+    tables,
+)
+from storage.catalogue.impact import impact_of
+from storage.catalogue.selection import select
 from storage.formats.columns import write_columns
 from storage.home import Home
 
@@ -172,3 +183,21 @@ def test_catalogue_of_a_newer_program_is_refused_on_postgresql(shared_catalogue:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(Unusable, match="update mimucal"):
         listing.all_runs(shared_catalogue)
+
+
+def test_history_is_made_again_and_asked_for_as_in_sqlite(
+    shared_catalogue: Home, small: Build, calibrated: Callable[..., Calibration]
+) -> None:
+    run = runs.add(small(), shared_catalogue)[0]
+    before = results.save(calibrated(run, code_version="0.1.0+a"), shared_catalogue)
+    chosen = Selection(station="T1", code_version="0.1.0", since=run.taken_in_at.date())
+    assert [each.id for each in select(chosen, shared_catalogue)] == [run.id]
+    (waiting,) = reprocessing.to_make([run], "now", shared_catalogue)
+    reprocessing.keep_fault(waiting, "the bucket was off", "now", 1.0, shared_catalogue)
+    reprocessing.keep(waiting, calibrated(run, 0.5), "now", 1.0, shared_catalogue)
+    (made,) = reprocessing.made_under("now", shared_catalogue)
+    assert (made.before, made.fault) == (before, None)
+    assert reprocessing.to_make([run], "now", shared_catalogue) == []
+    table = dataframes.results(shared_catalogue)
+    assert list(table.loc[table["newest"], "value"].dropna()) == [0.5]
+    assert len(impact_of(Selection(equipment="T1"), shared_catalogue).results) == 2
