@@ -101,13 +101,19 @@ asyncio.run(main())
 """
 
 
-def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home, papers) -> None:
+def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows(
+    own_home, papers, tmp_path
+) -> None:
     home, (station_file, procedure) = own_home, papers
     order = (
-        "from flows.carry_out import as_flow_run; from schemas.orders import ProduceOrder\n"
+        "from flows.carry_out import as_flow_run\n"
+        "from schemas.orders import ApplyOrder, ProduceOrder\n"
         f"order = ProduceOrder(station={str(station_file)!r}, procedure={str(procedure)!r})\n"
         "(issued,) = as_flow_run('produce', order)\n"
-        "print('VERDICT', issued.certificate.decision.verdict)\n" + ARTIFACTS
+        "print('VERDICT', issued.certificate.decision.verdict)\n"
+        "run = issued.certificate.calibration.run\n"
+        f"apply = ApplyOrder(calibration=run, run=run, out={str(tmp_path / 'corrected')!r})\n"
+        "print('ROWS', as_flow_run('apply', apply).rows)\n" + ARTIFACTS
     )
     done = subprocess.run(
         [sys.executable, "-c", order],
@@ -116,8 +122,9 @@ def test_produce_is_a_flow_whose_stages_and_artifacts_the_server_shows(own_home,
     assert done.returncode == 0, done.stderr
     assert "VERDICT inconclusive" in done.stdout
     seen = json.loads(done.stdout.splitlines()[-1])
-    assert [state for _, state in seen["flows"]] == ["Completed"] * 3
-    assert seen["tasks"] == ["acquire", "certify", "decide and publish", "estimate"]
+    assert [state for _, state in seen["flows"]] == ["Completed"] * 4
+    assert seen["tasks"] == ["acquire", "apply", "certify", "decide and publish", "estimate"]
+    assert (tmp_path / "corrected/manifest.json").exists()
     assert seen["artifacts"] == ["calibration-items", "certificate"]
     assert list((home / "certificates").glob("*.pdf"))
 
