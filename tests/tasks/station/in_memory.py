@@ -159,8 +159,8 @@ class InMemoryStation:
     def __init__(
         self, config: VirtualStation, speed: float = 20.0, faults: Iterable[StationFault] = ()
     ) -> None:
-        ports = range(1, 3 + len(config.neighbours))
-        self.file: StationFile = station_file(config, speed, "in-memory", *ports)
+        lines = range(1, 2 + len(config.neighbours))
+        self.file: StationFile = station_file(config, speed, "in-memory", 1, *lines)
         self.simulation = Simulation(config, faults)
         self.simulation.advance(1)
         self.table = InMemoryTable(self.simulation)

@@ -112,7 +112,7 @@ def test_two_units_over_sockets(short, sinks):
 @pytest.mark.parametrize(
     ("fields", "sentence"),
     [({"unit": {"serial": "V00001"}}, "same unit.serial: V00001"),
-     ({"unit_link": {"url": "socket://in-memory:2"}}, "same unit_link.url")],
+     ({"unit_link": {"url": "socket://in-memory:1"}}, "same unit_link.url")],
 )  # fmt: skip
 def test_two_units_of_one_serial_or_on_one_line_are_refused(fields, sentence):
     file = InMemoryStation(TWO).file.model_dump(mode="json")
