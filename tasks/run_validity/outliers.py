@@ -25,13 +25,13 @@ LARGEST_SHARE = 0.005  # of a channel's samples that may be off
 GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 20_000, 3.5, 0.002
 FEWEST = 3  # samples off: one or two of a short run lie there by chance
 STEPS = 2.0  # of the output: nearer is rounding
+ROUNDING = 1e-6  # of a step, by which the mean of one value may be off it
 
 
 def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     """What is wrong with single samples, segment by segment and in the whole run."""
     channels = evidence.channel_names
-    flags = [coarsely_quantised(segment) for segment in evidence.segments]
-    coarse = np.mean(flags, axis=0) > 0.5 if flags else np.zeros(6, bool)
+    coarse = _coarse_where_it_moves(evidence)
     for segment in evidence.segments:
         yield from _corrupted(segment, channels)
         if not evidence.may_stand_still:
@@ -39,6 +39,21 @@ def outlier_remarks(evidence: ClauseEvidence) -> Iterator[Remark]:
     yield from _coarse(evidence.segments, channels)
     if not evidence.may_stand_still:  # rounding is no outlier
         yield from _off(evidence)
+
+
+def _coarse_where_it_moves(evidence: ClauseEvidence) -> np.ndarray:
+    """Channels (6,) whose step is larger than their noise in most segments in which they move.
+
+    One that moves in none is coarse where it stands at different values.
+    """
+    coarse = np.zeros(6, bool)
+    for channel in range(6):
+        moves = [s for s in evidence.segments if s.deviation[channel] > ROUNDING * s.step[channel]]
+        if moves:
+            coarse[channel] = np.mean([coarsely_quantised(s)[channel] for s in moves]) > 0.5
+        else:
+            coarse[channel] = len({float(s.mean[channel]) for s in evidence.segments}) > 1
+    return coarse
 
 
 def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
