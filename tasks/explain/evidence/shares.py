@@ -81,7 +81,12 @@ def _unnamed(finding: Finding, refusal: Refusal) -> Finding:
 def small_remainder(finding: Finding, left: LeftOver) -> bool:
     """Whether a finding is not worth more than a line: it removes little, and has no name or
     stands beside more in its channels that nothing explains.
+
+    What a logger or a limit did to the readings has a test of its own and is mended on its own,
+    whatever share of the mismatch the few rows have that it spoilt: it is always told.
     """
+    if not finding.terms and finding.effect != UNNAMED:
+        return False
     after = left.chi2_per_degree[list(finding.channels)]
     complete = bool((np.nan_to_num(after) < MOSTLY_NOISE).all())
     return finding.share < SMALL and (finding.effect == UNNAMED or not complete)
