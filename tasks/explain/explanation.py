@@ -22,6 +22,7 @@ RefusalKind = Literal[
     "undetermined",
     "overshadowed",
     "form_error",
+    "incomplete",
     "reference_noise",
 ]
 
@@ -36,6 +37,7 @@ class Refusal:
     undetermined: no parameter is larger than its U; `value`, `limit`: the clearest and its U.
     overshadowed: what stays unexplained in its channels is `value` times what it removes.
     form_error: something else found has `value` times its evidence, and a form of its own.
+    incomplete: it has no law, and its channels keep `value` times the noise (chi-squared).
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.

@@ -34,8 +34,11 @@ def without_shadows(
     """The findings, those without a name that remove far less than nothing explains beside them.
 
     What is much larger and not known has parts that look like anything in the catalogue: a name
-    would be one of its shadows. removed: by each, chi-squared at the unit's rows.
+    would be one of its shadows. And a random drift, which has no parameters, takes up part of
+    whatever changes slowly: it has a name only where nothing else is left. removed: by each,
+    chi-squared at the unit's rows.
     """
+    findings = [_named_or_incomplete(one, left) for one in findings]
     return [
         _named_or_shadow(one, each, left) if one.effect != UNNAMED and one.behaviour else one
         for one, each in zip(findings, removed, strict=True)
@@ -48,6 +51,15 @@ def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Findin
         return finding
     refusal = Refusal("overshadowed", finding.effect, value=beside / max(removed, 1e-300))
     return _unnamed(finding, refusal)
+
+
+def _named_or_incomplete(finding: Finding, left: LeftOver) -> Finding:
+    after = float(np.nan_to_num(left.chi2_per_degree[list(finding.channels)]).max())
+    if finding.effect == UNNAMED or finding.parameters or not finding.behaviour:
+        return finding
+    if after < MOSTLY_NOISE:
+        return finding
+    return _unnamed(finding, Refusal("incomplete", finding.effect, value=after))
 
 
 def without_form_errors(

@@ -23,6 +23,7 @@ def next_of(finding: Finding, places: tuple[Where, ...], setting: bool) -> Sayab
 
 ALIKE_FOR_ALL = {
     "overshadowed": "report-next-overshadowed",
+    "incomplete": "report-next-incomplete",
     "reference_noise": "report-next-reference-noise",
 }  # what is next, whatever name was refused
 

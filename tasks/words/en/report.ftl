@@ -79,6 +79,7 @@ report-refused-undetermined = It behaves like «{ $effect }», but no parameter 
 report-refused-reference-noise = It behaves like «{ $effect }», but that fits no better than whatever makes the noise of the encoders smaller, which the unit does not have, so it is not called that.
 report-refused-overshadowed = It behaves like «{ $effect }», but what nothing explains in its channels is { $times } times as large as what that would remove, and may well contain it; so it is not called that.
 report-refused-form-error = It behaves like «{ $effect }», but another finding has { $times } times its evidence, and a form a little different from its equation would leave as much; so it is not called that.
+report-refused-incomplete = It behaves like «{ $effect }», but that takes up part of whatever changes slowly, and its channels still keep { $times } times the noise (χ² per degree of freedom), so something else is at work; so it is not called that.
 
 # What to do about it.
 report-next-implausible = check whether there is { $usual }; correct that, and explain again
@@ -94,6 +95,7 @@ report-next-channel = check sign, scale and filter of the { $channel }, and reco
 report-next-undetermined = record what would determine it: { $recording }
 report-next-reference-noise = repeat with a finer or smoother encoder: this one's noise hides what the unit does
 report-next-overshadowed = find what is left in these channels first: it is much larger; then explain again
+report-next-incomplete = look at what is left in these channels segment by segment: something with a law of its own is among it; then explain again
 report-next = { $dimension ->
         [rate] record steady rates of both signs in at least five steps, and see whether what is left grows with the rate, its size or its square
         [attitude] record rests with each axis up, down and at 45 deg at two headings, and look at what changes with attitude: cables, clamping, magnets nearby

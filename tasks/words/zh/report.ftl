@@ -79,6 +79,7 @@ report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个
 report-refused-reference-noise = 其表现类似“{ $effect }”，但其拟合的改善不超过单纯减小编码器噪声所带来的改善（产品本身并无此噪声），故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
 report-refused-form-error = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
+report-refused-incomplete = 其表现类似“{ $effect }”，但该效应可吸收任何缓慢变化，而相应通道中的剩余仍为噪声的{ $times }倍（χ²/自由度），说明另有物理因素，故不予此名。
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释
@@ -94,6 +95,7 @@ report-next-channel = 检查{ $channel } 的符号、标度与滤波，并绕另
 report-next-undetermined = 补充能确定它的记录：{ $recording }
 report-next-reference-noise = 换用分辨力更高或噪声更小的编码器重做试验：目前编码器的噪声掩盖了产品的表现
 report-next-overshadowed = 先查明这些通道中大得多的剩余失配，然后重新分析
+report-next-incomplete = 逐段查看相应通道中的剩余：其中含有具有自身规律的因素；查明后重新分析
 report-next = { $dimension ->
         [rate] 在正反两个方向各取不少于五个恒定角速率，观察剩余残差是随角速率、其大小还是其平方增长
         [attitude] 在两个航向上记录各轴朝上、朝下及45°的静止位置，并检查随姿态变化的因素：电缆、夹紧、附近的磁体

@@ -3,7 +3,9 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from schemas.discrepancy import FoundParameter
 from tasks.explain.evidence.left_over import LeftOver
 from tasks.explain.evidence.shares import without_form_errors, without_shadows
 from tasks.explain.explanation import UNNAMED, Finding
@@ -11,7 +13,8 @@ from tasks.explain.explanation import UNNAMED, Finding
 ROWS = 1000
 NAMED = Finding(
     effect="lever_arm", family="geometry", title="lever arm", equation="", source="",
-    channels=(3, 4), parameters=(), contribution=np.zeros((ROWS, 6)), gain=900.0, delta_bic=880.0,
+    channels=(3, 4), parameters=(FoundParameter(name="r_x", value=0.1, u=0.01, unit="m"),),
+    contribution=np.zeros((ROWS, 6)), gain=900.0, delta_bic=880.0,
     held_out_gain=400.0, indistinguishable=("size_effect",), behaviour="the angular acceleration",
 )  # fmt: skip
 
@@ -40,6 +43,16 @@ def test_what_is_left_in_other_channels_takes_no_name_away() -> None:
 
 def test_most_of_a_mismatch_keeps_its_name_though_something_is_left() -> None:
     assert without_shadows([NAMED], [9000.0], left(10.1, 3)) == [NAMED]
+
+
+def test_a_random_drift_has_a_name_only_where_nothing_else_is_left() -> None:
+    drift = replace(NAMED, effect="bias_random_walk", parameters=())
+    assert without_shadows([drift], [9000.0], left(1.2, 3)) == [drift]
+    assert without_shadows([drift], [9000.0], left(10.1, 0)) == [drift]
+    (other,) = without_shadows([drift], [90000.0], left(2.7, 3))
+    assert other.effect == UNNAMED
+    assert other.refusal is not None
+    assert (other.refusal.kind, other.refusal.value) == ("incomplete", pytest.approx(2.7))
 
 
 def test_physics_that_is_known_beforehand_is_no_shadow() -> None:

@@ -24,6 +24,7 @@ REFUSALS: dict[str, Refusal] = {
     ),
     "reference_noise": Refusal("reference_noise", "bandwidth"),
     "form_error": Refusal("form_error", "gyro_scale_asymmetry", value=360.0),
+    "incomplete": Refusal("incomplete", "bias_random_walk", value=7.2),
     "channel_worse": Refusal("channel_worse", "axis_wobble", channel=4, value=-30.0),
     "undetermined": Refusal(
         "undetermined", "magnetic_sensitivity", "gyro_x", "rad/s", value=1e-5, limit=2e-5
@@ -107,6 +108,12 @@ def test_what_only_quietens_the_encoder_asks_for_a_better_one() -> None:
     found = refused("reference_noise")
     assert "makes the noise of the encoders smaller" in found.statement.en
     assert "finer or smoother encoder" in found.next.en
+
+
+def test_a_random_drift_beside_something_else_says_how_much_is_left() -> None:
+    found = refused("incomplete")
+    assert "keep 7.2 times the noise" in found.statement.en
+    assert "segment by segment" in found.next.en
 
 
 def test_what_is_no_larger_than_its_uncertainty_is_to_be_recorded_again() -> None:
