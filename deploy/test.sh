@@ -3,9 +3,9 @@
 set -euo pipefail
 export DO_NOT_TRACK=1 PREFECT_SERVER_ANALYTICS_ENABLED=false
 unset PYTHONDONTWRITEBYTECODE # every worker and every command would compile this code again
-export OPENBLAS_NUM_THREADS=1 # two workers share two cores
+export OPENBLAS_NUM_THREADS=1 # three workers share two cores: some tests wait
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
 .venv/bin/mypy
 .venv/bin/lint-imports
-.venv/bin/pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
+.venv/bin/pytest -n 3 --dist loadfile --no-loadscope-reorder "$@"

@@ -178,10 +178,10 @@ class ModbusLink:
             return self._client
         self.close()
         client = self._new_client()
+        self._client = client  # before it is connected: who breaks off may have to close it
         if not await client.connect():
-            client.close()
+            self.close()
             return None
-        self._client = client
         return client
 
     def _new_client(self) -> "Client":
