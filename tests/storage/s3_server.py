@@ -1,10 +1,11 @@
 """A small S3 server on this machine, which may answer 500 now and then, and slowly."""
 
 import re
+import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from hashlib import md5
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from itertools import count
@@ -145,16 +146,34 @@ class Handler(BaseHTTPRequestHandler):
         self._answer(204)
 
 
+class Server(ThreadingHTTPServer):
+    """One whose connections end with it: a client keeps them open, and would be served on."""
+
+    def __init__(self, handler: type[Handler]) -> None:
+        super().__init__(("127.0.0.1", 0), handler)
+        self.lines: list[socket.socket] = []
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        self.lines.append(request)
+        super().process_request(request, client_address)
+
+    def hang_up(self) -> None:
+        for line in self.lines:
+            with suppress(OSError):  # the client was first
+                line.shutdown(socket.SHUT_RDWR)
+
+
 @contextmanager
 def serving(store: Store) -> Iterator[str]:
     """Serves a store; gives what MIMUCAL_STORE is to be."""
     handler = type("StoreHandler", (Handler,), {"store": store})
-    server = ThreadingHTTPServer(("127.0.0.1", 0), handler)
+    server = Server(handler)
     thread = threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True)
     thread.start()
     try:
         yield f"s3://lab/mimu?endpoint=127.0.0.1:{server.server_address[1]}&scheme=http&region=here"
     finally:
         server.shutdown()
+        server.hang_up()
         server.server_close()
         thread.join()
