@@ -18,6 +18,7 @@ NEAR = 8  # samples over which a speed is averaged
 ORDER = 12  # of the differences: what servos do at some hertz must not count as noise
 DIFFERENCE = float(np.sqrt(comb(2 * ORDER, ORDER)))  # what they make of white noise
 WHOLE, MOSTLY = 0.1, 0.9  # steps: changes that are mostly whole ones within this are quantised
+QUIETEST, LIKE = 0.25, 1.5  # quantile of stretches, and times its noise: as quiet
 FEW_STEPS = 20.0  # more are whole within rounding whatever they are
 
 
@@ -29,7 +30,12 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
     if len(even) < NODE + ORDER:
         return np.zeros_like(even)
     changes = np.diff(even, axis=0, prepend=even[:1])
-    size = _by_stretch(_size(even), len(even))
+    size = _size(even)
+    if len(angles) != len(even) or (angles != even).any():
+        # Interpolation smooths neighbours, and the differences of those no longer show all of it.
+        least = _least(angles) * np.sqrt(len(even) / len(angles))
+        size = np.where(size > ROUNDING, np.maximum(size, least), 0.0)
+    size = _by_stretch(size, len(even))
     moved = in_blocks(np.abs(changes[ORDER:]), NODE) > ROUNDING
     steps = encoder_steps(angles)
     # A single change tells its place to within one step: the rate there is as uncertain as any.
@@ -43,6 +49,15 @@ def angle_variance(stamps: np.ndarray, angles: np.ndarray, even: np.ndarray) -> 
         moves = np.column_stack([np.convolve(one, near, "same") for one in changes.T])
         variance = np.maximum(variance, (moves * jitter) ** 2)
     return variance
+
+
+def _least(angles: np.ndarray) -> np.ndarray:
+    """(k,) noise rad of angles as read in the stretches where least moves; 0 where none has any."""
+    noisy = [own[own > ROUNDING] for own in _size(angles).T]
+    return np.array([
+        np.median(own[own <= LIKE * np.quantile(own, QUIETEST)]) if len(own) else 0.0
+        for own in noisy
+    ])  # fmt: skip
 
 
 def _by_stretch(values: np.ndarray, count: int) -> np.ndarray:

@@ -4,12 +4,15 @@ A window that is short enough for the ends of a ramp makes a coarse encoder's no
 larger than it need be at rests and held rates. So of polynomials fitted to longer and longer
 windows each sample takes the longest whose rate still agrees, within its noise, with those of all
 shorter ones (intersection of confidence intervals: Goldenshluger and Nemirovski, Math. Meth.
-Statist. 6, 1997), and then one half as long, whose bias is small beside its noise.
+Statist. 6, 1997), and then one half as long, whose bias is small beside its noise. A rest has the
+rate of all of it.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from tasks.motion.rests import rests
 
 RATE_WINDOW = 0.05  # s: the shortest
 LONGEST_HALF = 1.0  # s
@@ -26,11 +29,13 @@ class EncoderRate:
     """Rate (n, k) rad/s of angles, and its variance.
 
     chosen: (n, k) which of the kernels; they are per sample, in symmetric order. interval: s.
+    at_rest: (n, k) bool, the rate is that of a whole rest.
     """
 
     rate: np.ndarray
     variance: np.ndarray
     chosen: np.ndarray
+    at_rest: np.ndarray
     kernels: tuple[np.ndarray, ...]
     interval: float
 
@@ -41,7 +46,7 @@ class EncoderRate:
             (np.convolve(kernel, box / len(box)) ** 2).sum() / (kernel**2).sum()
             for kernel in self.kernels
         ]
-        return np.asarray(self.variance * np.array(gain)[self.chosen])
+        return np.asarray(self.variance * np.where(self.at_rest, 1.0, np.array(gain)[self.chosen]))
 
 
 def encoder_rate(angle: np.ndarray, interval: float, variance: np.ndarray) -> EncoderRate:
@@ -69,7 +74,12 @@ def encoder_rate(angle: np.ndarray, interval: float, variance: np.ndarray) -> En
     rate, of_rate = (
         np.take_along_axis(np.array(every), chosen[None], axis=0)[0] for every in (rates, variances)
     )
-    return EncoderRate(rate, of_rate, chosen, kernels, interval)
+    at_rest = np.zeros(angle.shape, bool)
+    for k in range(angle.shape[1]) if len(kernels) > 1 else ():
+        for rest in rests(angle[:, k], interval, variance[:, k]):
+            rows = slice(rest.first, rest.last)
+            rate[rows, k], of_rate[rows, k], at_rest[rows, k] = rest.rate, rest.u**2, True
+    return EncoderRate(rate, of_rate, chosen, at_rest, kernels, interval)
 
 
 def _kernels(angle: np.ndarray, interval: float, variance: np.ndarray) -> tuple[np.ndarray, ...]:

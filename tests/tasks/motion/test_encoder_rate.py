@@ -39,10 +39,12 @@ def test_the_ends_of_a_ramp_are_not_rounded_off() -> None:
 
 def test_the_variance_is_that_of_the_errors_and_of_their_means() -> None:
     of = found(NOISE)
-    ratio = errors(of) ** 2 / of.variance[:, 0]
+    turning = ~of.at_rest[:, 0]  # each rest has one error
+    ratio = errors(of)[turning] ** 2 / of.variance[turning, 0]
     assert np.median(ratio) == pytest.approx(0.45, rel=0.7)
-    means = errors(of).reshape(-1, 50).mean(axis=1)
-    expected = of.variance_of_mean(0.5)[:, 0].reshape(-1, 50).mean(axis=1)
+    whole = turning.reshape(-1, 50).all(axis=1)
+    means = errors(of).reshape(-1, 50).mean(axis=1)[whole]
+    expected = of.variance_of_mean(0.5)[:, 0].reshape(-1, 50).mean(axis=1)[whole]
     assert np.sqrt((means**2).mean()) == pytest.approx(np.sqrt(expected.mean()), rel=0.5)
 
 
@@ -50,3 +52,11 @@ def test_a_fine_encoder_keeps_the_shortest_window() -> None:
     of = found(1e-9)
     assert len(of.kernels) == 1
     assert np.abs(errors(of)[CORNERS > 0.1]).max() < 0.01
+
+
+def test_a_rest_has_one_rate_whose_mean_is_no_less_uncertain() -> None:
+    of = found(NOISE)
+    rest = of.at_rest[:, 0] & (T < 20.0)
+    assert rest.mean() > 0.3
+    assert np.ptp(of.rate[rest]) == 0.0
+    assert of.variance_of_mean(0.5)[rest] == pytest.approx(of.variance[rest])

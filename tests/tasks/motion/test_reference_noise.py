@@ -38,7 +38,8 @@ def test_an_exact_encoder_has_no_errors() -> None:
 
 def test_the_noise_of_an_encoder_becomes_that_of_mean_rates() -> None:
     noise = 1e-4 * np.random.default_rng(5).standard_normal(len(T))
-    run, exact = shaft(swing() + noise), whole_motion(shaft(swing()))
+    turning = swing() + 0.3 * T  # a rest has one error
+    run, exact = shaft(turning + noise), whole_motion(shaft(turning))
     error = (whole_motion(run).rate - exact.rate)[T < 19.0, 0]
     means = error[: len(error) // 4 * 4].reshape(-1, 4).mean(axis=1)
     expected = deviation(run)[T < 19.0, 0]
