@@ -18,6 +18,7 @@ from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
 from tasks.explain.evidence.remainder import remainder
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
+    SMALL,
     small_remainder,
     with_shares,
     without_form_errors,
@@ -65,12 +66,15 @@ def explanation_of(
     by_terms = max(left.removed - sum(artefacts.removed), 0.0)
     by_term = [by_terms * gain / total for gain in gains]
     if not ordered:
-        terms = without_form_errors(without_shadows(terms, by_term, left), artefacts.findings)
+        nuisances = {group.name for group in evidence.groups if group.nuisance}
+        named = without_shadows(terms, by_term, left, nuisances)
+        terms = without_form_errors(named, artefacts.findings)
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
-    if not reported and not ordered and (rest := remainder(full, artefacts.found, left)):
-        reported = [rest]
+    unexplained = not ordered and all(one.share < SMALL for one in reported)
+    if unexplained and (rest := remainder(full, artefacts.found, left)):
+        reported.append(rest)
     p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
     return Explanation(
         recording=recording,

@@ -28,7 +28,9 @@ from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion
 
 OWED = 1 / 9  # of a finding's gain, a third of its size: what errors of the reference may make
-DRAWS = 4  # of those errors, averaged: what they bring forth by chance alone differs
+DRAWS = 4  # of those errors: what they bring forth by chance alone differs
+CLEAR = 10.0  # ΔBIC that has to stay when evidence is counted against that chance, too
+SURE = 2.0  # standard deviations of how well so few draws tell how large it is
 SHIFT = 0.01  # of the angles: rests that far away lie anywhere between two codes
 STILL = 0.003  # rad/s
 SEED = 20
@@ -42,7 +44,7 @@ def fitted_to_reference_noise(
     standard: the model without findings, fitted. masked: (n, 6) bool, readings that are not used.
     """
     rng = np.random.default_rng(SEED)
-    normal, right = np.zeros(()), np.zeros(())
+    normal, right, by_chance = np.zeros(()), np.zeros(()), np.zeros(len(evidence.groups))
     owed: set[int] = set()
     for draws in range(1, DRAWS + 1) if evidence.groups else ():
         simulated = simulated_reading(recording, full, rng)
@@ -52,15 +54,30 @@ def fitted_to_reference_noise(
         errors = standard.prediction(true) - standard.prediction(read)
         more = _normal_equations(evidence, replace(full, readings=errors, motion=read), masked)
         normal, right = normal + more[0], right + more[1]
+        by_chance = by_chance + _gains(evidence, *more)
         made = _gains(evidence, normal / draws, right / draws)
         owed = {
             number
             for number, gain in enumerate(made)
             if gain - len(evidence.own[number][0]) / draws > OWED * evidence.gain(number)
+            or made_by_chance(evidence, number, float(by_chance[number]), draws)
         }
         if not owed:
             break
     return owed
+
+
+def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) -> bool:
+    """Whether what one set of errors earns by chance leaves a finding no clear evidence.
+
+    gains: of all draws together. Errors that stay for a whole rest, as its rounding does, are no
+    noise of single readings: they make its variance larger, and gains by so much.
+    """
+    count = max(1, len(evidence.own[number][0]))
+    known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
+    larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
+    found = evidence.evidence(number)
+    return bool(found / larger - (found - evidence.delta_bic(number)) < CLEAR)
 
 
 def _normal_equations(
@@ -73,7 +90,7 @@ def _normal_equations(
     return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]
 
 
-def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> list[float]:
+def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:
     """What each finding earns beside the others."""
     normal = normal + np.diag(evidence.prior)
 
@@ -85,7 +102,7 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> list[fl
     for own, _ in evidence.own:
         without = np.setdiff1d(others, own)
         gains.append(earned(np.union1d(without, own).astype(int)) - earned(without))
-    return gains
+    return np.array(gains)
 
 
 def simulated_reading(

@@ -1,6 +1,6 @@
 """Which share of the mismatch each finding removes, and which are worth more than a line."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,16 +29,22 @@ def with_shares(
 
 
 def without_shadows(
-    findings: Sequence[Finding], removed: Sequence[float], left: LeftOver
+    findings: Sequence[Finding],
+    removed: Sequence[float],
+    left: LeftOver,
+    nuisances: Collection[str] = (),
 ) -> list[Finding]:
     """The findings, those without a name that remove far less than nothing explains beside them.
 
     What is much larger and not known has parts that look like anything in the catalogue: a name
     would be one of its shadows. And a random drift, which has no parameters, takes up part of
-    whatever changes slowly: it has a name only where nothing else is left. removed: by each,
-    chi-squared at the unit's rows.
+    whatever changes slowly: it has a name only where nothing else is left; weak physics only where
+    it is clear beside what is left. removed: by each, chi-squared at the unit's rows. nuisances:
+    names of what every model of such a recording has.
     """
-    findings = [_named_or_incomplete(one, left) for one in findings]
+    findings = [
+        one if one.effect in nuisances else _named_or_incomplete(one, left) for one in findings
+    ]
     return [
         _named_or_shadow(one, each, left) if one.effect != UNNAMED and one.behaviour else one
         for one, each in zip(findings, removed, strict=True)
@@ -55,9 +61,9 @@ def _named_or_shadow(finding: Finding, removed: float, left: LeftOver) -> Findin
 
 def _named_or_incomplete(finding: Finding, left: LeftOver) -> Finding:
     after = float(np.nan_to_num(left.chi2_per_degree[list(finding.channels)]).max())
-    if finding.effect == UNNAMED or finding.parameters or not finding.behaviour:
+    if finding.effect == UNNAMED or not finding.behaviour or after < MOSTLY_NOISE:
         return finding
-    if after < MOSTLY_NOISE:
+    if finding.parameters and finding.delta_bic > WEAK * after:
         return finding
     return _unnamed(finding, Refusal("incomplete", finding.effect, value=after))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.recording import AXES, Recording
-from tasks.model.parameters import DEG, OFF_DIAGONAL, each_axis, each_pair, turned
+from tasks.model.parameters import DEG, OFF_DIAGONAL, G, each_axis, each_pair, turned
 from tasks.model.term import Inputs, Parameter, Term
 from tasks.model.terms.axes import turned_by
 from tasks.motion.whole import Motion
@@ -76,18 +76,20 @@ STRUCTURAL_COMPLIANCE = StructuralCompliance(
 
 @dataclass(frozen=True)
 class Sag(Term):
-    """The fixture hangs down under its load: a small rotation φ = C·f/g of the body's force f."""
+    """The fixture hangs down under its load: a small rotation φ = C·f of the body's force f."""
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
-        turn = motion.up @ values.reshape(3, 3).T
-        change = np.cross(motion.up, motion.rate) @ values.reshape(3, 3).T
+        force = G * motion.up
+        turn = force @ values.reshape(3, 3).T
+        change = np.cross(force, motion.rate) @ values.reshape(3, 3).T
         return turned_by(motion, turn, change, motion.rate)
 
 
 SAG = Sag(
     "structural_compliance", "geometry", "motion",
-    "φᵢ = Σⱼ C_ij·fⱼ/g; v′ = v − φ×v for rate and force",
-    "small rotation of an elastic fixture; IEEE Std 836", each_pair("C", ("deg/g", DEG, 0.005)),
+    "φᵢ = Σⱼ C_ij·fⱼ; v′ = v − φ×v for rate and force",
+    "small rotation of an elastic fixture; IEEE Std 836",
+    each_pair("C", ("deg/g", DEG * G, 0.005 / G)),
     own_title=message("effect-structural-compliance.sag"),
     confused_with=("axis_wobble", "remount_misalignment", "accel_nonlinearity"),
 )  # fmt: skip

@@ -76,10 +76,10 @@ report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is 
     }, which one law would not do; so it is not called that.
 report-refused-channel = It behaves like «{ $effect }», but the { $channel }, which that would change as well, is predicted worse with it; so it is not called that.
 report-refused-undetermined = It behaves like «{ $effect }», but no parameter of that would be larger than its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
-report-refused-reference-noise = It behaves like «{ $effect }», but that fits no better than whatever makes the noise of the encoders smaller, which the unit does not have, so it is not called that.
+report-refused-reference-noise = It behaves like «{ $effect }», but the errors of the reference by themselves would bring forth as much of it, so it is not called that.
 report-refused-overshadowed = It behaves like «{ $effect }», but what nothing explains in its channels is { $times } times as large as what that would remove, and may well contain it; so it is not called that.
 report-refused-form-error = It behaves like «{ $effect }», but another finding has { $times } times its evidence, and a form a little different from its equation would leave as much; so it is not called that.
-report-refused-incomplete = It behaves like «{ $effect }», but that takes up part of whatever changes slowly, and its channels still keep { $times } times the noise (χ² per degree of freedom), so something else is at work; so it is not called that.
+report-refused-incomplete = It behaves like «{ $effect }», but its channels still keep { $times } times the noise (χ² per degree of freedom): something else is at work, and this may be a part of it; so it is not called that.
 
 # What to do about it.
 report-next-implausible = check whether there is { $usual }; correct that, and explain again

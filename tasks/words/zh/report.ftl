@@ -76,10 +76,10 @@ report-refused-inhomogeneous = 其表现类似“{ $effect }”，但大小并�
     }由 { $smallest } 变到 { $largest }，不符合同一规律，故不予此名。
 report-refused-channel = 其表现类似“{ $effect }”，但该效应同样应影响的 { $channel } 计入后预测反而变差，故不予此名。
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
-report-refused-reference-noise = 其表现类似“{ $effect }”，但其拟合的改善不超过单纯减小编码器噪声所带来的改善（产品本身并无此噪声），故不予此名。
+report-refused-reference-noise = 其表现类似“{ $effect }”，但参考装置自身的误差即可造成同样大小的变化，故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
 report-refused-form-error = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
-report-refused-incomplete = 其表现类似“{ $effect }”，但该效应可吸收任何缓慢变化，而相应通道中的剩余仍为噪声的{ $times }倍（χ²/自由度），说明另有物理因素，故不予此名。
+report-refused-incomplete = 其表现类似“{ $effect }”，但相应通道中的剩余仍为噪声的{ $times }倍（χ²/自由度），说明另有物理因素，该变化可能只是其中一部分，故不予此名。
 
 # 下一步。
 report-next-implausible = 检查是否存在：{ $usual }；更正后重新解释

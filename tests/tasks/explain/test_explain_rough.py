@@ -50,10 +50,12 @@ def test_on_the_tracked_control_hardly_anything_of_the_mismatch_is_explained() -
 
 
 def test_a_delay_is_known_as_far_as_its_parts_agree() -> None:
-    """By fifths of the run the gyros are 11.20 to 11.34 ms late, each with u of 0.12 to 0.23 ms."""
+    """By fifths of the run the gyros are 11.20 to 11.34 ms late, each with u of 0.12 to 0.23 ms:
+    11.28 ms on average with u of 0.08 ms.
+    """
     delay = next(e for e in explained("encoder_roll_slow").findings if e.effect == "time_offset")
     (seconds,) = delay.parameters
-    assert abs(seconds.value - 11.28e-3) < 2.0 * seconds.u
+    assert abs(seconds.value - 11.28e-3) < 2.0 * np.hypot(seconds.u, 0.08e-3)
     assert seconds.u > 0.03e-3
     assert delay.share > 0.5
 

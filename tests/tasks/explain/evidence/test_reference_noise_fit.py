@@ -1,13 +1,19 @@
 """A low-pass that only quietens the encoder is told from one that the unit has."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter1d
 
 from schemas.recording import ACCEL, GYRO, Recording, Stream
-from tasks.explain.evidence.reference_noise_fit import dither, simulated_reading
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.evidence.reference_noise_fit import (
+    dither,
+    made_by_chance,
+    simulated_reading,
+)
 from tasks.explain.explain import explain
 from tasks.explain.inputs.full_rate import full_rate
 from tests.on_shaft import shaft_manifest
@@ -68,6 +74,39 @@ def test_rounding_shifts_a_rest_as_a_whole_though_nothing_scatters() -> None:
     means = np.array([one.mean() for one in rests])
     assert np.abs(means).max() < 0.51 * step
     assert np.ptp(means) > 0.02 * step
+
+
+class NineParameters:
+    """Evidence of one finding: so much, of which its nine parameters cost 20."""
+
+    own = ((list(range(9)), np.zeros(9)),)
+
+    def __init__(self, size: float) -> None:
+        self.size = size
+
+    def evidence(self, number: int) -> float:
+        return self.size
+
+    def delta_bic(self, number: int) -> float:
+        return self.size - 20.0
+
+
+@pytest.mark.parametrize(
+    ("size", "gain", "draws", "chance"),
+    [
+        (70.0, 0.0, 4, False),
+        (70.0, 15.0, 4, True),  # the errors of the reference make the noise 2.8 times larger
+        (900.0, 15.0, 4, False),
+        (900.0, 300.0, 4, True),
+        (80.0, 12.0, 1, True),  # one draw tells little of how large the next would be
+        (80.0, 12.0, 16, False),
+    ],
+)
+def test_evidence_is_counted_against_what_the_reference_makes_by_chance(
+    size: float, gain: float, draws: int, *, chance: bool
+) -> None:
+    evidence = cast("Evidence", NineParameters(size))
+    assert made_by_chance(evidence, 0, gain * draws, draws) is chance
 
 
 def test_encoders_that_stand_still_have_no_errors_to_simulate() -> None:

@@ -27,7 +27,8 @@ def left(chi2: float, channel: int) -> LeftOver:
 
 
 def test_beside_ten_times_as_much_in_its_channels_a_name_is_withdrawn() -> None:
-    (shadow,) = without_shadows([NAMED], [900.0], left(10.1, 3))
+    clear = replace(NAMED, delta_bic=1100.0)
+    (shadow,) = without_shadows([clear], [900.0], left(10.1, 3))
     assert shadow.effect == UNNAMED
     assert shadow.title == "the angular acceleration"
     assert shadow.indistinguishable == ()
@@ -42,7 +43,18 @@ def test_what_is_left_in_other_channels_takes_no_name_away() -> None:
 
 
 def test_most_of_a_mismatch_keeps_its_name_though_something_is_left() -> None:
-    assert without_shadows([NAMED], [9000.0], left(10.1, 3)) == [NAMED]
+    clear = replace(NAMED, delta_bic=1100.0)
+    assert without_shadows([clear], [9000.0], left(10.1, 3)) == [clear]
+
+
+def test_weak_evidence_beside_what_nothing_explains_gives_no_name() -> None:
+    weak = replace(NAMED, delta_bic=150.0)
+    assert without_shadows([weak], [9000.0], left(1.3, 3)) == [weak]
+    assert without_shadows([weak], [9000.0], left(10.1, 3), {"lever_arm"}) == [weak]
+    (unnamed,) = without_shadows([weak], [9000.0], left(2.0, 3))
+    assert unnamed.effect == UNNAMED
+    assert unnamed.refusal is not None
+    assert (unnamed.refusal.kind, unnamed.refusal.value) == ("incomplete", pytest.approx(2.0))
 
 
 def test_a_random_drift_has_a_name_only_where_nothing_else_is_left() -> None:

@@ -104,9 +104,9 @@ def test_a_channel_that_gets_worse_is_named() -> None:
     assert "accelerometer y" in found.next.en
 
 
-def test_what_only_quietens_the_encoder_asks_for_a_better_one() -> None:
+def test_what_the_errors_of_the_reference_would_make_asks_for_a_better_one() -> None:
     found = refused("reference_noise")
-    assert "makes the noise of the encoders smaller" in found.statement.en
+    assert "errors of the reference by themselves" in found.statement.en
     assert "finer or smoother encoder" in found.next.en
 
 

@@ -54,9 +54,10 @@ def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together() -> None:
 
 
 def test_a_fixture_that_sags_turns_with_the_attitude() -> None:
-    matrix = 1e-5 * np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [2.0, 1.0, -3.0]])
+    matrix = 1e-6 * np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [2.0, 1.0, -3.0]])
     added = read((SAG,), matrix.ravel()) - read((), [])
-    expected = felt(attitude(between={3: motion().up @ matrix.T})) - felt(attitude())
+    force = 9.80665 * motion().up
+    expected = felt(attitude(between={3: force @ matrix.T})) - felt(attitude())
     assert added[INSIDE] == pytest.approx(expected[INSIDE], abs=3e-7)
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 
