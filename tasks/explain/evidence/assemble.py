@@ -18,7 +18,6 @@ from tasks.explain.evidence.reference_noise_fit import fitted_to_reference_noise
 from tasks.explain.evidence.remainder import remainder
 from tasks.explain.evidence.shares import (
     MOSTLY_NOISE,
-    SMALL,
     small_remainder,
     with_shares,
     without_form_errors,
@@ -30,6 +29,7 @@ from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.search.refit import fitted, model_of
 from tasks.explain.search.stepwise import FALSE_ALARMS
 
+MOSTLY = 0.5  # explained share up to which what is left is told as a finding of its own
 COMPLETE = 0.9  # share of the mismatch above noise from which on it counts as explained
 
 
@@ -72,8 +72,8 @@ def explanation_of(
     findings = with_shares([*artefacts.findings, *terms], [*artefacts.removed, *by_term], left)
     small = [one for one in findings if not ordered and small_remainder(one, left)]
     reported = [one for one in findings if one not in small]
-    unexplained = not ordered and all(one.share < SMALL for one in reported)
-    if unexplained and (rest := remainder(full, artefacts.found, left)):
+    mostly = left.explained_share < MOSTLY and not ordered
+    if mostly and (rest := remainder(full, artefacts.found, left)):
         reported.append(rest)
     p_value = min([fit.selection.p_value, *(event.p_value for event in artefacts.events.events)])
     return Explanation(

@@ -76,8 +76,8 @@ def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) ->
     count = max(1, len(evidence.own[number][0]))
     known_by = 1.0 + SURE * np.sqrt(2.0 / (count * draws))
     larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
-    found = evidence.evidence(number)
-    return bool(found / larger - (found - evidence.delta_bic(number)) < CLEAR)
+    price = evidence.evidence(number) - evidence.delta_bic(number)
+    return bool(evidence.gain(number) / larger - price < CLEAR)
 
 
 def _normal_equations(

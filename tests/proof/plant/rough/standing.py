@@ -23,7 +23,7 @@ FEWEST = 6  # frequencies in a band whose power is averaged
 BANDS = 60
 CLOSE = 0.15  # relative, of z asked for
 TRIES = 8
-SMALLEST, LARGEST = 1e-3, 30.0  # strengths: more would be no working unit
+SMALLEST, LARGEST = 1e-3, 15.0  # strengths: from 17 on some are beyond what is plausible
 
 
 def standing(played: Played, rest: Played, by_size: bool = False) -> float:

@@ -84,6 +84,9 @@ class NineParameters:
     def __init__(self, size: float) -> None:
         self.size = size
 
+    def gain(self, number: int) -> float:
+        return self.size
+
     def evidence(self, number: int) -> float:
         return self.size
 
