@@ -143,8 +143,11 @@ class Stream:
 
     def views(self, names: tuple[str, ...], rows: slice) -> list[np.ndarray]:
         """The named columns (n,) over some rows as they lie in memory; NaN for absent ones."""
-        absent = np.full(rows.stop - rows.start, np.nan)
-        return [self.columns[name][rows] if name in self.columns else absent for name in names]
+        length = rows.stop - rows.start
+        return [
+            self.columns[name][rows] if name in self.columns else np.full(length, np.nan)
+            for name in names
+        ]
 
     def stack(self, names: tuple[str, ...], rows: slice | None = None) -> np.ndarray:
         """The named columns side by side over all or some rows, (n, len(names))."""

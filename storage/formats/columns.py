@@ -89,7 +89,8 @@ def _read(path: Path) -> tuple[Stream, tuple[str, str]]:
     """The stream, with the digest and the check sum in its file."""
     import pyarrow.parquet as pq
 
-    table: pa.Table = pq.ParquetFile(path, memory_map=True).read()
+    # By one thread: what bounds it is the memory, and workers share the processors.
+    table: pa.Table = pq.ParquetFile(path, memory_map=True).read(use_threads=False)
     columns = {name: to_numpy(table.column(name)) for name in table.column_names}
     metadata = table.schema.metadata or {}
     marks = metadata.get(DIGEST, b"").decode(), metadata.get(CHECK_SUM, b"").decode()

@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.ndimage import correlate1d
 
 from schemas.recording import ACCEL, Recording, Stream
 from tasks.motion.band import band_edge, derivatives
@@ -149,6 +148,8 @@ def _even_stamps(t: np.ndarray) -> np.ndarray:
     steps = np.diff(t)
     if len(steps) < FEWEST or np.median(steps) > BATCHED * steps.mean():
         return t
+    from scipy.ndimage import correlate1d  # late: few recordings have poses
+
     batch = max(2, round(len(steps) / max(1, int((steps > steps.mean()).sum()))))
     kernel = np.convolve(np.ones(batch), np.ones(batch)) / batch**2
     rows = np.arange(len(t))

@@ -8,6 +8,7 @@ from schemas.recording import MEASURED, TRIADS, Recording, Stream
 from schemas.text import Remark
 from tasks.motion.samples import covered
 from tasks.run_validity.remark import run_remark
+from tasks.segments.pieces import extreme_steps
 from tasks.segments.summarise import MIN_ROWS, SegmentMean, rows_of
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import message
@@ -38,10 +39,9 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
     for s in segments:
         here = rows.rows(s.segment.t_start, s.segment.t_end)
         found += here.stop - here.start + 1  # one more for the ends
-    steps = np.diff(rows.t)
-    if found >= (1.0 - LARGEST_SHARE) * seconds / steps.min():
+    if found >= (1.0 - LARGEST_SHARE) * seconds / extreme_steps(rows.t)[0]:
         return  # whatever the usual interval is
-    share = 1.0 - found * float(np.median(steps)) / seconds
+    share = 1.0 - found * float(np.median(np.diff(rows.t))) / seconds
     if share > LARGEST_SHARE:
         yield run_remark(
             "lost_share", run="invalid", stream=stream, share=f"{100 * share:.2g}",
@@ -52,9 +52,13 @@ def _share(stream: str, rows: Stream, segments: tuple[SegmentMean, ...]) -> Iter
 def _lost(recording: Recording, segment: SegmentMean) -> Iterator[Remark]:
     """Samples missing between two time stamps."""
     rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    steps = np.diff(recording.imu.t[rows])
-    if len(steps) < 2 or steps.max() <= GAP * steps.min():  # whatever the usual one is
+    t = recording.imu.t[rows]
+    if len(t) < 3:
         return
+    shortest, longest = extreme_steps(t)
+    if longest <= GAP * shortest:  # whatever the usual one is
+        return
+    steps = np.diff(t)
     interval = float(np.median(steps))
     gaps = steps > GAP * interval
     if not gaps.any():

@@ -8,6 +8,7 @@ import numpy as np
 from schemas.recording import ANGLE, Recording
 from schemas.text import Remark
 from tasks.run_validity.remark import run_remark
+from tasks.segments.median import median
 from tasks.segments.summarise import (
     CHANNELS,
     LONGEST_BURST,
@@ -62,12 +63,13 @@ def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
     An accumulated angle wanders with the rate's own error: its second differences are judged.
     """
     held = [s for s in evidence.segments if s.segment.kind != "rotation"]
+    if not held:
+        return
+    few = _few_at_a_glance(evidence.recording, held)
     for channel, name in enumerate(CHANNELS):
         values = evidence.recording.imu.columns.get(name)
-        if values is None or not held:
-            continue
         accumulated = evidence.channel_names[channel] in ANGLE
-        if not accumulated and _at_a_glance(evidence.recording, values, held, channel):
+        if values is None or (few[channel] and not accumulated):
             continue
         shares = [_share_off(evidence.recording, values, s, channel, accumulated) for s in held]
         share = float(np.average(shares, weights=[s.rows for s in held]))
@@ -78,23 +80,20 @@ def _off(evidence: ClauseEvidence) -> Iterator[Remark]:
             )  # fmt: skip
 
 
-def _at_a_glance(
-    recording: Recording, values: np.ndarray, held: list[SegmentMean], channel: int
-) -> bool:
-    """Whether rows drawn from each segment already show that few enough are off.
+def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarray:
+    """Channels (6,) of which rows drawn from each segment already show that few enough are off.
 
     Drawn at random, so that what comes back every so many rows is not missed; of a channel with
     LARGEST_SHARE off a hundred are drawn, where forty let it through.
     """
-    off, count = 0.0, GLANCE_ROWS // len(held)
+    off, count = np.zeros(len(CHANNELS)), GLANCE_ROWS // len(held)
     for segment in held:
         rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-        here = values[rows][_drawn(rows.stop - rows.start, count)]
-        away = np.abs(here - np.median(here))
-        reach = GLANCE_OFF * 1.4826 * float(np.median(away))
-        off += segment.rows * float(
-            (away > max(reach, STEPS * float(segment.step[channel]))).mean()
-        )
+        drawn = _drawn(rows.stop - rows.start, count)
+        here = np.array([values[drawn] for values in recording.imu.views(CHANNELS, rows)])
+        away = np.abs(here - median(here)[:, None])
+        reach = np.maximum(GLANCE_OFF * 1.4826 * median(away), STEPS * segment.step)
+        off += segment.rows * (away > reach[:, None]).mean(axis=1)
     return off <= GLANCE_SHARE * sum(segment.rows for segment in held)
 
 
@@ -110,8 +109,8 @@ def _share_off(
     recording: Recording, values: np.ndarray, segment: SegmentMean, channel: int, accumulated: bool
 ) -> float:
     here = values[recording.imu.rows(segment.segment.t_start, segment.segment.t_end)]
-    away = np.abs(np.diff(here, 2) if accumulated else here - np.median(here))
-    reach = OFF * 1.4826 * float(np.median(away))
+    away = np.abs(np.diff(here, 2) if accumulated else here - median(here))
+    reach = OFF * 1.4826 * float(median(away))
     return float((away > max(reach, STEPS * float(segment.step[channel]))).mean())
 
 

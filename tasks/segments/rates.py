@@ -12,6 +12,7 @@ import numpy as np
 
 from schemas.recording import AXES, GYRO, Axis, Recording
 from tasks.motion.table import mean_rate
+from tasks.segments.median import median
 from tasks.segments.summarise import SegmentMean
 
 STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
@@ -144,11 +145,11 @@ def _wander(values: np.ndarray) -> float:
     """
     if len(values) < FEWEST_ROWS:
         return 0.0
-    medians = [float(np.median(part)) for part in np.array_split(values, 3)]
+    medians = [float(median(part)) for part in np.array_split(values, 3)]
     return max(medians) - min(medians)
 
 
 def _noise_of_thirds(values: np.ndarray) -> float:
     """Standard deviation of the median of a third of (n,) values, by their noise alone."""
-    spread = 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    spread = 1.4826 * float(median(np.abs(values - median(values))))
     return spread * float(np.sqrt(4.7 / len(values)))

@@ -7,6 +7,8 @@ from typing import Literal
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
+from tasks.segments.median import median
+from tasks.segments.pieces import extent
 
 Origin = Literal["label", "found"]
 
@@ -96,16 +98,30 @@ def steps(imu: Stream) -> np.ndarray:
 def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
     """Which entries of a channel (n,) lie far from its bulk, (n,) bool; None where none does.
 
-    Centre and scale come from the median, its absolute deviation and the 2 % to 98 % range of
-    an evenly spread sample, so that a spike, or a hundred, cannot hide itself. Rows a few steps
-    of the channel away are near. A channel that was not recorded (NaN) has none.
+    Rows a few steps of the channel away are near. A channel that was not recorded (NaN) has none.
     """
-    sample = np.sort(_sampled(channel))
-    low, centre, high = (sample[int(share * (len(sample) - 1))] for share in (0.02, 0.5, 0.98))
-    spread = 1.4826 * float(np.median(np.abs(sample - centre)))
-    resolution = 8 * np.finfo(float).eps * abs(centre)
-    reach = REACH * max(spread, (high - low) / 4.1, resolution, NEAR_STEPS * step / REACH)
-    if not (channel.max() > centre + reach or channel.min() < centre - reach):
+    centres, reaches = _bulk(_sampled(channel)[None], np.array([step]))
+    return _beyond(channel, float(centres[0]), float(reaches[0]))
+
+
+def _bulk(samples: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Centre (c,) of each channel's sample (c, m), and how far (c,) its bulk reaches from there.
+
+    From the median, its absolute deviation and the 2 % to 98 % range, so that a spike, or a
+    hundred, cannot hide itself. NaN for a sample with NaN in it.
+    """
+    ordered = np.sort(samples)
+    last = samples.shape[1] - 1
+    low, centre, high = (ordered[:, int(share * last)] for share in (0.02, 0.5, 0.98))
+    spread = 1.4826 * median(np.abs(ordered - centre[:, None]))
+    resolution = 8 * np.finfo(float).eps * np.abs(centre)
+    floor = np.maximum(resolution, NEAR_STEPS * step / REACH)
+    return centre, REACH * np.maximum(np.maximum(spread, (high - low) / 4.1), floor)
+
+
+def _beyond(channel: np.ndarray, centre: float, reach: float) -> np.ndarray | None:
+    low, high = extent(channel)
+    if not (high > centre + reach or low < centre - reach):
         return None
     return np.abs(channel - centre) > reach
 
@@ -113,6 +129,11 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
 def _sampled(channel: np.ndarray) -> np.ndarray:
     """About SAMPLE_ROWS entries of a channel (n,), evenly spread."""
     return channel[:: max(1, len(channel) // SAMPLE_ROWS)]
+
+
+def _samples(values: Sequence[np.ndarray]) -> np.ndarray:
+    """The sample (c, m) of each of c channels (n,)."""
+    return np.array([_sampled(channel) for channel in values])
 
 
 def longest_run(flags: np.ndarray) -> int:
@@ -144,6 +165,13 @@ def block_means(values: Sequence[np.ndarray]) -> np.ndarray:
     return np.array([c[: size * blocks].reshape(blocks, size).mean(axis=1) for c in values])
 
 
+def _means(values: Sequence[np.ndarray], blocks: np.ndarray) -> np.ndarray:
+    """Means (c,) of channels (n,): of their `block_means` (c, blocks) and the rows after them."""
+    size = len(values[0]) // blocks.shape[1]
+    after = np.array([channel[size * blocks.shape[1] :].sum() for channel in values])
+    return (size * blocks.sum(axis=1) + after) / len(values[0])
+
+
 def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
     """Allan variances of `block_means` (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
 
@@ -151,7 +179,7 @@ def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.n
     """
     variances, lengths = [], []
     while means.shape[1] >= 2:
-        variances.append(0.5 * np.mean(np.diff(means, axis=1) ** 2, axis=1))
+        variances.append(0.5 * ((means[:, 1:] - means[:, :-1]) ** 2).mean(axis=1))
         lengths.append(seconds / means.shape[1])
         means = 0.5 * (means[:, ::2] + means[:, 1::2])
     return np.array(variances).reshape(-1, len(means)), np.array(lengths)
@@ -175,27 +203,29 @@ def summarise(
     step = steps(imu) if step is None else step
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
     kept, stamps, left_out, longest_burst = values, t, 0, 0
-    far = {} if segment.kind == "rotation" else _far_by_channel(values, step)
+    samples = _samples(values)
+    far = {} if segment.kind == "rotation" else _far_by_channel(values, samples, step)
     if far:
         corrupt = _widened(np.any(list(far.values()), axis=0))
         kept, stamps = [channel[~corrupt] for channel in values], t[~corrupt]
+        samples = _samples(kept)
         left_out, longest_burst = int(corrupt.sum()), longest_run(corrupt)
-    means = block_means(kept) - _turning(kept, stamps, segment)
-    allan, tau = allan_variances(means, seconds)
+    blocks = block_means(kept)
+    allan, tau = allan_variances(blocks - _turning(kept, stamps, segment), seconds)
     return SegmentMean(
         segment=segment,
         origin=origin,
         rows=len(t),
         t_start=float(t[0]),
         t_end=float(t[0]) + seconds,
-        mean=np.array([channel.mean() for channel in kept]),
+        mean=_means(kept, blocks),
         allan=allan,
         tau=tau,
         left_out=left_out,
         far_rows=np.array([far[c].sum() if c in far else 0 for c in range(len(CHANNELS))]),
         longest_burst=longest_burst,
         step=step,
-        deviation=np.array([_sampled(channel) for channel in kept]).std(axis=1),
+        deviation=samples.std(axis=1),
     )
 
 
@@ -208,17 +238,22 @@ def _turning(values: Sequence[np.ndarray], t: np.ndarray, segment: Segment) -> n
     rate = np.radians(segment.rate_deg_s or 0.0)
     if segment.kind != "rate" or abs(rate) * (t[-1] - t[0]) < 2.0 * np.pi:
         return np.zeros((len(values), 1))
-    angle = rate * (t - t[0])
-    both = np.array([np.cos(angle), np.sin(angle)])
+    # By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
+    half = np.tan(0.5 * rate * (t - t[0]))
+    square = half**2
+    both = np.array([1.0 - square, 2.0 * half]) / (1.0 + square)
     both -= both.mean(axis=1, keepdims=True)
     along = np.array([both @ channel for channel in values])
-    amplitude = np.linalg.solve(both @ both.T, along.T)
+    amplitude = np.linalg.solve(np.array([both @ each for each in both]), along.T)
     return np.asarray(amplitude.T @ block_means(list(both)))
 
 
-def _far_by_channel(values: Sequence[np.ndarray], step: np.ndarray) -> dict[int, np.ndarray]:
+def _far_by_channel(
+    values: Sequence[np.ndarray], samples: np.ndarray, step: np.ndarray
+) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
-    flags = ((channel, far_rows(row, step[channel])) for channel, row in enumerate(values))
+    bulks = zip(values, *_bulk(samples, step), strict=True)
+    flags = ((channel, _beyond(*bulk)) for channel, bulk in enumerate(bulks))
     return {channel: far for channel, far in flags if far is not None}
 
 

@@ -136,7 +136,7 @@ def linear_estimate(
     value = float(o @ evidence.means[used, channel])
     if not math.isfinite(value):
         return UNDETERMINED
-    noise = float(o @ evidence.noise_covariance(channel)[block] @ o)
+    noise = float(o @ evidence.noise_covariances[channel][block] @ o)
     rounding = float(o @ evidence.rounding_covariance(channel)[block] @ o)
     if excess.factor > 1.0:
         u = excess.factor * np.sqrt(max(noise + rounding, 0.0))

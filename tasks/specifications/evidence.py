@@ -122,11 +122,13 @@ class ClauseEvidence:
 
     def covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means over all segments: noise and rounding."""
-        return self.noise_covariance(channel) + self.rounding_covariance(channel)
+        return self.noise_covariances[channel] + self.rounding_covariance(channel)
 
-    def noise_covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's means by white noise and drift."""
-        return covariance_of_means(self.segments, self.noise, channel)
+    @cached_property
+    def noise_covariances(self) -> np.ndarray:
+        """Covariances (6, n, n) of each channel's means by white noise and drift."""
+        channels = range(len(CHANNELS))
+        return np.array([covariance_of_means(self.segments, self.noise, c) for c in channels])
 
     def rounding_covariance(self, channel: int) -> np.ndarray:
         """Covariance (n, n) of one channel's means by the output's step where it hides its noise.

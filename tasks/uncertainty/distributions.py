@@ -47,9 +47,9 @@ def characteristic_function(distribution: Distribution, s: np.ndarray, dof: floa
         return _student(s, dof)
     half_width = DIVISORS[distribution] * s
     if distribution == "rectangular":
-        return np.sinc(half_width / math.pi)
+        return np.sin(half_width) / half_width
     if distribution == "triangular":
-        return np.sinc(half_width / (2.0 * math.pi)) ** 2
+        return (np.sin(0.5 * half_width) / (0.5 * half_width)) ** 2
     from scipy.special import j0
 
     return np.asarray(j0(half_width))

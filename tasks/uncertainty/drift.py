@@ -10,9 +10,9 @@ determine: covariance h·E₁(|τ|/L), Allan variance 2·ln 2·h below L (S(f) =
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.special import exp1
@@ -53,17 +53,22 @@ class PooledAllan:
     tau: np.ndarray
     segments: int
 
-    @property
+    @cached_property
     def white(self) -> float:
         return float(white_of(self.variance, self.tau))
 
-    @property
+    @cached_property
+    def drifting(self) -> np.ndarray:
+        """Allan variance (DRIFTS, levels) per unit of each drift's strength."""
+        return drift_allan(self.tau)
+
+    @cached_property
     def degrees(self) -> np.ndarray:
         """How much each level counts in the likelihood."""
         return np.minimum(MAX_DEGREES, _differences(len(self.tau)) * self.segments)
 
 
-def seconds_of(segments: tuple[SegmentMean, ...]) -> np.ndarray:
+def seconds_of(segments: Sequence[SegmentMean]) -> np.ndarray:
     """Lengths (n,) of the segments, s."""
     return np.array([max(segment.seconds, INSTANT) for segment in segments])
 
@@ -189,7 +194,7 @@ def _likelihood(
 ) -> np.ndarray:
     """Logarithm of the likelihood (…) of strengths (…, 1 or 3) with flicker to one level."""
     shown = strengths.shape[-1]
-    slow = strengths @ drift_allan(allan.tau)[[level, WALK, TREND]][:shown]
+    slow = strengths @ allan.drifting[[level, WALK, TREND]][:shown]
     white = np.maximum(white_of(allan.variance - slow, allan.tau), 1e-3 * allan.white)
     expected = white[..., None] / allan.tau + slow
     likelihood = -0.5 * (np.log(expected) + allan.variance / expected) @ allan.degrees

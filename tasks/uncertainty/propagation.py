@@ -42,14 +42,14 @@ def effective_dof(
     of freedom. Without any variance the result is infinite.
     """
     degrees = np.asarray(dof, float)
-    places = [(i, "") if sample is None else (-1, sample) for i, sample in enumerate(samples)]
-    groups = {place: [i for i, p in enumerate(places) if p == place] for place in places}
-    _refuse_what_has_no_dof(correlation, degrees, places)
+    _refuse_what_has_no_dof(correlation, degrees, samples)
     total = float(variance_terms(contributions, correlation).sum())
     if total <= 0.0:
         return math.inf
-    weight = 0.0
-    for (_, sample), members in groups.items():
+    alone = [i for i, sample in enumerate(samples) if sample is None]
+    weight = float(((contributions[alone] ** 2 / total) ** 2 / degrees[alone]).sum())
+    for sample in dict.fromkeys(sample for sample in samples if sample is not None):
+        members = [i for i, each in enumerate(samples) if each == sample]
         numbers = sorted(set(degrees[members].tolist()))
         if len(numbers) > 1:
             raise Unusable(
@@ -102,10 +102,11 @@ def checked_correlation(correlation: np.ndarray | None, count: int) -> np.ndarra
 
 
 def _refuse_what_has_no_dof(
-    correlation: np.ndarray, dof: np.ndarray, places: Sequence[tuple[int, str]]
+    correlation: np.ndarray, dof: np.ndarray, samples: Sequence[str | None]
 ) -> None:
     for i, j in zip(*np.nonzero(np.triu(correlation, 1)), strict=True):
-        if places[i] != places[j] and not (math.isinf(dof[i]) and math.isinf(dof[j])):
+        together = samples[i] is not None and samples[i] == samples[j]
+        if not together and not (math.isinf(dof[i]) and math.isinf(dof[j])):
             raise Unusable(
                 f"inputs {i + 1} and {j + 1} are correlated with {dof[i]:g} and {dof[j]:g} degrees "
                 "of freedom but not of one sample, for which no effective degrees of freedom are "

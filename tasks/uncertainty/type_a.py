@@ -13,6 +13,7 @@ S(f) = h/f above 1/(2πL), and −q·|τ|/2.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -50,9 +51,10 @@ class ChannelNoise:
     shapes: np.ndarray
     contrasts: np.ndarray
 
-    def drift_covariance(self, channel: int) -> np.ndarray:
-        """Covariance (segments, segments) of one channel's means by drift alone."""
-        return np.tensordot(self.drift[:, channel], self.shapes, axes=1)
+    @cached_property
+    def drift_covariances(self) -> np.ndarray:
+        """Covariances (6, segments, segments) of each channel's means by drift alone."""
+        return np.tensordot(self.drift.T, self.shapes, axes=1)
 
 
 def fit_noise(
@@ -95,7 +97,7 @@ def covariance_of_means(
     recording itself where it walks or has a trend.
     """
     white = np.diag(noise.white[:, channel] / seconds_of(segments))
-    return white + noise.drift_covariance(channel)
+    return white + noise.drift_covariances[channel]
 
 
 def type_a_dof(
@@ -117,8 +119,9 @@ def type_a_dof(
     if variance <= 0.0:
         return math.inf
     used = np.flatnonzero(weights)
-    white = weights[used] ** 2 * noise.white[used, channel] / seconds_of(segments)[used]
-    drifting = noise.drift_covariance(channel)[np.ix_(used, used)]
+    seconds = seconds_of([segments[i] for i in used])
+    white = weights[used] ** 2 * noise.white[used, channel] / seconds
+    drifting = noise.drift_covariances[channel][np.ix_(used, used)]
     drift = max(float(weights[used] @ drifting @ weights[used]), 0.0)
     weight = float((white**2 / [_white_degrees(segments[i], segments) for i in used]).sum())
     if drift > 0.0:

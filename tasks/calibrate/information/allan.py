@@ -45,20 +45,29 @@ class WhiteNoise:
 def overlapping_variances(readings: Sequence[np.ndarray], sizes: Sequence[int]) -> np.ndarray:
     """Overlapping Allan variances (sizes, channels) of readings (n,) of each channel.
 
-    sizes: rows averaged over, 2·size ≤ n. Multiples of STARTS begin an average at every
-    (size/STARTS)-th row only: what those between would add is nearly nothing.
+    sizes: rows averaged over, each a multiple of the one before, 2·size ≤ n. Multiples of STARTS
+    begin an average at every (size/STARTS)-th row only: what those between would add is nearly
+    nothing.
     """
     variances = np.empty((len(sizes), len(readings)))
-    phase = np.zeros(len(readings[0]) + 1)
     for channel, values in enumerate(readings):  # one at a time stays in the processor's cache
-        np.cumsum(values - values.mean(), out=phase[1:])
+        sums, of, stride = values - values.mean(), 1, 1  # of so many rows, from every stride-th on
         for level, size in enumerate(sizes):
-            stride = 1 if size % STARTS else size // STARTS
-            reach, x = size // stride, np.ascontiguousarray(phase[::stride])
-            second = x[2 * reach :] + x[: -2 * reach]
-            second -= 2.0 * x[reach:-reach]
-            variances[level, channel] = second @ second / (2.0 * size**2 * len(second))
+            sums = _sums_of(sums, size // of, of // stride)
+            wider = 1 if size % STARTS else size // STARTS
+            sums, of, stride = np.ascontiguousarray(sums[:: wider // stride]), size, wider
+            apart = sums[size // stride :] - sums[: -size // stride]
+            variances[level, channel] = apart @ apart / (2.0 * size**2 * len(apart))
     return variances
+
+
+def _sums_of(values: np.ndarray, count: int, apart: int) -> np.ndarray:
+    """Sums of `count` values that lie `apart` places from each other, from each value (n,) on."""
+    length = len(values) - (count - 1) * apart
+    sums = values[:length]
+    for first in range(apart, count * apart, apart):
+        sums = sums + values[first : first + length]
+    return sums
 
 
 def allan_curve(rests: Sequence[Sequence[np.ndarray]], interval: float) -> AllanCurve:

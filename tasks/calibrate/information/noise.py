@@ -10,6 +10,7 @@ from schemas.calibration import Information
 from schemas.recording import AXES, Recording
 from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
 from tasks.calibrate.information.entry import entry, of_axes
+from tasks.segments.pieces import extreme_steps
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
     CHANNELS,
@@ -104,7 +105,7 @@ def _longest(evidence: ClauseEvidence, triad: slice) -> list[SegmentMean]:
 
 def _without_gap(recording: Recording, rest: SegmentMean) -> bool:
     t = recording.imu.t[recording.imu.rows(rest.segment.t_start, rest.segment.t_end)]
-    return bool(np.diff(t).max(initial=0.0) < GAP * rest.seconds / rest.rows)
+    return len(t) < 2 or extreme_steps(t)[1] < GAP * rest.seconds / rest.rows
 
 
 def _random_walk(curve: AllanCurve, channel: int) -> tuple[float, float]:

@@ -74,14 +74,17 @@ class AhrsEvidence(ClauseEvidence):
             if label.kind == "rotation" or (label.kind == "rate" and label.item == "misalignment")
         )
 
-    def noise_covariance(self, channel: int) -> np.ndarray:
-        """Covariance (n, n) of one channel's mean rates: rate noise, drift, and angle noise.
+    @cached_property
+    def noise_covariances(self) -> np.ndarray:
+        """Covariances (6, n, n) of each channel's mean rates: rate noise, drift, and angle noise.
 
         A mean rate is the difference of two readings of the angle over the time; segments that
         share a reading share its error, with opposite signs.
         """
-        rate = covariance_of_means(self.segments, self.noise, channel)
-        return rate + self.angle_noise[channel] * _shared_readings(self.segments)
+        channels = range(len(CHANNELS))
+        rates = [covariance_of_means(self.segments, self.noise, c) for c in channels]
+        angle_noise = np.append(self.angle_noise, np.zeros(3))  # accelerometers read no angle
+        return np.array(rates) + angle_noise[:, None, None] * _shared_readings(self.segments)
 
 
 def _shared_readings(segments: tuple[SegmentMean, ...]) -> np.ndarray:

@@ -24,7 +24,7 @@ def evidence(ideal_run) -> ClauseEvidence:
 
 
 def dof_of(evidence: ClauseEvidence, weights: np.ndarray) -> float:
-    variance = float(weights @ evidence.noise_covariance(0) @ weights)
+    variance = float(weights @ evidence.noise_covariances[0] @ weights)
     return type_a_dof(weights, evidence.segments, evidence.noise, 0, variance)
 
 
