@@ -16,7 +16,7 @@ from tasks.stages.validity import validity_of
 def show_run(reference: str, as_json: bool) -> None:
     """Print a run: unit, station, validity, segments, newest results, certificates."""
     run = run_of(reference, home())
-    manifest = runs.load(run, home()).manifest
+    manifest = runs.manifest(run, home())
     kept, validity = results.of_run(run, home()), validity_of(run, home())
     entries = certificates.of_run(run, home())
     if as_json:
@@ -59,7 +59,7 @@ def show_log(reference: str, as_json: bool) -> None:
     Raises Unusable where its manifest keeps no log, or one that is not understood.
     """
     run = run_of(reference, home())
-    kept = (runs.load(run, home()).manifest.model_extra or {}).get("log")
+    kept = (runs.manifest(run, home()).model_extra or {}).get("log")
     if kept is None:
         raise Unusable(f"run {run.id} has no log: no acquisition of this program recorded it")
     try:

@@ -12,6 +12,8 @@ from schemas.uncertainty import Budget
 from schemas.validity import RUN_VERDICTS, Validity
 
 Method = Literal["jjf2003", "joint", "jjf1536"]
+OF_STANDARD: dict[str, Method] = {"JJF 2003-2022": "jjf2003", "JJF 1536-2015": "jjf1536"}
+OF_NO_STANDARD: Method = "jjf2003"
 Elements = dict[str, Finite | None]
 UncertaintyKind = Literal["type A", "GUM", "as the specification's example", "Monte Carlo"]
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.recording import Recording, Unit
+from schemas.recording import Manifest, Recording, Unit
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run, find
 from storage.formats import recordings
 from storage.formats.columns import read_columns, write_columns
 from storage.formats.content import as_raw, fingerprint
-from storage.formats.manifest import MANIFEST
+from storage.formats.manifest import MANIFEST, manifest_of
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
@@ -86,6 +86,15 @@ def from_columns(run: Run, home: Home) -> Recording | None:
 def raw_path(digest: str, home: Home) -> Path:
     """Where the raw recording of a digest is kept in the home, if it is not in a bucket."""
     return home.path / _raw(digest)
+
+
+def manifest(run: Run, home: Home) -> Manifest:
+    """A run's manifest, from beside its columns; if it is missing or damaged, from raw."""
+    kept = manifest_bytes(run, home)
+    if kept is not None:
+        with suppress(Unusable):
+            return manifest_of(kept, f"{_columns(run.digest)}/{MANIFEST}")
+    return load(run, home).manifest
 
 
 def manifest_bytes(run: Run, home: Home) -> bytes | None:

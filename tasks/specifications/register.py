@@ -1,6 +1,6 @@
 """The register of specifications."""
 
-from schemas.calibration import Method
+from schemas.calibration import OF_NO_STANDARD, OF_STANDARD, Method
 from schemas.recording import Standard
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
@@ -10,12 +10,11 @@ from tasks.specifications.specification import Specification
 SPECIFICATIONS: dict[Method, Specification] = {
     specification.method: specification for specification in (JJF2003, JOINT, JJF1536)
 }
-BY_STANDARD: dict[Standard, Specification] = {
-    "JJF 2003-2022": JJF2003,
-    "JJF 1536-2015": JJF1536,
+BY_STANDARD: dict[str, Specification] = {
+    standard: SPECIFICATIONS[method] for standard, method in OF_STANDARD.items()
 }
 
 
 def specification_for(standard: Standard, method: Method | None = None) -> Specification:
     """That of a method, else the one a recording was made for; JJF 2003 where it names none."""
-    return SPECIFICATIONS[method] if method else BY_STANDARD.get(standard, JJF2003)
+    return SPECIFICATIONS[method or OF_STANDARD.get(standard, OF_NO_STANDARD)]

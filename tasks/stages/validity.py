@@ -1,12 +1,12 @@
 """Whether a run can be relied on, before anything is said of its unit."""
 
 from schemas.base import Unusable
+from schemas.calibration import OF_NO_STANDARD, OF_STANDARD
 from schemas.validity import Validity
 from storage import settings
 from storage.catalogue import results, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
-from tasks.specifications.register import specification_for
 from tasks.version import code_version
 
 
@@ -15,21 +15,22 @@ def validity_of(run: Run, home: Home) -> Validity:
 
     A run that the method cannot serve at all is valid with that remark: it was not judged.
     """
-    recording = runs.load(run, home)
-    specification = specification_for(recording.manifest.standard)
+    method = OF_STANDARD.get(run.standard, OF_NO_STANDARD)
     for kept in reversed(results.of_run(run, home)):
         made = kept.calibration
-        if (made.method, made.code_version) == (specification.method, code_version()):
+        if (made.method, made.code_version) == (method, code_version()):
             return made.validity
     # Late: a run with a result needs none of it.
     from tasks.calibrate.calibrate import calibrate
     from tasks.calibrate.evaluation import evaluation_for
+    from tasks.specifications.register import SPECIFICATIONS
 
+    recording = runs.load(run, home)
     laboratory = settings.laboratory(home)
     evaluation = evaluation_for(recording, own=laboratory.limits if laboratory else None)
     try:
         calibration = calibrate(
-            specification, recording, run=run.id, code_version="", evaluation=evaluation,
+            SPECIFICATIONS[method], recording, run=run.id, code_version="", evaluation=evaluation,
             own_latitude_deg=laboratory.latitude_deg if laboratory else None,
         )  # fmt: skip
     except Unusable as fault:
