@@ -1,9 +1,10 @@
 """A certificate: who, for whom, with what, and the result it prints (clause 8 of JJF 2003)."""
 
+import re
 from datetime import date
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AwareDatetime, Field, model_validator
 
 from schemas.base import Frozen
 from schemas.calibration import Calibration
@@ -12,7 +13,9 @@ from schemas.recording import Manifest
 from schemas.station import LimitShape, MeasurementStandard
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
+NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
+StepName = Literal["draft", "check", "issue"]
 LimitName = Literal[
     "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
 ]
@@ -43,12 +46,16 @@ class Laboratory(Frozen):
     """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home).
 
     limits: what its equipment may be off by, in the place of Table 1 of the specification.
-    latitude_deg: of its own place, against which that of each recording is held.
+    latitude_deg: of its own place, against which that of each recording is held. number_scheme:
+    how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
+    whether who drafts, who checks and who issues a certificate have to be three persons.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
     party: Party
     certificate_prefix: str = "MIMU"
+    number_scheme: str = "{prefix}-{year}-{serial:04d}"
+    separate_persons: bool = True
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
@@ -58,12 +65,34 @@ class Laboratory(Frozen):
     issuer_title: str | None = None
     issuer_title_zh: str | None = None
 
+    @model_validator(mode="after")
+    def _scheme_gives_names_of_files(self) -> Self:
+        try:
+            one, other = (
+                self.number_scheme.format(prefix=self.certificate_prefix, year=2026, serial=serial)
+                for serial in (1, 2)
+            )
+        except (ValueError, LookupError, AttributeError) as error:
+            raise ValueError(
+                f"number_scheme {self.number_scheme!r} is not understood; use {{prefix}}, {{year}} "
+                "and {serial:04d}"
+            ) from error
+        if one == other:
+            raise ValueError(f"number_scheme {self.number_scheme!r} lacks {{serial:04d}}")
+        if not NUMBER.fullmatch(one):
+            raise ValueError(
+                f"certificate_prefix and number_scheme give the number {one!r}, which becomes a "
+                "file name: use letters, digits, dots, hyphens and underscores"
+            )
+        return self
+
 
 class Order(Frozen):
     """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back.
 
     calibrated_on: for a recording that does not say when it was made. interval_months: null
-    leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536).
+    leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536). conformity: whether a
+    statement of conformity is asked for; without one the unit is calibrated and nothing decided.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -71,6 +100,7 @@ class Order(Frozen):
     received: date
     calibrated_on: date | None = None
     interval_months: int | None = Field(default=None, gt=0, le=120)
+    conformity: bool = True
 
 
 class AsFound(Frozen):
@@ -81,13 +111,32 @@ class AsFound(Frozen):
     decision: Decision
 
 
+class Step(Frozen):
+    """Who drafted, checked or issued a certificate, and when."""
+
+    step: StepName
+    person: str = Field(min_length=1)
+    at: AwareDatetime
+    reason: str | None = None
+
+
+class Replaced(Frozen):
+    """The certificate that an amendment takes the place of, and why."""
+
+    number: str
+    issued_on: date
+    why: str = Field(min_length=1)
+
+
 class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
     calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`.
     as_found: where the unit was adjusted, and calibration and decision are those as left.
     budgets: whether the uncertainty budgets of the calibration are printed. validation: which
-    record validates the estimation, and how many items (English, Chinese).
+    record validates the estimation, and how many items (English, Chinese). number: of the
+    laboratory's scheme from its issue on; before, the key of the draft. steps: in their order.
+    state: at the last of them; that an issued one was amended or withdrawn stands in the catalogue.
     """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
@@ -104,6 +153,23 @@ class Certificate(Frozen):
     as_found: AsFound | None = None
     budgets: bool = False
     validation: tuple[str, str] | None = None
+    steps: tuple[Step, ...] = ()
+    replaces: Replaced | None = None
+
+    @property
+    def purpose(self) -> str:
+        """What it is made for: of one run and purpose only one certificate is valid at a time."""
+        calibration = self.calibration
+        words = [calibration.method, *(term.name for term in calibration.terms)]
+        if self.as_found is not None:
+            words.append("as-left")
+        if calibration.validity.verdict == "invalid":
+            words.append("invalid-run")
+        return " ".join(words)
+
+    def step(self, name: StepName) -> Step | None:
+        """Who took a step last; None where nobody has."""
+        return next((step for step in reversed(self.steps) if step.step == name), None)
 
     @model_validator(mode="after")
     def _received_before_it_was_calibrated(self) -> Self:

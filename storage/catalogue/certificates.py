@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, State
 from schemas.decision import Verdict
-from storage.catalogue import database, lineage, tables
+from storage.catalogue import database, lineage, numbers, tables
 from storage.catalogue.listing import Run
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
@@ -58,7 +58,8 @@ def reserve_number(home: Home, prefix: str, year: int) -> str:
     """
     _check_name(prefix, "The certificate prefix")
     with database.changing(home) as connection:
-        return f"{prefix}-{year}-{database.next_number(connection, prefix, year):04d}"
+        series = numbers.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
+        return numbers.next_number(connection, series)
 
 
 def save(

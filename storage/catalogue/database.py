@@ -17,10 +17,10 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from storage.catalogue.connection import engine_of, explained, url_of
-from storage.catalogue.tables import numbers, results, units
+from storage.catalogue.tables import results, units
 from storage.home import Home
 
-HEAD = "0004"  # the newest revision in storage/catalogue/migrations/versions
+HEAD = "0005"  # the newest revision in storage/catalogue/migrations/versions
 BUSY_S = 60  # how long a writer waits for another one
 MIGRATION_LOCK = 0x6D696D75  # any number that every mimucal agrees on
 
@@ -138,7 +138,7 @@ def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool
 
     Gives whether the row is new.
     """
-    insert = _dialect(connection).insert(table).values(values)
+    insert = dialect(connection).insert(table).values(values)
     return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
 
 
@@ -147,20 +147,12 @@ def add_all_new(
 ) -> None:
     """Adds rows of the same columns, but for those whose key is there."""
     if values:
-        insert = _dialect(connection).insert(table).on_conflict_do_nothing()
+        insert = dialect(connection).insert(table).on_conflict_do_nothing()
         connection.execute(insert, values)
 
 
-def next_number(connection: sql.Connection, prefix: str, year: int) -> int:
-    """Counts up from 1 for each prefix and year; no two transactions get the same."""
-    insert = _dialect(connection).insert(numbers).values(prefix=prefix, year=year, last=1)
-    counted = insert.on_conflict_do_update(
-        index_elements=[numbers.c.prefix, numbers.c.year], set_={"last": numbers.c.last + 1}
-    )
-    return int(connection.execute(counted.returning(numbers.c.last)).scalar_one())
-
-
-def _dialect(connection: sql.Connection) -> Any:
+def dialect(connection: sql.Connection) -> Any:
+    """SQLAlchemy's module of the database, with its `insert` that knows conflicts."""
     return import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
 
 

@@ -133,29 +133,33 @@ reprocessed = sql.Table(  # `made_again`: a result, or a run that had none
     _column("done_at", Utc),
 )
 
-numbers = sql.Table(
-    "numbers",
+series = sql.Table(  # of certificate numbers, as `MIMU-2026-{serial:04d}`
+    "series",
     metadata,
-    _column("prefix", sql.Text, primary_key=True),
-    _column("year", sql.Integer, primary_key=True, autoincrement=False),
+    _column("pattern", sql.Text, primary_key=True),
     _column("last", sql.Integer),
+    _column("before", sql.Integer),  # the last that was given before there were drafts without
 )
 
-certificates = sql.Table(
-    "certificates",
-    metadata,
-    _column("number", sql.Text, primary_key=True),
-    _column("result", sql.Text, sql.ForeignKey("results.id"), index=True),
-    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
-    _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
-    *_texts("state", "verdict"),
-    sql.Column("calibrated_on", sql.Date),
-    _column("issued_on", sql.Date),
-    _column("due", sql.Date, index=True),
-    _column("kept_at", Utc),
-    *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
-    sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
-    sql.Column("why", sql.Text),
+certificates = (
+    sql.Table(  # `number`: of a draft its key; `draft`: the key under which it was issued
+        "certificates",
+        metadata,
+        _column("number", sql.Text, primary_key=True),
+        _column("result", sql.Text, sql.ForeignKey("results.id"), index=True),
+        _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+        _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
+        *_texts("state", "verdict"),
+        *(sql.Column(name, sql.Text) for name in ("purpose", "draft")),
+        sql.Column("calibrated_on", sql.Date),
+        _column("issued_on", sql.Date),
+        sql.Column("due", sql.Date, index=True),
+        _column("kept_at", Utc),
+        *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
+        *(sql.Column(name, sql.Text) for name in ("dcc", "dcc_sha256")),
+        sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
+        sql.Column("why", sql.Text),
+    )
 )
 
 reminders = sql.Table(
@@ -164,4 +168,22 @@ reminders = sql.Table(
     _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
     _column("channel", sql.Text, primary_key=True),
     _column("sent_at", Utc),
+)
+
+trail = sql.Table(  # who did what; the database refuses to change or delete a row
+    "trail",
+    metadata,
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    _column("at", Utc),
+    *_texts("person", "action"),
+    _column("subject", sql.Text, index=True),
+    *_texts("details", "previous_hash", "hash"),
+)
+
+trail_end = sql.Table(  # one row
+    "trail_end",
+    metadata,
+    _column("id", sql.Integer, primary_key=True, autoincrement=False),
+    _column("number", sql.Integer),
+    *_texts("hash"),
 )

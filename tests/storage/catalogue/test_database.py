@@ -14,7 +14,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import certificates, database, listing, tables
+from storage.catalogue import certificates, database, listing, numbers, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
 
@@ -55,7 +55,7 @@ def test_reader_sees_the_old_state_while_a_writer_works(fresh: Home) -> None:
 def test_change_that_fails_leaves_nothing(fresh: Home) -> None:
     def change() -> None:
         with database.changing(fresh) as connection:
-            database.next_number(connection, "MIMU", 2026)
+            numbers.next_number(connection, "MIMU-2026-{serial:04d}")
             raise RuntimeError
 
     with pytest.raises(RuntimeError):
@@ -126,8 +126,13 @@ def test_home_of_the_first_revision_is_migrated_with_what_it_holds(
             "issued_on, due, kept_at, pdf, pdf_sha256, record, record_sha256) "
             f"VALUES ({values}, '2026-01-03', '', '', '', '')"
         )
+        connection.exec_driver_sql("INSERT INTO numbers VALUES ('A', 2026, 7)")
     (row,) = database.rows(fresh, sql.select(tables.certificates))
-    assert row.calibrated_on == date(2026, 1, 2)
+    assert (row.calibrated_on, row.due) == (date(2026, 1, 2), date(2027, 1, 2))
+    assert list(numbers.missing(fresh)) == []  # what an earlier version gave may have gaps
+    with database.changing(fresh) as connection:
+        assert numbers.next_number(connection, "A-2026-{serial:04d}") == "A-2026-0008"
+    assert list(numbers.missing(fresh)) == ["A-2026-0008"]
 
 
 def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
