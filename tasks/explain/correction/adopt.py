@@ -1,6 +1,8 @@
 """A calibration of readings corrected for found physics, and what the corrections cost in U."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -9,7 +11,12 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
-from tasks.explain.correction.sensitivity import correlation_of, in_si, uncertain_inputs
+from tasks.explain.correction.sensitivity import (
+    UncertainInput,
+    correlation_of,
+    in_si,
+    uncertain_inputs,
+)
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.explanation import Finding
 from tasks.model.terms.memory import BIAS_RANDOM_WALK
@@ -18,6 +25,58 @@ from tasks.words.rounding import USUAL_K
 
 Calibrate = Callable[[Recording], Calibration]
 EARTH, G_SENSITIVITY = "earth_rotation", "gyro_g_sensitivity"
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """The clause method on the readings less what findings add, and what of it is uncertain.
+
+    calibration: less what all of them add. inputs: of each finding what is uncertain; correlation:
+    of all of those in turn. moved: the items with each greater by its standard uncertainty.
+    """
+
+    calibration: Calibration
+    inputs: tuple[tuple[UncertainInput, ...], ...]
+    correlation: np.ndarray
+    moved: tuple[Mapping[str, Item], ...]
+
+    @classmethod
+    def of(
+        cls, recording: Recording, findings: Sequence[Finding], calibrate: Calibrate,
+        determined: DeterminedModel | None,
+    ) -> "Corrections":  # fmt: skip
+        contributions = [finding.contribution for finding in findings]
+        inputs = tuple(tuple(uncertain_inputs([one], determined)) for one in findings)
+        every = list(chain.from_iterable(inputs))
+        return cls(
+            calibrate(corrected(recording, contributions)),
+            inputs,
+            correlation_of(every, determined),
+            tuple(
+                calibrate(corrected(recording, (*contributions, one.change(determined)))).items
+                for one in every
+            ),
+        )
+
+    def with_uncertainty(
+        self, items: Mapping[str, Item], numbers: Collection[int]
+    ) -> dict[str, Item]:
+        """Items of readings less what some of the findings add, with what is uncertain of those.
+
+        By how much an element changes is taken from the readings less what all of them add.
+        """
+        whole = self.calibration.items
+        of_finding = np.repeat(np.arange(len(self.inputs)), [len(one) for one in self.inputs])
+        used = np.flatnonzero(np.isin(of_finding, list(numbers))).tolist()
+        every = list(chain.from_iterable(self.inputs))
+        inputs, moved = [every[n] for n in used], [self.moved[n] for n in used]
+        correlation = self.correlation[np.ix_(used, used)]
+        items = dict(items)
+        for name in items.keys() & whole.keys():
+            by_input = [each.get(name, whole[name]) for each in moved]
+            lines = CorrectionLines.of(inputs, correlation, whole[name], by_input)
+            items[name] = with_lines(items[name], lines)
+        return items
 
 
 def adopt(
@@ -36,20 +95,9 @@ def adopt(
     """
     random = [finding for finding in findings if finding.effect == BIAS_RANDOM_WALK.name]
     findings = [finding for finding in findings if finding.effect != BIAS_RANDOM_WALK.name]
-    contributions = [finding.contribution for finding in findings]
-    result = calibrate(corrected(recording, contributions))
-    inputs = uncertain_inputs(findings, determined)
-    correlation = correlation_of(inputs, determined)
-    moved = [
-        calibrate(corrected(recording, (*contributions, one.change(determined)))).items
-        for one in inputs
-    ]
-    items = {
-        name: with_lines(
-            item, CorrectionLines.of(inputs, correlation, item, [items[name] for items in moved])
-        )
-        for name, item in result.items.items()
-    }
+    corrections = Corrections.of(recording, findings, calibrate, determined)
+    result = corrections.calibration
+    items = corrections.with_uncertainty(result.items, range(len(findings)))
     terms = tuple(_adopted_term(finding, determined) for finding in findings)
     remarks = (
         *_remarks(result, recording, findings, terms),

@@ -1,6 +1,6 @@
 """What leaving the physics out does to the certificate: each item before and after."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -15,6 +15,7 @@ from schemas.recording import ANGLE, Recording
 from schemas.tolerance import Tolerance
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
+from tasks.explain.correction.adopt import Corrections
 from tasks.explain.correction.corrected import corrected
 from tasks.explain.explanation import Explanation
 from tasks.specifications.register import specification_for
@@ -46,13 +47,12 @@ def consequences(
     """Every item by the recording's clause method, as read and less what the findings add.
 
     Findings whose parameters make up for each other are taken off together: each by itself would
-    move what the others move back. An element is listed where it moves by more than 0.05 U.
-    Verdicts are compared where limits are given. Empty, with the reason as a remark, where the
-    clauses give no items.
+    move what the others move back. U holds the uncertainty of what was taken off; an element is
+    listed where it moves by more than 0.05 U. Verdicts are compared where limits are given. Empty,
+    with the reason as a remark, where the clauses give no items.
     """
     findings = explanation.findings
-    contributions = [finding.contribution for finding in findings]
-    count = len(contributions)
+    count = len(findings)
     none = Consequences(((),) * count, ((),) * count)
     if not count:
         return none
@@ -61,10 +61,7 @@ def consequences(
     try:
         before = _calibrated(recording)
         sets = collinear_sets(explanation)
-        of_set = {
-            some: _calibrated(corrected(recording, [contributions[n] for n in some]))
-            for some in {*sets, tuple(range(count))}
-        }
+        of_set = _less_what_they_add(recording, explanation, {*sets, tuple(range(count))})
     except Unusable as fault:
         return replace(none, remarks=(message("explain-items-not-estimated", reason=str(fault)),))
     after, whole = [of_set[some] for some in sets], of_set[tuple(range(count))]
@@ -80,6 +77,22 @@ def consequences(
             if len(some) > 1
         ),
     )
+
+
+def _less_what_they_add(
+    recording: Recording, explanation: Explanation, sets: Collection[tuple[int, ...]]
+) -> dict[tuple[int, ...], Calibration]:
+    """The items less what each set of findings adds, with what is uncertain of that."""
+    findings = explanation.findings
+    every = Corrections.of(recording, findings, _calibrated, explanation.determined)
+    of_set = {}
+    for some in sets:
+        whole = len(some) == len(findings)
+        contributions = [findings[n].contribution for n in some]
+        less = every.calibration if whole else _calibrated(corrected(recording, contributions))
+        items = every.with_uncertainty(less.items, some)
+        of_set[some] = less.model_copy(update={"items": items})
+    return of_set
 
 
 def collinear_sets(explanation: Explanation) -> list[tuple[int, ...]]:
@@ -108,6 +121,8 @@ def moved(before: Calibration, after: Calibration) -> Iterator[Consequence]:
         values = after.items[name].value if name in after.items else {}
         for element, value in item.value.items():
             now, U = values.get(element), item.U.get(element)
+            if now is not None:
+                U = after.items[name].U.get(element)
             if value is None and now is None:
                 continue
             if value is not None and now is not None and abs(now - value) <= NOTICEABLE * (U or 0):
