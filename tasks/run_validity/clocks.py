@@ -49,13 +49,27 @@ def _rates(recording: Recording, interval: float) -> tuple[np.ndarray, np.ndarra
     if len(at) < PARTS * SEARCHED / interval:
         return None
     angles = np.unwrap(table.stack(tuple(f"{axis.name}_angle" for axis in axes)), axis=0)
-    by_table = [np.abs(np.diff(np.interp(at, table.t, angle))) for angle in angles.T]
-    gyro = np.nan_to_num(imu.stack(GYRO))
-    gyro = gyro - np.median(gyro, axis=0)
-    turned = np.cumsum(np.linalg.norm(gyro[:-1], axis=1) * np.diff(imu.t))
-    by_unit = np.diff(np.interp(at, imu.t, np.concatenate([[0.0], turned])))
     is_known = _recorded(imu.t, at) & _recorded(table.t, at)
-    return is_known * by_unit / interval, is_known * np.sum(by_table, axis=0) / interval
+    by_table = is_known * np.abs(_steps(at, table.t, angles)).sum(axis=1) / interval
+    gyro = np.nan_to_num(imu.stack(GYRO))
+    turned = np.cumsum(gyro[:-1] * np.diff(imu.t)[:, None], axis=0)
+    vector = _steps(at, imu.t, np.vstack([np.zeros(3), turned])) / interval
+    by_unit = np.linalg.norm(vector - _bias(vector[is_known & (by_table < MOVING)]), axis=1)
+    return is_known * by_unit, by_table
+
+
+def _steps(at: np.ndarray, t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """By how much the columns of values (n, k) at the times t (n,) change from one of the times
+    at (m + 1,) to the next: (m, k)."""
+    return np.diff([np.interp(at, t, column) for column in values.T], axis=1).T
+
+
+def _bias(still: np.ndarray) -> np.ndarray:
+    """What the gyros read while the table stands, from rates (k, 3): (3,); 0 if it never does.
+
+    Not of the whole run, which may turn for most of its time.
+    """
+    return np.median(still, axis=0) if len(still) else np.zeros(3)
 
 
 def _recorded(t: np.ndarray, at: np.ndarray) -> np.ndarray:

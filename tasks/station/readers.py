@@ -190,13 +190,15 @@ class UnitReader:
             self._differences.append(station_s - frames["stamp"][-1] / 1e6)
 
     def _settle_shift(self, on_s: float | None) -> None:
-        """The delay of the line makes every difference too large, so the least is the best."""
+        """A delay of the line makes a difference too large, one of the table's answer too small:
+        a clock of its own shows in every one, on the same side."""
         if on_s is not None:
             self.clock_shifts_s[-1] = on_s
         elif self._differences:
-            best = min(self._differences)
-            if abs(best) > SHIFT_THRESHOLD_S + LINE_DELAY_WALL_S * self._clock.speed:
-                self.clock_shifts_s[-1] = round(best, 6)
+            limit_s = SHIFT_THRESHOLD_S + LINE_DELAY_WALL_S * self._clock.speed
+            least, most = min(self._differences), max(self._differences)
+            if least > limit_s or most < -limit_s:
+                self.clock_shifts_s[-1] = round(least if least > 0.0 else most, 6)
 
     def _note_lost(self, frames: np.ndarray) -> None:
         lost = self._unit.lost(frames)

@@ -1,0 +1,74 @@
+"""The unit's stamps on the table's time: what a delay does to them, and a clock of its own."""
+
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from schemas.unit_link import UnitLink
+from tasks.station.clock import StationClock
+from tasks.station.drivers.samples import no_samples, to_stream
+from tasks.station.drivers.unit import UnitDriver
+from tasks.station.readers import UnitReader
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.servers import station_file
+
+SPEED = 30.0
+LINK = station_file(VirtualStation(), SPEED, "host", 1, 2).unit_link
+
+
+class Driver:
+    """One frame a call, stamped by the unit's clock, that arrived some time (s) later."""
+
+    bad_frames, is_off = 0, False
+
+    def __init__(self, link: UnitLink, behind_s: float) -> None:
+        self.link = link
+        self.behind_s = behind_s
+        self.arrived_s = self.delay_s = 0.0
+
+    def take(self) -> tuple[np.ndarray, np.ndarray]:
+        frames = np.zeros(1, no_samples(self.link.frame).dtype)
+        frames["stamp"] = round((self.arrived_s * SPEED - self.behind_s) * 1e6)
+        self.arrived_s += self.delay_s
+        return frames, no_samples(self.link.frame)
+
+    def lost(self, frames: np.ndarray) -> np.ndarray:
+        return np.zeros(len(frames) - 1, dtype=np.int64)
+
+    def stream(self, frames: np.ndarray, shift_us: int = 0) -> Any:
+        return to_stream(frames, self.link.frame, shift_us)
+
+
+def shift_s(line_s: list[float], answer_s: list[float], behind_s: float = 0.0) -> float:
+    """What the stamps are moved by, where frames and answers of the table come so late (s)."""
+    clock, driver = StationClock(), Driver(LINK, behind_s)
+    clock.update(100.0 * SPEED - 60.0, 98.0)
+    reader = UnitReader(cast(UnitDriver, driver), clock, lambda _: None)
+    for place, (of_frame, of_answer) in enumerate(zip(line_s, answer_s, strict=True)):
+        now_s = 100.0 + 0.2 * place
+        clock.update((now_s - of_answer) * SPEED, now_s)
+        driver.arrived_s, driver.delay_s = now_s, of_frame
+        reader.take()
+    return reader.clock_shifts_s[0]
+
+
+@pytest.mark.parametrize(
+    ("line_s", "answer_s"),
+    [
+        ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]),
+        ([0.3, 0.4, 0.01], [0.0, 0.0, 0.0]),
+        ([0.01, 0.01, 0.01], [0.0, 0.5, 0.0]),
+        ([0.01, 0.3, 0.01], [0.4, 0.0, 0.4]),
+    ],
+)
+def test_what_a_busy_computer_delays_moves_no_stamp(
+    line_s: list[float], answer_s: list[float]
+) -> None:
+    assert shift_s(line_s, answer_s) == 0.0
+
+
+@pytest.mark.parametrize("behind_s", [-12.0, 12.0])
+def test_a_clock_of_its_own_is_put_on_the_tables_time(behind_s: float) -> None:
+    found = shift_s([0.01, 0.05, 0.02], [0.0, 0.0, 0.01], behind_s)
+    assert found == pytest.approx(behind_s, abs=1.6)
