@@ -1,0 +1,128 @@
+"""Administrative data of the DCC: who, for whom, what, when."""
+
+import re
+from datetime import date
+
+from schemas.certificate import Certificate, Party
+from tasks.certificate.cover import party_address, party_name, signatures
+from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, file, named, plain
+from tasks.certificate.fields import given
+from tasks.words import Sayable, message
+
+COUNTRY = "CN"  # of the specifications
+RELEASE = re.compile(r"\d{1,3}(\.\d{1,3}){0,3}")
+
+
+def administration(certificate: Certificate, record: bytes) -> Element:
+    """Everything but the results; `record` is attached as a statement."""
+    return dcc.administrativeData(
+        dcc.dccSoftware(software(certificate.calibration.code_version)),
+        _core(certificate),
+        _unit(certificate),
+        dcc.calibrationLaboratory(_party("contact", _laboratory(certificate))),
+        _persons(certificate),
+        _party("customer", certificate.order.client if certificate.order else None),
+        dcc.statements(_record(certificate, record)),
+    )
+
+
+def software(code_version: str) -> Element:
+    """This program; its release as DCC wants it, the whole version beside it."""
+    release = RELEASE.match(code_version)
+    return dcc.software(
+        named("mimucal"),
+        dcc.release(f"v{release[0] if release else 0}"),
+        dcc.type("application"),
+        described(given(code_version)),
+    )
+
+
+def _laboratory(certificate: Certificate) -> Party | None:
+    return certificate.laboratory.party if certificate.laboratory else None
+
+
+def _core(certificate: Certificate) -> Element:
+    """Where nothing gives the day of calibration, that of issue stands for it, as in `due`."""
+    order = certificate.order
+    performed = day(certificate.calibrated_on or certificate.issued_on)
+    used = [dcc.usedLangCodeISO639_1(language) for language in LANGUAGES]
+    mandatory = [dcc.mandatoryLangCodeISO639_1(language) for language in LANGUAGES]
+    return dcc.coreData(
+        dcc.countryCodeISO3166_1(COUNTRY),
+        *used,
+        *mandatory,
+        plain("uniqueIdentifier", certificate.number),
+        *([dcc.receiptDate(day(order.received))] if order else []),
+        dcc.beginPerformanceDate(performed),
+        dcc.endPerformanceDate(performed),
+        dcc.performanceLocation("laboratory"),
+        *([dcc.issueDate(day(certificate.issued_on))] if certificate.state == "issued" else []),
+        *_replaced(certificate),
+    )
+
+
+def day(when: date) -> str:
+    return when.isoformat()
+
+
+def _replaced(certificate: Certificate) -> list[Element]:
+    if certificate.replaces is None:
+        return []
+    return [
+        dcc.reportAmendedSubstituted(
+            dcc.typeOfChange("amended"),
+            plain("replacedUniqueIdentifier", certificate.replaces.number),
+        )
+    ]
+
+
+def _unit(certificate: Certificate) -> Element:
+    unit = certificate.manifest.unit
+    return dcc.items(
+        dcc.item(
+            named(given(f"{unit.manufacturer} {unit.model}")),
+            dcc.manufacturer(named(given(unit.manufacturer))),
+            plain("model", unit.model),
+            dcc.identifications(
+                identification(
+                    "manufacturer", unit.serial, message("certificate-field.serial"),
+                    refType="basic_serialNumber",
+                )
+            ),
+        )
+    )  # fmt: skip
+
+
+def identification(issuer: str, value: str, name: Sayable, **attributes: str) -> Element:
+    return dcc.identification(dcc.issuer(issuer), plain("value", value), named(name), **attributes)
+
+
+def _party(tag: str, party: Party | None) -> Element:
+    return dcc(
+        tag,
+        named(party_name(party)),
+        dcc.location(dcc.countryCode(COUNTRY), described(party_address(party), tag="further")),
+    )
+
+
+def _persons(certificate: Certificate) -> Element:
+    """Operator, verifier and issuer; the issuer signs."""
+    signed = signatures(certificate)
+    return dcc.respPersons(
+        *(
+            dcc.respPerson(
+                dcc.person(named(each.name)),
+                described(each.role, each.title or ""),
+                dcc.mainSigner("true" if each is signed[-1] else "false"),
+            )
+            for each in signed
+        )
+    )
+
+
+def _record(certificate: Certificate, record: bytes) -> Element:
+    return dcc.statement(
+        named(message("dcc-record")),
+        dcc.data(file(f"{certificate.number}.json", "application/json", record, tag="byteData")),
+        refType="mimucal_record",
+    )

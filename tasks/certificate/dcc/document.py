@@ -1,0 +1,25 @@
+"""The whole document, from the certificate and from nothing else."""
+
+from schemas.certificate import Certificate
+from tasks.certificate.dcc.administration import administration
+from tasks.certificate.dcc.results import measurement_results
+from tasks.certificate.dcc.xml import canonical, dcc
+
+VERSION = "3.3.0"
+
+
+def record_of(certificate: Certificate) -> bytes:
+    """The record as it is kept, attached to the DCC, and named by its SHA-256 in the QR code."""
+    return certificate.model_dump_json(indent=1).encode()
+
+
+def dcc_of(certificate: Certificate) -> bytes:
+    """The DCC without a signature, in canonical form (C14N 1.0, UTF-8)."""
+    record = record_of(certificate)
+    return canonical(
+        dcc.digitalCalibrationCertificate(
+            administration(certificate, record),
+            measurement_results(certificate),
+            schemaVersion=VERSION,
+        )
+    )

@@ -1,0 +1,28 @@
+"""The three faces of a certificate: PDF, DCC and record, made of the record and nothing else."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from schemas.certificate import Certificate
+from tasks.certificate.dcc import dcc_of, record_of
+from tasks.certificate.pdf import LANGUAGES, render
+from tasks.certificate.sign import Signing
+
+
+@dataclass(frozen=True)
+class Faces:
+    """The bytes of a certificate: the PDF/A-3b, the DCC (XML) and the record (JSON)."""
+
+    pdf: bytes
+    dcc: bytes
+    record: bytes
+
+
+def faces_of(
+    certificate: Certificate, signing: Signing | None, languages: Sequence[str] = LANGUAGES
+) -> Faces:
+    """The faces of a certificate, signed where there is a key to sign with.
+
+    The DCC holds the record, and the PDF holds the DCC.
+    """
+    return Faces(render(certificate, languages), dcc_of(certificate), record_of(certificate))
