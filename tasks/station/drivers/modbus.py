@@ -61,7 +61,8 @@ def encode(value: float, kind: RegisterType, order: WordOrder = "big") -> list[i
 class ModbusLink:
     """One Modbus connection, over TCP or a serial line, shared by everything on it.
 
-    A request that gets no answer is repeated on a new connection, ATTEMPTS times in all.
+    A request that gets no answer, or whose connection ends, is repeated on a new one, ATTEMPTS
+    times in all.
     Raises Unusable, naming the connection, when there is still no answer, and Refused when the
     station answers with an exception.
     """
@@ -71,6 +72,7 @@ class ModbusLink:
         self._where = f"the station at {connection.url.removeprefix('socket://')}"
         self._connection = connection
         self._client: Client | None = None
+        self._asked: asyncio.Future[ModbusPDU] | None = None
         self._one_at_a_time = asyncio.Lock()
         self._combined = True
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # the sentences here replace it
@@ -168,10 +170,20 @@ class ModbusLink:
         from pymodbus.exceptions import ModbusException
 
         try:
-            client = await self._connected()
-            return await request(client) if client else None
+            if not (client := await self._connected()):
+                return None
+            self._asked = asyncio.ensure_future(request(client))
+            await asyncio.wait([self._asked])
+            return None if self._asked.cancelled() else self._asked.result()
         except (ModbusException, OSError, TimeoutError):
             return None
+        finally:
+            self._give_up()
+
+    def _give_up(self, is_connected: bool = False) -> None:
+        """Wait no longer for an answer; of pymodbus, which waits on where a connection ends."""
+        if self._asked is not None and not is_connected:
+            self._asked.cancel()
 
     async def _connected(self) -> "Client | None":
         if self._client is not None and self._client.connected:
@@ -191,8 +203,9 @@ class ModbusLink:
         if address := host_and_port(self.url):
             host, port = address
             return AsyncModbusTcpClient(
-                host, port=port, timeout=line.timeout_s, retries=0, reconnect_delay=0
-            )
+                host, port=port, timeout=line.timeout_s, retries=0, reconnect_delay=0,
+                trace_connect=self._give_up,
+            )  # fmt: skip
         return AsyncModbusSerialClient(
             self.url,
             baudrate=line.baudrate,
@@ -201,6 +214,7 @@ class ModbusLink:
             timeout=line.timeout_s,
             retries=0,
             reconnect_delay=0,
+            trace_connect=self._give_up,
         )
 
 

@@ -115,6 +115,31 @@ def test_lost_connection_names_host_port_and_the_way_out():
     on_a_server(use)
 
 
+def test_an_answer_is_not_awaited_on_a_connection_that_ended():
+    connections = []
+
+    async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        connections.append(writer)
+        request = await reader.readexactly(12)
+        if len(connections) > 1:
+            writer.write(request[:4] + bytes([0, 5]) + request[6:8] + bytes([2, 4, 210]))
+            await writer.drain()
+        writer.close()
+
+    async def run() -> None:
+        server = await asyncio.start_server(answer, "127.0.0.1", 0)
+        port = server.sockets[0].getsockname()[1]
+        link = ModbusLink(Connection(url=f"socket://127.0.0.1:{port}", timeout_s=30))
+        try:
+            assert await asyncio.wait_for(link.read(1, "holding", 0, 1), 5.0) == [1234]
+        finally:
+            link.close()
+            server.close()
+
+    asyncio.run(run())
+    assert len(connections) == 2
+
+
 @given(st.floats(-1e5, 1e5), st.floats(-360, 360))
 def test_nearest_turn_is_the_same_attitude_at_most_half_a_turn_away(angle, target):
     found = nearest_turn(angle, target)
