@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
 from tasks.segments.median import median
-from tasks.segments.pieces import extent
+from tasks.segments.pieces import extent, pieces
 
 Origin = Literal["label", "found"]
 
@@ -233,18 +233,22 @@ def _turning(values: Sequence[np.ndarray], t: np.ndarray, segment: Segment) -> n
     """Block means (6, blocks) of what comes back once a turn at a held rate: it is no noise.
 
     The ripple of the table, the level parts of Earth's rotation and of gravity average out over
-    whole turns; where less than one was made, nothing is known of them (zeros).
+    whole turns; where less than one was made, nothing is known of them (zeros). Least squares of
+    a constant, a cosine and a sine; the constant is left in.
     """
     rate = np.radians(segment.rate_deg_s or 0.0)
     if segment.kind != "rate" or abs(rate) * (t[-1] - t[0]) < 2.0 * np.pi:
         return np.zeros((len(values), 1))
-    # By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
-    half = np.tan(0.5 * rate * (t - t[0]))
-    square = half**2
-    both = np.array([1.0 - square, 2.0 * half]) / (1.0 + square)
-    both -= both.mean(axis=1, keepdims=True)
-    along = np.array([both @ channel for channel in values])
-    amplitude = np.linalg.solve(np.array([both @ each for each in both]), along.T)
+    both, squares, along = np.empty((2, len(t))), np.zeros((3, 3)), np.zeros((len(values), 3))
+    for rows in pieces(len(t)):
+        # By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
+        half = np.tan(0.5 * rate * (t[rows] - t[0]))
+        square = half**2
+        shapes = np.array([1.0 + square, 1.0 - square, 2.0 * half]) / (1.0 + square)
+        both[:, rows] = shapes[1:]
+        squares += [shapes @ shape for shape in shapes]
+        along += [shapes @ channel[rows] for channel in values]
+    amplitude = np.linalg.solve(squares, along.T)[1:]
     return np.asarray(amplitude.T @ block_means(list(both)))
 
 

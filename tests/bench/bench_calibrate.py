@@ -6,7 +6,8 @@ segment in one pass.
 
 import sys
 import tempfile
-from collections.abc import Sequence
+import tracemalloc
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -16,15 +17,19 @@ import pyarrow.parquet as pq
 
 from schemas.recording import ACCEL, GYRO, Segment
 from storage.catalogue import runs
+from storage.formats.stream_file import memory_bytes
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.estimate import estimate
+from tasks.validation.record import shipped
+from tasks.version import code_version
 from tests.bench.measure import Figure, Section, processor_s, processor_s_of
 from tests.bench.recordings import RATE_HZ, recording
 
 READINGS = [*GYRO, *ACCEL]
-SAMPLES = (100_000, 1_000_000, 10_000_000)
+SAMPLES = (100_000, 1_000_000, 10_000_000, 100_000_000)
+BYTES = 100  # of memory that a row takes: its seven columns, and while they are made
 ASKED = 2.0  # times the limit
 
 
@@ -50,32 +55,47 @@ def in_store(rows: int) -> Section:
 
 
 def commands(rows: int = 150_000) -> Section:
-    """Whole processes of commands, on an ordinary run."""
+    """Whole processes of commands, on an ordinary run, and what importing Prefect would add."""
     with tempfile.TemporaryDirectory() as folder:
         home = Home(Path(folder))
         run, _ = runs.add(recording(rows), home)
-        figures = tuple(
-            Figure(f"mimucal {name}", _command(home, name, *of_run))
-            for name, of_run in (
-                ("runs", ()), ("calibrate", (run.id,)), ("show", (run.id,)), ("certify", (run.id,))
-            )
+        ordered = (
+            ("runs", ()), ("remind", ()), ("calibrate", (run.id,)), ("show", (run.id,)),
+            ("table", ("results", "--as", "csv")), ("verify", ()), ("certify", (run.id,)),
         )  # fmt: skip
-    note = "Asked are 0.5 s of commands that need no flow, and 1.5 s of `certify`."
-    return Section(f"Commands, a store with a run of {rows:,} rows", figures, note)
+        figures = [
+            Figure(f"mimucal {' '.join((name, *words)).replace(run.id, 'RUN')}",
+                   _command(home, "-m", "flows.cli", name, *words))
+            for name, words in ordered
+        ]  # fmt: skip
+        figures.append(Figure("python -c 'import prefect'", _command(home, "-c", "import prefect")))
+    note = (
+        "Asked are 0.5 s of commands that need no flow, and 1.5 s of `certify`. `calibrate` and "
+        "`certify` run without Prefect where no server is named; `verify` reads all that is kept. "
+        f"`certify` found the validation record {_record_is()}."
+    )
+    return Section(f"Commands, a store with a run of {rows:,} rows", tuple(figures), note)
 
 
 def by_samples(samples: Sequence[int] = SAMPLES) -> Section:
     """The calibration of longer and longer recordings in memory, for each million samples."""
-    figures = []
+    samples = [rows for rows in samples if rows * BYTES < memory_bytes()]
+    figures, taken = [], []
     for rows in samples:
         made = recording(rows)
         work = partial(calibrate, JJF2003, made, run="bench", code_version="bench")
         seconds = processor_s(work, runs=3)
+        taken.append(_taken_by(work))
         figures.append(Figure(f"{rows:.0e} samples, for each million", seconds * 1e6 / rows))
+        del made, work  # before the next one is made
     whole = [figure.seconds * rows for figure, rows in zip(figures, samples, strict=True)]
     growth = np.diff(whole) / np.diff(samples)
     listed = ", ".join(f"{1e3 * each:.0f} ms" for each in growth)
-    note = f"Every further million costs {listed}; the rest is budgets, once for each recording."
+    memory = ", ".join(f"{each / 2**20:.0f} MiB" for each in taken)
+    note = (
+        f"From one length to the next, every further million costs {listed}; the rest is budgets, "
+        f"once for each recording. Beside the readings it takes {memory} of memory."
+    )
     return Section("Scaling with samples (in memory)", tuple(figures), note)
 
 
@@ -96,5 +116,23 @@ def _by_pandas(columns: Path, segments: Sequence[Segment]) -> None:
 
 
 def _command(home: Home, *words: str) -> float:
-    command = [sys.executable, "-m", "flows.cli", *words, "--json"]
-    return processor_s_of(command, {"MIMUCAL_HOME": str(home.path)}, runs=3)
+    return processor_s_of([sys.executable, *words], {"MIMUCAL_HOME": str(home.path)}, runs=3)
+
+
+def _record_is() -> str:
+    """Whether certify has to parse the sources to find whether the record is of this code."""
+    record = shipped()
+    if record is None:
+        return "missing"
+    if record.code_version.split()[0] == code_version().split()[0]:
+        return "of this very program"
+    return "of another text of the program, and parsed its sources to compare what they compute"
+
+
+def _taken_by(work: Callable[[], object]) -> int:
+    """The most bytes of memory that something takes at once beside what is already there."""
+    tracemalloc.start()
+    work()
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return most

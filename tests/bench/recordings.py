@@ -13,14 +13,14 @@ NOISE = [1e-3] * 3 + [1e-2] * 3  # rad/s, m/s²
 def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
     """A JJF 2003 run of about so many rows: twelve positions, ten rates and two rests per axis."""
     rng = np.random.default_rng(seed)
-    readings, segments = [], []
     count = rows // DWELLS
+    values, segments = np.empty((6, DWELLS * count)), []
     dwell_s = count / RATE_HZ
 
     def hold(name: str, rate: np.ndarray, upward: np.ndarray, **label: object) -> None:
         level = np.concatenate([rate, upward * GRAVITY])
-        readings.append(level + rng.normal(0.0, NOISE, (count, 6)))
-        start = dwell_s * len(segments)
+        first, start = count * len(segments), dwell_s * len(segments)
+        values[:, first : first + count] = (level + rng.normal(0.0, NOISE, (count, 6))).T
         segments.append({"name": name, "t_start": start, "t_end": start + dwell_s, **label})
 
     still = np.zeros(3)
@@ -38,7 +38,6 @@ def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
             hold(f"{letter}{rate}", up * np.radians(rate), up, kind="rate", item="scale_factor",
                  axis=letter, up="+" + letter, rate_deg_s=rate)  # fmt: skip
         hold(f"rest2_{letter}", still, up, **rest)
-    values = np.concatenate(readings)
     manifest = Manifest.model_validate({
         "format": "mimu-recording/1", "recording_id": f"bench {rows} {seed}",
         "standard": "JJF 2003-2022",
@@ -46,5 +45,5 @@ def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
         "station": {"id": "b", "latitude_deg": 40.0, "gravity_m_s2": GRAVITY},
         "segments": segments,
     })  # fmt: skip
-    t = np.round(np.arange(len(values)) / RATE_HZ, 9)
-    return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, values.T.copy(), strict=True))))
+    t = np.round(np.arange(values.shape[1]) / RATE_HZ, 9)
+    return Recording(manifest, Stream(t, dict(zip(GYRO + ACCEL, values, strict=True))))
