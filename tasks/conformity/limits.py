@@ -36,14 +36,22 @@ def limits_text(limit: LimitDecision, exponent: int = 0) -> str:
     return interval_text(exact(limit.lower), exact(limit.upper), exponent)
 
 
-def accepted_text(limit: LimitDecision, exponent: int = 0) -> str | None:
-    """The acceptance limits, to the place of U; None where they are the limits."""
+def accepted_edges(limit: LimitDecision) -> tuple[Decimal | None, Decimal | None] | None:
+    """The acceptance limits to the place of U; None where they are the limits."""
     if not limit.guard_band_factor or limit.U is None:
         return None
     place = round_up(limit.U, limit.k or USUAL_K)
-    edges = (limit.accept_lower, limit.accept_upper)
-    lower, upper = (None if edge is None else round_like(edge, place) for edge in edges)
-    return interval_text(lower, upper, exponent)
+    lower, upper = (
+        None if edge is None else round_like(edge, place)
+        for edge in (limit.accept_lower, limit.accept_upper)
+    )
+    return lower, upper
+
+
+def accepted_text(limit: LimitDecision, exponent: int = 0) -> str | None:
+    """The acceptance limits, to the place of U; None where they are the limits."""
+    edges = accepted_edges(limit)
+    return interval_text(*edges, exponent) if edges else None
 
 
 def relative_text(limit: LimitDecision) -> str | None:

@@ -60,6 +60,16 @@ def round_like(value: float, uncertainty: Decimal) -> Decimal:
     return _quantized(Decimal(repr(float(value))), _place(uncertainty))
 
 
+def stated(
+    value: float | None, uncertainty: float | None, k: float = USUAL_K
+) -> tuple[Decimal | None, Decimal | None]:
+    """A value and its expanded uncertainty as a certificate states them; None for no number."""
+    U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty, k)
+    if value is None or not math.isfinite(value):
+        return None, U
+    return (round_like(value, U) if U else _alone(value)), U
+
+
 def column(
     values: Sequence[float | None], uncertainties: Sequence[float | None], k: float = USUAL_K
 ) -> RoundedColumn:
@@ -70,7 +80,7 @@ def column(
     of three. A value without an uncertainty (None, 0 or not finite) is given with six significant
     digits.
     """
-    pairs = [_rounded(*pair, k) for pair in zip(values, uncertainties, strict=True)]
+    pairs = [stated(*pair, k) for pair in zip(values, uncertainties, strict=True)]
     exponent = _exponent(pairs)
     return RoundedColumn(
         exponent,
@@ -94,15 +104,6 @@ def exact(number: float | None) -> Decimal | None:
 def as_given(value: float) -> str:
     """A number as it was given, up to ten digits, with a real minus sign."""
     return f"{value:.10g}".replace("-", MINUS)
-
-
-def _rounded(
-    value: float | None, uncertainty: float | None, k: float
-) -> tuple[Decimal | None, Decimal | None]:
-    U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty, k)
-    if value is None or not math.isfinite(value):
-        return None, U
-    return (round_like(value, U) if U else _alone(value)), U
 
 
 def _alone(value: float) -> Decimal:

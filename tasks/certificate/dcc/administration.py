@@ -1,16 +1,17 @@
 """Administrative data of the DCC: who, for whom, what, when."""
 
-import re
 from datetime import date
 
 from schemas.certificate import Certificate, Party
 from tasks.certificate.cover import party_address, party_name, signatures
-from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, file, named, plain
+from tasks.certificate.dcc.equipment import identification
+from tasks.certificate.dcc.software import software
+from tasks.certificate.dcc.statements import statements
+from tasks.certificate.dcc.xml import LANGUAGES, Element, dcc, described, named, plain
 from tasks.certificate.fields import given
-from tasks.words import Sayable, message
+from tasks.words import message
 
 COUNTRY = "CN"  # of the specifications
-RELEASE = re.compile(r"\d{1,3}(\.\d{1,3}){0,3}")
 
 
 def administration(certificate: Certificate, record: bytes) -> Element:
@@ -22,18 +23,7 @@ def administration(certificate: Certificate, record: bytes) -> Element:
         dcc.calibrationLaboratory(_party("contact", _laboratory(certificate))),
         _persons(certificate),
         _party("customer", certificate.order.client if certificate.order else None),
-        dcc.statements(_record(certificate, record)),
-    )
-
-
-def software(code_version: str) -> Element:
-    """This program; its release as DCC wants it, the whole version beside it."""
-    release = RELEASE.match(code_version)
-    return dcc.software(
-        named("mimucal"),
-        dcc.release(f"v{release[0] if release else 0}"),
-        dcc.type("application"),
-        described(given(code_version)),
+        statements(certificate, record),
     )
 
 
@@ -93,10 +83,6 @@ def _unit(certificate: Certificate) -> Element:
     )  # fmt: skip
 
 
-def identification(issuer: str, value: str, name: Sayable, **attributes: str) -> Element:
-    return dcc.identification(dcc.issuer(issuer), plain("value", value), named(name), **attributes)
-
-
 def _party(tag: str, party: Party | None) -> Element:
     return dcc(
         tag,
@@ -117,12 +103,4 @@ def _persons(certificate: Certificate) -> Element:
             )
             for each in signed
         )
-    )
-
-
-def _record(certificate: Certificate, record: bytes) -> Element:
-    return dcc.statement(
-        named(message("dcc-record")),
-        dcc.data(file(f"{certificate.number}.json", "application/json", record, tag="byteData")),
-        refType="mimucal_record",
     )

@@ -1,0 +1,81 @@
+"""How it was measured: methods with their settings, air, gravity and latitude of the place."""
+
+from collections.abc import Iterator
+from decimal import Decimal
+
+from schemas.calibration import Calibration
+from schemas.certificate import Certificate
+from tasks.certificate.dcc.quantities import plain_quantity, text_quantity, without_number
+from tasks.certificate.dcc.units import UNITS, DsiUnit
+from tasks.certificate.dcc.xml import Element, dcc, described, named, plain
+from tasks.certificate.fields import given
+from tasks.specifications.register import SPECIFICATIONS
+from tasks.words import Sayable, message
+from tasks.words.rounding import as_given
+
+UNCERTAINTY = "JJF 1059.1-2012"
+SUFFIXES = {"_m_s2": "m/s2", "_deg_s": "deg/s", "_deg": "deg", "_m": "m", "_s": "s"}
+
+
+def methods(calibration: Calibration) -> Iterator[Element]:
+    """The specification and the settings with which it was followed; the uncertainty."""
+    specification = SPECIFICATIONS[calibration.method]
+    settings = [_setting(name, value) for name, value in calibration.settings.items()]
+    yield dcc.usedMethod(
+        named(message(f"certificate-method.{calibration.method}")),
+        described(given(calibration.procedure)),
+        plain("norm", specification.standard),
+        *([dcc.usedMethodQuantities(*settings)] if settings else []),
+    )
+    yield dcc.usedMethod(
+        named(message("certificate-label-uncertainty")),
+        plain("norm", UNCERTAINTY),
+        refType="basic_methodMeasurementUncertainty",
+    )
+
+
+def _setting(name: str, value: float | str | None) -> Element:
+    tag = "usedMethodQuantity"
+    if isinstance(value, int | float):
+        unit = next((u for suffix, u in SUFFIXES.items() if name.endswith(suffix)), "1")
+        return plain_quantity(given(name), Decimal(repr(value)), UNITS[unit], tag)
+    return text_quantity(given(name), given(value), tag)
+
+
+def influences(
+    certificate: Certificate, calibration: Calibration, status: str | None
+) -> Iterator[Element]:
+    """Air and place; status: before or after an adjustment, where there was one."""
+    air, station = calibration.environment, certificate.manifest.station
+    temperature, humidity = (
+        tuple(Decimal(f"{edge:.1f}") for edge in edges or ())
+        for edges in (air.temperature_degc, air.humidity_percent)
+    )
+    gravity, latitude = (
+        () if number is None else (Decimal(as_given(number).replace("−", "-")),)
+        for number in (station.gravity_m_s2, station.latitude_deg)
+    )
+    for name, numbers, unit, kind in (
+        ("certificate-environment.temperature", temperature, "degC", "basic_temperature"),
+        ("certificate-environment.humidity", humidity, "%", "basic_humidityRelative"),
+        ("certificate-field.gravity", gravity, "m/s2", "basic_gravity"),
+        ("certificate-field.latitude", latitude, "deg", "basic_latitude"),
+    ):
+        yield _influence(message(name), numbers, UNITS[unit], kind, status)
+
+
+def _influence(
+    name: Sayable, numbers: tuple[Decimal, ...], unit: DsiUnit, kind: str, status: str | None
+) -> Element:
+    """One number, the smallest and the largest of it, or that it is not known."""
+    edges = ("",) if len(numbers) == 1 else ("Min", "Max")
+    quantities = [
+        plain_quantity(name, number, unit, refType=kind + edge)
+        for number, edge in zip(numbers, edges, strict=False)
+    ]
+    return dcc.influenceCondition(
+        named(name),
+        *([dcc.status(status)] if status else []),
+        dcc.data(*quantities or [without_number(name)]),
+        refType=kind,
+    )

@@ -1,0 +1,40 @@
+"""The measurement standards that were used (clause 8 h)."""
+
+from schemas.certificate import Certificate
+from schemas.station import MeasurementStandard
+from tasks.certificate.dcc.quantities import text_quantity
+from tasks.certificate.dcc.xml import Element, dcc, named, plain
+from tasks.certificate.fields import day, given
+from tasks.words import Sayable, message
+
+
+def equipment(certificate: Certificate) -> list[Element]:
+    """The list of the standards; nothing where none is known."""
+    standards = certificate.laboratory.equipment if certificate.laboratory else ()
+    return [dcc.measuringEquipments(*map(_standard, standards))] if standards else []
+
+
+def identification(issuer: str, value: str, name: Sayable, **attributes: str) -> Element:
+    """A number that something goes by, and who gave it."""
+    return dcc.identification(dcc.issuer(issuer), plain("value", value), named(name), **attributes)
+
+
+def _standard(standard: MeasurementStandard) -> Element:
+    accuracy, until = (
+        message("certificate-label-accuracy"),
+        message("certificate-label-valid-until"),
+    )
+    return dcc.measuringEquipment(
+        named(given(standard.name, standard.name_zh)),
+        dcc.identifications(
+            identification("manufacturer", standard.serial, message("certificate-label-serial")),
+            identification(
+                "other", standard.certificate, message("certificate-label-standard-certificate")
+            ),
+        ),
+        dcc.measuringEquipmentQuantities(
+            text_quantity(accuracy, given(standard.accuracy), "measuringEquipmentQuantity"),
+            text_quantity(until, day(standard.valid_until), "measuringEquipmentQuantity"),
+        ),
+        refType="basic_calibrationEquipment",
+    )
