@@ -19,8 +19,19 @@ def statements(certificate: Certificate, record: bytes) -> Element:
     """Every statement; `record` is attached to the last."""
     decision, printed = certificate.decision, content(certificate)
     scope = [printed.scope] if printed.scope else []
+    in_short = [printed.uncertainty_in_short] if printed.uncertainty_in_short else []
     parts = {
         "basis": printed.statement,
+        "environment": [
+            message(
+                "dcc-required",
+                name=row.name,
+                measured=row.measured,
+                required=row.required,
+                by=message("certificate-label-required"),
+            )
+            for row in printed.environment
+        ],
         "conditions": (
             *(
                 message("dcc-rates", axis=rate.axis, points=rate.points, count=rate.count)
@@ -29,7 +40,8 @@ def statements(certificate: Certificate, record: bytes) -> Element:
             *_lines(printed.conditions.fields),
             *printed.conditions.sentences,
         ),
-        "uncertainty": printed.uncertainty,
+        "as-found": _lines(printed.as_found.fields) if printed.as_found else (),
+        "uncertainty": (*in_short, *printed.uncertainty),
         "reasons": printed.reasons,
         "remarks": printed.remarks,
         "readings": [
@@ -40,6 +52,7 @@ def statements(certificate: Certificate, record: bytes) -> Element:
     }
     return dcc.statements(
         verdict(decision, verdict_words(decision), *scope, *_lines(printed.conformity)),
+        _sentences("certificate-title", _lines(printed.front)),
         *(_sentences(f"certificate-label-{name}", lines) for name, lines in parts.items() if lines),
         *_replaced(certificate),
         *_units(certificate),

@@ -15,3 +15,4 @@ dcc-limit =
     .upper = Upper limit
     .accept-lower = Lower acceptance limit
     .accept-upper = Upper acceptance limit
+dcc-required = { $name }: { $measured }; { $by }: { $required }

@@ -15,3 +15,4 @@ dcc-limit =
     .upper = 上限
     .accept-lower = 接受下限
     .accept-upper = 接受上限
+dcc-required = { $name }：{ $measured }；{ $by }：{ $required }
