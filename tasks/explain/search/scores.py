@@ -116,6 +116,9 @@ def _fixed_effect(
     trials = candidate.trials * candidate.shape_trials
     price = PER_PARAMETER * count + 2.0 * np.log(trials) + candidate.term.rarity
     price -= 2.0 * np.log(2.0) if one_sided else 0.0  # half the room for a chance estimate
+    # What is known to be there needs no other that imitates it, as a sensitivity to the field of
+    # Earth does its rotation.
+    price -= INDISTINGUISHABLE if candidate.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
     return ScoredCandidate(candidate, gain, gain - price, p_value)
 
 

@@ -45,7 +45,7 @@ def as_markdown(scores: Sequence[Score]) -> str:
 def summary(scores: Sequence[Score]) -> list[str]:
     """Of all recordings: wrong names, and how low-pass and delay were told."""
     lines = [
-        f"{len(scores)} recordings of the virtual station: right in all "
+        f"{len(scores)} recordings of the virtual station: right in "
         f"{sum(one.is_right for one in scores)} "
         f"({sum(one.is_right and one.is_silent for one in scores)} of them by silence, where "
         f"`explain` looks at nothing that would show it), a wrong name in "
