@@ -132,7 +132,7 @@ def run_resumes(count: int, out: Path | None) -> None:
     folder = out or Path(f"{DEFAULT_OUT}-resumes")
     _make(folder)
     with counting("resumes") as report:
-        found = resume.hold(folder, count, short_procedure(DWELL_S, "x"), report)
+        found = resume.hold(folder, count, short_procedure(DWELL_S, "x", resume.WARM_UP_S), report)
     stdout(markup=False).print(str(folder / resume.PAGE))
     if not all(each.holds for each in found):
         raise Unusable(resume.summary(found))

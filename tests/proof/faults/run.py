@@ -52,7 +52,7 @@ class Sink:
         )
 
 
-def short_procedure(dwell_s: float, axes: str = "xyz") -> Procedure:
+def short_procedure(dwell_s: float, axes: str = "xyz", warm_up_s: float = 1.0) -> Procedure:
     """Six positions and two rates each way about the axes, a dwell (s) each."""
     values = procedures.load("jjf2003").model_dump()
     steps = [step | {"dwell_s": dwell_s} for step in values["steps"] if step["kind"] == "position"]
@@ -63,7 +63,7 @@ def short_procedure(dwell_s: float, axes: str = "xyz") -> Procedure:
     ]
     ups = {step["up"]: step for step in reversed(steps)}
     turns = {step["axis"]: step for step in reversed(runs) if step["axis"] in axes}
-    values |= {"steps": (*ups.values(), *turns.values()), "warm_up_s": 1.0}
+    values |= {"steps": (*ups.values(), *turns.values()), "warm_up_s": warm_up_s}
     return Procedure.model_validate(values)
 
 

@@ -21,13 +21,16 @@ from tests.proof.throughput.sender import LINK
 PAGE = Path(__file__).parent.parent / "evidence/throughput.md"
 APART_S = 3.0  # nobody starts eight stations in the same second
 CASES = ((8, 1000.0), (1, 10_000.0))  # stations, frames in a second of each
-HEAD = ("stations", "Hz", "s", "rows", "missing", "bad", "CPU of a core, each", "peak MB, each")
+HEAD = (
+    "stations", "Hz", "s", "rows", "missing", "bad", "CPU of a core, each", "peak MB, each", "load",
+)  # fmt: skip
 TEXT = """# Throughput
 
 `make prove ARGS="--throughput {seconds:g}"` on {cores} cores: acquisitions side by side, each a
 process with a virtual table and chamber at the clock's speed, a unit that sends, and a raw file on
 the disk. Rows are read back from the file; none may be missing between the first and the last.
-Processor time is the acquisition's own; the stations and senders beside it take the rest.
+Processor time is the acquisition's own; the stations and senders beside it, and whatever else the
+computer did meanwhile, take the rest. Load: the computer's average of five minutes at the end.
 
 | {head} |
 |{rule}
@@ -37,11 +40,12 @@ Processor time is the acquisition's own; the stations and senders beside it take
 
 @dataclass(frozen=True)
 class Acquisitions:
-    """So many stations at a rate, and the measured figures of each."""
+    """So many stations at a rate, the measured figures of each, and the computer's load."""
 
     stations: int
     rate_hz: float
     each: tuple[dict[str, float], ...]
+    load: float
 
     def most(self, name: str) -> float:
         """The largest of a figure."""
@@ -58,7 +62,7 @@ class Acquisitions:
         return (
             f"| {self.stations} | {self.rate_hz:g} | {self.most('seconds'):.0f} | {rows:,} | "
             f"{self.most('missing'):.0f} | {self.most('bad'):.0f} | {share:.0%} | "
-            f"{self.most('peak_mb'):.0f} |"
+            f"{self.most('peak_mb'):.0f} | {self.load:.1f} |"
         )
 
 
@@ -70,7 +74,7 @@ def hold(stations: int, rate_hz: float, seconds: float) -> Acquisitions:
             lambda number: _acquired(folders[number], number * APART_S, rate_hz, seconds),
             range(stations),
         )
-        return Acquisitions(stations, rate_hz, tuple(each))
+        return Acquisitions(stations, rate_hz, tuple(each), os.getloadavg()[1])
 
 
 def _acquired(folder: Path, after_s: float, rate_hz: float, seconds: float) -> dict[str, float]:
