@@ -76,11 +76,14 @@ def check(
 
 
 @app.command()
-def load(station_file: options.Station, result: options.Calibrated) -> None:
+def load(
+    station_file: options.Station, result: options.Calibrated, as_json: options.Json = False
+) -> None:
     """Write the coefficients of a result into the unit, by the lines of the station file.
 
     The unit must be the one that was calibrated, and acknowledge each line.
     """
+    from flows.printing import print_json
     from schemas.orders import ExportOrder, order_of
     from schemas.station import StationFile
     from storage import settings
@@ -94,6 +97,10 @@ def load(station_file: options.Station, result: options.Calibrated) -> None:
     correction, _ = export_correction(order, home())
     with one_run_on(station.station.id, home()):
         unit, lines = load_correction(correction, station)
+    if as_json:
+        loaded = {"unit": unit.model_dump(mode="json"), "lines": lines}
+        print_json({"format": "mimu-station-load/1", **loaded})
+        return
     print(f"{unit.manufacturer} {unit.model} {unit.serial} acknowledged {lines} lines")
 
 

@@ -1,10 +1,6 @@
 """Coefficients on their way into a unit, which answers among the frames it goes on sending."""
 
 import re
-import socket
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
 from typing import Any
 
 import pytest
@@ -14,6 +10,7 @@ from schemas.correction import Correction
 from schemas.station import StationFile
 from tasks.station import load
 from tasks.station.load import load_correction
+from tests.tasks.station.listening_unit import unit
 from tests.tasks.station.sample_stations import sample
 
 LINES = ("$WRITE,84,{C_g[0][1]:+.6f}", "$WRITE,74,{B_g[2]:+.4f}")
@@ -40,25 +37,6 @@ def station(url: str, **changes: Any) -> StationFile:
     return StationFile.model_validate(
         fields | {"unit_link": fields["unit_link"] | {"url": url, "load": lines}}
     )
-
-
-@contextmanager
-def unit(answer: Callable[[bytes], bytes]) -> Iterator[tuple[str, list[bytes]]]:
-    """Its address, and the lines that it was told."""
-    told: list[bytes] = []
-
-    def serve(server: socket.socket) -> None:
-        client, _ = server.accept()
-        with client, suppress(OSError):
-            for line in client.makefile("rb"):
-                told.append(line)
-                client.sendall(b"\xaa\x55frame" + answer(line) + b"\xaa\x55frame")
-
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        thread = threading.Thread(target=serve, args=(server,), daemon=True)
-        thread.start()
-        yield f"socket://127.0.0.1:{server.getsockname()[1]}", told
-        thread.join(5.0)
 
 
 def test_each_line_is_told_in_the_units_own_units_with_its_check_sum():
