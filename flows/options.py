@@ -97,9 +97,17 @@ Manifest = Annotated[Path | None, _option("FILE", "manifest.json for an MCAP fil
 Salvage = Annotated[
     bool, typer.Option("--salvage", help="Take what is whole of a cut-off MCAP file.")
 ]
-Recording = Annotated[
+Verified = Annotated[
     Path | None,
-    typer.Argument(metavar="[PATH]", help="A recording, checked as import would; default: all."),
+    typer.Argument(
+        metavar="[PATH]",
+        help="A recording, checked as import would, or a certificate's PDF, DCC or record; "
+        "default: all.",
+    ),
+]
+Trust = Annotated[
+    Path | None,
+    _option("FILE", "Certificates (PEM) under one of which a certificate's signer must stand."),
 ]
 Within = Annotated[int, _option("DAYS", "Days ahead.", min=0, max=MAX_DAYS)]
 Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 1000.", min=1)]

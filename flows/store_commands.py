@@ -81,17 +81,23 @@ def show(run: options.Run, log: options.Log = False, as_json: options.Json = Fal
 
 
 @app.command()
-def verify(path: options.Recording = None, as_json: options.Json = False) -> None:
-    """Integrity of the store, or of one recording.
+def verify(
+    path: options.Verified = None, trust: options.Trust = None, as_json: options.Json = False
+) -> None:
+    """Integrity of the store, of one recording, or of a certificate's file by itself.
 
     Exits with 1 if there are faults.
     """
     from flows.printing import print_json
     from flows.progress import counting
+    from flows.verify_certificate import run_verify_certificate
     from storage import verify as integrity
     from storage.home import home
+    from tasks.certificate.verify_file import is_certificate
     from tasks.stages.import_checks import faults_of
 
+    if path is not None and is_certificate(path):
+        run_verify_certificate(path, trust, as_json)
     if path is not None:
         checked, faults = 1, faults_of(path)
     else:

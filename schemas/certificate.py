@@ -10,6 +10,7 @@ from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.decision import Decision
 from schemas.recording import Manifest
+from schemas.signing import SigningSettings
 from schemas.station import LimitShape, MeasurementStandard
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
@@ -59,6 +60,7 @@ class Laboratory(Frozen):
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
+    signing: SigningSettings | None = Field(default=None, exclude=True)
     operator: str | None = None
     checker: str | None = None
     issuer: str | None = None

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from schemas.certificate import Certificate
 from tasks.certificate.dcc import dcc_of, record_of
 from tasks.certificate.pdf import LANGUAGES, render
-from tasks.certificate.sign import Signing
+from tasks.certificate.sign import Signing, sign_pdf
+from tasks.certificate.sign_xml import sign_xml
 
 
 @dataclass(frozen=True)
@@ -25,4 +26,9 @@ def faces_of(
 
     The DCC holds the record, and the PDF holds the DCC.
     """
-    return Faces(render(certificate, languages), dcc_of(certificate), record_of(certificate))
+    record, dcc = record_of(certificate), dcc_of(certificate)
+    if signing is None:
+        return Faces(render(certificate, languages, dcc), dcc, record)
+    dcc = sign_xml(dcc, signing)
+    pdf = sign_pdf(render(certificate, languages, dcc, signed=True), signing)
+    return Faces(pdf, dcc, record)

@@ -289,3 +289,6 @@ certificate-label-half-width-95 = 95 % half width
 certificate-label-every-element = Every element
 certificate-label-in = in
 certificate-label-no-symbol = Appendix B|type B|X axis
+certificate-seal = The code holds the number and the SHA-256 of the record from which this certificate was made. The Digital Calibration Certificate with that record is attached to this file; «mimucal verify» checks all three.
+    .signed = This file and the Digital Calibration Certificate are signed electronically by the laboratory.
+    .by-hand = To be signed by hand: this file has no electronic signature.

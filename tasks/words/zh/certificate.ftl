@@ -289,3 +289,6 @@ certificate-label-half-width-95 = 95 % 区间半宽
 certificate-label-every-element = 各元素
 certificate-label-in = 、95 %
 certificate-label-no-symbol = 附录 B|B 类|X 轴
+certificate-seal = 二维码中为证书编号和生成本证书所依据记录的 SHA-256 值。含该记录的数字校准证书作为附件附于本文件；可用 “mimucal verify” 核验三者。
+    .signed = 本文件和数字校准证书由实验室电子签名。
+    .by-hand = 须手工签名：本文件无电子签名。
