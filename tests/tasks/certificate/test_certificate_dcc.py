@@ -30,7 +30,7 @@ DCC = "{https://ptb.de/dcc}"
 needs_schemas = pytest.mark.skipif(not SCHEMAS.is_dir(), reason="the DCC schemas are not here")
 
 NUMBER = re.compile(r"(?<![\w.])[−-]?\d+(?:\.\d+)?(?![\w])")
-PAGE_OR_SECTION = re.compile(r"第 \d+ 页 共 \d+ 页|Page \d+ of \d+|^\d+\. ", re.MULTILINE)
+PAGE_OR_SECTION = re.compile(r"SHA-256|第 \d+ 页 共 \d+ 页|Page \d+ of \d+|^\d+\. ", re.MULTILINE)
 EXPONENTS = (-9, -6, -3, 0, 3)  # powers of ten in which a column is printed
 
 
