@@ -3,7 +3,7 @@
 from schemas.decision import Decision, GlobalRisks, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.fields import Field, field, given, slug
-from tasks.conformity.limits import probability_text
+from tasks.conformity.limits import nothing_accepted, probability_text
 from tasks.specifications.items import item_title, symbol
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.rounding import exact, text
@@ -108,4 +108,6 @@ def _marks(decision: Decision) -> Sayable:
         parts.append(message("certificate-marks.chance"))
     if any(limit.marginal for limit in decision.limits):
         parts.append(message("certificate-marks.conditional"))
+    if any(map(nothing_accepted, decision.limits)):
+        parts.append(message("certificate-marks.nothing-accepted"))
     return clauses(parts)

@@ -120,7 +120,7 @@ def _decision(
     """The verdict on one element, by its U where that is above zero."""
     value = _at(getattr(item, limit.applied_to), element) if item else None
     U = _expanded_uncertainty(item, limit, element) if item else None
-    accepted = rule.accepted(U) if U else (None, None)
+    accepted = _acceptance_interval(rule, U)
     verdict: dict[str, Any] = {"verdict": "inconclusive"}
     if item and U and value is not None and not undecided:
         budget = item.budgets.get(element)
@@ -139,13 +139,19 @@ def _decision(
         nominal=limit.nominal,
         rule=rule.rule,
         guard_band_factor=rule.factor,
-        accept_lower=_finite(accepted[0]),
-        accept_upper=_finite(accepted[1]),
+        accept_lower=accepted[0],
+        accept_upper=accepted[1],
         capability=_finite(rule.capability(U)) if U else None,
         min_capability=rule.min_capability,
         U_max=rule.U_max,
         **verdict,
     )
+
+
+def _acceptance_interval(rule: Criterion, U: float | None) -> tuple[float | None, float | None]:
+    """The acceptance limits; none where U is so large that they would have changed sides."""
+    low, high = rule.accepted(U) if U else (math.nan, math.nan)
+    return (_finite(low), _finite(high)) if low <= high else (None, None)
 
 
 def _expanded_uncertainty(item: Item, limit: Limit, element: str) -> float | None:

@@ -7,6 +7,7 @@ from tasks.words import Message, message
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text
 
+NO_INTERVAL = "–"
 NEARLY_CERTAIN = 0.999  # a probability nearer to 1 or 0 is not told apart from it
 
 
@@ -36,9 +37,15 @@ def limits_text(limit: LimitDecision, exponent: int = 0) -> str:
     return interval_text(exact(limit.lower), exact(limit.upper), exponent)
 
 
+def nothing_accepted(limit: LimitDecision) -> bool:
+    """Whether U is so large that the guard bands leave no acceptance interval."""
+    guarded = bool(limit.guard_band_factor) and limit.U is not None
+    return guarded and limit.accept_lower is None and limit.accept_upper is None
+
+
 def accepted_edges(limit: LimitDecision) -> tuple[Decimal | None, Decimal | None] | None:
-    """The acceptance limits to the place of U; None where they are the limits."""
-    if not limit.guard_band_factor or limit.U is None:
+    """The acceptance limits to the place of U; None where they are the limits, or there is none."""
+    if not limit.guard_band_factor or limit.U is None or nothing_accepted(limit):
         return None
     place = round_up(limit.U, limit.k or USUAL_K)
     lower, upper = (
@@ -50,6 +57,8 @@ def accepted_edges(limit: LimitDecision) -> tuple[Decimal | None, Decimal | None
 
 def accepted_text(limit: LimitDecision, exponent: int = 0) -> str | None:
     """The acceptance limits, to the place of U; None where they are the limits."""
+    if nothing_accepted(limit):
+        return NO_INTERVAL
     edges = accepted_edges(limit)
     return interval_text(*edges, exponent) if edges else None
 

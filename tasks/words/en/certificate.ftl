@@ -212,6 +212,7 @@ certificate-marks =
     .absent = —: no limit is laid down; not determined: no value, the reason stands under the table
     .chance = the percentage under a verdict is the probability of conformity P_c
     .conditional = conditional: the value lies within U of a limit, or is accepted outside it (ILAC-G8:09/2019)
+    .nothing-accepted = AL –: U is larger than the guard bands allow, and leaves no acceptance interval
 certificate-see-remarks = The remarks below that prevent a pass: { $count }.
 certificate-remark = { $remark } [{ $segments }]
     .blocks = { $remark } This prevents a pass.

@@ -212,6 +212,7 @@ certificate-marks =
     .absent = “—”：未规定允许限；“未得”：未能得到该值，原因见表下
     .chance = 判定栏中的百分数为合格概率 P_c
     .conditional = “有条件”：值距允许限小于 U，或超出允许限而按规则接受（ILAC-G8:09/2019）
+    .nothing-accepted = AL –：U 过大，扣除保护带后没有接受区间
 certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 条。
 certificate-remark = { $remark } [{ $segments }]
     .blocks = { $remark }本条影响判定：不得判为合格。

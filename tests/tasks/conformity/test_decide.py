@@ -15,6 +15,7 @@ from schemas.station import MeasurementStandard
 from schemas.text import Remark, Statement
 from schemas.tolerance import Limit
 from tasks.conformity import decide, expired
+from tasks.conformity.limits import accepted_edges, accepted_text
 from tasks.conformity.reasons import conditional
 from tasks.words import say, statement
 
@@ -299,3 +300,13 @@ def test_a_pass_needs_every_element_inside_and_nothing_against_it(
     passed = decide(result, tolerance(bias_limit())).verdict == "pass"
     inside = [v is not None and abs(v) <= 0.05 for v in map(value.get, "xyz")]
     assert passed == (all(inside) and not blocked)
+
+
+def test_where_u_is_larger_than_the_guard_bands_allow_there_is_no_acceptance_interval() -> None:
+    decided = with_uncertainty(0.0, 0.056, rule="guard_band").limits[0]
+    assert decided.verdict == "inconclusive"
+    assert (decided.accept_lower, decided.accept_upper) == (None, None)
+    assert accepted_text(decided) == "–"
+    assert accepted_edges(decided) is None
+    exact_fit = with_uncertainty(0.0, 0.05, rule="guard_band").limits[0]
+    assert (exact_fit.accept_lower, exact_fit.accept_upper) == (0.0, 0.0)
