@@ -19,6 +19,8 @@ from tasks.words import Message, Sayable, message
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text
 
+MORE_PLACES = 12  # of decimals, up to which a value is written out to show that it is beyond
+
 
 def outside(limit: LimitDecision) -> Message:
     """A value that fails by its rule, with its uncertainty and the risk of having rejected it."""
@@ -129,12 +131,16 @@ def _risk(limit: LimitDecision) -> Sayable:
 
 
 def _value(limit: LimitDecision) -> str:
-    """The value rounded to the place of U; in full where that would hide what was decided."""
+    """The value rounded to the place of U; to as many more as show what was decided."""
     assert limit.value is not None  # else nothing was decided
-    full, rounded = Decimal(repr(limit.value)), round_like(limit.value, _rounded_U(limit))
+    full, place = Decimal(repr(limit.value)), _rounded_U(limit)
     intervals = ((limit.lower, limit.upper), (limit.accept_lower, limit.accept_upper))
-    same = all(_inside(rounded, *edges) == _inside(full, *edges) for edges in intervals)
-    return quantity_text(str(text(rounded if same else full)), limit.unit)
+    decided = [_inside(full, *edges) for edges in intervals]
+    for more in range(MORE_PLACES):
+        rounded = round_like(limit.value, place.scaleb(-more))
+        if [_inside(rounded, *edges) for edges in intervals] == decided:
+            return quantity_text(str(text(rounded)), limit.unit)
+    return quantity_text(str(text(full)), limit.unit)
 
 
 def _inside_limits(limit: LimitDecision) -> bool:

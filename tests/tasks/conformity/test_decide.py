@@ -220,8 +220,8 @@ def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | 
     )
 
 
-def test_a_failure_that_rounding_would_hide_is_given_in_full() -> None:
-    (x, *_) = with_uncertainty(0.0500004, 0.001).reasons
+def test_a_failure_that_rounding_would_hide_has_as_many_digits_as_show_it() -> None:
+    (x, *_) = with_uncertainty(0.0500004123456789, 0.001).reasons
     assert x == (
         "Gyro bias B_gx: 0.0500004 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s "
         "(conditional fail, false rejection 50.0 %)"
