@@ -5,10 +5,11 @@ from typing import Any
 from schemas.orders import OrderModel
 
 
-def carry_out(name: str, order: Any) -> Any:
-    """Carry out an order on a run: as a flow run where a Prefect server is named, else right here.
+def carry_out(name: str, order: Any, of: str) -> Any:
+    """Carry out an order: as a flow run where a Prefect server is named, else right here.
 
-    name: of the flow in `prefect_flows`, and of the function in `run_orders`.
+    name: of the flow in `prefect_flows`, and of the function in `run_orders`. of: the run or
+    certificate that it is about, as the operator is told.
     """
     from flows.prefect_server import server_named
 
@@ -17,7 +18,7 @@ def carry_out(name: str, order: Any) -> Any:
     from flows import run_orders
     from flows.progress import working
 
-    with working(f"{name} {order.run}"):
+    with working(f"{name} {of}"):
         return getattr(run_orders, name)(order)
 
 

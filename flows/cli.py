@@ -2,12 +2,12 @@
 
 import os
 import sys
-from typing import Any
 
 import typer
 from typer.exceptions import TyperException
 
 from flows import (
+    certificate_commands,
     correction_commands,
     explain_commands,
     history_commands,
@@ -30,6 +30,7 @@ app = typer.Typer(
     add_completion=False,
     rich_markup_mode=None,
 )
+app.add_typer(certificate_commands.app)
 app.add_typer(explain_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
@@ -114,7 +115,7 @@ def calibrate(
     from schemas.orders import CalibrateOrder, order_of
 
     order = order_of(CalibrateOrder, run=run, method=method, uncertainty=uncertainty, terms=terms)
-    calibration = carry_out("calibrate", order)
+    calibration = carry_out("calibrate", order, run)
     if as_json:
         print(calibration.model_dump_json(indent=1))
         return
@@ -136,13 +137,15 @@ def certify(
     budget: options.Budget = False,
     invalid_run: options.InvalidRun = False,
     terms: options.Terms = None,
+    by: options.Operator = None,
     as_json: options.Json = False,
 ) -> None:
-    """Decide on a run, and make the certificate.
+    """Decide on a run, and make the draft of its certificate.
 
-    An invalid run is refused.
+    It takes the place of the draft before it. An invalid run is refused.
     """
     from flows.carry_out import carry_out
+    from flows.print_certificate import print_certificate
     from schemas.orders import CertifyOrder, order_of
 
     certify_order = order_of(
@@ -158,8 +161,9 @@ def certify(
         budget=budget,
         invalid_run=invalid_run,
         terms=terms,
+        by=by,
     )
-    _print_issued(carry_out("certify", certify_order), as_json)
+    print_certificate(carry_out("certify", certify_order, run), as_json)
 
 
 @app.command()
@@ -197,39 +201,6 @@ def acquire(
         raise BrokenOff("; ".join(acquired.given_up))
     if not is_sound:
         raise typer.Exit(INVALID)
-
-
-def _print_issued(issued: Any, as_json: bool) -> None:
-    from flows.print_calibration import print_verdict
-    from flows.printing import print_json
-
-    certificate = issued.certificate
-    if as_json:
-        print_json(
-            {
-                "format": "mimu-certificate/1",
-                "number": certificate.number,
-                "verdict": certificate.decision.verdict,
-                "state": certificate.state,
-                "pdf": str(issued.pdf),
-                "dcc": None,
-                "record": str(issued.record),
-                "run": certificate.calibration.run,
-                "as_found": _as_found(certificate.as_found),
-                "due": certificate.due.isoformat(),
-                "reasons": list(certificate.decision.reasons),
-                "conditional": certificate.decision.marginal,
-                "decisions": [made.model_dump(mode="json") for made in certificate.decision.limits],
-            }
-        )
-        return
-    print_verdict(issued)
-
-
-def _as_found(found: Any) -> dict[str, Any] | None:
-    if found is None:
-        return None
-    return {"run": found.calibration.run, "verdict": found.decision.verdict}
 
 
 if __name__ == "__main__":

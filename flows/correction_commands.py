@@ -45,7 +45,7 @@ def apply(
     from schemas.orders import ApplyOrder
 
     order = ApplyOrder(calibration=result, run=recording, out=str(out))
-    corrected = carry_out("apply", order)
+    corrected = carry_out("apply", order, order.run)
     if as_json:
         print_json(
             {

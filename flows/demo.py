@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from flows.prefect_server import connect
-from flows.print_calibration import print_calibration, print_verdict
+from flows.print_calibration import print_calibration
+from flows.print_certificate import print_verdict
 from flows.print_validity import summary
 from flows.printing import print_rows
 from flows.progress import working
@@ -15,12 +16,10 @@ from flows.run_orders import procedure_of
 from schemas.orders import ProduceOrder
 from storage.home import Home, home
 from storage.whole_files import writing_in_home
-from tasks.stages.certify import Issued
-from tasks.stages.remind import due_within
+from tasks.stages.published import Published
 from tasks.station.virtual.config import truth, virtual_station
 from tasks.station.virtual.process import running
 
-DAYS_AHEAD = 800  # the demonstration's unit is due in a year, or in two
 SPEED, AHRS_SPEED = 60.0, 300.0  # what two cores keep up with: an AHRS sends less, and rests
 
 
@@ -41,15 +40,15 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
         from flows import prefect_flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write(station_file, station.model_dump_json(indent=1))
-        (issued,) = prefect_flows.run_now(
+        (draft,) = prefect_flows.run_now(
             prefect_flows.produce, order.model_copy(update=_certificate_files(ahrs))
         )
-    made = _made(issued, folder)
+    made = _made(draft, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
     if as_json:
         print(json.dumps(made, ensure_ascii=False, indent=1))
         return
-    _print(issued, made)
+    _print(draft, made)
 
 
 def _write(path: Path, text: str) -> None:
@@ -67,10 +66,11 @@ def _certificate_files(ahrs: bool) -> dict[str, str]:
     }
 
 
-def _made(issued: Issued, folder: Home) -> dict[str, Any]:
+def _made(draft: Published, folder: Home) -> dict[str, Any]:
     """What the demonstration made, as one JSON document."""
-    certificate, calibration = issued.certificate, issued.certificate.calibration
-    due = due_within(folder, DAYS_AHEAD)
+    certificate, calibration = draft.certificate, draft.certificate.calibration
+    named = certificate.manifest.unit
+    unit = (named.manufacturer, named.model, named.serial)
     return {
         "format": "mimu-demo/1",
         "run": calibration.run,
@@ -78,23 +78,23 @@ def _made(issued: Issued, folder: Home) -> dict[str, Any]:
         "verdict": certificate.decision.verdict,
         "certificate": certificate.number,
         "due": certificate.due.isoformat(),
-        "reminders": [{"unit": d.unit, "due": d.due.isoformat()} for d in due],
+        "reminders": [{"unit": " ".join(unit), "due": certificate.due.isoformat()}],
         "paths": {
             "raw": str(folder.raw / f"{calibration.digest}.mcap"),
             "columns": str(folder.columns / calibration.digest),
-            "certificate": str(issued.pdf),
-            "record": str(issued.record),
+            "certificate": str(draft.pdf),
+            "record": str(draft.record),
             "station": str(folder.demo / "station.json"),
             "truth": str(folder.demo / "truth.json"),
         },
     }
 
 
-def _print(issued: Issued, made: dict[str, Any]) -> None:
-    print_calibration(issued.certificate.calibration)
-    print_verdict(issued)
+def _print(draft: Published, made: dict[str, Any]) -> None:
+    print_calibration(draft.certificate.calibration)
+    print_verdict(draft)
     reminders = [(due["unit"], due["due"]) for due in made["reminders"]]
-    print_rows("Recalibration", ("unit", "due"), reminders)
+    print_rows("Recalibration, once it is issued", ("unit", "due"), reminders)
     for name, path in made["paths"].items():
         print(f"{name:<12} {path}")
     print(f"{made['seconds']} s")

@@ -27,7 +27,7 @@ def explain(
         calibration=calibration,
         simulated=str(simulated) if simulated else None,
     )
-    explained = carry_out("explain", order)
+    explained = carry_out("explain", order, order.run)
     if as_json:
         print(explained.discrepancy.model_dump_json(indent=1))
         return
@@ -51,7 +51,7 @@ def simulate(
     from schemas.orders import SimulateOrder
 
     order = SimulateOrder(run=run, out=str(out), calibration=calibration)
-    simulation = carry_out("simulate", order)
+    simulation = carry_out("simulate", order, order.run)
     if as_json:
         from flows.printing import print_json
 

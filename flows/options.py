@@ -58,6 +58,22 @@ InvalidRun = Annotated[
     bool,
     typer.Option("--invalid-run", help="Report an invalid run too, without any verdict."),
 ]
+BY = "Who does it; default: MIMUCAL_USER."
+DRAFTED_BY = "Who drafts it; default: MIMUCAL_USER, else the laboratory's operator."
+USER = "MIMUCAL_USER"
+Certificate = Annotated[
+    str, typer.Argument(metavar="CERTIFICATE", help="Its number, or the key of a draft.")
+]
+By = Annotated[str | None, _option("NAME", BY, envvar=USER, show_envvar=False)]
+Operator = Annotated[
+    str | None, _option("NAME", DRAFTED_BY, "--by", envvar=USER, show_envvar=False)
+]
+Reason = Annotated[str | None, _option("TEXT", "What stands beside the step in the trail.")]
+Why = Annotated[str, _option("TEXT", "Why; it stands in the trail, and on an amendment.")]
+AmendedRun = Annotated[
+    str | None, _option("RUN", "Another run on which it stands; default: that of before.", "--run")
+]
+TrailForm = Annotated[str, _option("FORM", "table, csv or jsonl.", "--as")]
 Tolerance = Annotated[str | None, _option("FILE", "Limits of the product model (TOML or JSON).")]
 Laboratory = Annotated[str | None, _option("FILE", "The laboratory (TOML or JSON).")]
 Order = Annotated[str | None, _option("FILE", "The client's order (TOML or JSON).")]

@@ -26,23 +26,27 @@ from schemas.calibration import Calibration
 from schemas.history import Reprocessing
 from schemas.orders import (
     AcquireOrder,
+    AmendOrder,
     ApplyOrder,
     CalibrateOrder,
     CertifyOrder,
+    CheckOrder,
     ExplainOrder,
+    IssueOrder,
     OrderModel,
     ProduceOrder,
     RemindOrder,
     ReprocessOrder,
     SimulateOrder,
+    WithdrawOrder,
 )
 from storage.catalogue.certificates import Due
 from tasks.conformity.limits import verdict_title
 from tasks.stages.acquire import AcquiredRuns
 from tasks.stages.certificate_inputs import read_inputs
-from tasks.stages.certify import Issued
 from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
+from tasks.stages.published import Published
 from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
@@ -75,17 +79,17 @@ def acquire(order: AcquireOrder) -> AcquiredRuns:
 
 
 @flow(name="produce", flow_run_name="produce on {order.station}")
-def produce(order: ProduceOrder) -> tuple[Issued, ...]:
-    """Acquire a run from a station, estimate every item, decide, publish each unit's certificate.
+def produce(order: ProduceOrder) -> tuple[Published, ...]:
+    """Acquire a run from a station, estimate every item, decide, draft each unit's certificate.
 
     Raises BrokenOff for units that were given up, when the others have theirs.
     """
     read_inputs(order)  # bad files are refused before it turns
     acquired = acquire(order)
-    issued = tuple(certify(order.certify(run.id)) for run, _ in acquired.kept)
+    drafts = tuple(certify(order.certify(run.id)) for run, _ in acquired.kept)
     if acquired.given_up:
         raise BrokenOff("; ".join(acquired.given_up))
-    return issued
+    return drafts
 
 
 @flow(name="calibrate", flow_run_name="calibrate {order.run}")
@@ -119,13 +123,33 @@ def apply(order: ApplyOrder) -> Corrected:
 
 
 @flow(name="certify", flow_run_name="certify {order.run}")
-def certify(order: CertifyOrder) -> Issued:
-    """Estimate, decide and publish the certificate of a run."""
-    issued = run_orders.certify(order)
-    with suppress(TransportError):
-        _show_items(issued.certificate.calibration)
-        _show_certificate(issued)
-    return issued
+def certify(order: CertifyOrder) -> Published:
+    """Estimate, decide and draft the certificate of a run."""
+    return _shown(run_orders.certify(order))
+
+
+@flow(name="check", flow_run_name="check {order.certificate}")
+def check(order: CheckOrder) -> Published:
+    """Note that a person checked the draft of a certificate."""
+    return run_orders.check(order)
+
+
+@flow(name="issue", flow_run_name="issue {order.certificate}")
+def issue(order: IssueOrder) -> Published:
+    """Issue a checked certificate under the laboratory's next number."""
+    return _shown(run_orders.issue(order))
+
+
+@flow(name="amend", flow_run_name="amend {order.certificate}")
+def amend(order: AmendOrder) -> Published:
+    """Draft a certificate in the place of an issued one."""
+    return _shown(run_orders.amend(order))
+
+
+@flow(name="withdraw", flow_run_name="withdraw {order.certificate}")
+def withdraw(order: WithdrawOrder) -> Published:
+    """Withdraw an issued certificate."""
+    return run_orders.withdraw(order)
 
 
 @flow(name="reprocess")
@@ -181,17 +205,20 @@ def _show_changes(report: Reprocessing) -> None:
     )
 
 
-def _show_certificate(issued: Issued) -> None:
-    """The verdict, why, and where the certificate lies, as a Prefect artifact."""
-    certificate = issued.certificate
+def _shown(published: Published) -> Published:
+    """The certificate, with its items, verdict, reasons and place as Prefect artifacts."""
+    certificate = published.certificate
     verdict = say(verdict_title(certificate.decision), "en")
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)
-    create_markdown_artifact(
-        key="certificate",
-        markdown=f"# {certificate.number}: {verdict}\n\n{reasons}\n\n"
-        f"Recalibration due {certificate.due}. PDF: `{issued.pdf}`",
-        description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
-    )
+    with suppress(TransportError):
+        _show_items(certificate.calibration)
+        create_markdown_artifact(
+            key="certificate",
+            markdown=f"# {certificate.number}: {verdict} ({published.state})\n\n{reasons}\n\n"
+            f"Recalibration due {certificate.due}. PDF: `{published.pdf}`",
+            description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
+        )
+    return published
 
 
 def _show_discrepancy(explained: Explained) -> None:

@@ -1,6 +1,4 @@
-"""What the command line prints of a calibration and of the verdict on it."""
-
-from typing import TYPE_CHECKING
+"""What the command line prints of a calibration."""
 
 from rich.console import Console
 from rich.table import Table
@@ -9,16 +7,10 @@ from rich.text import Text
 from flows.print_validity import WORDS
 from flows.printing import stdout
 from schemas.calibration import Calibration, Information, Item
-from schemas.decision import Verdict
 from tasks.specifications.items import item_title
 from tasks.words import say
 from tasks.words.rounding import column
 from tasks.words.units import unit_text
-
-if TYPE_CHECKING:
-    from tasks.stages.certify import Issued
-
-COLOURS: dict[Verdict, str] = {"pass": "green", "fail": "red", "inconclusive": "yellow"}
 
 
 def print_calibration(calibration: Calibration) -> None:
@@ -76,22 +68,3 @@ def _add_item(table: Table, name: str, item: Item | Information) -> None:
             power + unit_text(item.unit),
             end_section=row == len(item.value) - 1,
         )
-
-
-def print_verdict(issued: "Issued") -> None:
-    """The verdict, a line for what fails, is open or conditional, the due date, the files."""
-    from tasks.conformity.limits import verdict_title  # late: a calibration prints without it
-    from tasks.conformity.reasons import conditional
-
-    certificate, console = issued.certificate, stdout()
-    decision = certificate.decision
-    verdict = f"[bold {COLOURS[decision.verdict]}]{say(verdict_title(decision), 'en')}[/]"
-    console.print(f"{certificate.number}: {verdict} ({certificate.state})")
-    for reason in (
-        *decision.reasons,
-        *(say(condition, "en") for condition in conditional(decision)),
-    ):
-        console.print(f"  {reason}", markup=False)
-    console.print(f"recalibration due {certificate.due}")
-    print(issued.pdf)
-    print(issued.record)

@@ -12,13 +12,17 @@ from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
 from schemas.orders import (
     AcquireOrder,
+    AmendOrder,
     ApplyOrder,
     CalibrateOrder,
     CertifyOrder,
+    CheckOrder,
     ExplainOrder,
+    IssueOrder,
     OrderModel,
     ReprocessOrder,
     SimulateOrder,
+    WithdrawOrder,
 )
 from schemas.procedure import Procedure
 from schemas.station import StationFile
@@ -29,11 +33,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from schemas.calibration import Calibration
+    from schemas.certificate import Replaced
     from schemas.history import Reprocessing
+    from schemas.orders import Estimation
     from tasks.stages.acquire import AcquiredRuns
-    from tasks.stages.certify import Issued
+    from tasks.stages.certificate_inputs import CertificateInputs
     from tasks.stages.correct import Corrected
     from tasks.stages.explain import Explained
+    from tasks.stages.published import Published
     from tasks.stages.simulate import Simulated
     from tasks.station.ports import Ask
 
@@ -98,23 +105,63 @@ def apply(order: ApplyOrder) -> "Corrected":
     return apply_correction(run_of(order.run, place), place, order)
 
 
-def certify(order: CertifyOrder) -> "Issued":
-    """Estimate, decide and publish the certificate of a run. Bad files are refused first.
+def certify(order: CertifyOrder) -> "Published":
+    """Estimate, decide and draft the certificate of a run. Bad files are refused first.
 
     A result with terms taken off comes on a certificate only if they are ordered here.
     """
-    from tasks.stages import certify as stage
     from tasks.stages.certificate_inputs import read_inputs
+
+    return _certified(home_of(order), order.run, order.as_found, order, read_inputs(order))
+
+
+def amend(order: AmendOrder) -> "Published":
+    """Draft the certificate that comes in the place of an issued one."""
+    from tasks.stages.amend import amendment
+
+    place = home_of(order)
+    new = amendment(order, place)
+    return _certified(place, new.run, new.as_found, new.how, new.inputs, new.replaces)
+
+
+def _certified(
+    place: Home,
+    run_reference: str,
+    found_reference: str | None,
+    how: "Estimation",
+    inputs: "CertificateInputs",
+    replaces: "Replaced | None" = None,
+) -> "Published":
+    from tasks.stages import certify as stage
     from tasks.stages.estimate import estimate
     from tasks.stages.import_recording import run_of
 
-    place = home_of(order)
-    inputs = read_inputs(order)
-    run = run_of(order.run, place)
-    found = run_of(order.as_found, place) if order.as_found is not None else None
-    calibration = estimate(run, place, order, inputs.laboratory)
-    as_found = (found, estimate(found, place, order, inputs.laboratory)) if found else None
-    return stage.certify(run, calibration, place, inputs, as_found)
+    run = run_of(run_reference, place)
+    found = run_of(found_reference, place) if found_reference is not None else None
+    calibration = estimate(run, place, how, inputs.laboratory)
+    as_found = (found, estimate(found, place, how, inputs.laboratory)) if found else None
+    return stage.certify(run, calibration, place, inputs, as_found, replaces)
+
+
+def check(order: CheckOrder) -> "Published":
+    """Note that a person checked a draft."""
+    from tasks.stages import issue as stage
+
+    return stage.check(order.certificate, home_of(order), order.by, order.reason)
+
+
+def issue(order: IssueOrder) -> "Published":
+    """Issue a checked certificate under a number."""
+    from tasks.stages import issue as stage
+
+    return stage.issue(order.certificate, home_of(order), order.by, order.reason)
+
+
+def withdraw(order: WithdrawOrder) -> "Published":
+    """Withdraw an issued certificate."""
+    from tasks.stages import issue as stage
+
+    return stage.withdraw(order.certificate, home_of(order), order.by, order.why)
 
 
 def reprocess(

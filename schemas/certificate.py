@@ -15,6 +15,8 @@ from schemas.station import LimitShape, MeasurementStandard
 
 MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
+DEFAULT_PREFIX = "MIMU"
+DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 StepName = Literal["draft", "check", "issue"]
 LimitName = Literal[
@@ -54,8 +56,8 @@ class Laboratory(Frozen):
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
     party: Party
-    certificate_prefix: str = "MIMU"
-    number_scheme: str = "{prefix}-{year}-{serial:04d}"
+    certificate_prefix: str = DEFAULT_PREFIX
+    number_scheme: str = DEFAULT_SCHEME
     separate_persons: bool = True
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)

@@ -10,7 +10,7 @@ import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, tables
+from storage.catalogue import certificates, database, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, all_runs
 from storage.catalogue.results import calibration_of, result_id
@@ -18,10 +18,11 @@ from storage.catalogue.runs import from_columns, raw_path
 from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
+from storage.verify_trail import RESTORE, against_trail, number_gaps
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
+ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
-RESTORE = "bring the catalogue back from a backup"
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 
 Progress = Callable[[int, int], None]
@@ -40,8 +41,9 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Stor
     """Reads everything in the store again; gives how many things were checked, and the faults.
 
     Raw recordings and columns against their digest, results against their id and their run,
-    PDFs and records against the SHA-256 kept at issue, records against the result they print,
-    files that the catalogue does not know, and acquisitions that were broken off.
+    PDFs, DCCs and records against the SHA-256 kept with them and in the trail, records against the
+    result they print, the trail and the series of numbers for gaps and edits, files that the
+    catalogue does not know, and acquisitions that were broken off.
     `progress(done, total)` is called after each.
     """
     checks = list(_checks(home))
@@ -67,10 +69,13 @@ def _checks(home: Home) -> Iterator[Check]:
     for (result,) in database.rows(home, sql.select(tables.results.c.id)):
         yield f"result {result}", partial(_result, result, digests, home)
     for entry in register:
-        pdf, record = home.path / entry.pdf, home.path / entry.record
-        yield pdf, partial(_unchanged, pdf, entry.pdf_sha256)
-        yield record, partial(_unchanged, record, entry.record_sha256)
+        for name, sha256 in entry.files.items():
+            yield home.path / name, partial(_unchanged, home.path / name, sha256)
         yield f"certificate {entry.number}", partial(_record, entry, home)
+    if register or trail.entries(home):
+        yield "trail", partial(trail.faults, home)
+        yield "certificates in the trail", partial(against_trail, home)
+        yield "numbers of certificates", partial(number_gaps, home)
     for path, why in (*_unknown_files(home, runs, register), *_abandoned(home)):
         yield path, partial(iter, (why,))
 
@@ -135,10 +140,15 @@ def _unchanged(path: Path, expected: str) -> Iterator[str]:
 
 
 def _record(entry: Entry, home: Home) -> Iterator[str]:
-    """Whether the record says what the register says, and what the result that it prints does."""
+    """Whether the record says what the register says, and what the result that it prints does.
+
+    What became of a certificate after its issue stands in the register alone.
+    """
     record = record_of(entry, home)
+    since = entry.state in ("amended", "withdrawn")
+    state = record.state if since else entry.state
     of_record = (record.number, record.state, record.decision.verdict, record.due)
-    if of_record != (entry.number, entry.state, entry.verdict, entry.due):
+    if of_record != (entry.number, state, entry.verdict, entry.due):
         yield (
             "the register and the record differ in number, state, verdict or due date; "
             f"believe the record, and {RESTORE}"
@@ -158,8 +168,11 @@ def _record(entry: Entry, home: Home) -> Iterator[str]:
 def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterator[Found]:
     known = {raw_path(run.digest, home) for run in runs}
     known |= {home.columns / run.digest for run in runs}
-    known |= {home.path / name for entry in register for name in (entry.pdf, entry.record)}
-    for folder in (home.raw, home.columns, home.certificates):
+    known |= {home.path / name for entry in register for name in entry.files}
+    for path in sorted(home.certificates.glob("*")):
+        if path not in known and _age_s(path) > ISSUE_S:
+            yield path, "no certificate in the catalogue has it; move it away"
+    for folder in (home.raw, home.columns):
         for path in sorted(folder.glob("*")):
             if path in known:
                 continue

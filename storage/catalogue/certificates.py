@@ -1,9 +1,6 @@
-"""Certificates in the store: numbered once, never changed, and when their units come back."""
+"""The register of certificates: what it says of each, their records, and when units come back."""
 
-import hashlib
-import re
-from datetime import UTC, date, datetime
-from pathlib import Path
+from datetime import date
 
 import sqlalchemy as sql
 from pydantic import ValidationError
@@ -11,16 +8,17 @@ from pydantic import ValidationError
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, State
 from schemas.decision import Verdict
-from storage.catalogue import database, lineage, numbers, tables
+from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run
-from storage.catalogue.results import add_result
-from storage.catalogue.runs import unit_id
 from storage.home import Home
-from storage.whole_files import write_once
 
 
 class Entry(Frozen):
-    """A certificate's line in the register. `pdf` and `record` are paths within the home."""
+    """A certificate's line in the register. `pdf`, `dcc` and `record` are paths within the home.
+
+    number: of a draft its key; draft: the key under which it was issued. purpose: null for what
+    an earlier version made. supersedes: the number of the certificate that this one amends.
+    """
 
     number: str
     result: str
@@ -37,8 +35,18 @@ class Entry(Frozen):
     pdf_sha256: str
     record: str
     record_sha256: str
+    dcc: str | None
+    dcc_sha256: str | None
+    purpose: str | None
+    draft: str | None
     supersedes: str | None
     why: str | None
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The SHA-256 of each of its files, by the path within the home."""
+        kept = {self.pdf: self.pdf_sha256, self.record: self.record_sha256}
+        return kept | ({self.dcc: self.dcc_sha256} if self.dcc and self.dcc_sha256 else {})
 
 
 class Due(Frozen):
@@ -48,64 +56,6 @@ class Due(Frozen):
     certificate: str
     due: date
     state: State
-
-
-def reserve_number(home: Home, prefix: str, year: int) -> str:
-    """The next certificate number, like MIMU-2026-0001; it is never given again.
-
-    A certificate that then fails leaves a gap. Raises Unusable for a prefix that cannot be
-    part of a file name.
-    """
-    _check_name(prefix, "The certificate prefix")
-    with database.changing(home) as connection:
-        series = numbers.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
-        return numbers.next_number(connection, series)
-
-
-def save(
-    certificate: Certificate,
-    pdf: bytes,
-    home: Home,
-    *,
-    supersedes: str | None = None,
-    why: str | None = None,
-) -> tuple[Path, Path]:
-    """Keeps a certificate and gives the paths of its PDF and of its record (JSON).
-
-    Its calibration is kept as a result, if it is not yet. `supersedes`: the number of the
-    certificate that this one amends or withdraws, and `why`. The same again changes nothing;
-    raises Unusable for other content under a number that is taken.
-    """
-    _check_name(certificate.number, "The certificate number")
-    record = certificate.model_dump_json(indent=1).encode()
-    pdf_name, record_name = (f"certificates/{certificate.number}{s}" for s in (".pdf", ".json"))
-    with database.changing(home) as connection:
-        _check_supersedes(connection, certificate, supersedes, why)
-        write_once(home.path / pdf_name, pdf)
-        write_once(home.path / record_name, record)
-        database.add_new(
-            connection,
-            tables.certificates,
-            number=certificate.number,
-            result=_result(connection, certificate),
-            run=certificate.calibration.run,
-            unit=unit_id(connection, certificate.manifest.unit),
-            state=certificate.state,
-            verdict=certificate.decision.verdict,
-            calibrated_on=certificate.calibrated_on,
-            issued_on=certificate.issued_on,
-            due=certificate.due,
-            kept_at=datetime.now(UTC),
-            pdf=pdf_name,
-            pdf_sha256=hashlib.sha256(pdf).hexdigest(),
-            record=record_name,
-            record_sha256=hashlib.sha256(record).hexdigest(),
-            supersedes=supersedes,
-            why=why,
-        )
-        run, standards = certificate.calibration.run, standards_of(certificate)
-        lineage.add_equipment(connection, run, certificate.number, standards)
-    return home.path / pdf_name, home.path / record_name
 
 
 def standards_of(certificate: Certificate) -> list[lineage.Used]:
@@ -141,10 +91,15 @@ def found_of(entry: Entry, home: Home) -> str | None:
 
 def find(number: str, home: Home) -> Certificate:
     """The record of a certificate; raises Unusable when there is none or it was damaged."""
+    return record_of(entry_of(number, home), home)
+
+
+def entry_of(number: str, home: Home) -> Entry:
+    """The line of the register with a number, or a draft's key; raises Unusable for none."""
     entries = _register(home, tables.certificates.c.number == number)
     if not entries:
         raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
-    return record_of(entries[0], home)
+    return entries[0]
 
 
 def record_of(entry: Entry, home: Home) -> Certificate:
@@ -161,17 +116,14 @@ def record_of(entry: Entry, home: Home) -> Certificate:
 
 
 def due(home: Home, until: date) -> list[Due]:
-    """Units whose newest valid certificate falls due by a day, the longest overdue first.
+    """Units whose newest issued certificate falls due by a day, the longest overdue first.
 
-    Valid: neither withdrawn nor superseded by another. Newest: by the day of calibration (of
-    issue, where that is unknown), then of issue. Drafts count.
+    Newest: by the day of calibration (of issue, where that is unknown), then of issue. Neither
+    drafts count nor what was amended or withdrawn.
     """
-    entries = register(home)
-    superseded = {entry.supersedes for entry in entries}
     newest: dict[tuple[str, str, str], Entry] = {}
-    for entry in sorted(entries, key=_age):
-        if entry.number not in superseded and entry.state != "withdrawn":
-            newest[entry.manufacturer, entry.model, entry.serial] = entry
+    for entry in sorted(_register(home, tables.certificates.c.state == "issued"), key=_age):
+        newest[entry.manufacturer, entry.model, entry.serial] = entry
     lines = [
         Due(unit=" ".join(unit), certificate=entry.number, due=entry.due, state=entry.state)
         for unit, entry in newest.items()
@@ -187,37 +139,3 @@ def _age(entry: Entry) -> tuple[date, date]:
 def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:
     table = tables.certificates
     return database.with_units(home, Entry, table, which, table.c.kept_at)
-
-
-def _check_name(text: str, what: str) -> None:
-    if not re.fullmatch(r"\w[\w.-]{0,63}", text):
-        raise Unusable(
-            f"{what} is {text!r}; it becomes a file name, so use letters, digits, dots, hyphens "
-            "and underscores (laboratory.toml: certificate_prefix)."
-        )
-
-
-def _check_supersedes(
-    connection: sql.Connection, certificate: Certificate, supersedes: str | None, why: str | None
-) -> None:
-    if supersedes is None:
-        return
-    if not why:
-        raise Unusable(f"Certificate {certificate.number} supersedes {supersedes}; say why.")
-    table = tables.certificates.c
-    older = sql.select(table.number).where(table.number == supersedes).with_for_update()
-    if connection.execute(older).one_or_none() is None:
-        raise Unusable(f"There is no certificate {supersedes!r} to supersede; see the register.")
-    newer = connection.scalar(sql.select(table.number).where(table.supersedes == supersedes))
-    if newer not in (None, certificate.number):
-        raise Unusable(f"{supersedes} is already superseded by {newer}; supersede that one.")
-
-
-def _result(connection: sql.Connection, certificate: Certificate) -> str:
-    """The result that the certificate prints, which need not be the latest any more."""
-    table, document = tables.results.c, certificate.calibration.model_dump_json()
-    same = sql.select(table.id).where(
-        table.run == certificate.calibration.run, table.document == document
-    )
-    kept = connection.scalars(same.order_by(table.made_at.desc())).first()
-    return kept or add_result(connection, certificate.calibration, None)

@@ -56,14 +56,17 @@ def with_units(
     moment: sql.ColumnElement[Any],
 ) -> list[Model]:
     """Rows of a table of units' things, in the order of a moment, with the fields of a model."""
+    found = rows(home, of_units(model, table, which).order_by(moment, *table.primary_key))
+    return [model.model_validate(row, from_attributes=True) for row in found]
+
+
+def of_units(
+    model: type[Model], table: sql.Table, which: sql.ColumnElement[bool]
+) -> sql.Select[Any]:
+    """The query for the fields of a model, from a table of units' things and their units."""
     columns = {column.name: column for column in (*units.c, *table.c)}
-    statement = (
-        sql.select(*(columns[name] for name in model.model_fields))
-        .join_from(table, units)
-        .where(which)
-        .order_by(moment, *table.primary_key)
-    )
-    return [model.model_validate(row, from_attributes=True) for row in rows(home, statement)]
+    asked = sql.select(*(columns[name] for name in model.model_fields))
+    return asked.join_from(table, units).where(which)
 
 
 def newest_results() -> sql.ColumnElement[bool]:

@@ -36,8 +36,9 @@ def next_number(connection: sql.Connection, series: str) -> str:
 
 def missing(home: Home) -> Iterator[str]:
     """The numbers that were given and are not in the register."""
+    given_by = database.rows(home, sql.select(tables.series))  # first: others may go on issuing
     held = {row.number for row in database.rows(home, sql.select(tables.certificates.c.number))}
-    for series in database.rows(home, sql.select(tables.series)):
+    for series in given_by:
         given = range(series.before + 1, series.last + 1)
         numbers = (series.pattern.format(serial=serial) for serial in given)
         yield from (number for number in numbers if number not in held)

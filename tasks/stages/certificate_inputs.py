@@ -24,7 +24,7 @@ class CertificateInputs:
 
     calibrated_on: the day of calibration, for a recording that does not say when it was made.
     budget: whether the certificate prints the uncertainty budgets. invalid_run: whether a run that
-    is invalid is reported all the same, without a verdict on any element.
+    is invalid is reported all the same, without a verdict on any element. by: who drafts it.
     """
 
     tolerance: Tolerance | None = None
@@ -33,6 +33,7 @@ class CertificateInputs:
     calibrated_on: date | None = None
     budget: bool = False
     invalid_run: bool = False
+    by: str | None = None
 
 
 class ManifestFields(BaseModel):
@@ -51,6 +52,7 @@ def read_inputs(options: CertificateOptions) -> CertificateInputs:
         options.calibrated_on,
         options.budget,
         options.invalid_run,
+        options.by,
     )
 
 
@@ -69,8 +71,14 @@ def manifest_fields(extra: dict[str, object], run: Run) -> ManifestFields:
         ) from error
 
 
-def tolerance_of(given: Tolerance | None, run: Run, unit: Unit, home: Home) -> Tolerance | None:
-    """The limits given, else those of the home; Unusable where they are of another model."""
+def tolerance_of(inputs: CertificateInputs, run: Run, unit: Unit, home: Home) -> Tolerance | None:
+    """The limits given, else those of the home; Unusable where they are of another model.
+
+    None where the order asks for no statement of conformity.
+    """
+    given = inputs.tolerance
+    if inputs.order and not inputs.order.conformity:
+        return None
     if given is None:
         return settings.tolerance_for(unit.manufacturer, unit.model, home)
     if not settings.same_model(given, unit.manufacturer, unit.model):
@@ -101,6 +109,11 @@ def check_order(order: Order | None, calibrated_on: date | None) -> None:
             f"the order says received = {order.received}, which is after the calibration of "
             f"{calibrated_on}: correct the order"
         )
+
+
+def day_of_moment(now: datetime) -> date:
+    """The day of a moment where this program runs."""
+    return now.astimezone().date()
 
 
 def day_of(moment: datetime | date | None) -> date | None:

@@ -1,43 +1,32 @@
 """Stage: the result is held against the limits, and a certificate is made."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from datetime import date, datetime
-from pathlib import Path
+from datetime import UTC, date, datetime
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration
-from schemas.certificate import AsFound, Certificate
+from schemas.calibration import Calibration, Method
+from schemas.certificate import AsFound, Certificate, Order, Replaced, Step
 from schemas.decision import Decision
 from storage import settings
-from storage.catalogue import certificates, runs
+from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks import conformity, reminders
-from tasks.certificate.pdf import render
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.certificate_inputs import (
     CertificateInputs,
     check_order,
     day_of,
     day_of_calibration,
+    day_of_moment,
     manifest_fields,
     tolerance_of,
 )
+from tasks.stages.draft import DRAFT, keep_draft
+from tasks.stages.published import Published
 from tasks.stages.stage import stage
 from tasks.validation import record
 from tasks.words import statement
-
-DEFAULT_PREFIX = "MIMU"
-
-
-@dataclass(frozen=True)
-class Issued:
-    """A certificate and where it lies."""
-
-    certificate: Certificate
-    pdf: Path
-    record: Path
 
 
 @stage("decide and publish")
@@ -47,23 +36,26 @@ def certify(
     home: Home,
     inputs: CertificateInputs,
     as_found: tuple[Run, Calibration] | None = None,
-) -> Issued:
-    """Decide on the unit and publish a draft certificate; the due date enters the catalogue.
+    replaces: Replaced | None = None,
+) -> Published:
+    """Decide on the unit and keep a draft certificate, in the place of the one before it.
 
     Limits and laboratory come from the home where they are not given. The certificate stays a
-    draft until persons have signed it. as_found: of the unit before it was adjusted, decided by
-    the same limits. Dates are days where this program runs. Its number is reserved when nothing
-    can be refused any more. Raises Unusable for an invalid run, unless its report is asked for.
+    draft, without a number, until one person has checked and another has issued it. as_found: of
+    the unit before it was adjusted, decided by the same limits. replaces: the certificate that this
+    one amends. Dates are days where this program runs. Raises Unusable for an invalid run, unless
+    its report is asked for.
     """
     _check_run(run, calibration, inputs)
     manifest = runs.load(run, home).manifest
     free = manifest_fields(manifest.model_extra or {}, run)
-    tolerance = tolerance_of(inputs.tolerance, run, manifest.unit, home)
+    tolerance = tolerance_of(inputs, run, manifest.unit, home)
     laboratory = inputs.laboratory or settings.laboratory(home)
     if laboratory and not laboratory.equipment:
         laboratory = laboratory.model_copy(update={"equipment": free.equipment})
     equipment = laboratory.equipment if laboratory else free.equipment
-    order, today = inputs.order, date.today()
+    order, now = inputs.order, datetime.now(UTC)
+    today = day_of_moment(now)
     calibrated_on = day_of_calibration(free, inputs, run)
     check_order(order, calibrated_on)
     validated = settings.validation(home) or record.shipped()
@@ -76,15 +68,15 @@ def certify(
     decision = decide(calibration)
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)
     named = statement(record.named(validated, calibration))
-    usual = SPECIFICATIONS[calibration.method].interval_months
-    months = (order.interval_months if order else None) or usual
-    prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
+    operator = inputs.by or (laboratory.operator if laboratory else None)
+    reason = replaces.why if replaces else None
+    drafted = Step(step="draft", person=operator, at=now, reason=reason) if operator else None
     certificate = Certificate(
-        number=certificates.reserve_number(home, prefix, today.year),
+        number=DRAFT,
         state="draft",
         calibrated_on=calibrated_on,
         issued_on=today,
-        due=reminders.due_date(calibrated_on or today, months),
+        due=due_date(calibrated_on or today, order, calibration.method),
         laboratory=laboratory,
         order=order,
         manifest=manifest,
@@ -93,9 +85,16 @@ def certify(
         as_found=found,
         budgets=inputs.budget,
         validation=(named.en, named.zh),
+        steps=(drafted,) if drafted else (),
+        replaces=replaces,
     )
-    pdf, kept = certificates.save(certificate, render(certificate), home)
-    return Issued(certificate, pdf, kept)
+    return keep_draft(certificate, home, now)
+
+
+def due_date(from_day: date, order: Order | None, method: Method) -> date:
+    """When a unit comes back that was calibrated on a day: as ordered, else as is usual."""
+    usual = SPECIFICATIONS[method].interval_months
+    return reminders.due_date(from_day, (order.interval_months if order else None) or usual)
 
 
 def _as_found(

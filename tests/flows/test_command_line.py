@@ -68,7 +68,7 @@ def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
     assert by_id.out == by_path.out
 
 
-def test_certify_decides_and_leaves_a_certificate_and_a_reminder(
+def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
     mimucal, plant_on_earth, tmp_path
 ) -> None:
     tolerance = tmp_path / "limits.toml"
@@ -83,11 +83,22 @@ def test_certify_decides_and_leaves_a_certificate_and_a_reminder(
     assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
     assert Path(done.json["pdf"]).read_bytes().startswith(b"%PDF")
     assert json.loads(Path(done.json["record"]).read_text())["number"] == done.json["number"]
+    assert mimucal("remind", "--within", 370, "--json").json["due"] == []
+    again = mimucal("certify", plant_on_earth, "--tolerance", tolerance, "--by", "Wang")
+    key = done.json["number"]
+    assert f"next: mimucal check {key} --by NAME, then mimucal issue {key} --by NAME" in again.out
+    assert mimucal("check", key, "--by", "Li", "--json").json["state"] == "checked"
+    issued = mimucal("issue", key, "--by", "Zhao", "--json").json
+    assert issued["state"] == "issued"
     due = mimucal("remind", "--within", 370, "--json").json["due"]
-    assert [d["certificate"] for d in due] == [done.json["number"]]
+    assert [d["certificate"] for d in due] == [issued["number"]]
     assert mimucal("remind", "--within", 30, "--json").json["due"] == []
     checked = mimucal("verify", "--json")
     assert (checked.code, checked.json["faults"]) == (0, [])
+    why = ("--why", "the client's address", "--by", "Wang")
+    amended = mimucal("amend", issued["number"], *why, "--tolerance", tolerance, "--json").json
+    assert (amended["number"], amended["verdict"]) == (key, "pass")
+    assert amended["replaces"]["number"] == issued["number"]
 
 
 def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
@@ -354,7 +365,6 @@ def test_text_of_a_recording_is_printed_as_it_is(mimucal, copied, text: str) -> 
         ("runs",),
         ("show", text),
         ("certify", text, "--invalid-run"),
-        ("remind", "--within", 400),
     ):
         done = mimucal(*command)
         assert done.code == 0, done.err

@@ -11,8 +11,9 @@ import pytest
 from schemas.certificate import Certificate
 from schemas.decision import Decision
 from schemas.recording import Manifest, Recording
-from storage.catalogue import certificates, listing, results, runs
+from storage.catalogue import listing, results, runs
 from storage.home import Home
+from tests.keep import keep
 
 TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1″", "certificate": "C1"}
 
@@ -41,7 +42,7 @@ def certified(home: Home, run: str, number: str, **more: Any) -> None:
         "calibration": results.of_run(kept, home)[-1].calibration,
         "decision": Decision(verdict="inconclusive", rule="simple", document=None, limits=()),
     }  # fmt: skip
-    certificates.save(Certificate.model_validate(fields | more), b"", home)
+    keep(Certificate.model_validate(fields | more), home)
 
 
 def test_runs_results_and_certificates_of_the_time_are_named_and_no_others(

@@ -12,9 +12,11 @@ from pathlib import Path
 import pytest
 
 from schemas.station import StationFile
+from storage.home import Home
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.process import running
 from tasks.station.virtual.unit import draw_unit
+from tests.drafts import draft
 
 pytestmark = pytest.mark.real_time
 
@@ -249,3 +251,25 @@ def test_stage_is_tried_again_when_another_process_held_the_catalogue(
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "BUSY 1 r" in done.stdout
+
+
+def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(
+    own_home, prefect_server
+) -> None:
+    key = draft(Home(own_home)).certificate.number
+    steps = (
+        "from flows.carry_out import carry_out\n"
+        "from schemas.orders import CheckOrder, IssueOrder\n"
+        f"key = {key!r}\n"
+        "print(carry_out('check', CheckOrder(certificate=key, by='Li'), key).state)\n"
+        "print(carry_out('issue', IssueOrder(certificate=key, by='Zhao'), key).state)\n" + ARTIFACTS
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", steps],
+        capture_output=True, text=True, timeout=600,
+        env=environment(own_home, PREFECT_API_URL=prefect_server),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[:2] == ["checked", "issued"]
+    seen = json.loads(done.stdout.splitlines()[-1])
+    assert {"check certificate", "issue certificate"} <= set(seen["tasks"])

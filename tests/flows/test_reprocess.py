@@ -19,9 +19,10 @@ from schemas.decision import Decision
 from schemas.history import Reprocessing
 from schemas.orders import ReprocessOrder
 from schemas.recording import Recording
-from storage.catalogue import certificates, listing, results, runs
+from storage.catalogue import listing, results, runs
 from storage.home import Home
 from tasks.stages import make_again
+from tests.keep import keep, take_number
 
 EARLIER = "0.0.9+earlier"
 
@@ -135,7 +136,7 @@ def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, sha
 def _certified(home: Home, run: str) -> str:
     """A certificate that prints the newest result of a run."""
     kept = listing.find(run, home)
-    number = certificates.reserve_number(home, "T", 2026)
+    number = take_number(home, "T")
     day = date(2026, 11, 22)
     certificate = Certificate(
         number=number, state="issued", calibrated_on=day, issued_on=day, due=date(2027, 11, 22),
@@ -143,7 +144,7 @@ def _certified(home: Home, run: str) -> str:
         calibration=results.of_run(kept, home)[-1].calibration,
         decision=Decision(verdict="inconclusive", rule="simple", document=None, limits=()),
     )  # fmt: skip
-    certificates.save(certificate, b"", home)
+    keep(certificate, home)
     return number
 
 

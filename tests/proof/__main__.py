@@ -9,6 +9,7 @@ import typer
 from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
 from tests.proof.fuzz.hold import run_fuzz
+from tests.proof.issue.hold import run_issue
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough
@@ -84,9 +85,17 @@ def main(
         float | None,
         typer.Option(metavar="SECONDS", min=1, help="Nothing but fast stations, each for so long."),
     ] = None,
+    issue: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N certificates issued at once, and kills."
+        ),
+    ] = None,
     write: Annotated[
         bool,
-        typer.Option("--write", help="With --faults, --fuzz, --throughput: into the evidence."),
+        typer.Option(
+            "--write", help="With --faults, --fuzz, --issue, --throughput: into the evidence."
+        ),
     ] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="evidence.json on standard output.")
@@ -97,17 +106,18 @@ def main(
     Recordings of an independent plant, explained blind, scored against the truth.
     """
     only = ((run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes))
+    seeded = ((run_faults, faults), (run_fuzz, fuzz), (run_issue, issue))
     try:
         for run, count in only:
             if count is not None:
                 run(count, out)
                 return
-        if faults is not None:
-            run_faults(faults, seed, write)
-        elif throughput is not None:
+        for run_seeded, count in seeded:
+            if count is not None:
+                run_seeded(count, seed, write)
+                return
+        if throughput is not None:
             run_throughput(throughput, write)
-        elif fuzz is not None:
-            run_fuzz(fuzz, seed, write)
         elif rough:
             run_rough(seed, short, out, engine, minutes)
         else:

@@ -14,10 +14,11 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage import dataframes
-from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue import database, results, runs, tables
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
+from tests.keep import keep
 
 
 def test_each_run_is_a_row(fresh: Home, small: Callable[..., Recording]) -> None:
@@ -94,7 +95,7 @@ def test_each_certificate_is_a_row_with_its_run(
 ) -> None:
     recording = small()
     run = runs.add(recording, fresh)[0]
-    certificates.save(certified(recording, calibrated(run), "A-1"), b"", fresh)
+    keep(certified(recording, calibrated(run), "A-1"), fresh)
     (row,) = dataframes.certificates(fresh).to_dict("records")
     assert (row["number"], row["run"], row["serial"], row["verdict"]) == (
         "A-1", run.id, "1", "pass",

@@ -11,6 +11,7 @@ from storage import verify
 from storage.catalogue import certificates, listing
 from storage.home import Home, home
 from storage.whole_files import write_once, writing_to
+from tests.keep import take_number
 
 
 def test_home_is_where_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,12 +79,12 @@ def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
         write_once(fresh.raw / "file", b"content")
     assert os.linesep not in str(caught.value)
     with pytest.raises(Unusable, match=r"MIMUCAL_HOME"):
-        certificates.reserve_number(fresh, "MIMU", 2026)
+        take_number(fresh)
 
 
 @pytest.mark.parametrize("name", ["with space", "100% a?b#c@d", "实验室"])
 def test_home_may_have_any_name(fresh: Home, name: str) -> None:
     odd = Home(fresh.path / name)
-    certificates.reserve_number(odd, "MIMU", 2026)
+    take_number(odd)
     assert (odd.path / "catalog.sqlite").is_file()
     assert list(fresh.path.iterdir()) == [odd.path]

@@ -23,6 +23,7 @@ from pathlib import Path
 import sqlalchemy.dialects.sqlite
 from schemas.base import Unusable
 from storage.catalogue import certificates, listing, runs
+from tests.keep import take_number
 from storage.formats.columns import read_columns
 from storage.home import Home
 from storage.verify import verify
@@ -36,7 +37,7 @@ if os.geteuid() == 0:
 faults = [fault.why for fault in verify(home)[1]]
 print(listing.find(run.id, home).id, len(runs.load(run, home).imu.t), faults)
 try:
-    certificates.reserve_number(home, "MIMU", 2026)
+    take_number(home)
 except Unusable as error:
     print(error)
 """

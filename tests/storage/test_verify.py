@@ -1,5 +1,6 @@
 """Whatever is changed, lost or added in the store, `verify` finds it."""
 
+import hashlib
 import os
 import shutil
 import sqlite3
@@ -12,12 +13,13 @@ import sqlalchemy as sql
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
-from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue import database, results, runs, tables, trail
 from storage.catalogue.listing import Run
 from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 from storage.verify import StoreFault, verify
+from tests.keep import keep, take_number
 
 Build = Callable[..., Recording]
 
@@ -32,7 +34,7 @@ def filled(
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
     run = runs.add(recording, fresh)[0]
-    certificates.save(certified(recording, calibrated(run), "A-1"), b"%PDF", fresh)
+    keep(certified(recording, calibrated(run), "A-1"), fresh)
     return run
 
 
@@ -49,8 +51,8 @@ def only_fault(home: Home) -> StoreFault:
 def test_store_as_it_was_left_has_no_fault(fresh: Home, filled: Run) -> None:
     seen = []
     checked, faults = verify(fresh, lambda done, total: seen.append((done, total)))
-    assert (checked, faults) == (6, [])
-    assert seen == [(n, 6) for n in range(1, 7)]
+    assert (checked, faults) == (10, [])
+    assert seen == [(n, 10) for n in range(1, 11)]
 
 
 def test_raw_recording_that_is_missing_is_found(fresh: Home, filled: Run) -> None:
@@ -82,7 +84,7 @@ def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
 ) -> None:
     folder = fresh.columns / filled.digest
     shutil.rmtree(folder)
-    assert verify(fresh) == (5, [])
+    assert verify(fresh) == (9, [])
     write_columns(small(start=1.0), folder)
     assert only_fault(fresh).what == str(folder)
 
@@ -153,7 +155,10 @@ def test_files_that_the_catalogue_does_not_know_are_found(fresh: Home, filled: R
     ]
     for path in strays:
         path.write_bytes(b"")
-    assert [fault.what for fault in verify(fresh)[1]] == [str(path) for path in strays]
+    # A file among the certificates may be of one that is just being issued, for a minute.
+    assert [fault.what for fault in verify(fresh)[1]] == [str(path) for path in strays[:2]]
+    os.utime(strays[2], (0, 0))
+    assert {fault.what for fault in verify(fresh)[1]} == {str(path) for path in strays}
 
 
 def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, filled: Run) -> None:
@@ -169,7 +174,9 @@ def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, fill
 def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Run) -> None:
     for path in fresh.path.glob("catalog.sqlite*"):
         path.unlink()
-    assert len(verify(fresh)[1]) == 4
+    for path in fresh.certificates.iterdir():
+        os.utime(path, (0, 0))
+    assert len(verify(fresh)[1]) == 5
 
 
 def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
@@ -183,3 +190,53 @@ def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
     fault = only_fault(fresh)
     assert fault.what == str(left)
     assert "mimucal import --salvage" in fault.why
+
+
+def change(home: Home, *statements: sql.Executable) -> None:
+    """What somebody does who may do everything to the database."""
+    with database.changing(home) as connection:
+        for trigger in ("trail_no_update", "trail_no_delete"):
+            connection.exec_driver_sql(f"DROP TRIGGER {trigger}")
+        for statement in statements:
+            connection.execute(statement)
+
+
+def test_a_trail_that_was_changed_is_found(fresh: Home, filled: Run) -> None:
+    change(fresh, sql.update(tables.trail).values(person="another"))
+    fault = only_fault(fresh)
+    assert fault.what == "trail"
+    assert "entry 1 was changed" in fault.why
+
+
+def test_a_certificate_that_left_the_register_is_found(fresh: Home, filled: Run) -> None:
+    with database.changing(fresh) as connection:
+        connection.execute(sql.delete(tables.certificates))
+    assert "A-1 is issued in the trail and is not in the register" in only_fault(fresh).why
+
+
+def test_a_state_that_no_step_gave_is_found(fresh: Home, filled: Run) -> None:
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.certificates).values(state="withdrawn"))
+    assert "A-1 is issued in the trail and withdrawn in the register" in only_fault(fresh).why
+
+
+def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run) -> None:
+    pdf = fresh.certificates / "A-1.pdf"
+    replace(pdf, b"%PDF with another verdict")
+    forged = hashlib.sha256(pdf.read_bytes()).hexdigest()
+    with database.changing(fresh) as connection:
+        connection.execute(sql.update(tables.certificates).values(pdf_sha256=forged))
+    assert "A-1 has other files in the register than in the trail" in only_fault(fresh).why
+
+
+def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled: Run) -> None:
+    end = sql.update(tables.trail_end).values(number=0, hash=trail.NOTHING_BEFORE)
+    change(fresh, sql.delete(tables.trail), end)
+    assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
+
+
+def test_a_number_that_is_gone_is_found(fresh: Home, filled: Run) -> None:
+    take_number(fresh)
+    fault = only_fault(fresh)
+    assert fault.what == "numbers of certificates"
+    assert "MIMU-2026-0001 was given and is not in the register" in fault.why

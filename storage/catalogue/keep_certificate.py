@@ -1,0 +1,193 @@
+"""A certificate into the store within a transaction, and out of it for the next version of it.
+
+Files are whole and on the disk before the row that names them. Those of a draft bear a part of
+their hash in the name, so that a version never takes the place of another one's files; those of an
+issued certificate bear its number alone.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from typing import Any, Protocol
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.certificate import NUMBER, Certificate, State
+from storage.catalogue import database, lineage, tables
+from storage.catalogue.certificates import Entry, standards_of
+from storage.catalogue.results import add_result
+from storage.catalogue.runs import unit_id
+from storage.home import Home
+from storage.whole_files import writing_to
+
+TABLE = tables.certificates
+LIVE: tuple[State, ...] = ("draft", "checked", "issued")
+NOT_ISSUED: tuple[State, ...] = ("draft", "checked")
+HASH_DIGITS = 12  # hex digits in the names of a draft's files
+RUN_CHARACTERS = 8  # of a run's id in the key of its draft
+
+
+class Faces(Protocol):
+    """What a certificate is kept as: PDF, Digital Calibration Certificate (XML), record (JSON)."""
+
+    @property
+    def pdf(self) -> bytes: ...
+    @property
+    def dcc(self) -> bytes: ...
+    @property
+    def record(self) -> bytes: ...
+
+
+def locked(connection: sql.Connection, number: str) -> Entry | None:
+    """The certificate with a number, or a key, which nobody else changes until the end.
+
+    Its run is locked first, as whoever adds to a run does.
+    """
+    run = connection.scalar(sql.select(TABLE.c.run).where(TABLE.c.number == number))
+    runs = tables.runs.c.id
+    connection.execute(sql.select(runs).where(runs == run).with_for_update())
+    connection.execute(sql.select(TABLE.c.run).where(TABLE.c.number == number).with_for_update())
+    return next(iter(_entries(connection, TABLE.c.number == number)), None)
+
+
+def live(connection: sql.Connection, run: str) -> list[Entry]:
+    """The certificates of a run that are neither amended nor withdrawn."""
+    return _entries(connection, (TABLE.c.run == run) & TABLE.c.state.in_(LIVE))
+
+
+def drafts_in_place_of(connection: sql.Connection, number: str) -> list[Entry]:
+    """The amendment of a certificate that is not issued yet, if there is one."""
+    return _entries(connection, (TABLE.c.supersedes == number) & TABLE.c.state.in_(NOT_ISSUED))
+
+
+def issued_from(connection: sql.Connection, key: str) -> str | None:
+    """The number under which a draft was issued last."""
+    asked = sql.select(TABLE.c.number).where(TABLE.c.draft == key)
+    return connection.scalars(asked.order_by(TABLE.c.kept_at.desc())).first()
+
+
+def free_key(connection: sql.Connection, run: str) -> str:
+    """A key for a draft of a run that no other draft has."""
+    base = f"draft-{run[:RUN_CHARACTERS]}"
+    asked = sql.select(TABLE.c.number).where(TABLE.c.number.startswith(base, autoescape=True))
+    taken, key, count = set(connection.scalars(asked)), base, 1
+    while key in taken:
+        count += 1
+        key = f"{base}-{count}"
+    return key
+
+
+def result_of(connection: sql.Connection, certificate: Certificate) -> str:
+    """The result that the certificate prints, which need not be the latest any more; kept if new.
+
+    Whoever adds to its run waits until the end of the transaction.
+    """
+    table, document = tables.results.c, certificate.calibration.model_dump_json()
+    run = certificate.calibration.run
+    runs = tables.runs.c.id
+    connection.execute(sql.select(runs).where(runs == run).with_for_update())
+    same = sql.select(table.id).where(table.run == run, table.document == document)
+    kept = connection.scalars(same.order_by(table.made_at.desc())).first()
+    return kept or add_result(connection, certificate.calibration, None)
+
+
+def add(
+    connection: sql.Connection,
+    home: Home,
+    certificate: Certificate,
+    faces: Faces,
+    *,
+    draft: str | None = None,
+) -> list[str]:
+    """Writes the files of a certificate, adds it to the register, and gives the files' names.
+
+    draft: the key under which it was issued. A file that is there under the name of a number that
+    the register does not have was left by an issue that was broken off, and is replaced. Raises
+    Unusable for a number that is taken, and for one that cannot be the name of a file.
+    """
+    _check_number(connection, certificate.number)
+    replaces, files = certificate.replaces, _written(home, certificate, faces)
+    connection.execute(
+        sql.insert(TABLE).values(
+            number=certificate.number,
+            result=result_of(connection, certificate),
+            run=certificate.calibration.run,
+            unit=unit_id(connection, certificate.manifest.unit),
+            state=certificate.state,
+            verdict=certificate.decision.verdict,
+            purpose=certificate.purpose,
+            draft=draft,
+            calibrated_on=certificate.calibrated_on,
+            issued_on=certificate.issued_on,
+            due=certificate.due,
+            kept_at=datetime.now(UTC),
+            supersedes=replaces and replaces.number,
+            why=replaces and replaces.why,
+            **files,
+        )
+    )
+    run, standards = certificate.calibration.run, standards_of(certificate)
+    lineage.add_equipment(connection, run, certificate.number, standards)
+    return [files[name] for name in ("pdf", "dcc", "record")]
+
+
+def remove(connection: sql.Connection, entry: Entry) -> None:
+    """Takes a draft out of the register; its files stay until the transaction has ended well."""
+    named = tables.equipment.c.document == entry.number
+    connection.execute(sql.delete(tables.equipment).where(named))
+    connection.execute(sql.delete(TABLE).where(TABLE.c.number == entry.number))
+
+
+def remove_files(entries: Sequence[Entry], but: Sequence[str], home: Home) -> None:
+    """Removes the files of drafts that are out of the register, but for those that are named."""
+    for name in {name for entry in entries for name in entry.files} - set(but):
+        (home.path / name).unlink(missing_ok=True)
+
+
+def hashes(connection: sql.Connection, number: str) -> list[str]:
+    """SHA-256 of PDF, DCC and record, as the trail keeps them."""
+    columns = (TABLE.c.pdf_sha256, TABLE.c.dcc_sha256, TABLE.c.record_sha256)
+    return list(connection.execute(sql.select(*columns).where(TABLE.c.number == number)).one())
+
+
+def change_state(connection: sql.Connection, number: str, state: State) -> None:
+    """Says of a certificate what became of it; its files stay as they are."""
+    connection.execute(sql.update(TABLE).where(TABLE.c.number == number).values(state=state))
+
+
+def _entries(connection: sql.Connection, which: sql.ColumnElement[bool]) -> list[Entry]:
+    found = connection.execute(database.of_units(Entry, TABLE, which).order_by(TABLE.c.kept_at))
+    return [Entry.model_validate(row, from_attributes=True) for row in found]
+
+
+def _check_number(connection: sql.Connection, number: str) -> None:
+    if not NUMBER.fullmatch(number):
+        raise Unusable(
+            f"The certificate number is {number!r}; it becomes a file name, so use letters, "
+            "digits, dots, hyphens and underscores (laboratory.toml: number_scheme)."
+        )
+    if connection.scalar(sql.select(TABLE.c.number).where(TABLE.c.number == number)):
+        raise Unusable(
+            f"Certificate {number} is already in the register; give certificate_prefix or "
+            "number_scheme of laboratory.toml another form."
+        )
+
+
+def _written(home: Home, certificate: Certificate, faces: Faces) -> dict[str, Any]:
+    """Writes the files and gives the columns that name them."""
+    stem = certificate.number
+    if certificate.state in NOT_ISSUED:
+        stem += "." + hashlib.sha256(faces.pdf + faces.record).hexdigest()[:HASH_DIGITS]
+    columns: dict[str, Any] = {}
+    for column, suffix, content in (
+        ("pdf", "pdf", faces.pdf),
+        ("dcc", "xml", faces.dcc),
+        ("record", "json", faces.record),
+    ):
+        name = f"certificates/{stem}.{suffix}"
+        with writing_to(home.path / name) as file:
+            file.write_bytes(content)
+        columns[column] = name
+        columns[f"{column}_sha256"] = hashlib.sha256(content).hexdigest()
+    return columns

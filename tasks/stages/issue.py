@@ -1,0 +1,187 @@
+"""Stages: a draft is checked, then issued under a number; an issued certificate is withdrawn.
+
+Each is one transaction, and what is printed is made within it: a process that ends at any moment
+leaves a certificate issued whole, or not at all and its number still to be given.
+"""
+
+import hashlib
+from datetime import UTC, datetime
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, State, Step, StepName
+from storage.catalogue import database, keep_certificate, numbers, trail
+from storage.catalogue.certificates import Entry, record_of
+from storage.home import Home
+from tasks.certificate.faces import faces_of
+from tasks.stages.certificate_inputs import day_of_moment
+from tasks.stages.certify import due_date
+from tasks.stages.hindrances import check_issuable
+from tasks.stages.persons import check_person
+from tasks.stages.published import Published, published
+from tasks.stages.stage import stage
+
+
+@stage("check certificate")
+def check(key: str, home: Home, person: str, reason: str | None = None) -> Published:
+    """Note that a person checked a draft; Unusable for what is none, and for its own author."""
+    now = datetime.now(UTC)
+    with database.changing(home) as connection:
+        entry, draft = _at_state(connection, key, home, "draft")
+        check_person(draft, person, "check", home)
+        checked = _with_step(draft, "check", person, now, reason, state="checked")
+        files = _replace(connection, home, entry, checked)
+        trail.add(
+            connection, person, "check", key, at=now, reason=reason,
+            sha256=keep_certificate.hashes(connection, key),
+        )  # fmt: skip
+    keep_certificate.remove_files([entry], files, home)
+    return published(key, home)
+
+
+@stage("issue certificate")
+def issue(key: str, home: Home, person: str, reason: str | None = None) -> Published:
+    """Issue a certificate that was checked: it gets its number, and is never changed again.
+
+    The day of issue is that where this program runs. The certificate that it replaces becomes
+    amended. Raises Unusable for what is not checked, or may not be issued.
+    """
+    now = datetime.now(UTC)
+    with database.changing(home) as connection:
+        entry, checked = _at_state(connection, key, home, "checked")
+        check_person(checked, person, "issue", home)
+        check_issuable(connection, entry, checked)
+        issued = _numbered(
+            connection, _with_step(checked, "issue", person, now, reason, state="issued"), now
+        )
+        number = issued.number
+        if issued.replaces:
+            _amend(connection, issued.replaces.number, home)
+        files = _replace(connection, home, entry, issued, draft=key)
+        if issued.replaces:
+            trail.add(connection, person, "amend", issued.replaces.number, at=now, by=number)
+        trail.add(
+            connection, person, "issue", number, at=now, reason=reason, draft=key,
+            replaces=issued.replaces and issued.replaces.number,
+            sha256=keep_certificate.hashes(connection, number),
+        )  # fmt: skip
+    keep_certificate.remove_files([entry], files, home)
+    return published(number, home)
+
+
+@stage("withdraw certificate")
+def withdraw(number: str, home: Home, person: str, why: str) -> Published:
+    """Withdraw an issued certificate; its files stay as they are."""
+    with database.changing(home) as connection:
+        _at_state(connection, number, home, "issued")
+        keep_certificate.change_state(connection, number, "withdrawn")
+        trail.add(connection, person, "withdraw", number, reason=why)
+    return published(number, home)
+
+
+def check_issued(entry: Entry, home: Home) -> Certificate:
+    """The record of a certificate that is issued; raises Unusable for any other."""
+    _check_state(entry, "issued")
+    return _unchanged(entry, home)
+
+
+def _at_state(
+    connection: sql.Connection, number: str, home: Home, state: State
+) -> tuple[Entry, Certificate]:
+    """A certificate that nobody else changes, and its record; Unusable where it is not there."""
+    entry = keep_certificate.locked(connection, number)
+    if entry is None:
+        issued = keep_certificate.issued_from(connection, number)
+        raise Unusable(
+            f"Draft {number} is issued, as certificate {issued}."
+            if issued
+            else f"There is no certificate {number!r} in {home.path}; `mimucal table certificates` "
+            "lists them."
+        )
+    _check_state(entry, state)
+    return entry, _unchanged(entry, home)
+
+
+def _check_state(entry: Entry, state: State) -> None:
+    """The sentence for a step that is not the next one."""
+    number = entry.number
+    if entry.state == state and (entry.purpose or state == "issued"):
+        return
+    if entry.purpose is None and entry.state == "draft":
+        raise Unusable(
+            f"{number} was drafted by an earlier version; certify run {entry.run} again, and issue "
+            "that."
+        )
+    next_step = {
+        "draft": f"is a draft: `mimucal check {number}` comes first",
+        "checked": f"is checked already: `mimucal issue {number}` comes next",
+        "issued": f"is issued already: `mimucal amend {number}` replaces it",
+        "amended": "is amended: take the certificate that replaced it",
+        "withdrawn": "is withdrawn: certify its run again",
+    }
+    if state == "issued" and entry.state == "checked":
+        raise Unusable(f"{number} is not issued yet: `mimucal issue {number}` comes first.")
+    raise Unusable(f"{number} {next_step[entry.state]}.")
+
+
+def _unchanged(entry: Entry, home: Home) -> Certificate:
+    """The record, if its files are those that were kept."""
+    for name, sha256 in entry.files.items():
+        path = home.path / name
+        try:
+            content = path.read_bytes()
+        except OSError as error:
+            raise Unusable(
+                f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+            ) from error
+        if hashlib.sha256(content).hexdigest() != sha256:
+            raise Unusable(
+                f"{path} was changed after it was kept; bring it back from a backup, or certify "
+                f"run {entry.run} again."
+            )
+    return record_of(entry, home)
+
+
+def _with_step(
+    certificate: Certificate,
+    step: StepName,
+    person: str,
+    now: datetime,
+    reason: str | None,
+    state: State,
+) -> Certificate:
+    taken = Step(step=step, person=person, at=now, reason=reason)
+    return certificate.model_copy(update={"state": state, "steps": (*certificate.steps, taken)})
+
+
+def _numbered(connection: sql.Connection, certificate: Certificate, now: datetime) -> Certificate:
+    """With the next number of its laboratory, and the days that follow from the issue."""
+    laboratory, today = certificate.laboratory, day_of_moment(now)
+    prefix = laboratory.certificate_prefix if laboratory else DEFAULT_PREFIX
+    scheme = laboratory.number_scheme if laboratory else DEFAULT_SCHEME
+    series = numbers.series_of(scheme, prefix, today.year)
+    dated: dict[str, object] = {"issued_on": today}
+    if certificate.calibrated_on is None:
+        dated["due"] = due_date(today, certificate.order, certificate.calibration.method)
+    number = numbers.next_number(connection, series)
+    return certificate.model_copy(update={"number": number, **dated})
+
+
+def _amend(connection: sql.Connection, number: str, home: Home) -> None:
+    """The certificate that is replaced is still issued, and becomes amended."""
+    _at_state(connection, number, home, "issued")
+    keep_certificate.change_state(connection, number, "amended")
+
+
+def _replace(
+    connection: sql.Connection,
+    home: Home,
+    entry: Entry,
+    certificate: Certificate,
+    draft: str | None = None,
+) -> list[str]:
+    """The next version of a draft in the place of the one before; gives its files' names."""
+    keep_certificate.remove(connection, entry)
+    faces = faces_of(certificate, None)
+    return keep_certificate.add(connection, home, certificate, faces, draft=draft)

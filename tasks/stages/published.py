@@ -1,0 +1,34 @@
+"""A certificate as it stands in the store."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from schemas.certificate import Certificate, State
+from storage.catalogue.certificates import entry_of, record_of
+from storage.home import Home
+
+
+@dataclass(frozen=True)
+class Published:
+    """A certificate, what became of it, and where it lies.
+
+    state: its record's own, or amended or withdrawn since.
+    """
+
+    certificate: Certificate
+    state: State
+    pdf: Path
+    dcc: Path | None
+    record: Path
+
+
+def published(number: str, home: Home) -> Published:
+    """The certificate with a number, or the draft with a key; raises Unusable for none."""
+    entry = entry_of(number, home)
+    return Published(
+        certificate=record_of(entry, home),
+        state=entry.state,
+        pdf=home.path / entry.pdf,
+        dcc=home.path / entry.dcc if entry.dcc else None,
+        record=home.path / entry.record,
+    )

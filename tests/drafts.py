@@ -1,0 +1,69 @@
+"""Drafts of certificates for small made-up recordings, one for each serial number."""
+
+from datetime import UTC, date, datetime
+from typing import Any
+
+import numpy as np
+
+from schemas.calibration import Calibration, Item
+from schemas.certificate import Certificate, Laboratory, Party, Step
+from schemas.decision import Decision, LimitDecision
+from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
+from storage.catalogue import results, runs
+from storage.home import Home
+from tasks.stages.draft import DRAFT, keep_draft
+from tasks.stages.published import Published
+
+MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
+PARTY = Party(name="Lab", name_zh="实验室", address="1 Road", address_zh="路 1 号")
+LABORATORY = Laboratory(party=PARTY, certificate_prefix="LAB", operator="Wang")
+PASSED = LimitDecision(
+    item="gyro_bias", element="x", unit="deg/s", applied_to="value", value=0.25, U=0.02,
+    lower=-1.0, upper=1.0, verdict="pass",
+)  # fmt: skip
+DECIDED = Decision(verdict="pass", rule="simple", document="Data sheet", limits=(PASSED,))
+
+
+def recording_of(serial: str) -> Recording:
+    """Three seconds of a unit."""
+    manifest = Manifest.model_validate({
+        "format": FORMAT, "recording_id": f"run of {serial}",
+        "unit": {"manufacturer": "Maker", "model": "U", "serial": serial},
+        "station": {"id": "T1"},
+    })  # fmt: skip
+    t = np.round(np.arange(300) / 100, 9)
+    phase = float(sum(serial.encode()))
+    return Recording(
+        manifest, Stream(t, {n: np.sin(phase + t + k) for k, n in enumerate(GYRO + ACCEL)})
+    )
+
+
+def calibration_of(run: runs.Run, **changes: Any) -> Calibration:
+    """A result of one element, by which nothing else than itself is known."""
+    bias = changes.pop("bias", 0.25)
+    item = Item(unit="deg/s", clause="7.2.2", value={"x": bias}, u={"x": 0.01}, U={"x": 0.02})
+    fields = {
+        "recording_id": run.recording_id, "run": run.id, "digest": run.digest,
+        "method": "jjf2003", "code_version": "1", "procedure": "jjf2003", "settings": {},
+        "items": {"gyro_bias": item}, "unavailable": {},
+    }  # fmt: skip
+    return Calibration.model_validate(fields | changes)
+
+
+def certificate_of(run: runs.Run, calibration: Calibration, **changes: Any) -> Certificate:
+    """A certificate drafted by Wang."""
+    fields = {
+        "number": DRAFT, "state": "draft", "calibrated_on": date(2026, 11, 20),
+        "issued_on": MORNING.date(), "due": date(2027, 11, 20), "laboratory": LABORATORY,
+        "order": None, "manifest": recording_of(run.serial).manifest, "calibration": calibration,
+        "decision": DECIDED, "steps": (Step(step="draft", person="Wang", at=MORNING),),
+    }  # fmt: skip
+    return Certificate.model_validate(fields | changes)
+
+
+def draft(home: Home, serial: str = "1", bias: float = 0.25, **changes: Any) -> Published:
+    """Takes in the recording and the result of a unit, and drafts its certificate."""
+    run, _ = runs.add(recording_of(serial), home)
+    calibration = calibration_of(run, bias=bias)
+    results.save(calibration, home)
+    return keep_draft(certificate_of(run, calibration, **changes), home, MORNING)

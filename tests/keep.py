@@ -1,0 +1,35 @@
+"""A certificate into the catalogue as a test wants it: under its own number, with a made-up PDF."""
+
+from dataclasses import dataclass
+
+from schemas.certificate import Certificate
+from storage.catalogue import database, keep_certificate, numbers, trail
+from storage.home import Home
+
+ACTIONS = {"draft": "draft", "checked": "check", "issued": "issue"}
+
+
+@dataclass(frozen=True)
+class MadeUp:
+    """Faces of a certificate of which nothing but the record is real."""
+
+    pdf: bytes
+    record: bytes
+    dcc: bytes = b"<dcc/>"
+
+
+def keep(certificate: Certificate, home: Home, pdf: bytes = b"%PDF") -> None:
+    """Keeps a certificate as it stands, whatever steps it took."""
+    faces = MadeUp(pdf, certificate.model_dump_json(indent=1).encode())
+    with database.changing(home) as connection:
+        keep_certificate.add(connection, home, certificate, faces)
+        hashes = keep_certificate.hashes(connection, certificate.number)
+        action = ACTIONS[certificate.state]
+        trail.add(connection, "test", action, certificate.number, sha256=hashes)
+
+
+def take_number(home: Home, prefix: str = "MIMU", year: int = 2026) -> str:
+    """The next number of a laboratory, for nothing."""
+    with database.changing(home) as connection:
+        series = numbers.series_of("{prefix}-{year}-{serial:04d}", prefix, year)
+        return numbers.next_number(connection, series)

@@ -1,0 +1,287 @@
+"""The life of a certificate: draft, checked, issued, amended or withdrawn, and in that order."""
+
+import json
+import re
+from collections.abc import Callable
+from datetime import date
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.certificate import Laboratory, Order, Replaced
+from schemas.decision import Decision
+from schemas.orders import AmendOrder
+from schemas.station import MeasurementStandard
+from schemas.text import Remark
+from storage.catalogue import certificates, database, listing, results, tables, trail
+from storage.home import Home
+from storage.verify import verify
+from tasks.stages.amend import amendment
+from tasks.stages.draft import keep_draft
+from tasks.stages.issue import check, issue, withdraw
+from tasks.stages.published import Published
+from tests.drafts import LABORATORY, MORNING, PARTY, calibration_of, certificate_of, draft
+
+NO_LIMITS = Decision(verdict="inconclusive", rule="simple", document=None, limits=())
+TABLE = MeasurementStandard(
+    name="Table", name_zh="转台", serial="7", accuracy="1″", certificate="C",
+    valid_until=date(2026, 11, 19),
+)  # fmt: skip
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def issued(home: Home, serial: str = "1", **changes: object) -> Published:
+    key = draft(home, serial, **changes).certificate.number
+    check(key, home, "Li")
+    return issue(key, home, "Zhao")
+
+
+def refusal(step: Callable[..., object], *arguments: object) -> str:
+    """The one sentence with which a step is refused."""
+    with pytest.raises(Unusable) as refused:
+        step(*arguments)
+    sentence = str(refused.value)
+    assert "\n" not in sentence
+    assert sentence.endswith(".")
+    return sentence
+
+
+def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
+    drafted = draft(home)
+    run = listing.all_runs(home)[0].id
+    assert (drafted.certificate.number, drafted.state) == (f"draft-{run[:8]}", "draft")
+    checked = check(drafted.certificate.number, home, "Li", "all values read again")
+    assert (checked.certificate.number, checked.state) == (drafted.certificate.number, "checked")
+    done = issue(drafted.certificate.number, home, "Zhao")
+    year = done.certificate.issued_on.year
+    assert (done.certificate.number, done.state) == (f"LAB-{year}-0001", "issued")
+    steps = [(step.step, step.person, step.reason) for step in done.certificate.steps]
+    assert steps == [
+        ("draft", "Wang", None), ("check", "Li", "all values read again"), ("issue", "Zhao", None)
+    ]  # fmt: skip
+    assert done.pdf.read_bytes().startswith(b"%PDF")
+    assert json.loads(done.record.read_bytes())["number"] == done.certificate.number
+    assert sorted(path.stem for path in home.certificates.iterdir()) == [f"LAB-{year}-0001"] * 3
+    assert [entry.action for entry in trail.entries(home)] == ["draft", "check", "issue"]
+    assert verify(home)[1] == []
+
+
+def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home: Home) -> None:
+    first = draft(home)
+    check(first.certificate.number, home, "Li")
+    second = draft(home, bias=0.5)
+    assert second.certificate.number == first.certificate.number
+    (entry,) = certificates.register(home)
+    assert entry.state == "draft"
+    assert len(list(home.certificates.iterdir())) == 3
+    assert verify(home)[1] == []
+
+
+def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home: Home) -> None:
+    draft(home)
+    run = listing.all_runs(home)[0]
+    joint = calibration_of(run, method="joint")
+    other = keep_draft(certificate_of(run, joint), home, MORNING)
+    assert other.certificate.number == f"draft-{run.id[:8]}-2"
+    assert len(certificates.register(home)) == 2
+
+
+def test_numbers_of_a_laboratorys_own_scheme_have_no_gaps(home: Home) -> None:
+    own = Laboratory(
+        party=PARTY, certificate_prefix="校", number_scheme="{prefix}{year}-{serial:03d}"
+    )
+    done = [issued(home, serial, laboratory=own) for serial in "123"]
+    year = done[0].certificate.issued_on.year
+    assert [each.certificate.number for each in done] == [f"校{year}-00{n}" for n in (1, 2, 3)]
+
+
+def test_a_refused_issue_costs_no_number(home: Home) -> None:
+    key = draft(home, "1", decision=NO_LIMITS).certificate.number
+    check(key, home, "Li")
+    refusal(issue, key, home, "Zhao")
+    assert issued(home, "2").certificate.number.endswith("-0001")
+
+
+@pytest.mark.parametrize(
+    ("taken", "step", "says"),
+    [
+        ((), issue, r"is a draft: `mimucal check \S+` comes first"),
+        ((check,), check, r"is checked already: `mimucal issue \S+` comes next"),
+        ((check, issue), issue, r"Draft \S+ is issued, as certificate LAB-\d+-0001"),
+        ((check, issue), check, r"Draft \S+ is issued, as certificate LAB-\d+-0001"),
+    ],
+)
+def test_a_step_out_of_order_is_refused(home: Home, taken, step, says: str) -> None:
+    key = draft(home).certificate.number
+    for each, person in zip(taken, ("Li", "Zhao"), strict=False):
+        each(key, home, person)
+    assert re.search(says, refusal(step, key, home, "Sun"))
+
+
+def test_only_an_issued_certificate_is_withdrawn_or_amended_and_only_once(home: Home) -> None:
+    key = draft(home).certificate.number
+    assert "comes first" in refusal(withdraw, key, home, "Zhao", "an error")
+    number = issued(home).certificate.number
+    withdraw(number, home, "Zhao", "the table was wrong")
+    assert "is withdrawn" in refusal(withdraw, number, home, "Zhao", "again")
+    order = AmendOrder(certificate=number, by="Wang", why="an error")
+    assert "is withdrawn" in refusal(amendment, order, home)
+
+
+def test_a_certificate_that_is_not_there_is_one_sentence(home: Home) -> None:
+    for step in (check, issue):
+        assert "There is no certificate 'LAB-1'" in refusal(step, "LAB-1", home, "Li")
+
+
+@pytest.mark.parametrize("person", ["Wang", " wang", "ＷＡＮＧ"])
+def test_who_drafted_does_not_check(home: Home, person: str) -> None:
+    key = draft(home).certificate.number
+    assert refusal(check, key, home, person).startswith(f"Wang drafted {key}, so another person")
+
+
+@pytest.mark.parametrize(("person", "did"), [("Wang", "drafted"), ("Li", "checked")])
+def test_who_drafted_or_checked_does_not_issue(home: Home, person: str, did: str) -> None:
+    key = draft(home).certificate.number
+    check(key, home, "Li")
+    assert refusal(issue, key, home, person).startswith(f"{person} {did} {key}")
+
+
+def test_a_laboratory_may_allow_one_person_for_all(home: Home) -> None:
+    alone = LABORATORY.model_copy(update={"separate_persons": False})
+    key = draft(home, laboratory=alone).certificate.number
+    check(key, home, "Wang")
+    assert issue(key, home, "Wang").state == "issued"
+
+
+def test_the_homes_own_laboratory_goes_before_that_of_the_certificate(home: Home) -> None:
+    home.path.mkdir()
+    party = "\n".join(f'{name} = "{text}"' for name, text in PARTY.model_dump().items())
+    (home.path / "laboratory.toml").write_text(f"[party]\n{party}\n", encoding="utf-8")
+    alone = LABORATORY.model_copy(update={"separate_persons": False})
+    key = draft(home, laboratory=alone).certificate.number
+    assert "another person" in refusal(check, key, home, "Wang")
+
+
+def test_a_draft_of_nobody_is_not_checked(home: Home) -> None:
+    key = draft(home, steps=()).certificate.number
+    assert "does not say who drafted it" in refusal(check, key, home, "Li")
+
+
+def test_a_unit_without_limits_is_issued_only_where_the_order_asks_for_no_verdict(
+    home: Home,
+) -> None:
+    key = draft(home, decision=NO_LIMITS).certificate.number
+    check(key, home, "Li")
+    assert "there are no limits of Maker U" in refusal(issue, key, home, "Zhao")
+    order = Order(client=PARTY, received=date(2026, 11, 1), conformity=False)
+    assert issued(home, "2", decision=NO_LIMITS, order=order).state == "issued"
+
+
+def test_equipment_that_had_run_out_blocks_the_issue(home: Home) -> None:
+    laboratory = LABORATORY.model_copy(update={"equipment": (TABLE,)})
+    key = draft(home, laboratory=laboratory).certificate.number
+    check(key, home, "Li")
+    assert "2026-11-19" in refusal(issue, key, home, "Zhao")
+
+
+def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:
+    key = draft(home).certificate.number
+    check(key, home, "Li")
+    run = listing.all_runs(home)[0]
+    newer = results.save(calibration_of(run, bias=0.5), home)
+    assert f"which {newer} superseded; certify the run again" in refusal(issue, key, home, "Zhao")
+
+
+def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None:
+    key = draft(home).certificate.number
+    check(key, home, "Li")
+    wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
+    results.save(calibration_of(listing.all_runs(home)[0], remarks=(wrong,)), home)
+    assert "is invalid (Two clocks); measure again" in refusal(issue, key, home, "Zhao")
+
+
+def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:
+    drafted = draft(home)
+    key = drafted.certificate.number
+    drafted.record.chmod(0o644)
+    drafted.record.write_bytes(drafted.record.read_bytes().replace(b"0.25", b"0.24"))
+    assert "was changed after it was kept" in refusal(check, key, home, "Li")
+
+
+def test_an_amendment_is_checked_and_issued_and_then_replaces(home: Home) -> None:
+    old = issued(home).certificate
+    run = listing.all_runs(home)[0]
+    replaced = Replaced(number=old.number, issued_on=old.issued_on, why="the client's address")
+    new = certificate_of(run, calibration_of(run), replaces=replaced)
+    key = keep_draft(new, home, MORNING).certificate.number
+    check(key, home, "Li")
+    assert certificates.entry_of(old.number, home).state == "issued"
+    number = issue(key, home, "Zhao").certificate.number
+    assert number.endswith("-0002")
+    before, after = certificates.register(home)
+    assert (before.number, before.state) == (old.number, "amended")
+    assert (after.supersedes, after.why) == (old.number, "the client's address")
+    assert certificates.find(old.number, home) == old
+    assert [line.certificate for line in certificates.due(home, date(2030, 1, 1))] == [number]
+    assert verify(home)[1] == []
+
+
+def test_an_amendment_takes_over_what_it_does_not_say(home: Home) -> None:
+    order = Order(client=PARTY, received=date(2026, 11, 1), interval_months=6)
+    old = issued(home, order=order).certificate
+    new = amendment(AmendOrder(certificate=old.number, by="Sun", why="a digit"), home)
+    assert (new.run, new.as_found) == (old.calibration.run, None)
+    assert (new.inputs.order, new.inputs.laboratory, new.inputs.by) == (order, LABORATORY, "Sun")
+    assert new.inputs.calibrated_on == old.calibrated_on
+    assert new.replaces == Replaced(number=old.number, issued_on=old.issued_on, why="a digit")
+
+
+def test_an_issued_certificate_is_not_certified_again_but_amended(home: Home) -> None:
+    number = issued(home).certificate.number
+    assert f"`mimucal amend {number} --why REASON`" in refusal(draft, home)
+    withdraw(number, home, "Zhao", "an error")
+    assert draft(home).state == "draft"
+
+
+def test_a_draft_that_amends_is_not_replaced_by_one_that_does_not(home: Home) -> None:
+    old = issued(home).certificate
+    run = listing.all_runs(home)[0]
+    replaced = Replaced(number=old.number, issued_on=old.issued_on, why="an error")
+    for _ in range(2):  # again, it takes the place of the first
+        keep_draft(certificate_of(run, calibration_of(run), replaces=replaced), home, MORNING)
+    assert len(certificates.register(home)) == 2
+    withdraw(old.number, home, "Zhao", "an error")
+    assert "`mimucal amend" in refusal(draft, home)
+
+
+def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home: Home) -> None:
+    key = draft(home).certificate.number
+    with database.changing(home) as connection:
+        connection.execute(sql.update(tables.certificates).values(number="LAB-1", purpose=None))
+    assert "drafted by an earlier version" in refusal(check, "LAB-1", home, "Li")
+    draft(home)
+    states = {entry.number: entry.state for entry in certificates.register(home)}
+    assert states == {"LAB-1": "withdrawn", key: "draft"}
+
+
+def test_an_issue_that_fails_leaves_everything_as_it_was(home: Home, monkeypatch) -> None:
+    key = draft(home).certificate.number
+    check(key, home, "Li")
+
+    def full(*_: object, **__: object) -> None:
+        raise Unusable("the disk is full.")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(trail, "add", full)  # after the files were written
+        refusal(issue, key, home, "Zhao")
+    (entry,) = certificates.register(home)
+    assert (entry.number, entry.state) == (key, "checked")
+    assert issue(key, home, "Zhao").certificate.number.endswith("-0001")
+    assert verify(home)[1] == []
