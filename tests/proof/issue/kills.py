@@ -1,8 +1,6 @@
 """Processes that issue certificates, each killed at a random moment."""
 
-import os
 import random
-import signal
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,31 +12,37 @@ from tasks.stages.issue import issue
 from tests.proof.issue.at_once import checked_drafts, faults_of
 from tests.proof.issue.workers import ISSUER, SERVER, issuing
 
-LONGEST_S = 0.5  # a kill comes so long after the issue began at the latest
+LATEST = 1.2  # a kill comes so much of the time of a whole issue after its beginning at the latest
 
 
 @dataclass(frozen=True)
 class Killed:
-    """How many issues were killed, and how many of them had left a certificate issued whole."""
+    """How many issues were killed, and how many of them had left a certificate issued whole.
+
+    seconds: that one takes which is not killed.
+    """
 
     kills: int
     whole: int
+    seconds: float
     faults: tuple[str, ...]
 
 
 def kill_issues(
     home: Home, kills: int, seed: int, report: Callable[[int, int], None] | None = None
 ) -> Killed:
-    """Issues as many certificates; each process is killed on the way, and the next goes on.
+    """Issues as many certificates, and one before that shows how long it takes.
 
+    Each process is killed on the way, and the next goes on.
     Whatever a kill left is judged at once: a certificate is issued whole, or checked as it was.
     In the end what was not issued is issued, and no number is missing.
     """
     draw = random.Random(seed)
-    keys = checked_drafts(home, kills)
+    first, *keys = checked_drafts(home, kills + 1)
+    whole_s = _issue(home, first)
     whole, faults = 0, list[str]()
     for number, key in enumerate(keys, start=1):
-        _kill_issue(home, key, draw.uniform(0.0, LONGEST_S))
+        _issue(home, key, draw.uniform(0.0, LATEST * whole_s))
         entry = _entry_of(home, key)
         whole += entry.state == "issued"
         if entry.state not in ("issued", "checked"):
@@ -49,17 +53,21 @@ def kill_issues(
     for key in keys:
         if _entry_of(home, key).state == "checked":
             issue(key, home, ISSUER)
-    return Killed(kills, whole, (*faults, *faults_of(home, keys)))
+    return Killed(kills, whole, whole_s, (*faults, *faults_of(home, [first, *keys])))
 
 
-def _kill_issue(home: Home, key: str, after_s: float) -> None:
+def _issue(home: Home, key: str, kill_after_s: float | None = None) -> float:
+    """Seconds from the beginning of an issue until its process has ended, or was killed."""
     both = SERVER.Barrier(2)
     process = issuing(home, [key], both)
     process.start()
     both.wait()
-    time.sleep(after_s)
-    os.kill(process.pid, signal.SIGKILL)
+    began = time.monotonic()
+    if kill_after_s is not None:
+        time.sleep(kill_after_s)
+        process.kill()
     process.join()
+    return time.monotonic() - began
 
 
 def _entry_of(home: Home, key: str) -> certificates.Entry:
