@@ -12,7 +12,7 @@ from tasks.stages.issue import issue
 from tests.proof.issue.at_once import checked_drafts, faults_of
 from tests.proof.issue.workers import ISSUER, SERVER, issuing
 
-LATEST = 1.2  # a kill comes so much of the time of a whole issue after its beginning at the latest
+LATEST = 1.5  # a kill comes so much of the time of a whole issue after its beginning at the latest
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,7 @@ def kill_issues(
 ) -> Killed:
     """Issues as many certificates, and one before that shows how long it takes.
 
-    Each process is killed on the way, and the next goes on.
-    Whatever a kill left is judged at once: a certificate is issued whole, or checked as it was.
+    Each process is killed on the way, and the next goes on. Whatever a kill left is judged at once: a certificate is issued whole, or checked as it was.
     In the end what was not issued is issued, and no number is missing.
     """
     draw = random.Random(seed)
@@ -42,7 +41,8 @@ def kill_issues(
     whole_s = _issue(home, first)
     whole, faults = 0, list[str]()
     for number, key in enumerate(keys, start=1):
-        _issue(home, key, draw.uniform(0.0, LATEST * whole_s))
+        # A random moment of each part of the time, so that few kills reach every part of an issue.
+        _issue(home, key, (number - draw.random()) / kills * LATEST * whole_s)
         entry = _entry_of(home, key)
         whole += entry.state == "issued"
         if entry.state not in ("issued", "checked"):
