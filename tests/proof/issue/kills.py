@@ -33,8 +33,9 @@ def kill_issues(
 ) -> Killed:
     """Issues as many certificates, and one before that shows how long it takes.
 
-    Each process is killed on the way, and the next goes on. Whatever a kill left is judged at once: a certificate is issued whole, or checked as it was.
-    In the end what was not issued is issued, and no number is missing.
+    Each process is killed on the way, and the next goes on. Whatever a kill left is judged: a
+    certificate is issued whole, or checked as it was. In the end what was not issued is issued,
+    and no number is missing.
     """
     draw = random.Random(seed)
     first, *keys = checked_drafts(home, kills + 1)
