@@ -58,6 +58,7 @@ def _print(found: VerifiedFile, trusted: bool) -> None:
         return
     print(f"{found.path}: whole; certificate {found.number}, {found.state}")
     print(f"record sha256:{found.record_sha256}, which its QR code holds too")
+    print("whether it was amended or withdrawn since, the laboratory knows")
     for each in found.signatures:
         stamped = " (time-stamped)" if each.time_stamped else ""
         print(f"signed by {each.by} at {each.at.isoformat()}{stamped}, under {each.authority}")

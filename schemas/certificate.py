@@ -52,6 +52,7 @@ class Laboratory(Frozen):
     latitude_deg: of its own place, against which that of each recording is held. number_scheme:
     how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
     whether who drafts, who checks and who issues a certificate have to be three persons.
+    signing: the key that signs what is issued; no record of a certificate tells where it lies.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"

@@ -7,6 +7,7 @@ store is; a record alone is held against the PDF or the DCC that lies beside it.
 import base64
 import hashlib
 import io
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,7 +76,8 @@ def verify_file(path: Path, trusted: Sequence[bytes] = ()) -> VerifiedFile:
         raise Unusable(f"{path} cannot be read ({error.strerror}); name another file.") from error
     check = {".pdf": _pdf, ".xml": _dcc}.get(path.suffix.lower())
     try:
-        found = check(content, trusted) if check else _record_beside(path, content, trusted)
+        with warnings.catch_warnings(action="ignore"):  # of libraries, about damaged bytes
+            found = check(content, trusted) if check else _record_beside(path, content, trusted)
     except Broken as fault:
         return VerifiedFile(path, None, None, None, (), (str(fault),))
     certificate = found.certificate

@@ -27,9 +27,7 @@ from tasks.certificate.faces import Faces, faces_of
 from tasks.certificate.sign import Signing, signing_of
 from tasks.certificate.verify_file import VerifiedFile, verify_file
 
-SOFTHSM = next(
-    (path for path in (Path("/usr/lib/softhsm/libsofthsm2.so"),) if path.is_file()), None
-)
+SOFTHSM = next(Path("/usr").glob("lib*/**/softhsm/libsofthsm2.so"), None)
 KEY_INFO = "http://www.w3.org/2000/09/xmldsig#:KeyInfo"
 PROPERTIES = "http://uri.etsi.org/01903/v1.3.2#:SignedProperties"
 
