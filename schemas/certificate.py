@@ -2,26 +2,22 @@
 
 import re
 from datetime import date
-from typing import Annotated, Literal, Self
+from typing import Literal, Self
 
 from pydantic import AwareDatetime, Field, model_validator
 
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.decision import Decision
+from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
 from schemas.recording import Manifest
 from schemas.signing import SigningSettings
-from schemas.station import LimitShape, MeasurementStandard
 
-MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
 NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 StepName = Literal["draft", "check", "issue"]
-LimitName = Literal[
-    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
-]
 
 
 class Party(Frozen):
@@ -31,18 +27,6 @@ class Party(Frozen):
     name_zh: str
     address: str
     address_zh: str
-
-
-class EquipmentLimit(Frozen):
-    """How far one property of a laboratory's equipment may be off, and which paper says so.
-
-    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity.
-    For «normal» it is an expanded uncertainty with k = 2.
-    """
-
-    half_width: Annotated[float, Field(gt=0, le=MAX_HALF_WIDTH, allow_inf_nan=False, strict=True)]
-    distribution: LimitShape
-    source: str = Field(min_length=1)
 
 
 class Laboratory(Frozen):

@@ -1,28 +1,15 @@
 """A station file: the devices of a station, and what the manifest says of it."""
 
-from datetime import date
 from typing import Literal, Self
 
 from pydantic import model_validator
 
 from schemas.base import Frozen
 from schemas.devices import ChamberDevice, FixtureDevice, TableDevice
+from schemas.equipment import MeasurementStandard
 from schemas.limits import Limits
 from schemas.recording import Mount, Station, Unit
 from schemas.unit_link import UnitLink
-
-LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
-
-
-class MeasurementStandard(Frozen):
-    """A measurement standard, as clause 8 h) wants it on the certificate."""
-
-    name: str
-    name_zh: str
-    serial: str
-    accuracy: str
-    certificate: str
-    valid_until: date | None = None
 
 
 class UnitOnTable(Frozen):

@@ -75,6 +75,17 @@ equipment = sql.Table(  # measurement standards: `document` is the manifest, or 
     _column("certificate", sql.Text, primary_key=True),
 )
 
+standards = sql.Table(  # the laboratory's register; `document` is the whole record
+    "standards",
+    metadata,
+    _column("serial", sql.Text, primary_key=True),
+    _column("certificate", sql.Text, primary_key=True),
+    *_texts("name"),
+    *(sql.Column(name, sql.Date) for name in ("calibrated_on", "valid_until")),
+    _column("added_at", Utc),
+    _column("document", sql.Text),
+)
+
 sources = sql.Table(  # one content may come in from several files, as Parquet and as CSV
     "sources",
     metadata,
@@ -162,12 +173,16 @@ certificates = (
     )
 )
 
-reminders = sql.Table(
+reminders = sql.Table(  # `days`: after the due date, negative before it; sent_at null: not yet
     "reminders",
     metadata,
     _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
+    _column("days", sql.Integer, primary_key=True, autoincrement=False),
     _column("channel", sql.Text, primary_key=True),
-    _column("sent_at", Utc),
+    _column("tries", sql.Integer),
+    _column("next_try_at", Utc),
+    sql.Column("sent_at", Utc),
+    sql.Column("fault", sql.Text),
 )
 
 trail = sql.Table(  # who did what; the database refuses to change or delete a row

@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from schemas.base import Unusable
 from schemas.calibration import Elements, Item, UncertaintyKind
-from schemas.certificate import EquipmentLimit, LimitName
+from schemas.equipment import EquipmentLimit, LimitName
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.uncertainty import Budget
@@ -25,6 +25,7 @@ from tasks.uncertainty.equipment import (
     with_polled_encoders,
 )
 from tasks.uncertainty.examples import BITS, TABLE, combine_as_example
+from tasks.uncertainty.examples import EXAMPLE as BY_APPENDIX
 from tasks.words import message, remark
 from tasks.words.rounding import USUAL_K
 
@@ -41,7 +42,8 @@ NO_SPECIFICATION = (UNKNOWN, "table and fixture not known")
 class Evaluation:
     """The equipment's limits and which way a budget is made.
 
-    seed: of the draws, where it is made by Monte Carlo. table, bits: u₁ and N of Appendix A.
+    seed: of the draws, where it is made by Monte Carlo. table, bits: u₁ and N of Appendix A;
+    table_source: who states u₁.
     settings, remarks: what a result has to say of it.
     """
 
@@ -49,6 +51,7 @@ class Evaluation:
     kind: UncertaintyKind = "GUM"
     seed: str = ""
     table: float = TABLE
+    table_source: str = BY_APPENDIX
     bits: float = BITS
     settings: Mapping[str, str | float] = field(default_factory=dict)
     remarks: tuple[Remark, ...] = ()
@@ -62,7 +65,9 @@ class Evaluation:
             return monte_carlo_budget(item, element, estimate, self.seed)
         data = estimate.lines[0]
         repeated = estimate.repeated or (data.quantity.u * abs(data.sensitivity),)
-        return combine_as_example(result, unit, estimate.value, repeated, self.table, self.bits)
+        return combine_as_example(
+            result, unit, estimate.value, repeated, self.table, self.bits, self.table_source
+        )
 
     def item(self, definition: ItemDefinition, estimate: ItemEstimate) -> Item:
         """An item with the budget of each element; null where an element is not determined.
@@ -142,7 +147,7 @@ def evaluation_for(
     if half_width_s := _polled_within(recording):
         equipment = with_polled_encoders(equipment, half_width_s)
     settings: dict[str, str | float] = {"uncertainty": kind}
-    table, bits = TABLE, _bits(recording)
+    table, table_source, bits = TABLE, BY_APPENDIX, _bits(recording)
     if kind != EXAMPLE:
         settings["limits"] = named
         for name, limit in own.items():
@@ -152,12 +157,15 @@ def evaluation_for(
         remarks = () if known else (remark("equipment_unknown", phrase, blocks_pass=True),)
         return Evaluation(equipment, kind, recording.digest, settings=settings, remarks=remarks)
     if "rate" in own:
-        table = equipment.rates[0][1].u
+        table, table_source = equipment.rates[0][1].u, own["rate"].source
     settings["u1 of the table"] = (
         f"{table:g} ({own['rate'].source if 'rate' in own else BY_EXAMPLE})"
     )
     settings["effective bits"] = f"{bits:g} (the unit's)" if bits else f"{BITS} ({BY_EXAMPLE})"
-    return Evaluation(equipment, kind, table=table, bits=bits or BITS, settings=settings)
+    return Evaluation(
+        equipment, kind, table=table, table_source=table_source, bits=bits or BITS,
+        settings=settings,
+    )  # fmt: skip
 
 
 def _polled_within(recording: Recording) -> float:

@@ -16,6 +16,7 @@ from tasks.certificate.budgets import Budgets, budgets
 from tasks.certificate.conditions import ReportedConditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
+from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.results import PrintedSection, sections
@@ -154,7 +155,7 @@ def _standards(certificate: Certificate) -> tuple[StandardRow, ...]:
         StandardRow(
             given(standard.name, standard.name_zh),
             given(standard.serial),
-            given(standard.accuracy),
+            accuracy(standard),
             given(standard.certificate),
             day(standard.valid_until),
         )

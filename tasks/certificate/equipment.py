@@ -3,11 +3,14 @@
 import math
 
 from schemas.calibration import Calibration
+from schemas.equipment import MeasurementStandard
 from schemas.text import Statement
 from schemas.uncertainty import BudgetInput
 from tasks.certificate.cover import by_document
+from tasks.certificate.fields import given
+from tasks.conformity.equipment import bound_text
 from tasks.specifications.specification import Specification
-from tasks.uncertainty.equipment import GRAVITY, LATITUDE, RECOMMENDED
+from tasks.uncertainty.equipment import GRAVITY, LATITUDE, RECOMMENDED, limit_of
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.quantities import plain
 from tasks.words.typography import clause
@@ -49,6 +52,24 @@ def half_width(line: BudgetInput) -> str | None:
         return quantity_text(plain(line.half_width, 6), line.unit)
     degrees = math.degrees(line.half_width)
     return f"{degrees:g}°" if line.symbol == LATITUDE.symbol else f"{3600 * degrees:g}″"
+
+
+def accuracy(standard: MeasurementStandard) -> Sayable:
+    """What a standard may be off by: the limits that go into the budgets, else as it was given."""
+    if not standard.limits:
+        return given(standard.accuracy)
+    return clauses(
+        [
+            message(
+                "certificate-limit-of-standard", limit=limit.name,
+                half_width=bound_text(bound.half_width, limit.unit),
+                shape=message(f"certificate-distribution.{bound.distribution}"),
+            )
+            for limit, bound in (
+                (limit_of(name), bound) for name, bound in standard.limits.items()
+            )
+        ]
+    )  # fmt: skip
 
 
 def whose_limits(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:

@@ -5,15 +5,14 @@ outside the conditions is inconclusive.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from datetime import date
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
 from schemas.decision import Decision, LimitDecision, Verdict
-from schemas.station import MeasurementStandard
 from schemas.text import Statement
 from schemas.tolerance import Limit, Tolerance
+from tasks.conformity.equipment import taken_to_be_met
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (
     global_risks,
@@ -37,8 +36,9 @@ def decide(
 
     Fail if any limited element fails by its decision rule; else inconclusive if a limited
     element has no value, no uncertainty above zero or one too large for its rule, if a remark
-    blocks a pass, if there are `doubts` (further reasons, like `expired` gives), or if there is
-    no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
+    blocks a pass, if U of a limited element rests on limits of a specification that the equipment
+    is only taken to meet, if there are `doubts` (further reasons, like `expired` gives), or if
+    there is no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
     undecided whatever their values, and do not count where the item has no limit.
 
     An invalid run gives no verdict on any element, neither pass nor fail: its reasons alone stand.
@@ -58,6 +58,7 @@ def decide(
         reasons.insert(0, message("conformity-invalid-run"))
     else:
         reasons += _reasons(calibration, decisions, doubts_of)
+        reasons += taken_to_be_met(calibration, decisions)
     for item in dict.fromkeys(decided.item for decided in decisions):
         reasons += doubts_of.get(item, ())
     reasons += doubts
@@ -73,19 +74,6 @@ def decide(
         reasons_zh=tuple(reason.zh for reason in statements),
         marginal=_marginal(decisions, verdict),
     )
-
-
-def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message, ...]:
-    """A reason against a pass for each standard whose certificate had run out on a day."""
-    return tuple(
-        message(
-            "conformity-expired",
-            name=Statement(en=standard.name, zh=standard.name_zh or standard.name),
-            serial=standard.serial, valid_until=str(standard.valid_until), day=str(on),
-        )
-        for standard in equipment
-        if standard.valid_until and standard.valid_until < on
-    )  # fmt: skip
 
 
 def _overall(decisions: tuple[LimitDecision, ...], reasons: tuple[Statement, ...]) -> Verdict:

@@ -9,9 +9,9 @@ from pydantic import BaseModel, ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.certificate import Laboratory, Order
+from schemas.equipment import MeasurementStandard
 from schemas.orders import CertificateOptions
 from schemas.recording import Unit
-from schemas.station import MeasurementStandard
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue.listing import Run

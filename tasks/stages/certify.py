@@ -23,6 +23,7 @@ from tasks.stages.certificate_inputs import (
     tolerance_of,
 )
 from tasks.stages.draft import DRAFT, keep_draft
+from tasks.stages.equipment_in_use import standards_in_use
 from tasks.stages.published import Published
 from tasks.stages.stage import stage
 from tasks.validation import record
@@ -51,19 +52,21 @@ def certify(
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
     laboratory = inputs.laboratory or settings.laboratory(home)
-    if laboratory and not laboratory.equipment:
-        laboratory = laboratory.model_copy(update={"equipment": free.equipment})
-    equipment = laboratory.equipment if laboratory else free.equipment
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
     calibrated_on = day_of_calibration(free, inputs, run)
+    listed = (laboratory.equipment if laboratory else ()) or free.equipment
+    equipment = standards_in_use(listed, home, calibrated_on)
+    if laboratory:
+        laboratory = laboratory.model_copy(update={"equipment": equipment})
     check_order(order, calibrated_on)
     validated = settings.validation(home) or record.shipped()
     expired = conformity.expired(equipment, calibrated_on or today)
 
     def decide(result: Calibration) -> Decision:
         doubts = {name: (why,) for name, why in record.doubts_of(validated, result).items()}
-        return conformity.decide(result, tolerance, expired, doubts)
+        smaller = conformity.smaller_than_stated(result, equipment)
+        return conformity.decide(result, tolerance, (*expired, *smaller), doubts)
 
     decision = decide(calibration)
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)

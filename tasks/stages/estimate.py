@@ -15,6 +15,7 @@ from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
+from tasks.stages.equipment_in_use import limits_in_use
 from tasks.stages.stage import stage
 from tasks.version import code_version
 from tasks.words import say
@@ -32,10 +33,10 @@ def estimate(
 ) -> Calibration:
     """Calibrate a run and keep the result; the same result twice is one.
 
-    laboratory: whose limits go before those of the specification's Table 1, and at whose latitude
-    the run was made; that of the home, unless it is given. With terms, their contributions are
-    taken off the readings first; that result stands beside the one without them and supersedes
-    only one with the same terms.
+    laboratory: that of the home, unless it is given. Its limits, and those of the standards in use,
+    go before those of the specification's Table 1, and at its latitude the run was made. With
+    terms, their contributions are taken off the readings first; that result stands beside the one
+    without them and supersedes only one with the same terms.
     Raises Unusable for a term that this recording cannot have or does not determine.
     """
     laboratory = laboratory or settings.laboratory(home)
@@ -50,7 +51,7 @@ def calibration_of(
     """The calibration of a run, which is not kept; see `estimate`."""
     recording = runs.load(run, home)
     specification = specification_for(recording.manifest.standard, how.method)
-    limits = laboratory.limits if laboratory else None
+    limits = limits_in_use(recording.manifest, home, laboratory)
     calibrated = partial(
         calibrate,
         specification,

@@ -16,7 +16,7 @@ from schemas.history import Difference
 from schemas.orders import Estimation
 from schemas.tolerance import Tolerance
 from storage.blobs import Unreachable, blobs_of
-from storage.catalogue import reprocessing, results
+from storage.catalogue import equipment, reprocessing, results
 from storage.catalogue.connection import Busy, name_of
 from storage.catalogue.reprocessing import Made, ToMake
 from storage.home import Home
@@ -99,10 +99,12 @@ def _made(job: Job, began: float) -> Outcome:
     return Outcome(made, difference(before.calibration, calibration, job.tolerance))
 
 
-def circumstances(laboratory: Laboratory | None) -> str:
-    """What a result is made under: the code, and the limits of the laboratory's equipment."""
+def circumstances(laboratory: Laboratory | None, home: Home) -> str:
+    """What a result is made under: the code, and what the laboratory states of its equipment."""
     limits = laboratory.limits if laboratory else {}
+    listed = laboratory.equipment if laboratory else ()
     texts = [f"{name} {limit.model_dump_json()}" for name, limit in sorted(limits.items())]
+    texts += [standard.model_dump_json() for standard in (*listed, *equipment.register(home))]
     return hashlib.sha256("\n".join([code_version(), *texts]).encode()).hexdigest()[:12]
 
 
@@ -118,10 +120,11 @@ def _check_worker(job: Job) -> None:
             f"a worker on {platform.node()} works on {mine}, not on {job.store}; start it with the "
             "same MIMUCAL_DATABASE and MIMUCAL_STORE"
         )
-    if circumstances(job.laboratory) != job.circumstances:
+    if circumstances(job.laboratory, job.home) != job.circumstances:
         raise Unusable(
             f"a worker on {platform.node()} has another version ({code_version()}) than the one "
-            "that gave the order; install the same there"
+            "that gave the order, or the register of equipment was changed since; install the same "
+            "there, and give the order again"
         )
 
 

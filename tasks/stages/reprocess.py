@@ -30,7 +30,7 @@ DIED = (
 
 def plan(order: ReprocessOrder, home: Home) -> Plan:
     """What the order would do; nothing is read but the catalogue, and nothing is written."""
-    now = circumstances(settings.laboratory(home))
+    now = circumstances(settings.laboratory(home), home)
     runs = select(order, home)
     to_make = reprocessing.to_make(runs, now, home)
     waiting = {each.run.id: each.run.rows for each in to_make}
@@ -56,7 +56,7 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     began = time.monotonic()
     out = report_folder(order.out)
     laboratory = settings.laboratory(home)
-    now = circumstances(laboratory)
+    now = circumstances(laboratory, home)
     runs = select(order, home)
     earlier = _done(runs, now, home)
     limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))

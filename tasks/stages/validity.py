@@ -24,10 +24,12 @@ def validity_of(run: Run, home: Home) -> Validity:
     from tasks.calibrate.calibrate import calibrate
     from tasks.calibrate.evaluation import evaluation_for
     from tasks.specifications.register import SPECIFICATIONS
+    from tasks.stages.equipment_in_use import limits_in_use
 
     recording = runs.load(run, home)
     laboratory = settings.laboratory(home)
-    evaluation = evaluation_for(recording, own=laboratory.limits if laboratory else None)
+    own = limits_in_use(recording.manifest, home, laboratory)
+    evaluation = evaluation_for(recording, own=own)
     try:
         calibration = calibrate(
             SPECIFICATIONS[method], recording, run=run.id, code_version="", evaluation=evaluation,

@@ -7,11 +7,12 @@ The defaults are the tables' own recommendations; a laboratory's own limits go b
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import get_args
 
-from schemas.certificate import EquipmentLimit, LimitName
-from schemas.station import LimitShape
+from schemas.equipment import EquipmentLimit, LimitName, LimitShape
 from tasks.uncertainty.budget import InputQuantity
 from tasks.uncertainty.distributions import DIVISORS
+from tasks.uncertainty.examples import EXAMPLE
 from tasks.words import Message, message
 
 ARCSECOND = math.radians(1.0 / 3600.0)
@@ -129,9 +130,20 @@ JJF1536 = Equipment(
 
 POLLED = "the recording: longest exchange with the table"
 RECOMMENDED = {TABLE_1, FIXTURE_2003, TABLE_1_AHRS, FIXTURE_1536}
+TAKEN_TO_BE_MET = RECOMMENDED | {EXAMPLE}  # of limits that nobody stated of the equipment used
 
 # A unit turned by hand, on a pillar, or on a table that nobody describes.
 UNKNOWN = Equipment()
+
+
+def limit_of(name: LimitName) -> ErrorLimit:
+    """The limit that a laboratory's own takes the place of; it keeps symbol, name and unit."""
+    limit: ErrorLimit = RATE if name == "rate" else getattr(JJF2003, name)
+    return limit
+
+
+# Of the limits that a laboratory can state itself, by the symbol of a budget's line.
+LIMIT_NAMES: dict[str, LimitName] = {limit_of(name).symbol: name for name in get_args(LimitName)}
 
 
 def with_polled_encoders(equipment: Equipment, half_width_s: float) -> Equipment:
@@ -144,9 +156,8 @@ def with_limits(equipment: Equipment, own: Mapping[LimitName, EquipmentLimit]) -
     """The equipment with a laboratory's own limits in the place of the specification's."""
     changed: dict[str, object] = {}
     for name, stated in own.items():
-        known = RATE if name == "rate" else getattr(JJF2003, name)
         limit = replace(
-            known,
+            limit_of(name),
             half_width=stated.half_width,
             distribution=stated.distribution,
             clause=stated.source,

@@ -20,6 +20,7 @@ from tasks.uncertainty.propagation import TWO_SIGMA
 from tasks.words import message
 
 TABLE = 1.0e-4  # u₁: U = 2e-4 with k = 2
+EXAMPLE = "Appendix A"  # who states that
 BITS = 12  # N of the examples; a unit under test has its own
 TABLE_NAME = message("uncertainty-example-table")
 ACQUISITION_NAME = message("uncertainty-example-acquisition")
@@ -40,15 +41,17 @@ def combine_as_example(
     repeatability: Sequence[float],
     table: float = TABLE,
     bits: float = BITS,
+    source: str = EXAMPLE,
 ) -> Budget:
     """A budget as the appendices do it: u_c = √(u₁² + u₂² + u₃²), U = 2·u_c.
 
-    repeatability: standard uncertainties that are added up to u₃. u_c carries three significant
-    digits, so that a certificate prints the appendix's U (rounded up to two digits).
+    repeatability: standard uncertainties that are added up to u₃. source: who states `table`.
+    u_c carries three significant digits, so that a certificate prints the appendix's U (rounded up
+    to two digits).
     """
     u3 = math.fsum(repeatability)
     quantities = (
-        InputQuantity("u1", TABLE_NAME, unit, table, "B", "normal"),
+        InputQuantity("u1", TABLE_NAME, unit, table, "B", "normal", source=source),
         InputQuantity("u2", ACQUISITION_NAME, unit, acquisition(bits), "B", "rectangular"),
         InputQuantity("u3", REPEATABILITY_NAME, unit, u3, "A", "normal"),
     )

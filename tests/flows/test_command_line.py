@@ -16,6 +16,7 @@ from storage.formats.mcap.cdr import encode
 from storage.formats.mcap.definitions import schema_text
 from storage.formats.mcap.topics import IMU, TEMPERATURE
 from storage.formats.mcap.writer import write_mcap
+from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
 
@@ -69,8 +70,9 @@ def test_calibrate_by_run_id_gives_the_same_document(mimucal, shared) -> None:
 
 
 def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
-    mimucal, plant_on_earth, tmp_path
+    mimucal, home, plant_on_earth, tmp_path
 ) -> None:
+    laboratory_file(home)
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
@@ -113,8 +115,11 @@ def test_a_unit_out_of_tolerance_is_a_result_and_not_a_failure(
     assert (done.code, done.json["verdict"]) == (0, "fail")
 
 
-def test_a_value_that_just_passes_is_told_with_its_risk(mimucal, plant_on_earth, tmp_path) -> None:
+def test_a_value_that_just_passes_is_told_with_its_risk(
+    mimucal, home, plant_on_earth, tmp_path
+) -> None:
     """The limit is put half of U above the largest value: one element is conditional."""
+    laboratory_file(home)
     run = mimucal("import", plant_on_earth, "--json").json["runs"][0]["run"]
     bias = mimucal("calibrate", run, "--json").json["items"]["gyro_bias"]
     axis, most = max(bias["value"].items(), key=lambda each: each[1])

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from tests.own_limits import laboratory_file
+
 K_AND_B = ("gyro_scale_factor", "gyro_cross_coupling", "gyro_bias", "accel_scale_factor",
            "accel_cross_coupling", "accel_bias", "accel_rate_sensitivity")  # fmt: skip
 
@@ -48,9 +50,10 @@ def test_a_second_recording_of_the_unit_is_corrected_by_the_first_ones_joint_res
 
 
 def test_before_and_after_an_adjustment_stand_on_one_certificate(
-    mimucal, plant_on_earth, run, tmp_path
+    mimucal, home, plant_on_earth, run, tmp_path
 ) -> None:
     """The corrected recording is what the adjusted unit would have read."""
+    laboratory_file(home)
     assert mimucal("apply", run, plant_on_earth, "--out", tmp_path / "corrected").code == 0
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(

@@ -22,6 +22,7 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.explain import explain as as_it_is
 from tasks.explain.explanation import Explanation, Finding
 from tasks.words import say
+from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
 STEP = 0.01  # deg/s that the known answer adds to gyro x
@@ -228,9 +229,10 @@ def test_what_explain_did_not_find_is_fitted_alone(mimucal, plant_clean, engine)
 
 
 def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
-    mimucal, plant_on_earth, engine, tmp_path
+    mimucal, home, plant_on_earth, engine, tmp_path
 ) -> None:
     engine(1)
+    laboratory_file(home)
     tolerance = tmp_path / "limits.toml"
     tolerance.write_text(
         'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'

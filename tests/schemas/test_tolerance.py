@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from schemas.certificate import EquipmentLimit
+from schemas.equipment import EquipmentLimit
 from schemas.tolerance import Limit, Tolerance
 
 LIMIT = {"item": "gyro_bias", "unit": "deg/s"}

@@ -1,5 +1,6 @@
 """A virtual station as settings, its station file, and the truth that the file does not hold."""
 
+import math
 import tomllib
 from datetime import date
 from importlib.resources import files
@@ -9,15 +10,25 @@ import numpy as np
 from pydantic import Field
 
 from schemas.base import Finite, Frozen
+from schemas.equipment import ErrorBound, LimitName, MeasurementStandard
 from schemas.recording import Mount, TableAxis
-from schemas.station import MeasurementStandard, StationFile
+from schemas.station import StationFile
 from tasks.station import stations
 from tasks.station.virtual.protocol import FRAMES, TRIADS
 from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
-from tasks.words import message, say
+from tasks.words import Message, message, say
 
 STEP_S = 1e-3  # of the plant, station time
 STEP_US = 1000
+ARCSECOND = math.radians(1.0 / 3600.0)
+# What the certificate of the virtual table says, as one of a real table would.
+LIMITS: dict[LimitName, float] = {
+    "rate": 2e-5,
+    "ripple": 2e-4,
+    "position": 2 * ARCSECOND,
+    "repeatability": ARCSECOND,
+}
+LIMITS_BETWEEN_AXES: dict[LimitName, float] = {"axes": 3 * ARCSECOND}
 EARTH_RATE_RAD_S = 7.292115e-5  # WGS 84
 
 THREE_AXES = (
@@ -159,9 +170,11 @@ def _frame(unit: UnitTruth) -> dict[str, Any]:
 
 def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
     """The measurement standards, with made-up numbers that say so."""
-    rows = (
-        ("T1", message("station-virtual-turntable", axes=axes), "angle 2″, rate 1×10⁻⁴"),
-        ("C1", message("station-virtual-chamber"), "0.5 °C, 3 %RH"),
+    table = LIMITS if axes == 1 else LIMITS | LIMITS_BETWEEN_AXES
+    rows: tuple[tuple[str, Message, str, dict[LimitName, float]], ...] = (
+        ("T1", message("station-virtual-turntable", axes=axes), "", table),
+        ("F1", message("station-virtual-fixture"), "", {"fixture": 3 * ARCSECOND}),
+        ("C1", message("station-virtual-chamber"), "0.5 °C, 3 %RH", {}),
     )
     return tuple(
         MeasurementStandard(
@@ -171,8 +184,12 @@ def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
             accuracy=accuracy,
             certificate="virtual, not traceable",
             valid_until=date(2099, 12, 31),
+            limits={
+                limit: ErrorBound(half_width=half_width, distribution="rectangular")
+                for limit, half_width in limits.items()
+            },
         )
-        for serial, name, accuracy in rows
+        for serial, name, accuracy, limits in rows
     )
 
 

@@ -172,6 +172,7 @@ certificate-limits = Limits behind type B: { $parts }.
     .own = limits stated by the laboratory: { $limits }
     .recommended = for table and fixture the recommended limits of { $sources }, which this equipment is taken to meet: { $limits }
     .assumed = { $limit } assumed known to { $known }
+certificate-limit-of-standard = { $limit } { $half_width } ({ $shape })
 certificate-assumed =
     .gravity = assumed: calculated from latitude and height, anomalies within 50 mGal
     .latitude = assumed: latitude stated to 0.1°

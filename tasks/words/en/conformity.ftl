@@ -14,6 +14,8 @@ conformity-quantity =
 conformity-no-tolerance = no limits were given for this product model
 conformity-invalid-run = the run is invalid: nothing is decided on the unit
 conformity-expired = { $name } ({ $serial }): its certificate was valid until { $valid_until }, before { $day }
+conformity-taken-to-be-met = U rests on limits that { $sources } recommends and this equipment is only taken to meet ({ $limits }): state those of the laboratory's own equipment, for the standards of the station (`mimucal equipment add`) or under [limits] in laboratory.toml, and certify again
+conformity-smaller-than-stated = { $limit }: the budget takes { $used } ({ $shape }; { $source }), less than the { $stated } ({ $stated_shape }) that { $paper } states of the equipment: correct one of them, and certify again
 conformity-subject = { $item } { $symbol }
     .of-two = { $item } { $symbol }, { $quantity }
 conformity-measured = { $subject }: { $value }, U = { $U } (k = { $k })

@@ -24,6 +24,7 @@ station-place =
 ## The equipment of the virtual station.
 
 station-virtual-turntable = { $axes }-axis position and rate turntable (virtual)
+station-virtual-fixture = Calibration fixture (virtual)
 station-virtual-chamber = Temperature chamber (virtual)
 
 ## What a trial of a device found.

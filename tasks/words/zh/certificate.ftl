@@ -172,6 +172,7 @@ certificate-limits = B 类分量的极限：{ $parts }。
     .own = 实验室给出的极限：{ $limits }
     .recommended = 转台和夹具取 { $sources } 推荐的技术指标（视为本装置满足）：{ $limits }
     .assumed = { $limit }假定已知至 { $known }
+certificate-limit-of-standard = { $limit } { $half_width }（{ $shape }）
 certificate-assumed =
     .gravity = 假定：由纬度和高程计算，重力异常不超过 50 mGal
     .latitude = 假定：纬度给出至 0.1°

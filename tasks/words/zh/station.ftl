@@ -27,6 +27,7 @@ station-virtual-turntable =
         [1] 单轴位置速率转台（虚拟）
        *[other] { $axes } 轴位置速率转台（虚拟）
     }
+station-virtual-fixture = 校准夹具（虚拟）
 station-virtual-chamber = 温度试验箱（虚拟）
 
 ## 逐台设备试验的结果。

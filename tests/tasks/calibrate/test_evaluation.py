@@ -9,7 +9,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration
-from schemas.certificate import EquipmentLimit
+from schemas.equipment import EquipmentLimit
 from schemas.recording import Recording
 from schemas.uncertainty import Budget
 from tasks.calibrate.calibrate import calibrate

@@ -9,8 +9,8 @@ import numpy as np
 from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import Certificate, Laboratory, Order, Party
 from schemas.decision import Decision
+from schemas.equipment import MeasurementStandard
 from schemas.recording import Manifest, Station, Unit
-from schemas.station import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Limit, Tolerance
 from tasks.certificate.content import Content, in_languages

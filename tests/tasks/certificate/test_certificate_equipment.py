@@ -3,7 +3,7 @@
 import pytest
 from sample_certificate import calibration, printed
 
-from schemas.certificate import EquipmentLimit
+from schemas.equipment import EquipmentLimit
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
 from tasks.certificate.budgets import budgets

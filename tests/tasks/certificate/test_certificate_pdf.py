@@ -26,7 +26,7 @@ from sample_certificate import (
 from schemas.base import Unusable
 from schemas.calibration import EnvironmentSeen
 from schemas.certificate import Certificate, Party
-from schemas.station import MeasurementStandard
+from schemas.equipment import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Limit
 from tasks.certificate.pdf import render

@@ -11,7 +11,7 @@ from sample_results import BIAS, bias_limit, calibration, item, tolerance, with_
 
 from schemas.base import Unusable
 from schemas.decision import Decision
-from schemas.station import MeasurementStandard
+from schemas.equipment import MeasurementStandard
 from schemas.text import Remark, Statement
 from schemas.tolerance import Limit
 from tasks.conformity import decide, expired

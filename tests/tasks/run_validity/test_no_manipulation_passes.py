@@ -12,9 +12,11 @@ from schemas.decision import Decision
 from schemas.recording import ACCEL, GYRO, Recording, Stream
 from schemas.tolerance import Limit, Tolerance
 from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
 from tasks.conformity import decide
 from tasks.run_validity.judge import run_remarks
 from tasks.specifications.register import SPECIFICATIONS
+from tests.own_limits import as_table_1
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 from tests.tasks.run_validity.manipulations import DRIFTS, MANIPULATIONS
@@ -53,7 +55,10 @@ def calibration_of(method: Method) -> Calibration:
 
 
 def calibrated(recording: Recording, method: Method) -> Calibration:
-    return calibrate(SPECIFICATIONS[method], recording, run="r", code_version="test")
+    evaluation = evaluation_for(recording, own=as_table_1())
+    return calibrate(
+        SPECIFICATIONS[method], recording, run="r", code_version="test", evaluation=evaluation
+    )
 
 
 def decided(calibration: Calibration) -> Decision:

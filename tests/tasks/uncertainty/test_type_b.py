@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from schemas.certificate import EquipmentLimit
+from schemas.equipment import EquipmentLimit
 from tasks.motion.table import EARTH_RATE
 from tasks.specifications.jjf2003.positions import input_matrix
 from tasks.specifications.linear import solve

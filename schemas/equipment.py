@@ -1,0 +1,57 @@
+"""Measuring equipment of a laboratory: standards, certificates, how far each may be off."""
+
+from datetime import date
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from schemas.base import Frozen
+
+MAX_HALF_WIDTH = 1.0  # relative, rad or m/s²: equipment that may be further off calibrates nothing
+LimitShape = Literal["normal", "rectangular", "triangular", "arcsine"]
+LimitName = Literal[
+    "rate", "ripple", "position", "repeatability", "axes", "fixture", "gravity", "latitude"
+]
+
+
+class ErrorBound(Frozen):
+    """How far one property of the equipment may be off.
+
+    half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity.
+    For «normal» it is an expanded uncertainty with k = 2.
+    """
+
+    half_width: Annotated[float, Field(gt=0, le=MAX_HALF_WIDTH, allow_inf_nan=False, strict=True)]
+    distribution: LimitShape
+
+
+class EquipmentLimit(ErrorBound):
+    """A bound, and which paper states it."""
+
+    source: str = Field(min_length=1)
+
+
+class MeasurementStandard(Frozen):
+    """A measurement standard, as clause 8 h) wants it on the certificate.
+
+    limits: what its certificate says it may be off by, which goes into the budgets and is printed
+    in the place of `accuracy`. It may be used from `calibrated_on` to `valid_until`.
+    """
+
+    name: str
+    name_zh: str
+    serial: str
+    accuracy: str
+    certificate: str
+    calibrated_on: date | None = None
+    valid_until: date | None = None
+    limits: dict[LimitName, ErrorBound] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _due_after_it_was_calibrated(self) -> Self:
+        if self.calibrated_on and self.valid_until and self.valid_until < self.calibrated_on:
+            raise ValueError(
+                f"{self.name} ({self.serial}) has valid_until = {self.valid_until} before "
+                f"calibrated_on = {self.calibrated_on}"
+            )
+        return self

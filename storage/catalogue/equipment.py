@@ -1,0 +1,103 @@
+"""The register of measurement standards: each with every certificate it ever had here."""
+
+import json
+from collections.abc import Iterable
+from datetime import UTC, date, datetime
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.equipment import MeasurementStandard
+from storage.catalogue import database, tables
+from storage.home import Home
+
+
+def add(standards: Iterable[MeasurementStandard], home: Home) -> None:
+    """Takes standards into the register, all or none; raises Unusable for one that is there."""
+    with database.changing(home) as connection:
+        for standard in standards:
+            if known := _certificates(connection, standard.serial):
+                raise Unusable(
+                    f"{standard.name} ({standard.serial}) is in the register already, with "
+                    f"certificate {known[-1]}; `mimucal equipment renew` adds a new certificate."
+                )
+            _insert(connection, standard)
+
+
+def renew(standards: Iterable[MeasurementStandard], home: Home) -> None:
+    """Adds a new certificate of each standard, all or none; the earlier ones stay.
+
+    Raises Unusable for a standard that is not in the register, one without the day of its
+    calibration, and a certificate that is there.
+    """
+    with database.changing(home) as connection:
+        for standard in standards:
+            named = f"{standard.name} ({standard.serial})"
+            known = _certificates(connection, standard.serial)
+            if not known:
+                raise Unusable(
+                    f"{named} is not in the register; `mimucal equipment add` takes it in."
+                )
+            if standard.certificate in known:
+                raise Unusable(
+                    f"{named} has certificate {standard.certificate} in the register already; give "
+                    "the new one."
+                )
+            if standard.calibrated_on is None:
+                raise Unusable(f"{named} lacks calibrated_on, the day from which its new "
+                               "certificate counts.")  # fmt: skip
+            _insert(connection, standard)
+
+
+def register(home: Home) -> list[MeasurementStandard]:
+    """Every certificate of every standard: by serial number, then from the oldest."""
+    table = tables.standards.c
+    asked = sql.select(table.document).order_by(table.serial, table.added_at, table.certificate)
+    found = [_standard(row.document) for row in database.rows(home, asked)]
+    return sorted(found, key=lambda each: (each.serial, each.calibrated_on or date.min))
+
+
+def on_day(home: Home, day: date | None) -> dict[str, MeasurementStandard]:
+    """The standards by serial number, each with the certificate that counts on a day.
+
+    It is the last one from before the day, or the first of all; None: the last one.
+    """
+    found: dict[str, MeasurementStandard] = {}
+    for standard in register(home):
+        began = standard.calibrated_on or date.min
+        if standard.serial not in found or day is None or began <= day:
+            found[standard.serial] = standard
+    return found
+
+
+def past_due(home: Home, day: date) -> list[MeasurementStandard]:
+    """The standards of the register that had no valid certificate on a day."""
+    return [
+        standard
+        for standard in on_day(home, day).values()
+        if standard.valid_until and standard.valid_until < day
+    ]
+
+
+def _certificates(connection: sql.Connection, serial: str) -> list[str]:
+    table = tables.standards.c
+    asked = sql.select(table.certificate).where(table.serial == serial).order_by(table.added_at)
+    return list(connection.scalars(asked))
+
+
+def _insert(connection: sql.Connection, standard: MeasurementStandard) -> None:
+    connection.execute(
+        sql.insert(tables.standards).values(
+            serial=standard.serial,
+            certificate=standard.certificate,
+            name=standard.name,
+            calibrated_on=standard.calibrated_on,
+            valid_until=standard.valid_until,
+            added_at=datetime.now(UTC),
+            document=standard.model_dump_json(),
+        )
+    )
+
+
+def _standard(document: str) -> MeasurementStandard:
+    return MeasurementStandard.model_validate(json.loads(document))

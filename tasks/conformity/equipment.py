@@ -1,0 +1,106 @@
+"""What speaks against a pass on the side of the measuring equipment."""
+
+import math
+from collections.abc import Iterable, Iterator
+from datetime import date
+
+from schemas.calibration import Calibration
+from schemas.decision import LimitDecision
+from schemas.equipment import MeasurementStandard
+from schemas.text import Statement
+from schemas.uncertainty import BudgetInput
+from tasks.uncertainty.equipment import LIMIT_NAMES, TAKEN_TO_BE_MET
+from tasks.uncertainty.own_limits import standard_uncertainty, stated_limits
+from tasks.words import Message, message
+from tasks.words.quantities import plain
+from tasks.words.typography import clause
+from tasks.words.units import quantity_text
+
+ROUNDING = 1e-9  # relative: two limits that differ by less are one
+
+
+def expired(equipment: Iterable[MeasurementStandard], on: date) -> tuple[Message, ...]:
+    """A reason against a pass for each standard whose certificate had run out on a day."""
+    return tuple(
+        message(
+            "conformity-expired",
+            name=name_of(standard), serial=standard.serial,
+            valid_until=str(standard.valid_until), day=str(on),
+        )
+        for standard in equipment
+        if standard.valid_until and standard.valid_until < on
+    )  # fmt: skip
+
+
+def taken_to_be_met(
+    calibration: Calibration, decisions: Iterable[LimitDecision]
+) -> tuple[Message, ...]:
+    """The reason against a pass where U of a limited element rests on a specification's limits.
+
+    A table that recommends what equipment should keep says nothing of the equipment that was used.
+    """
+    lines = [
+        line
+        for decided in decisions
+        for line in _lines(calibration, decided)
+        if line.source in TAKEN_TO_BE_MET and line.contribution > 0
+    ]
+    if not lines:
+        return ()
+    names = dict.fromkeys(Statement(en=line.name, zh=line.name_zh) for line in lines)
+    sources = dict.fromkeys(clause(str(line.source)) for line in lines)
+    return (message("conformity-taken-to-be-met", limits=tuple(names), sources=tuple(sources)),)
+
+
+def smaller_than_stated(
+    calibration: Calibration, equipment: Iterable[MeasurementStandard]
+) -> tuple[Message, ...]:
+    """A reason against a pass for each limit in a budget below what the equipment's paper states.
+
+    Compared are standard uncertainties, of the lines that are the laboratory's own.
+    """
+    stated = stated_limits(equipment)
+    used = {LIMIT_NAMES[line.symbol]: line for line in _own_lines(calibration)}
+    return tuple(
+        message(
+            "conformity-smaller-than-stated",
+            limit=Statement(en=line.name, zh=line.name_zh), source=str(line.source),
+            used=bound_text(line.half_width or 0.0, line.unit), shape=_shape(line.distribution),
+            stated=bound_text(stated[name].half_width, line.unit),
+            stated_shape=_shape(stated[name].distribution), paper=stated[name].source,
+        )
+        for name, line in used.items()
+        if name in stated and line.u < standard_uncertainty(stated[name]) * (1 - ROUNDING)
+    )  # fmt: skip
+
+
+def name_of(standard: MeasurementStandard) -> Statement:
+    """The name of a standard; the English one where it has no Chinese."""
+    return Statement(en=standard.name, zh=standard.name_zh or standard.name)
+
+
+def bound_text(half_width: float, unit: str) -> str:
+    """How far a property may be off, with its unit; angles in arcseconds."""
+    if unit == "rad":
+        return f"±{3600 * math.degrees(half_width):.4g}″"
+    return f"±{quantity_text(plain(half_width, 4), unit)}"
+
+
+def _lines(calibration: Calibration, decided: LimitDecision) -> tuple[BudgetInput, ...]:
+    """The budget of a decided element; nothing where it has none."""
+    item = calibration.items.get(decided.item)
+    budget = item.budgets.get(decided.element) if item else None
+    return budget.inputs if budget else ()
+
+
+def _own_lines(calibration: Calibration) -> Iterator[BudgetInput]:
+    for item in calibration.items.values():
+        for budget in item.budgets.values():
+            for line in budget.inputs:
+                own = line.source is not None and line.source not in TAKEN_TO_BE_MET
+                if own and line.half_width is not None and line.symbol in LIMIT_NAMES:
+                    yield line
+
+
+def _shape(distribution: str) -> Message:
+    return message(f"certificate-distribution.{distribution}")

@@ -1,0 +1,52 @@
+"""U is never smaller than the limits of the laboratory's own equipment allow.
+
+An error at its limit moves a result by an amount that a line of mechanics gives: a table that
+turns faster by ε makes every scale factor larger by ε·K, an axis that leans by α reads K·sin α of
+the rate about another one, gravity that is off by δ makes an accelerometer's K larger by K·δ/g.
+"""
+
+import math
+from collections.abc import Callable
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.evaluation import evaluation_for
+from tasks.specifications.jjf2003 import JJF2003
+from tests.own_limits import ARCSECOND, as_table_1
+
+AXES = "xyz"
+SHOWN = 1 - 1e-9  # rounding
+
+
+@pytest.fixture(scope="module")
+def recording(ideal_run: Callable[..., Recording]) -> Recording:
+    return ideal_run(dwell=1.0, noise=1e-6)
+
+
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    rate=st.floats(1e-7, 1e-2),
+    fixture=st.floats(0.1 * ARCSECOND, 600 * ARCSECOND),
+    gravity=st.floats(1e-6, 1e-1),
+)
+def test_an_error_at_its_limit_stays_within_u(
+    recording: Recording, rate: float, fixture: float, gravity: float
+) -> None:
+    own = as_table_1(rate=rate, fixture=fixture)
+    own["gravity"] = own["rate"].model_copy(update={"half_width": gravity})
+    evaluation = evaluation_for(recording, own=own)
+    items = calibrate(
+        JJF2003, recording, run="r", code_version="v", evaluation=evaluation
+    ).items  # fmt: skip
+    local = recording.manifest.station.gravity_m_s2
+    for axis in AXES:
+        gyro, accel = items["gyro_scale_factor"], items["accel_scale_factor"]
+        assert gyro.U[axis] >= rate * abs(gyro.value[axis]) * SHOWN
+        assert accel.U[axis] >= gravity / local * abs(accel.value[axis]) * SHOWN
+        for other in AXES.replace(axis, ""):
+            lean = math.sin(fixture) * abs(gyro.value[axis])
+            assert items["gyro_cross_coupling"].U[axis + other] >= lean * SHOWN
