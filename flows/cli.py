@@ -9,6 +9,7 @@ from typer.exceptions import TyperException
 from flows import (
     certificate_commands,
     correction_commands,
+    equipment_commands,
     explain_commands,
     history_commands,
     options,
@@ -35,6 +36,7 @@ app.add_typer(explain_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)
+app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
 
 

@@ -55,3 +55,10 @@ class MeasurementStandard(Frozen):
                 f"calibrated_on = {self.calibrated_on}"
             )
         return self
+
+
+class EquipmentFile(Frozen):
+    """Measurement standards for the register of the laboratory."""
+
+    format: Literal["mimu-equipment/1"] = "mimu-equipment/1"
+    equipment: tuple[MeasurementStandard, ...] = Field(min_length=1)

@@ -9,6 +9,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
+from schemas.equipment import EquipmentFile
 from schemas.history import Impact, Reprocessing
 from schemas.procedure import Procedure
 from schemas.recording import Manifest
@@ -28,6 +29,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-tolerance": Tolerance,
     "mimu-laboratory": Laboratory,
     "mimu-order": Order,
+    "mimu-equipment": EquipmentFile,
     "mimu-certificate-record": Certificate,
     "mimu-validation": ValidationRecord,
     "mimu-discrepancy": Discrepancy,

@@ -8,11 +8,11 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.equipment import MeasurementStandard
-from storage.catalogue import database, tables
+from storage.catalogue import database, tables, trail
 from storage.home import Home
 
 
-def add(standards: Iterable[MeasurementStandard], home: Home) -> None:
+def add(standards: Iterable[MeasurementStandard], home: Home, person: str) -> None:
     """Takes standards into the register, all or none; raises Unusable for one that is there."""
     with database.changing(home) as connection:
         for standard in standards:
@@ -22,9 +22,10 @@ def add(standards: Iterable[MeasurementStandard], home: Home) -> None:
                     f"certificate {known[-1]}; `mimucal equipment renew` adds a new certificate."
                 )
             _insert(connection, standard)
+            _note(connection, person, "add equipment", standard)
 
 
-def renew(standards: Iterable[MeasurementStandard], home: Home) -> None:
+def renew(standards: Iterable[MeasurementStandard], home: Home, person: str) -> None:
     """Adds a new certificate of each standard, all or none; the earlier ones stay.
 
     Raises Unusable for a standard that is not in the register, one without the day of its
@@ -47,6 +48,7 @@ def renew(standards: Iterable[MeasurementStandard], home: Home) -> None:
                 raise Unusable(f"{named} lacks calibrated_on, the day from which its new "
                                "certificate counts.")  # fmt: skip
             _insert(connection, standard)
+            _note(connection, person, "renew equipment", standard)
 
 
 def register(home: Home) -> list[MeasurementStandard]:
@@ -97,6 +99,15 @@ def _insert(connection: sql.Connection, standard: MeasurementStandard) -> None:
             document=standard.model_dump_json(),
         )
     )
+
+
+def _note(
+    connection: sql.Connection, person: str, action: str, standard: MeasurementStandard
+) -> None:
+    trail.add(
+        connection, person, action, standard.serial,
+        certificate=standard.certificate, valid_until=str(standard.valid_until),
+    )  # fmt: skip
 
 
 def _standard(document: str) -> MeasurementStandard:

@@ -91,7 +91,7 @@ def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> No
     (reason,) = smaller_than_stated(result, [table(rate=1e-4)])
     assert say(reason, "en") == (
         f"table rate, whole turns: the budget takes ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
-        "the ±1×10⁻⁴ (rectangular) that C-9 (T-1) states of the equipment: correct one of them, "
+        "the ±0.0001 (rectangular) that C-9 (T-1) states of the equipment: correct one of them, "
         "and certify again"
     )
     assert decide(result, tolerance(bias_limit()), (reason,)).verdict == "inconclusive"

@@ -1,0 +1,87 @@
+"""The register of measurement standards: which certificate of each counts on a day."""
+
+from datetime import date
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.equipment import MeasurementStandard
+from storage.catalogue import equipment, trail
+from storage.home import Home
+
+FIRST, SECOND = date(2025, 3, 1), date(2026, 3, 1)
+
+
+def standard(certificate: str = "C-1", **changes: object) -> MeasurementStandard:
+    given: dict[str, object] = {
+        "name": "Turntable", "name_zh": "转台", "serial": "T-1", "accuracy": "",
+        "certificate": certificate, "calibrated_on": FIRST, "valid_until": date(2026, 2, 28),
+        "limits": {"rate": {"half_width": 2e-5, "distribution": "normal"}},
+    }  # fmt: skip
+    return MeasurementStandard.model_validate(given | changes)
+
+
+RENEWED = standard("C-2", calibrated_on=SECOND, valid_until=date(2027, 2, 28))
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    home = Home(tmp_path / "home")
+    equipment.add([standard()], home, "Li")
+    return home
+
+
+def test_a_standard_comes_back_with_its_limits(home: Home) -> None:
+    assert equipment.register(home) == [standard()]
+
+
+@pytest.mark.parametrize(
+    ("day", "certificate"),
+    [(date(2025, 1, 1), "C-1"), (FIRST, "C-1"), (date(2026, 2, 28), "C-1"), (SECOND, "C-2"),
+     (date(2030, 1, 1), "C-2"), (None, "C-2")],
+)  # fmt: skip
+def test_the_certificate_that_counts_is_that_of_the_day(
+    home: Home, day: date | None, certificate: str
+) -> None:
+    equipment.renew([RENEWED], home, "Li")
+    assert equipment.on_day(home, day)["T-1"].certificate == certificate
+
+
+def test_past_due_is_who_had_no_valid_certificate_on_the_day(home: Home) -> None:
+    assert equipment.past_due(home, date(2026, 2, 28)) == []
+    assert equipment.past_due(home, SECOND) == [standard()]
+    equipment.renew([RENEWED], home, "Li")
+    assert equipment.past_due(home, SECOND) == []
+    assert [each.certificate for each in equipment.past_due(home, date(2027, 3, 1))] == ["C-2"]
+
+
+def test_one_that_is_there_is_not_added_again_and_nothing_beside_it(home: Home) -> None:
+    with pytest.raises(Unusable, match="is in the register already, with certificate C-1"):
+        equipment.add([standard(serial="T-2"), standard("C-3")], home, "Li")
+    assert [each.serial for each in equipment.register(home)] == ["T-1"]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (standard(serial="T-9"), "T-9.* is not in the register"),
+        (standard(), "has certificate C-1 in the register already"),
+        (standard("C-2", calibrated_on=None), "lacks calibrated_on"),
+    ],
+)
+def test_what_renews_nothing_is_refused(home: Home, given: MeasurementStandard, says: str) -> None:
+    with pytest.raises(Unusable, match=says):
+        equipment.renew([given], home, "Li")
+
+
+def test_the_trail_tells_who_changed_the_register(home: Home) -> None:
+    equipment.renew([RENEWED], home, "Wang")
+    assert [(each.person, each.action, each.subject) for each in trail.entries(home)] == [
+        ("Li", "add equipment", "T-1"), ("Wang", "renew equipment", "T-1"),
+    ]  # fmt: skip
+
+
+def test_a_certificate_that_runs_out_before_it_begins_is_none() -> None:
+    with pytest.raises(ValueError, match="before calibrated_on"):
+        standard(valid_until=date(2024, 1, 1))

@@ -1,0 +1,72 @@
+"""Which standards a run was made with, and what they say they may be off by."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import date
+
+import pytest
+
+from schemas.certificate import Laboratory, Party
+from schemas.equipment import EquipmentLimit, MeasurementStandard
+from schemas.recording import Manifest, Recording
+from storage.catalogue import equipment, runs
+from storage.home import Home
+from tasks.stages.equipment_in_use import limits_in_use, standards_in_use
+from tasks.stages.estimate import estimate
+
+PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
+
+
+def table(certificate: str, rate: float, calibrated_on: date | None = None) -> MeasurementStandard:
+    return MeasurementStandard.model_validate({
+        "name": "Table", "name_zh": "台", "serial": "T-1", "accuracy": "",
+        "certificate": certificate, "calibrated_on": calibrated_on,
+        "limits": {"rate": {"half_width": rate, "distribution": "rectangular"}},
+    })  # fmt: skip
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def manifest(recording: Recording, *standards: object) -> Manifest:
+    named = [s.model_dump(mode="json") if isinstance(s, MeasurementStandard) else s
+             for s in standards]  # fmt: skip
+    more = {"equipment": named, "recorded_at": "2026-05-02"}
+    return recording.manifest.model_validate(recording.manifest.model_dump() | more)
+
+
+def test_the_register_goes_before_what_a_recording_names(home: Home) -> None:
+    equipment.add([table("C-1", 3e-5, date(2025, 1, 1))], home, "Li")
+    equipment.renew([table("C-2", 4e-5, date(2026, 6, 1))], home, "Li")
+    (then,) = standards_in_use((table("C-0", 1e-5),), home, date(2026, 5, 2))
+    assert then.certificate == "C-1"
+
+
+def test_limits_come_from_the_certificate_of_the_day(home: Home, ideal_run: Callable) -> None:
+    equipment.add([table("C-1", 3e-5, date(2025, 1, 1))], home, "Li")
+    equipment.renew([table("C-2", 4e-5, date(2026, 6, 1))], home, "Li")
+    limits = limits_in_use(manifest(ideal_run(), table("C-0", 1e-5)), home, None)
+    assert {name: (limit.half_width, limit.source) for name, limit in limits.items()} == {
+        "rate": (3e-5, "C-1 (T-1)")
+    }
+
+
+def test_what_the_laboratory_states_itself_goes_before_its_standards(
+    home: Home, ideal_run: Callable
+) -> None:
+    own = EquipmentLimit(half_width=7e-5, distribution="normal", source="S")
+    laboratory = Laboratory(party=PARTY, equipment=(table("C-5", 2e-5),), limits={"rate": own})
+    limits = limits_in_use(manifest(ideal_run(), "no record"), home, laboratory)
+    assert limits == {"rate": own}
+
+
+def test_a_standard_of_the_recording_is_in_the_budgets(home: Home, ideal_run: Callable) -> None:
+    recording = ideal_run(dwell=1.0)
+    named = replace(recording, manifest=manifest(recording, table("C-1", 3e-5)))
+    run, _ = runs.add(named, home)
+    budget = estimate(run, home).items["gyro_scale_factor"].budgets["x"]
+    (rate,) = [line for line in budget.inputs if line.symbol == "ε1"]
+    assert (rate.half_width, rate.source) == (3e-5, "C-1 (T-1)")
