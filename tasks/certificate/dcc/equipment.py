@@ -1,9 +1,10 @@
 """The measurement standards that were used (clause 8 h)."""
 
 from schemas.certificate import Certificate
-from schemas.station import MeasurementStandard
+from schemas.equipment import MeasurementStandard
 from tasks.certificate.dcc.quantities import text_quantity
 from tasks.certificate.dcc.xml import Element, dcc, named, plain
+from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import day, given
 from tasks.words import Sayable, message
 
@@ -20,7 +21,7 @@ def identification(issuer: str, value: str, name: Sayable, **attributes: str) ->
 
 
 def _standard(standard: MeasurementStandard) -> Element:
-    accuracy, until = (
+    labelled, until = (
         message("certificate-label-accuracy"),
         message("certificate-label-valid-until"),
     )
@@ -33,7 +34,7 @@ def _standard(standard: MeasurementStandard) -> Element:
             ),
         ),
         dcc.measuringEquipmentQuantities(
-            text_quantity(accuracy, given(standard.accuracy), "measuringEquipmentQuantity"),
+            text_quantity(labelled, accuracy(standard), "measuringEquipmentQuantity"),
             text_quantity(until, day(standard.valid_until), "measuringEquipmentQuantity"),
         ),
         refType="basic_calibrationEquipment",
