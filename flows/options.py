@@ -105,9 +105,6 @@ CorrectedFolder = Annotated[
     Path, _option("DIR", "New folder for the corrected recording.", "--out")
 ]
 
-BY = "Who does it; default: MIMUCAL_USER."
-USER = "MIMUCAL_USER"
-By = Annotated[str | None, _option("NAME", BY, envvar=USER, show_envvar=False)]
 EquipmentFile = Annotated[
     Path, typer.Argument(metavar="FILE", help="Measurement standards (mimu-equipment/1).")
 ]

@@ -4,19 +4,22 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import Certificate
-from storage.catalogue import database, tables
+from storage.catalogue import database, equipment, tables
 from storage.catalogue.certificates import Entry
 from storage.catalogue.results import calibration_of
+from storage.home import Home
 from tasks import conformity
 from tasks.words import say
 
 AGAIN = "certify the run again"
 
 
-def check_issuable(connection: sql.Connection, entry: Entry, certificate: Certificate) -> None:
+def check_issuable(
+    connection: sql.Connection, entry: Entry, certificate: Certificate, home: Home
+) -> None:
     """Raises Unusable with the first reason for which a certificate cannot be issued."""
     _check_limits(certificate)
-    _check_equipment(certificate)
+    _check_equipment(certificate, home)
     _check_run(connection, certificate)
     _check_newest(connection, entry)
 
@@ -33,11 +36,13 @@ def _check_limits(certificate: Certificate) -> None:
         )
 
 
-def _check_equipment(certificate: Certificate) -> None:
-    """Standards whose certificates had run out on the day of calibration."""
+def _check_equipment(certificate: Certificate, home: Home) -> None:
+    """Standards without a valid certificate on the day of calibration, by draft or register."""
     laboratory = certificate.laboratory
     day = certificate.calibrated_on or certificate.issued_on
-    for expired in conformity.expired(laboratory.equipment if laboratory else (), day):
+    late = {standard.serial: standard for standard in equipment.past_due(home, day)}
+    listed = laboratory.equipment if laboratory else ()
+    for expired in conformity.expired([late.get(each.serial, each) for each in listed], day):
         raise Unusable(
             f"{certificate.number} cannot be issued: {say(expired, 'en').rstrip('.')}; calibrate "
             "with equipment that is in date."

@@ -51,7 +51,7 @@ def issue(key: str, home: Home, person: str, reason: str | None = None) -> Publi
     with database.changing(home) as connection:
         entry, checked = _at_state(connection, key, home, "checked")
         check_person(checked, person, "issue", home)
-        check_issuable(connection, entry, checked)
+        check_issuable(connection, entry, checked, home)
         issued = _numbered(
             connection, _with_step(checked, "issue", person, now, reason, state="issued"), now
         )
