@@ -14,7 +14,7 @@ from tests.proof.issue.kills import LATEST, kill_issues
 
 PAGE = Path(__file__).parent.parent / "evidence/issue.md"
 PROCESSES = 50
-KILLS = 200
+KILLS = 100
 TEXT = """# Certificates issued at once, and issues that are killed
 
 `make prove ARGS="--issue {count} --seed {seed}"`: {processes} processes that begin at the same
