@@ -105,6 +105,10 @@ CorrectedFolder = Annotated[
     Path, _option("DIR", "New folder for the corrected recording.", "--out")
 ]
 
+CalendarOf = Annotated[
+    str | None, _option("CLIENT", "Print the due dates of a client as an iCalendar instead.")
+]
+NothingSent = Annotated[bool, typer.Option("--dry-run", help="List only; nothing is sent.")]
 EquipmentFile = Annotated[
     Path, typer.Argument(metavar="FILE", help="Measurement standards (mimu-equipment/1).")
 ]

@@ -7,6 +7,7 @@ after `flows.prefect_server.connect`.
 from collections.abc import Callable
 from contextlib import suppress
 from copy import copy
+from datetime import UTC, datetime, timedelta
 from time import monotonic
 from typing import Any
 
@@ -40,14 +41,14 @@ from schemas.orders import (
     SimulateOrder,
     WithdrawOrder,
 )
-from storage.catalogue.certificates import Due
+from schemas.recall import Recalled
 from tasks.conformity.limits import verdict_title
+from tasks.stages import remind as reminding
 from tasks.stages.acquire import AcquiredRuns
 from tasks.stages.certificate_inputs import read_inputs
 from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
 from tasks.stages.published import Published
-from tasks.stages.remind import due_within
 from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
 from tasks.words import say
@@ -162,14 +163,21 @@ def reprocess(order: ReprocessOrder) -> Reprocessing:
 
 
 @flow(name="remind")
-def remind(order: RemindOrder) -> list[Due]:
-    """List the units whose recalibration is due within so many days."""
-    due = due_within(run_orders.home_of(order), order.within_days)
+def remind(order: RemindOrder) -> list[Recalled]:
+    """Send the reminders that are to be sent now, and list the units due within so many days.
+
+    Raises BrokenOff where one could not be sent; the next run tries again.
+    """
+    home, now = run_orders.home_of(order), datetime.now(UTC)
+    faults = reminding.remind(home, now)
+    due = reminding.recalled(home, now.astimezone().date() + timedelta(days=order.within_days))
     create_table_artifact(
         key="recalibration-due",
         table=[{"unit": d.unit, "certificate": d.certificate, "due": str(d.due)} for d in due],
         description=f"Recalibration due within {order.within_days} days",
     )
+    if faults:
+        raise BrokenOff("; ".join(faults))
     return due
 
 

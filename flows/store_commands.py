@@ -114,22 +114,23 @@ def verify(
 
 
 @app.command()
-def remind(within: options.Within = 30, as_json: options.Json = False) -> None:
-    """The units whose recalibration is due."""
-    from flows.printing import print_json, print_rows
-    from storage.home import home
-    from tasks.stages.remind import due_within
+def remind(
+    within: options.Within = 30,
+    calendar: options.CalendarOf = None,
+    dry_run: options.NothingSent = False,
+    as_json: options.Json = False,
+) -> None:
+    """Send the reminders of recalibration that are to be sent now, and list the units due.
 
-    due = due_within(home(), within)
-    if as_json:
-        listed = [
-            {"unit": d.unit, "certificate": d.certificate, "due": d.due.isoformat(), "sent": []}
-            for d in due
-        ]
-        print_json({"format": "mimu-reminders/1", "due": listed})
-        return
-    rows = [(d.unit, d.certificate, d.due.isoformat()) for d in due]
-    print_rows(f"Recalibration due within {within} days", ("unit", "certificate", "due"), rows)
+    recall.toml in the home says to whom. With --calendar: the due dates of a client, as a calendar.
+    Exits with 1 where a message could not be sent; the next call tries again.
+    """
+    from flows.reminding import print_calendar, print_reminders
+
+    if calendar is not None:
+        print_calendar(calendar)
+    else:
+        print_reminders(within, dry_run, as_json)
 
 
 @app.command()

@@ -12,6 +12,7 @@ from schemas.discrepancy import Discrepancy
 from schemas.equipment import EquipmentFile
 from schemas.history import Impact, Reprocessing
 from schemas.procedure import Procedure
+from schemas.recall import RecallFile
 from schemas.recording import Manifest
 from schemas.station import StationFile
 from schemas.tolerance import Tolerance
@@ -30,6 +31,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-laboratory": Laboratory,
     "mimu-order": Order,
     "mimu-equipment": EquipmentFile,
+    "mimu-recall": RecallFile,
     "mimu-certificate-record": Certificate,
     "mimu-validation": ValidationRecord,
     "mimu-discrepancy": Discrepancy,

@@ -9,12 +9,14 @@ from pydantic import ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Laboratory
+from schemas.recall import RecallFile
 from schemas.tolerance import Tolerance
 from schemas.validation import ValidationRecord
 from storage.home import Home
 from storage.plain_files import check_depth, text_bytes
 
 LABORATORY = "laboratory.toml"
+RECALL = "recall.toml"
 VALIDATION = "validation.json"
 READERS = {".toml": tomllib.loads, ".json": json.loads}
 
@@ -78,6 +80,12 @@ def laboratory(home: Home) -> Laboratory | None:
     """The laboratory that the home belongs to, or None where `laboratory.toml` is missing."""
     path = home.path / LABORATORY
     return read(path, Laboratory) if path.exists() else None
+
+
+def recall(home: Home) -> RecallFile | None:
+    """Who is reminded of recalibration and how, or None where `recall.toml` is missing."""
+    path = home.path / RECALL
+    return read(path, RecallFile) if path.exists() else None
 
 
 def validation(home: Home) -> ValidationRecord | None:

@@ -1,12 +1,119 @@
-"""Stage: which units are due for recalibration."""
+"""Stage: which units are due for recalibration, and messages to their clients."""
 
-from datetime import date, timedelta
+from collections.abc import Callable
+from datetime import date, datetime, timedelta
 
-from storage.catalogue import certificates
-from storage.catalogue.certificates import Due
+from schemas.base import Unusable
+from schemas.recall import RecallClient, Recalled, RecallFile
+from storage import settings
+from storage.catalogue import certificates, reminders
 from storage.home import Home
+from tasks.reminders import send as sending
+from tasks.reminders.calendar import calendar
+from tasks.reminders.occasions import OCCASIONS, is_silent, occasion, pause
+from tasks.reminders.texts import body, title
+
+Send = Callable[[str, str, str, bytes], str | None]
 
 
-def due_within(home: Home, days: int) -> list[Due]:
-    """The units whose newest certificate falls due within so many days from today, or has."""
-    return certificates.due(home, date.today() + timedelta(days=days))
+def recalled(home: Home, until: date = date.max) -> list[Recalled]:
+    """The units whose newest issued certificate falls due by a day, and whose order agreed on it.
+
+    The longest overdue come first. Without an interval in the order none was agreed.
+    """
+    found = []
+    for due in certificates.due(home, until):
+        certificate = certificates.find(due.certificate, home)
+        order, laboratory = certificate.order, certificate.laboratory
+        if order and order.interval_months is not None:
+            party = laboratory.party if laboratory else None
+            found.append(
+                Recalled(
+                    unit=due.unit,
+                    certificate=due.certificate,
+                    issued_on=certificate.issued_on,
+                    due=due.due,
+                    client=(order.client.name, order.client.name_zh),
+                    laboratory=(party.name, party.name_zh) if party else ("", ""),
+                )
+            )
+    return found
+
+
+def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
+    """Sends what is to be sent at a moment; gives what could not be, in a sentence each.
+
+    Each reminder is sent once on each channel of its client. One that fails is tried again at a
+    later call, after a pause that doubles from 5 minutes to 6 hours; in silent hours nothing is
+    sent, and the next call after them does it. Without recall.toml nothing is sent.
+    Raises Unusable for a channel that is none.
+    """
+    asked = settings.recall(home)
+    if asked is None:
+        return []
+    urls = {
+        (client.name, name): sending.check_channel(name, url)
+        for client in asked.clients
+        for name, url in client.channels.items()
+    }
+    if is_silent(asked.silent, now):
+        return []
+    faults = []
+    today = now.astimezone().date()
+    for each in recalled(home, today - timedelta(days=OCCASIONS[0])):
+        days = occasion(each.due, each.issued_on, today)
+        client = _client_of(each, asked)
+        if client is None or days is None:
+            continue
+        for name in client.channels:
+            key = (each.certificate, days, f"{client.name} {name}")
+            if reminders.claim(home, key, now, pause):
+                url = urls[client.name, name]
+                fault = _sent(send, url, each, days, client.language, now)
+                reminders.note(home, key, now, fault)
+                if fault:
+                    faults.append(f"{each.unit} to {key[2]}: {fault}")
+    return faults
+
+
+def sent(home: Home) -> dict[str, list[str]]:
+    """What was sent, by certificate: channel, occasion and day."""
+    found: dict[str, list[str]] = {}
+    for each in reminders.all_reminders(home):
+        if each.sent_at is not None:
+            day = each.sent_at.astimezone().date().isoformat()
+            line = f"{each.channel}, {abs(each.days)} days {_side(each.days)}, {day}"
+            found.setdefault(each.certificate, []).append(line)
+    return found
+
+
+def feed(home: Home, name: str, now: datetime) -> bytes:
+    """The calendar of a client: every due date of its units.
+
+    Raises Unusable for a client whom neither recall.toml nor any certificate names.
+    """
+    asked = settings.recall(home) or RecallFile()
+    every = recalled(home)
+    client = next((client for client in asked.clients if client.name == name), None)
+    own = [each for each in every if name in each.client]
+    if client is None and not own:
+        raise Unusable(
+            f"No client {name!r} stands in recall.toml or on an issued certificate with an agreed "
+            "interval; give the name as the orders have it."
+        )
+    return calendar(own, client.language if client else "en", now)
+
+
+def _client_of(recalled: Recalled, asked: RecallFile) -> RecallClient | None:
+    return next((client for client in asked.clients if client.name in recalled.client), None)
+
+
+def _sent(
+    send: Send, url: str, recalled: Recalled, days: int, language: str, now: datetime
+) -> str | None:
+    entry = calendar([recalled], language, now, OCCASIONS.index(days))
+    return send(url, title(recalled, days, language), body(recalled, days, language), entry)
+
+
+def _side(days: int) -> str:
+    return "before" if days < 0 else "after"

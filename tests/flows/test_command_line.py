@@ -79,14 +79,15 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
         'document = "test"\n[[limits]]\nitem = "gyro_scale_factor"\nunit = "1"\n'
         "lower = 0.98\nupper = 1.02\n"
     )
-    done = mimucal("certify", plant_on_earth, "--tolerance", tolerance, "--json")
+    papers = ("--tolerance", tolerance, "--order", "flows/demo_papers/order.toml")
+    done = mimucal("certify", plant_on_earth, *papers, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"
     assert (done.json["verdict"], done.json["state"]) == ("pass", "draft")
     assert Path(done.json["pdf"]).read_bytes().startswith(b"%PDF")
     assert json.loads(Path(done.json["record"]).read_text())["number"] == done.json["number"]
     assert mimucal("remind", "--within", 370, "--json").json["due"] == []
-    again = mimucal("certify", plant_on_earth, "--tolerance", tolerance, "--by", "Wang")
+    again = mimucal("certify", plant_on_earth, *papers, "--by", "Wang")
     key = done.json["number"]
     assert f"next: mimucal check {key} --by NAME, then mimucal issue {key} --by NAME" in again.out
     assert mimucal("check", key, "--by", "Li", "--json").json["state"] == "checked"

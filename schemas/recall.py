@@ -1,0 +1,65 @@
+"""Who is reminded of recalibration, and how: recall.toml in the home."""
+
+from datetime import date, time
+from typing import Annotated, Literal, Self
+from zoneinfo import ZoneInfo
+
+from pydantic import Field, field_validator, model_validator
+
+from schemas.base import Frozen
+
+CHANNEL = "an Apprise URL; ${NAME} in it is taken from the environment"
+
+
+class SilentHours(Frozen):
+    """From when to when nothing is sent, as the clock of a time zone shows it."""
+
+    since: time
+    until: time
+    timezone: str
+
+    @field_validator("timezone")
+    @classmethod
+    def _is_known(cls, name: str) -> str:
+        try:
+            ZoneInfo(name)
+        except (ValueError, OSError, LookupError) as error:
+            raise ValueError(f"{name!r} is no time zone; name one like Asia/Shanghai") from error
+        return name
+
+
+class RecallClient(Frozen):
+    """A client as the orders name it, in English or Chinese, and the channels that reach it."""
+
+    name: str = Field(min_length=1)
+    language: Literal["en", "zh"] = "en"
+    channels: dict[str, Annotated[str, Field(description=CHANNEL)]]
+
+
+class RecallFile(Frozen):
+    """Reminders of recalibration: who gets them on which channels, and when none is sent."""
+
+    format: Literal["mimu-recall/1"] = "mimu-recall/1"
+    silent: SilentHours | None = None
+    clients: tuple[RecallClient, ...] = ()
+
+    @model_validator(mode="after")
+    def _each_client_once(self) -> Self:
+        names = [client.name for client in self.clients]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"the client {twice[0]!r} stands there twice")
+        return self
+
+
+class Recalled(Frozen):
+    """A unit that comes back, with the issued certificate whose agreed interval says when.
+
+    client, laboratory: the name in English and in Chinese.
+    """
+
+    unit: str
+    certificate: str
+    issued_on: date
+    due: date
+    client: tuple[str, str]
+    laboratory: tuple[str, str]

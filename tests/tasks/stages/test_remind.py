@@ -1,0 +1,240 @@
+"""Reminders that arrive: once, at a real mail server, with a calendar entry that others read."""
+
+import threading
+from collections.abc import Iterator
+from datetime import UTC, date, datetime, time, timedelta
+from email import message_from_bytes, policy
+from email.message import EmailMessage
+from pathlib import Path
+from typing import Any
+
+import pytest
+import vobject
+from aiosmtpd.controller import Controller
+
+from schemas.base import Unusable
+from schemas.certificate import Order, Party
+from storage.catalogue import reminders
+from storage.home import Home
+from tasks.stages import remind
+from tasks.stages.issue import check, issue, withdraw
+from tests.drafts import draft
+
+CLIENT = Party(name="Client & Co", name_zh="客户", address="a", address_zh="址")
+OTHER = Party(name="Other", name_zh="他", address="a", address_zh="址")
+DUE = date.today() + timedelta(days=400)
+
+
+def order(client: Party = CLIENT, months: int | None = 12) -> Order:
+    return Order(client=client, received=date(2026, 11, 1), interval_months=months)
+
+
+class Mailbox:
+    """What a mail server took in."""
+
+    def __init__(self) -> None:
+        self.letters: list[EmailMessage] = []
+
+    async def handle_DATA(self, server: Any, session: Any, envelope: Any) -> str:  # noqa: N802
+        letter = message_from_bytes(envelope.content, policy=policy.default)
+        assert isinstance(letter, EmailMessage)
+        self.letters.append(letter)
+        return "250 taken"
+
+
+@pytest.fixture
+def mailbox() -> Mailbox:
+    return Mailbox()
+
+
+def mail_server(mailbox: Mailbox, port: int) -> Controller:
+    controller = Controller(mailbox, hostname="127.0.0.1", port=port)
+    controller.start()
+    return controller
+
+
+@pytest.fixture
+def server(mailbox: Mailbox, free_port: int) -> Iterator[int]:
+    """The port of a mail server that runs."""
+    controller = mail_server(mailbox, free_port)
+    yield free_port
+    controller.stop(no_assert=True)
+
+
+@pytest.fixture
+def free_port() -> int:
+    import socket
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return int(listener.getsockname()[1])
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def recall_file(home: Home, url: str, more: str = "") -> None:
+    home.path.mkdir(exist_ok=True)
+    text = f'{more}\n[[clients]]\nname = "Client & Co"\n[clients.channels]\ne-mail = "{url}"\n'
+    (home.path / "recall.toml").write_text(text, encoding="utf-8")
+
+
+def mail_to(port: int) -> str:
+    return f"mailto://127.0.0.1:{port}?from=lab@example.org&to=client@example.org&mode=insecure"
+
+
+def issued(home: Home, serial: str = "1", ordered: Order | None = None) -> str:
+    key = draft(home, serial, order=ordered or order(), due=DUE).certificate.number
+    check(key, home, "Li")
+    return issue(key, home, "Zhao").certificate.number
+
+
+def at(days: int, clock: time = time(12)) -> datetime:
+    """A moment on a day so many after the due date."""
+    return datetime.combine(DUE + timedelta(days=days), clock, UTC)
+
+
+class Outbox:
+    """Stands in for a channel, and keeps what is sent."""
+
+    def __init__(self) -> None:
+        self.titles: list[str] = []
+
+    def __call__(self, url: str, title: str, body: str, entry: bytes) -> None:
+        self.titles.append(title)
+
+
+def test_a_mail_server_receives_the_reminder_and_its_entry_is_read_by_another_parser(
+    home: Home, server: int, mailbox: Mailbox
+) -> None:
+    number = issued(home)
+    recall_file(home, mail_to(server))
+    assert remind.remind(home, at(-60)) == []
+    (letter,) = mailbox.letters
+    assert "client@example.org" in letter["To"]
+    assert letter["Subject"] == f"Recalibration of Maker U 1 due on {DUE}"
+    text = letter.get_body(("plain",))
+    assert text is not None
+    assert number in text.get_content()
+    (attached,) = letter.iter_attachments()
+    assert attached.get_content_type() == "text/calendar"
+    assert attached.get_filename() == "recalibration.ics"
+    content = attached.get_payload(decode=True)
+    assert isinstance(content, bytes)
+    read = vobject.readOne(content.decode())
+    assert (read.method.value, read.vevent.dtstart.value) == ("PUBLISH", DUE)
+    assert read.vevent.summary.value == "Recalibration of Maker U 1 due"
+    assert number in read.vevent.uid.value
+
+
+def test_a_server_that_is_down_for_an_hour_gets_it_later_and_once(
+    home: Home, mailbox: Mailbox, free_port: int
+) -> None:
+    issued(home)
+    recall_file(home, mail_to(free_port))
+    down = [remind.remind(home, at(-30, time(9, minute))) for minute in range(0, 60, 10)]
+    assert "Maker U 1 to Client & Co e-mail: " in down[0][0]
+    controller = mail_server(mailbox, free_port)
+    try:
+        for hour in (10, 11, 12):
+            for minute in range(0, 60, 10):
+                assert remind.remind(home, at(-30, time(hour, minute))) == []
+    finally:
+        controller.stop(no_assert=True)
+    assert len(mailbox.letters) == 1
+    (kept,) = reminders.all_reminders(home)
+    assert kept.sent_at is not None
+    assert (kept.fault, kept.tries) == (None, 1 + len([faults for faults in down if faults]))
+
+
+def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home: Home) -> None:
+    issued(home)
+    recall_file(home, mail_to(25))
+    outbox = Outbox()
+    for days in range(-70, 40):
+        assert remind.remind(home, at(days), outbox) == []
+    assert ["was due" in title for title in outbox.titles] == [False] * 3 + [True] * 2
+    (lines,) = remind.sent(home).values()
+    assert [line.split(", ")[1] for line in lines] == [
+        "60 days before", "30 days before", "7 days before", "7 days after", "30 days after",
+    ]  # fmt: skip
+
+
+def test_of_many_at_once_one_sends(home: Home) -> None:
+    issued(home)
+    recall_file(home, mail_to(25))
+    outbox, together = Outbox(), threading.Barrier(6)
+
+    def ask() -> None:
+        together.wait()
+        remind.remind(home, at(-7), outbox)
+
+    threads = [threading.Thread(target=ask) for _ in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(outbox.titles) == 1
+
+
+def test_nothing_is_sent_in_silent_hours_and_it_is_sent_after_them(home: Home) -> None:
+    issued(home)
+    silent = '[silent]\nsince = 21:00:00\nuntil = 08:00:00\ntimezone = "Asia/Shanghai"'
+    recall_file(home, mail_to(25), silent)
+    outbox = Outbox()
+    assert remind.remind(home, at(-7, time(15)), outbox) == []  # 23:00 in Shanghai
+    assert outbox.titles == []
+    assert remind.remind(home, at(-6, time(1)), outbox) == []
+    assert len(outbox.titles) == 1
+
+
+def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(home: Home) -> None:
+    draft(home, "1", order=order(), due=DUE)
+    issued(home, "3", order(months=None))
+    withdraw(issued(home, "4"), home, "Zhao", "wrong unit")
+    number = issued(home, "5")
+    assert [each.certificate for each in remind.recalled(home)] == [number]
+
+
+def test_a_client_whom_nobody_named_is_not_reminded(home: Home) -> None:
+    issued(home, ordered=order(OTHER))
+    recall_file(home, mail_to(25))
+    outbox = Outbox()
+    assert remind.remind(home, at(-7), outbox) == []
+    assert outbox.titles == []
+
+
+def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> None:
+    for serial, client in (("1", CLIENT), ("2", CLIENT), ("3", OTHER)):
+        issued(home, serial, order(client))
+    read = vobject.readOne(remind.feed(home, "Client & Co", at(-100)).decode())
+    assert sorted(event.summary.value for event in read.vevent_list) == [
+        "Recalibration of Maker U 1 due", "Recalibration of Maker U 2 due",
+    ]  # fmt: skip
+    assert {event.dtstart.value for event in read.vevent_list} == {DUE}
+    with pytest.raises(Unusable, match="No client 'Nobody'"):
+        remind.feed(home, "Nobody", at(-100))
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [("nonsense", "is no Apprise URL"), ("slack://${NOT_SET}", "NOT_SET.* the environment does")],
+)
+def test_a_channel_that_is_none_is_said_before_anything_is_sent(
+    home: Home, url: str, says: str
+) -> None:
+    issued(home)
+    recall_file(home, url)
+    with pytest.raises(Unusable, match=says):
+        remind.remind(home, at(-7), Outbox())
+
+
+@pytest.mark.parametrize(
+    "url",
+    ["dingtalk://token", "wecombot://key", "feishu://token",
+     "slack://T1JJ3T3L2/A1BRTD4JD/TIiajkdnlazkcOXrIdevi7FQ"],
+)  # fmt: skip
+def test_the_chats_that_clients_use_are_known(url: str) -> None:
+    assert remind.sending.check_channel("chat", url) == url
