@@ -9,7 +9,7 @@ from string import Template
 from schemas.base import Unusable
 
 ENTRY = "recalibration.ics"
-NOTHING_SAID = "the channel gave no reason"
+NO_REASON = "the channel gave no reason"
 
 
 def check_channel(name: str, url: str) -> str:
@@ -48,24 +48,24 @@ def send(url: str, title: str, body: str, entry: bytes) -> str | None:
     if channel.attachment_support:
         attached = AppriseAttachment()
         attached.add(AttachMemory(content=entry, name=ENTRY, mimetype="text/calendar"))
-    with _warnings() as said:
+    with _warnings() as warned:
         done = channel.notify(
             body=body, title=title, body_format=NotifyFormat.TEXT, attach=attached
         )  # fmt: skip
     if done:
         return None
-    return said[-1] if said else NOTHING_SAID
+    return warned[-1] if warned else NO_REASON
 
 
 @contextmanager
 def _warnings() -> Iterator[list[str]]:
     """What Apprise logs as a warning, which is the only place where it says what went wrong."""
-    said: list[str] = []
+    warned: list[str] = []
     catcher = logging.Handler(logging.WARNING)
-    catcher.emit = lambda record: said.append(record.getMessage())  # type: ignore[method-assign]
+    catcher.emit = lambda record: warned.append(record.getMessage())  # type: ignore[method-assign]
     logger = logging.getLogger("apprise")
     logger.addHandler(catcher)
     try:
-        yield said
+        yield warned
     finally:
         logger.removeHandler(catcher)
