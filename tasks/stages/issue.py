@@ -15,11 +15,13 @@ from storage.catalogue import database, keep_certificate, numbers, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.home import Home
 from tasks.certificate.faces import faces_of
+from tasks.certificate.sign import Signing
 from tasks.stages.certificate_inputs import day_of_moment
 from tasks.stages.certify import due_date
 from tasks.stages.hindrances import check_issuable
 from tasks.stages.persons import check_person
 from tasks.stages.published import Published, published
+from tasks.stages.signing import signing_for
 from tasks.stages.stage import stage
 
 
@@ -44,10 +46,12 @@ def check(key: str, home: Home, person: str, reason: str | None = None) -> Publi
 def issue(key: str, home: Home, person: str, reason: str | None = None) -> Published:
     """Issue a certificate that was checked: it gets its number, and is never changed again.
 
-    The day of issue is that where this program runs. The certificate that it replaces becomes
+    It is signed with the laboratory's key, if the home names one. The day of issue is that where
+    this program runs. The certificate that it replaces becomes
     amended. Raises Unusable for what is not checked, or may not be issued.
     """
     now = datetime.now(UTC)
+    signing = signing_for(home, now)
     with database.changing(home) as connection:
         entry, checked = _at_state(connection, key, home, "checked")
         check_person(checked, person, "issue", home)
@@ -58,7 +62,7 @@ def issue(key: str, home: Home, person: str, reason: str | None = None) -> Publi
         number = issued.number
         if issued.replaces:
             _amend(connection, issued.replaces.number, home)
-        files = _replace(connection, home, entry, issued, draft=key)
+        files = _replace(connection, home, entry, issued, draft=key, signing=signing)
         if issued.replaces:
             trail.add(connection, person, "amend", issued.replaces.number, at=now, by=number)
         trail.add(
@@ -180,8 +184,9 @@ def _replace(
     entry: Entry,
     certificate: Certificate,
     draft: str | None = None,
+    signing: Signing | None = None,
 ) -> list[str]:
     """The next version of a draft in the place of the one before; gives its files' names."""
     keep_certificate.remove(connection, entry)
-    faces = faces_of(certificate, None)
+    faces = faces_of(certificate, signing)
     return keep_certificate.add(connection, home, certificate, faces, draft=draft)

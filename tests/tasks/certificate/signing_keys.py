@@ -37,11 +37,13 @@ class Keys:
         return self.chain[-1].public_bytes(Encoding.DER)
 
 
-def keys(elliptic: bool = False, days: int = 365, authority: str = "Example Root") -> Keys:
-    """A seal under an authority, valid for so many days from the day before NOW."""
+def keys(
+    elliptic: bool = False, days: int = 365, authority: str = "Example Root", now: datetime = NOW
+) -> Keys:
+    """A seal under an authority, valid for so many days from the day before `now`."""
     root_key, key = _key(elliptic), _key(elliptic)
-    root = _certificate(authority, authority, root_key, root_key, 3650, seal=False)
-    seal = _certificate("Seal of the laboratory", authority, key, root_key, days, seal=True)
+    root = _certificate(authority, authority, root_key, root_key, now, 3650, seal=False)
+    seal = _certificate("Seal of the laboratory", authority, key, root_key, now, days, seal=True)
     return Keys(key, (seal, root))
 
 
@@ -52,13 +54,13 @@ def _key(elliptic: bool) -> Any:
 
 
 def _certificate(
-    name: str, issuer: str, key: Any, issuer_key: Any, days: int, seal: bool
+    name: str, issuer: str, key: Any, issuer_key: Any, now: datetime, days: int, seal: bool
 ) -> x509.Certificate:
     usage = dict.fromkeys(
         ("key_encipherment", "data_encipherment", "key_agreement", "encipher_only",
          "decipher_only"), False,
     )  # fmt: skip
-    begin = NOW - timedelta(days=1)
+    begin = now - timedelta(days=1)
     return (
         x509.CertificateBuilder()
         .subject_name(_name(name))
