@@ -109,6 +109,7 @@ CalendarOf = Annotated[
     str | None, _option("CLIENT", "Print the due dates of a client as an iCalendar instead.")
 ]
 NothingSent = Annotated[bool, typer.Option("--dry-run", help="List only; nothing is sent.")]
+OfUnit = Annotated[str, typer.Argument(metavar="SERIAL", help="Serial number of the unit.")]
 EquipmentFile = Annotated[
     Path, typer.Argument(metavar="FILE", help="Measurement standards (mimu-equipment/1).")
 ]

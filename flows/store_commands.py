@@ -134,6 +134,27 @@ def remind(
 
 
 @app.command()
+def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
+    """Advice on a unit's interval of recalibration, from its own certificates.
+
+    By the reliability method (NCSLI RP-1, ILAC-G24): 95 % within limits at its end.
+    """
+    from dataclasses import asdict
+
+    from flows.printing import print_json
+    from storage.home import home
+    from tasks.stages.interval import interval_advice, sentence
+    from tasks.words import say
+
+    unit, agreed, advice = interval_advice(serial, home())
+    if as_json:
+        document = {"format": "mimu-interval/1", "unit": unit, "agreed_days": agreed}
+        print_json(document | asdict(advice))
+        return
+    print(say(sentence(unit, agreed, advice), "en"))
+
+
+@app.command()
 def validate(
     units: options.Units = 1000,
     seed: options.Seed = 1,
