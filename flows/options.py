@@ -169,6 +169,18 @@ Engine = Annotated[str, _option("NAME", "local (processes) or dask (a cluster)."
 Scheduler = Annotated[str | None, _option("ADDRESS", SCHEDULER)]
 Workers = Annotated[int | None, _option("NUMBER", WORKERS, min=1)]
 ChangesFolder = Annotated[str | None, _option("DIR", CHANGES, "--out")]
+Before = Annotated[
+    datetime,
+    _option("YYYY-MM-DD", "Taken into the store before this day (UTC).", formats=["%Y-%m-%d"]),
+]
+Delete = Annotated[
+    bool, typer.Option("--delete", help="Delete it; without this it is only listed.")
+]
+DeletedBy = Annotated[
+    str | None,
+    _option("NAME", "Who deletes; default: MIMUCAL_USER.", "--by", envvar="MIMUCAL_USER",
+            show_envvar=False),
+]  # fmt: skip
 WouldBeDone = Annotated[
     bool, typer.Option("--dry-run", help="Say what would be done; nothing is read or made.")
 ]

@@ -1,7 +1,7 @@
-"""What the command line prints of a re-processing, and of what used a standard."""
+"""What the command line prints of a re-processing, of what used a standard, and of what can go."""
 
 from flows.printing import print_rows, stdout
-from schemas.history import Impact, Plan, Reprocessing
+from schemas.history import Impact, Plan, Pruned, Reprocessing
 from tasks.words.units import unit_text
 
 SHOWN = 20  # rows of each table; the report has all
@@ -70,6 +70,22 @@ def print_impact(impact: Impact) -> None:
     ]
     of_paper = ("certificate", "run", "state", "verdict", "issued", "due")
     print_rows("Certificates", of_paper, papers)
+
+
+def print_pruned(pruned: Pruned) -> None:
+    """What can be spared, or was deleted, and what was not."""
+    rows = [
+        (each.run, each.what, str(each.taken_in_at)[:10], f"{each.size / 1e6:.1f}", each.where)
+        for each in pruned.found
+    ]
+    if rows:
+        print_rows("Not needed", ("run", "what", "taken in", "MB", "where"), rows)
+    if pruned.refused:
+        left = [(each.run, each.what, each.why) for each in pruned.refused]
+        print_rows("Not deleted", ("run", "what", "why"), left)
+    total = sum(each.size for each in pruned.found) / 1e6
+    done = "deleted" if pruned.deleted else "can go; nothing was deleted, --delete does it"
+    print(f"{len(rows)} of before {pruned.before}, {total:.1f} MB: {done}")
 
 
 def _shown(total: int) -> str:

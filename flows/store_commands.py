@@ -1,4 +1,4 @@
-"""The commands of the store: import, list, show, verify, remind, and the validation record."""
+"""The commands of the store: import, list, show, verify, prune, remind, validate."""
 
 import sys
 
@@ -111,6 +111,39 @@ def verify(
         for fault in faults:
             print(f"{fault.what}: {fault.why}")
     raise typer.Exit(1 if faults else 0)
+
+
+@app.command()
+def prune(
+    before: options.Before,
+    delete: options.Delete = False,
+    by: options.DeletedBy = None,
+    as_json: options.Json = False,
+) -> None:
+    """What is old and nothing needs: recordings without result or certificate, and columns.
+
+    Columns can be made again from raw. Nothing is deleted without --delete; each deletion is an
+    entry in the trail.
+    """
+    from flows.print_history import print_pruned
+    from flows.progress import counting
+    from schemas.base import Unusable
+    from schemas.history import Pruned
+    from storage import retention
+    from storage.home import home
+
+    if delete and not (by or "").strip():
+        raise Unusable("Say who deletes: --by NAME, or let MIMUCAL_USER name the person.")
+    found = retention.dispensable(before.date(), home())
+    pruned = Pruned(before=before.date(), deleted=delete, found=tuple(found))
+    if delete:
+        with counting("deleting") as report:
+            gone, refused = retention.delete(found, str(by).strip(), home(), report)
+        pruned = pruned.model_copy(update={"found": tuple(gone), "refused": tuple(refused)})
+    if as_json:
+        print(pruned.model_dump_json(indent=1))
+    else:
+        print_pruned(pruned)
 
 
 @app.command()

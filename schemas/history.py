@@ -1,6 +1,6 @@
 """What re-processing changed, and what used a measurement standard."""
 
-from datetime import date
+from datetime import date, datetime
 from typing import Literal
 
 from pydantic import Field
@@ -147,3 +147,38 @@ class Impact(Frozen):
     runs: tuple[AffectedRun, ...]
     results: tuple[AffectedResult, ...]
     certificates: tuple[AffectedCertificate, ...]
+
+
+class Dispensable(Frozen):
+    """What nothing in the store needs. size: bytes of the files.
+
+    A recording goes with its run; columns alone can be made again from the raw recording.
+    """
+
+    what: Literal["recording", "columns"]
+    run: str
+    recording_id: str
+    taken_in_at: datetime
+    where: str
+    size: int
+
+
+class Refused(Frozen):
+    """What was not deleted after all, and why, as a sentence."""
+
+    what: Literal["recording", "columns"]
+    run: str
+    why: str
+
+
+class Pruned(Frozen):
+    """What was taken in before a day and can be spared (format `mimu-prune/1`).
+
+    deleted: whether `found` was deleted, or would be; refused: what was not.
+    """
+
+    format: Literal["mimu-prune/1"] = "mimu-prune/1"
+    before: date
+    deleted: bool
+    found: tuple[Dispensable, ...]
+    refused: tuple[Refused, ...] = ()

@@ -10,7 +10,7 @@ from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
 from schemas.discrepancy import Discrepancy
 from schemas.equipment import EquipmentFile
-from schemas.history import Impact, Reprocessing
+from schemas.history import Impact, Pruned, Reprocessing
 from schemas.procedure import Procedure
 from schemas.recall import RecallFile
 from schemas.recording import Manifest
@@ -37,6 +37,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-discrepancy": Discrepancy,
     "mimu-reprocess": Reprocessing,
     "mimu-impact": Impact,
+    "mimu-prune": Pruned,
 }
 
 

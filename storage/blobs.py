@@ -7,8 +7,10 @@ environment, as AWS names them.
 
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -32,6 +34,15 @@ class Unreachable(Unusable):
     """The bucket does not answer, or refuses: the same again may succeed."""
 
 
+@dataclass(frozen=True)
+class Kept:
+    """A file or folder that is there, by its name: its size, and how long ago it last changed."""
+
+    name: str
+    size: int
+    age_s: float
+
+
 class Blobs(Protocol):
     """Files and folders by name, each written once and whole."""
 
@@ -50,8 +61,14 @@ class Blobs(Protocol):
     def keep_folder(self, name: str, write: Write) -> None:
         """Keeps the folder that `write` makes, unless it is there."""
 
+    def remove_file(self, name: str) -> None:
+        """Removes a file, if it is there."""
+
     def remove_folder(self, name: str) -> None:
         """Removes a folder, if it is there."""
+
+    def kept(self, folder: str) -> list[Kept]:
+        """The files and folders within a folder, whole or not, by name."""
 
 
 def blobs_of(home: Home) -> Blobs:
@@ -87,8 +104,24 @@ class Folder:
             with writing_in_home(folder), suppress(FileExistsError):
                 write(folder)
 
+    def remove_file(self, name: str) -> None:
+        with _allowed(self.where(name)):
+            (self._root / name).unlink(missing_ok=True)
+
     def remove_folder(self, name: str) -> None:
-        shutil.rmtree(self._root / name, ignore_errors=True)
+        with _allowed(self.where(name)), suppress(FileNotFoundError):
+            shutil.rmtree(self._root / name)
+
+    def kept(self, folder: str) -> list[Kept]:
+        found = []
+        for path in sorted((self._root / folder).glob("*")):
+            within = [each for each in path.rglob("*") if each.is_file()] or [path]
+            with suppress(FileNotFoundError):  # gone meanwhile
+                about = [each.stat() for each in within]
+                age_s = time.time() - max(each.st_mtime for each in about)
+                size = sum(each.st_size for each in about)
+                found.append(Kept(f"{folder}/{path.name}", size, age_s))
+        return found
 
 
 class Bucket:
@@ -141,13 +174,31 @@ class Bucket:
             for path in sorted(made.iterdir(), key=lambda path: path.name == WHOLE_LAST):
                 self._upload(path, f"{name}/{path.name}")
 
-    def remove_folder(self, name: str) -> None:
-        from pyarrow.fs import FileSelector
+    def remove_file(self, name: str) -> None:
+        with _explained(self.where(name)), suppress(FileNotFoundError):
+            self._system.delete_file(f"{self._root}/{name}")
 
-        with _explained(self.where(name)):
-            within = FileSelector(f"{self._root}/{name}", allow_not_found=True)
-            for info in self._system.get_file_info(within):
-                self._system.delete_file(info.path)
+    def remove_folder(self, name: str) -> None:
+        with _explained(self.where(name)), suppress(FileNotFoundError):
+            self._system.delete_dir(f"{self._root}/{name}")
+
+    def kept(self, folder: str) -> list[Kept]:
+        found: dict[str, Kept] = {}
+        for info in self._files(folder):
+            name = "/".join(info.path.removeprefix(f"{self._root}/").split("/")[:2])
+            before = found.get(name, Kept(name, 0, float("inf")))
+            age_s = min(before.age_s, time.time() - info.mtime.timestamp())
+            found[name] = Kept(name, before.size + info.size, age_s)
+        return [found[name] for name in sorted(found)]
+
+    def _files(self, folder: str) -> list[Any]:
+        """Every object within a folder, however deep."""
+        from pyarrow.fs import FileSelector, FileType
+
+        with _explained(self.where(folder)):
+            within = FileSelector(f"{self._root}/{folder}", allow_not_found=True, recursive=True)
+            found = self._system.get_file_info(within)
+        return [info for info in found if info.type == FileType.File]
 
     def _upload(self, path: Path, name: str) -> None:
         """One object appears whole, when its last part was sent."""
@@ -175,6 +226,16 @@ def _bucket(url: str) -> Bucket:
         retry_strategy=AwsStandardS3RetryStrategy(max_attempts=ATTEMPTS),
     )
     return Bucket(system, root)
+
+
+@contextmanager
+def _allowed(where: str) -> Iterator[None]:
+    try:
+        yield
+    except PermissionError as error:
+        raise Unusable(
+            f"{where} cannot be deleted ({error.strerror}); give rights there."
+        ) from error
 
 
 @contextmanager

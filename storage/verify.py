@@ -14,7 +14,7 @@ from storage.catalogue import certificates, database, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, all_runs
 from storage.catalogue.results import calibration_of, result_id
-from storage.catalogue.runs import from_columns, raw_path
+from storage.catalogue.runs import from_columns
 from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
@@ -26,7 +26,7 @@ SILENT_S = 60.0  # an acquisition writes every second; one that is silent so lon
 UNKNOWN = "import it if it is a recording that you want, else move it away"
 
 Progress = Callable[[int, int], None]
-Found = tuple[Path, str]  # a file, and what is wrong with it
+Found = tuple[str, str]  # where a file is, and what is wrong with it
 Check = tuple[object, Callable[[], Iterable[str]]]  # of what, and what is wrong with it
 
 
@@ -42,8 +42,8 @@ def verify(home: Home, progress: Progress | None = None) -> tuple[int, list[Stor
 
     Raw recordings and columns against their digest, results against their id and their run,
     PDFs, DCCs and records against the SHA-256 kept with them and in the trail, records against the
-    result they print, the trail and the series of numbers for gaps and edits, files that the
-    catalogue does not know, and acquisitions that were broken off.
+    result they print, the trail and the series of numbers for gaps and edits, files and
+    objects that the catalogue does not know, and acquisitions that were broken off.
     `progress(done, total)` is called after each.
     """
     checks = list(_checks(home))
@@ -76,8 +76,9 @@ def _checks(home: Home) -> Iterator[Check]:
         yield "trail", partial(trail.faults, home)
         yield "certificates in the trail", partial(against_trail, home)
         yield "numbers of certificates", partial(number_gaps, home)
-    for path, why in (*_unknown_files(home, runs, register), *_abandoned(home)):
-        yield path, partial(iter, (why,))
+    unknown = (*_unknown(blobs, runs), *_unknown_papers(home, register), *_abandoned(home))
+    for where, why in unknown:
+        yield where, partial(iter, (why,))
 
 
 def _raw(run: Run, name: str, blobs: Blobs) -> Iterator[str]:
@@ -165,28 +166,33 @@ def _record(entry: Entry, home: Home) -> Iterator[str]:
         )
 
 
-def _unknown_files(home: Home, runs: list[Run], register: list[Entry]) -> Iterator[Found]:
-    known = {raw_path(run.digest, home) for run in runs}
-    known |= {home.columns / run.digest for run in runs}
-    known |= {home.path / name for entry in register for name in entry.files}
+def _unknown(blobs: Blobs, runs: list[Run]) -> Iterator[Found]:
+    """Recordings and columns in folder or bucket that no row of the catalogue names."""
+    known = {f"raw/{run.digest}.mcap" for run in runs} | {f"columns/{run.digest}" for run in runs}
+    for kept in (*blobs.kept("raw"), *blobs.kept("columns")):
+        if kept.name not in known:
+            yield from _left_over(blobs.where(kept.name), kept.age_s)
+
+
+def _unknown_papers(home: Home, register: list[Entry]) -> Iterator[Found]:
+    known = {home.path / name for entry in register for name in entry.files}
     for path in sorted(home.certificates.glob("*")):
         if path not in known and _age_s(path) > ISSUE_S:
-            yield path, "no certificate in the catalogue has it; move it away"
-    for folder in (home.raw, home.columns):
-        for path in sorted(folder.glob("*")):
-            if path in known:
-                continue
-            if not path.name.startswith("."):
-                yield path, f"the catalogue does not know it; {UNKNOWN}"
-            elif _age_s(path) > DRAFT_AGE_S:
-                yield path, "left by what was broken off; delete it"
+            yield str(path), "no certificate in the catalogue has it; move it away"
+
+
+def _left_over(where: str, age_s: float) -> Iterator[Found]:
+    if not where.rpartition("/")[2].startswith("."):
+        yield where, f"the catalogue does not know it; {UNKNOWN}"
+    elif age_s > DRAFT_AGE_S:
+        yield where, "left by what was broken off; delete it"
 
 
 def _abandoned(home: Home) -> Iterator[Found]:
     for path in sorted(home.acquiring.glob("*.mcap")):
         if _age_s(path) > SILENT_S:
             yield (
-                path,
+                str(path),
                 "an acquisition that was broken off; `mimucal import --salvage` takes in what "
                 "is whole of it, then delete the file",
             )

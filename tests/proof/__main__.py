@@ -9,6 +9,7 @@ import typer
 from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
 from tests.proof.fuzz.hold import run_fuzz
+from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
@@ -85,6 +86,12 @@ def main(
         float | None,
         typer.Option(metavar="SECONDS", min=1, help="Nothing but fast stations, each for so long."),
     ] = None,
+    history: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N recordings made again, here and by a cluster."
+        ),
+    ] = None,
     issue: Annotated[
         int | None,
         typer.Option(
@@ -105,7 +112,10 @@ def main(
 
     Recordings of an independent plant, explained blind, scored against the truth.
     """
-    only = ((run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes))
+    only = (
+        (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
+        (run_history, history),
+    )  # fmt: skip
     seeded = ((run_faults, faults), (run_fuzz, fuzz), (run_issue, issue))
     try:
         for run, count in only:

@@ -4,14 +4,14 @@ import re
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, MutableMapping
 from contextlib import contextmanager, suppress
 from hashlib import md5
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from itertools import count
 from typing import Any
 from urllib.parse import parse_qs, unquote, urlsplit
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, unescape
 
 FAULT = b"<Error><Code>InternalError</Code><Message>planted</Message></Error>"
 
@@ -20,7 +20,7 @@ class Store:
     """Objects by key. every: each so-manieth request is answered with 500, none for 0."""
 
     def __init__(self, every: int = 0, pause_s: float = 0.0) -> None:
-        self.objects: dict[str, bytes] = {}
+        self.objects: MutableMapping[str, bytes] = {}
         self.parts: dict[str, dict[int, bytes]] = {}
         self.requests = count(1)
         self.faults = 0
@@ -112,7 +112,7 @@ class Handler(BaseHTTPRequestHandler):
 
     def _list(self) -> None:
         bucket, prefix = self.key.strip("/"), self.asked.get("prefix", "")
-        found = sorted(k for k in self.store.objects if k.startswith(f"{bucket}/{prefix}"))
+        found = self._keys(f"{bucket}/{prefix}")
         rows = "".join(
             f"<Contents><Key>{escape(k.split('/', 1)[1])}</Key><Size>{len(self.store.objects[k])}"
             "</Size><LastModified>2026-01-01T00:00:00.000Z</LastModified></Contents>"
@@ -120,6 +120,9 @@ class Handler(BaseHTTPRequestHandler):
         )
         body = f"<ListBucketResult><KeyCount>{len(found)}</KeyCount>{rows}</ListBucketResult>"
         self._answer(200, body.encode(), Content_Type="application/xml")
+
+    def _keys(self, prefix: str) -> list[str]:
+        return sorted(key for key in self.store.objects if key.startswith(prefix))
 
     def _put(self) -> None:
         if "partNumber" in self.asked:
@@ -134,6 +137,10 @@ class Handler(BaseHTTPRequestHandler):
             self.store.parts[upload] = {}
             text = f"<UploadId>{upload}</UploadId>"
             kind = "InitiateMultipartUploadResult"
+        elif "delete" in self.asked:
+            for key in re.findall(r"<Key>(.*?)</Key>", self.body.decode()):
+                self.store.objects.pop(f"{self.key.strip('/')}/{unescape(key)}", None)
+            kind, text = "DeleteResult", ""
         else:
             parts = self.store.parts[self.asked["uploadId"]]
             self.store.objects[self.key] = b"".join(parts[k] for k in sorted(parts))
@@ -164,9 +171,9 @@ class Server(ThreadingHTTPServer):
 
 
 @contextmanager
-def serving(store: Store) -> Iterator[str]:
+def serving(store: Store, kind: type[Handler] = Handler) -> Iterator[str]:
     """Serves a store; gives what MIMUCAL_STORE is to be."""
-    handler = type("StoreHandler", (Handler,), {"store": store})
+    handler = type("StoreHandler", (kind,), {"store": store})
     server = Server(handler)
     thread = threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True)
     thread.start()

@@ -1,0 +1,125 @@
+"""What the store may do without: recordings that nothing stands on, and columns beside raw ones.
+
+A run with a result or a certificate, as found or as left, of whatever state, keeps its raw
+recording for good. Its columns can be made again from it.
+"""
+
+from collections.abc import Callable, Iterator
+from datetime import UTC, date, datetime, time
+from functools import partial
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.history import Dispensable, Refused
+from storage.blobs import Blobs, blobs_of
+from storage.catalogue import certificates, database, runs, tables, trail
+from storage.catalogue.certificates import Entry, record_of
+from storage.catalogue.listing import Run, runs_where
+from storage.home import Home
+
+OF_RUN = (tables.reprocessed, tables.equipment, tables.sources)  # rows that go with their run
+
+Progress = Callable[[int, int], None]
+
+
+def dispensable(before: date, home: Home) -> list[Dispensable]:
+    """What was taken into the store before a day (UTC) and may be deleted, the oldest first."""
+    begins = datetime.combine(before, time(), UTC)
+    older, needed = runs_where(home, tables.runs.c.taken_in_at < begins), _needed(home)
+    blobs = blobs_of(home)
+    sizes = {each.name: each.size for name in ("raw", "columns") for each in blobs.kept(name)}
+    return [each for run in older for each in _of_run(run, run.id in needed, sizes, blobs)]
+
+
+def delete(
+    found: list[Dispensable], person: str, home: Home, progress: Progress
+) -> tuple[list[Dispensable], list[Refused]]:
+    """Deletes what was found, each with an entry in the trail; gives what went and what did not.
+
+    Whether something came to need it meanwhile is asked again within each transaction, and columns
+    go only where the raw recording was read and is what was taken in. An end in between leaves
+    files that the catalogue does not know, never a run without its recording.
+    """
+    deleted, refused = [], []
+    for done, each in enumerate(found, start=1):
+        try:
+            (_delete_recording if each.what == "recording" else _delete_columns)(each, person, home)
+            deleted.append(each)
+        except Unusable as why:
+            refused.append(Refused(run=each.run, what=each.what, why=str(why)))
+        progress(done, len(found))
+    return deleted, refused
+
+
+def _of_run(run: Run, needed: bool, sizes: dict[str, int], blobs: Blobs) -> Iterator[Dispensable]:
+    raw, columns = f"raw/{run.digest}.mcap", f"columns/{run.digest}"
+    dispensable = partial(
+        Dispensable, run=run.id, recording_id=run.recording_id, taken_in_at=run.taken_in_at
+    )
+    if not needed:
+        size = sizes.get(raw, 0) + sizes.get(columns, 0)
+        yield dispensable(what="recording", where=blobs.where(raw), size=size)
+    elif raw in sizes and columns in sizes:
+        yield dispensable(what="columns", where=blobs.where(columns), size=sizes[columns])
+
+
+def _needed(home: Home) -> set[str]:
+    """Runs that a result or a certificate stands on.
+
+    A certificate whose record cannot be read may print any run of its unit as found.
+    """
+    with_result = database.rows(home, sql.select(tables.results.c.run).distinct())
+    needed = {row.run for row in with_result}
+    for entry in certificates.register(home):
+        needed |= {entry.run, *_as_found(entry, home)}
+    return needed
+
+
+def _as_found(entry: Entry, home: Home) -> set[str]:
+    try:
+        found = record_of(entry, home).as_found
+    except Unusable:
+        of_unit = [
+            tables.units.c[name] == getattr(entry, name)
+            for name in ("manufacturer", "model", "serial")
+        ]
+        return {run.id for run in runs_where(home, sql.and_(*of_unit))}
+    return {found.calibration.run} if found else set()
+
+
+def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
+    if each.run in _needed(home):
+        raise Unusable("a result or a certificate came to stand on it; it stays.")
+    run = tables.runs.c
+    with database.changing(home) as connection:
+        mine = sql.select(run.digest).where(run.id == each.run).with_for_update()
+        digest = connection.scalar(mine)
+        if digest is None:
+            raise Unusable("it is not in the catalogue any more; somebody else deleted it.")
+        for table in (tables.results, tables.certificates):
+            if connection.scalar(sql.select(sql.exists().where(table.c.run == each.run))):
+                raise Unusable("a result or a certificate came to stand on it; it stays.")
+        for table in OF_RUN:
+            connection.execute(sql.delete(table).where(table.c.run == each.run))
+        connection.execute(sql.delete(tables.runs).where(run.id == each.run))
+        _log(connection, each, person, digest)
+    blobs = blobs_of(home)
+    blobs.remove_file(f"raw/{digest}.mcap")
+    blobs.remove_folder(f"columns/{digest}")
+
+
+def _delete_columns(each: Dispensable, person: str, home: Home) -> None:
+    (run,) = runs_where(home, tables.runs.c.id == each.run)
+    runs.load_raw(run, home)
+    with database.changing(home) as connection:
+        _log(connection, each, person, run.digest)
+    blobs_of(home).remove_folder(f"columns/{run.digest}")
+
+
+def _log(connection: sql.Connection, each: Dispensable, person: str, digest: str) -> None:
+    trail.add(
+        connection, person, f"delete {each.what}", each.run,
+        recording_id=each.recording_id, digest=digest, size=each.size,
+        taken_in_at=each.taken_in_at.isoformat(),
+    )  # fmt: skip

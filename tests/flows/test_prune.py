@@ -1,0 +1,38 @@
+"""`mimucal prune` lists what can go, and deletes it only when told to, by somebody."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from schemas.recording import Recording
+from storage.catalogue import listing, runs, trail
+from storage.home import Home
+
+
+@pytest.fixture
+def store(home: Path, ideal_run: Callable[..., Recording]) -> Home:
+    """A run that was never calibrated."""
+    runs.add(ideal_run(dwell=1.0), Home(home))
+    return Home(home)
+
+
+def test_nothing_is_deleted_unless_it_is_asked_for(store: Home, mimucal) -> None:
+    (run,) = listing.all_runs(store)
+    listed = mimucal("prune", "--before", "2999-01-01", "--json").json
+    assert (listed["format"], listed["deleted"]) == ("mimu-prune/1", False)
+    assert [(each["run"], each["what"]) for each in listed["found"]] == [(run.id, "recording")]
+    assert run.id in mimucal("prune", "--before", "2999-01-01").out
+    assert listing.all_runs(store) == [run]
+    assert mimucal("prune", "--before", "2000-01-01", "--json").json["found"] == []
+
+
+def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("MIMUCAL_USER", raising=False)
+    refused = mimucal("prune", "--before", "2999-01-01", "--delete")
+    assert refused.code == 2
+    assert "--by NAME" in refused.err
+    done = mimucal("prune", "--before", "2999-01-01", "--delete", "--by", "Li Na", "--json")
+    assert (done.code, len(done.json["found"]), done.json["refused"]) == (0, 1, [])
+    assert listing.all_runs(store) == []
+    assert [entry.person for entry in trail.entries(store)] == ["Li Na"]

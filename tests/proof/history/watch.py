@@ -1,0 +1,88 @@
+"""A command with everything beside it: how long it takes, processor time, memory."""
+
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+import psutil
+
+EVERY_S = 1.0
+MIMUCAL = (sys.executable, "-c", "from flows.cli import main; main()")
+SERVER = "flows.prefect_server"
+Name = tuple[int, float]  # process id, and when it began
+Used = tuple[float, bool]  # processor time, and whether it is Prefect's server
+
+
+@dataclass(frozen=True)
+class Watched:
+    """What a command printed, and what it cost with all that this process started.
+
+    processor_s: of them all meanwhile; prefect_s: of Prefect's server among them; memory: the most
+    bytes at one moment, pages that processes share counted once.
+    """
+
+    out: str
+    wall_s: float
+    processor_s: float
+    prefect_s: float
+    memory: int
+
+
+def environment(**changes: str) -> dict[str, str]:
+    """Of a process that is measured: no settings of others, one thread for linear algebra."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    return kept | {"OPENBLAS_NUM_THREADS": "1", "AWS_EC2_METADATA_DISABLED": "true"} | changes
+
+
+def watched(
+    command: Sequence[str],
+    variables: Mapping[str, str],
+    meanwhile: Callable[[], None] = lambda: None,
+) -> Watched:
+    """Runs a command; raises RuntimeError with what it said where it fails.
+
+    meanwhile: called about every second.
+    """
+    began, before = time.perf_counter(), dict[Name, Used]()
+    _look(before)
+    process = subprocess.Popen(
+        command, env=dict(variables), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    used, memory = dict(before), 0
+    said: list[str] = []
+    reader = threading.Thread(target=lambda: said.extend(process.communicate()))
+    reader.start()
+    while reader.is_alive():
+        memory = max(memory, _look(used))
+        meanwhile()
+        reader.join(EVERY_S)
+    if process.returncode:
+        raise RuntimeError(said[1])
+    own = [
+        (seconds - before.get(name, (0.0, False))[0], of_server)
+        for name, (seconds, of_server) in used.items()
+    ]
+    return Watched(
+        out=said[0],
+        wall_s=time.perf_counter() - began,
+        processor_s=sum(seconds for seconds, _ in own),
+        prefect_s=sum(seconds for seconds, of_server in own if of_server),
+        memory=memory,
+    )
+
+
+def _look(used: dict[Name, Used]) -> int:
+    """Notes the processor time of each process so far; gives the memory of all together."""
+    memory = 0
+    for each in psutil.Process().children(recursive=True):
+        with suppress(psutil.Error):
+            times = each.cpu_times()
+            name = (each.pid, each.create_time())
+            used[name] = (times.user + times.system, SERVER in each.cmdline())
+            memory += each.memory_full_info().pss
+    return memory
