@@ -12,13 +12,16 @@ from alembic.migration import MigrationContext
 from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate
+from schemas.equipment import MeasurementStandard
 from schemas.orders import Selection
 from schemas.recording import Recording
 from storage import dataframes, verify
 from storage.catalogue import (
     certificates,
     database,
+    equipment,
     listing,
+    reminders,
     reprocessing,
     results,
     runs,
@@ -105,6 +108,42 @@ def test_numbers_taken_at_once_on_postgresql_are_never_the_same(
     script = "from tests.keep import take_number\nprint(*[take_number(home) for _ in range(10)])"
     numbers = " ".join(at_once(script, shared_catalogue, processes=3)).split()
     assert sorted(numbers) == [f"MIMU-2026-{n:04d}" for n in range(1, 31)]
+
+
+def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
+    shared_catalogue: Home,
+    small: Build,
+    calibrated: Callable[..., Calibration],
+    certified: Callable[..., Certificate],
+    at_once: AtOnce,
+) -> None:
+    recording = small()
+    run = runs.add(recording, shared_catalogue)[0]
+    results.save(calibrated(run), shared_catalogue)
+    keep(certified(recording, calibrated(run), "A-1"), shared_catalogue)
+    script = """
+from datetime import UTC, datetime
+from storage.catalogue import reminders
+from tasks.reminders.occasions import pause
+print(reminders.claim(home, ("A-1", -30, "mail"), datetime(2027, 1, 1, tzinfo=UTC), pause))
+"""
+    claims = at_once(script, shared_catalogue, processes=4)
+    assert sorted(claim.strip() for claim in claims) == ["False", "False", "False", "True"]
+    (kept,) = reminders.all_reminders(shared_catalogue)
+    assert (kept.tries, kept.sent_at) == (1, None)
+
+
+def test_the_register_of_equipment_is_the_same_on_postgresql(shared_catalogue: Home) -> None:
+    first = MeasurementStandard(
+        name="Table", name_zh="台", serial="T-1", accuracy="", certificate="C-1",
+        valid_until=date(2026, 2, 28),
+    )  # fmt: skip
+    second = first.model_copy(update={"certificate": "C-2", "calibrated_on": date(2026, 3, 1),
+                                      "valid_until": date(2027, 2, 28)})  # fmt: skip
+    equipment.add([first], shared_catalogue, "Li")
+    equipment.renew([second], shared_catalogue, "Li")
+    assert equipment.register(shared_catalogue) == [first, second]
+    assert equipment.past_due(shared_catalogue, date(2026, 3, 1)) == []
 
 
 def test_the_trail_is_not_changed_on_postgresql(shared_catalogue: Home) -> None:
