@@ -6,6 +6,13 @@ unset PYTHONDONTWRITEBYTECODE # every worker and every command would compile thi
 export OPENBLAS_NUM_THREADS=1 # three workers share two cores: some tests wait
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
-.venv/bin/mypy
-.venv/bin/lint-imports
-.venv/bin/pytest -n 3 --dist loadfile --no-loadscope-reorder "$@"
+# Types and arrows are checked while tests wait; their report stands below that of the tests.
+report=$(mktemp)
+(.venv/bin/mypy && .venv/bin/lint-imports) > "$report" 2>&1 &
+checks=$!
+trap 'kill "$checks" 2> /dev/null || true; rm -f "$report"' EXIT
+failed=0
+.venv/bin/pytest -n 3 --dist loadfile --no-loadscope-reorder "$@" || failed=$?
+wait "$checks" || failed=$?
+cat "$report"
+exit "$failed"
