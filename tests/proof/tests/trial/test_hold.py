@@ -1,6 +1,7 @@
 """A whole trial of two recordings, by the command; and who knows what of whom."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -31,6 +32,7 @@ def test_trial_is_held_and_leaves_its_evidence(
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     monkeypatch.setattr(prove, "draw", lambda seed, short: two_cases)
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)  # a second process would import all again
     folder = tmp_path / "trial"
     prove.run_prove(seed=7, short=True, out=folder, as_json=True)
     said = json.loads(capsys.readouterr().out)
