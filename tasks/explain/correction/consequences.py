@@ -72,7 +72,7 @@ def consequences(
         together=tuple(moved(before, whole)),
         changes_together=changes[-1],
         remarks=tuple(
-            message("explain-told-together", titles=tuple(findings[n].title for n in some))
+            message("explain-stated-together", titles=tuple(findings[n].title for n in some))
             for some in dict.fromkeys(sets)
             if len(some) > 1
         ),

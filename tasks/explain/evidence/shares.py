@@ -73,7 +73,7 @@ def without_form_errors(
 ) -> list[Finding]:
     """The findings, those without a name that are weak beside something far stronger.
 
-    A strong effect whose form is a little different from its equation leaves a remnant of its
+    A strong effect whose form is a little different from its equation leaves a residual of its
     square, and that resembles whatever is left in the catalogue. beside: what else was found.
     """
     gains = [one.gain for one in (*findings, *beside)]

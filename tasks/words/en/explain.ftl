@@ -51,7 +51,7 @@ explain-search-stopped = The search stopped at its budget of { $seconds } s of p
 
 # What the findings do to the calibration items.
 explain-items-by-angles = The items of JJF 1536 come from the accumulated angles, not from the rates that were explained: no consequence was estimated.
-explain-told-together = { $titles } make up for each other in part in this recording: what they do to the items is told of them together, since each by itself would move values that the others move back.
+explain-stated-together = { $titles } make up for each other in part in this recording: what they do to the items is stated for them together, since each by itself would move values that the others move back.
 explain-items-not-estimated = What the findings do to the items was not estimated: { $reason }
 
 # A calibration of readings that were corrected for findings.

@@ -22,8 +22,8 @@ report-factor = factor { $number } of the { $channel }
 parameter-seconds = delay
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
-report-predicted = Stretches that the fit did not see become { $times } as probable ({ $nats } nats)
-report-not-predicted = Stretches that the fit did not see are not predicted better ({ $nats } nats)
+report-predicted = Segments that the fit did not see become { $times } as probable ({ $nats } nats)
+report-not-predicted = Segments that the fit did not see are not predicted better ({ $nats } nats)
 report-times = { $number } times
 report-more-than-times = more than { $number } times
 report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
@@ -128,7 +128,7 @@ report-partly_explained = partly explained
     .headline = Partly explained: something is found, something stays without a name
 report-unexplained = unexplained
     .headline = Unexplained: model and recording differ, and nothing in the catalogue accounts for it
-report-nothing-found = Nothing was found that the standard's model leaves out. On stretches that the fit did not see it leaves χ² = { $chi2 } per degree of freedom (noise alone: 1). What is smaller than the noise lets see, or what the standard's parameters absorb whole, this recording cannot show.
+report-nothing-found = Nothing was found that the standard's model leaves out. On segments that the fit did not see it leaves χ² = { $chi2 } per degree of freedom (noise alone: 1). What is smaller than the noise lets see, or what the standard's parameters absorb whole, this recording cannot show.
 report-tested = Tested were { $channels } channels over { $minutes } min at { $rate } Hz{ $kinds ->
         [0] {""}
        *[other] {" "}with { $segments }
@@ -158,8 +158,8 @@ report-unnamed = { $verdict ->
         [0] {""}
        *[other] ; what is seen: { $follows }
     }.
-report-gained = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1).
-report-gained-most = On stretches that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1), and the rms residual of the { $channel } falls to { $share }.
+report-gained = On segments that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1).
+report-gained-most = On segments that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1), and the rms residual of the { $channel } falls to { $share }.
 report-moved = { $findings ->
         [one] Taking it into account
        *[other] Taking all findings into account together
@@ -185,7 +185,7 @@ report-before-after = Before and after
     .caption = Left: means of the residual over time; pale bars show what swings within a cell. Right: spectrum of the residual divided by the noise of a sample.
 report-left-over = What is left over
     .caption = Left: means of the residual over time. Right: spectrum of the residual divided by the noise of a sample; a rise at low frequencies is the flicker and drift of the unit's own noise.
-report-held-out = Stretches that the fit did not see: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference: 1).
+report-held-out = Segments that the fit did not see: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference: 1).
 report-rms-ratio = rms residual, after / before
 report-certificate = The certificate
 report-nothing-moved = No value of the certificate was found to be moved.

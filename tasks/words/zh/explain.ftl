@@ -51,7 +51,7 @@ explain-search-stopped = 搜索在{ $seconds } s处理器时间预算处停止�
 
 # 所发现因素对各校准项目的影响。
 explain-items-by-angles = JJF 1536 各项由累积角度得到，而非由所解释的角速率得到：未估计其影响。
-explain-told-together = { $titles }在本记录中部分互相抵消：它们对各校准项目的影响合并说明，因为单独扣除其一会使数值偏移，而其余因素又将其抵回。
+explain-stated-together = { $titles }在本记录中部分互相抵消：它们对各校准项目的影响合并说明，因为单独扣除其一会使数值偏移，而其余因素又将其抵回。
 explain-items-not-estimated = 未能估计所发现因素对各校准项目的影响：{ $reason }
 
 # 扣除所发现因素后的校准。

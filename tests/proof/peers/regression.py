@@ -10,7 +10,7 @@ from tests.proof.peers.peer import HeldOut
 from tests.proof.peers.seen import SAME, Equations, Seen
 
 
-def freed(gram: np.ndarray, base: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def partialled_out(gram: np.ndarray, base: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Gram (p, p) of the library without the standard's part, right side (p,), and which columns
     are more than what the standard tells."""
     shared = gram[:base, base:]

@@ -1,7 +1,7 @@
 """Peer 3: sparse regression of what the standard leaves on a polynomial library (SINDy).
 
 pysindy's sequentially thresholded least squares (Brunton, Proctor & Kutz, PNAS 113, 2016), its
-threshold by cross validation on held-out segments. Columns are whitened, freed of the standard's
+threshold by cross validation on held-out segments. Columns are whitened, cleared of the standard's
 part and brought to unit size, so that a coefficient is in standard deviations of the noise; the
 Cholesky factor of their normal equations stands for the rows, with the same least squares.
 """
@@ -15,7 +15,7 @@ from pysindy import STLSQ
 from tasks.explain.evidence.held_out import FOLDS
 from tests.proof.peers.naming import dimension_of, reading_of
 from tests.proof.peers.peer import UNNAMED, Answer, Located, in_order
-from tests.proof.peers.regression import freed, predicted, surprise, unseen
+from tests.proof.peers.regression import partialled_out, predicted, surprise, unseen
 from tests.proof.peers.seen import CHANNELS, Equations, Seen
 
 THRESHOLD = 3.0  # nats gained on held-out segments by the best channel
@@ -64,7 +64,7 @@ def _best(equations: Equations, seen: Seen) -> tuple[float, list[int]]:
 
 def _reduced(gram: np.ndarray, base: int, allowed: Sequence[int]) -> Reduced:
     """Rows (r, k) and readings (r,) with the same least squares as all blocks; the columns."""
-    normal, right, open_ = freed(gram, base)
+    normal, right, open_ = partialled_out(gram, base)
     mine = np.array([k for k in allowed if open_[k]], int)
     size = np.sqrt(np.diag(normal)[mine])
     power, turned = np.linalg.eigh(normal[np.ix_(mine, mine)] / size[:, None] / size)
@@ -87,7 +87,7 @@ def _sparse(reduced: Reduced, threshold: float) -> list[int]:
 
 def _sizes(equations: Equations, mine: Sequence[int]) -> list[float]:
     """Each column's strength: its coefficient in standard deviations, all fitted together."""
-    normal, right, _ = freed(equations.without(None), equations.base)
+    normal, right, _ = partialled_out(equations.without(None), equations.base)
     block = np.linalg.pinv(normal[np.ix_(mine, mine)], rcond=1e-11, hermitian=True)
     spread = np.sqrt(np.maximum(np.diag(block), 1e-300))
     return [float(size) for size in np.abs(block @ right[mine]) / spread]

@@ -9,7 +9,7 @@ import numpy as np
 
 from tests.proof.peers.naming import dimension_of, reading_of
 from tests.proof.peers.peer import UNNAMED, Answer, Located, in_order
-from tests.proof.peers.regression import freed, predicted, unseen
+from tests.proof.peers.regression import partialled_out, predicted, unseen
 from tests.proof.peers.seen import CHANNELS, SAME, Equations, Seen
 
 THRESHOLD = 1.6  # gain of one column in ln n: the plain criterion asks for 1
@@ -44,7 +44,7 @@ def _rows(seen: Seen, channel: int) -> int:
 def chosen(equations: Equations, rows: int) -> list[Step]:
     """Columns in the order taken, with their gains; the first one whatever it gains."""
     whole = equations.without(None)
-    normal, right, open_ = freed(whole, equations.base)
+    normal, right, open_ = partialled_out(whole, equations.base)
     power = np.diag(whole)[equations.base : -1].copy()
     misfit = float(_rest(whole, equations.base))
     steps: list[Step] = []

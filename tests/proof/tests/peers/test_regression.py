@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tasks.explain.evidence.held_out import FOLDS
-from tests.proof.peers.regression import fit, freed, surprise
+from tests.proof.peers.regression import fit, partialled_out, surprise
 from tests.proof.peers.seen import Equations
 
 ROWS, BASE, MORE = 400, 3, 4
@@ -32,13 +32,13 @@ def test_fit_is_least_squares(rows: tuple[np.ndarray, np.ndarray], equations: Eq
     np.testing.assert_allclose(fit(equations.without(None), BASE, [1])[which], known, rtol=1e-9)
 
 
-def test_library_is_freed_of_what_the_standard_tells(
+def test_what_the_standard_explains_is_partialled_out_of_the_library(
     rows: tuple[np.ndarray, np.ndarray], equations: Equations
 ) -> None:
     stack = rows[0].copy()
     stack[:, BASE] = stack[:, 0] - stack[:, 1]  # told by the standard's columns whole
     gram = stack.T @ stack
-    normal, right, open_ = freed(gram, BASE)
+    normal, right, open_ = partialled_out(gram, BASE)
     assert open_.tolist() == [False, True, True, True]
     values, *_ = np.linalg.lstsq(stack[:, :BASE], stack[:, BASE:])
     rest = stack[:, BASE:] - stack[:, :BASE] @ values

@@ -85,7 +85,7 @@ def test_what_is_far_weaker_than_something_without_a_name_has_none_but_known_phy
     assert names(*some) == [UNNAMED, UNNAMED, "lever_arm", "earth_rotation"]
 
 
-def test_a_drift_weaker_than_jumps_without_a_name_is_their_remnant_and_nothing_else_is() -> None:
+def test_a_drift_weaker_than_jumps_without_a_name_is_their_form_error_and_nothing_else_is() -> None:
     later = replace(bias_step(0, 250.0), variant=1)
     jumps = [replace(picked(step), gain=100.0) for step in (bias_step(0, 100.0), later)]
     drift, arm = replace(picked(TEMPERATURE_BIAS), gain=120.0), picked(LEVER_ARM)
@@ -171,10 +171,10 @@ def test_unseen_segments_are_noise_after_and_worse_before(
     assert min(said.rms_ratio.values()) < 0.98
 
 
-def test_random_courses_and_what_is_soaked_up_are_not_judged_by_a_gain() -> None:
+def test_random_drifts_and_what_is_absorbed_are_not_judged_by_a_gain() -> None:
     """The first are charged by their evidence; of the others no residual is left."""
     made = read(RUN) + noise(len(RUN.t), 42, NOISY)
     course = picked(THERMAL_GRADIENT, prior=Prior(2.0, 1.0))
-    soaked = picked(LEVER_ARM, absorbed_by="gyro_g_sensitivity")
-    one, groups = weighed(made, [course, soaked])
+    absorbed = picked(LEVER_ARM, absorbed_by="gyro_g_sensitivity")
+    one, groups = weighed(made, [course, absorbed])
     assert [unsupported(one, n, TRIED) for n in range(len(groups))] == [False, False]

@@ -72,13 +72,13 @@ def test_physics_that_is_known_beforehand_is_no_shadow() -> None:
     assert without_shadows([known], [1.0], left(10.1, 3)) == [known]
 
 
-def test_a_weak_name_beside_something_far_stronger_is_its_remnant() -> None:
+def test_a_weak_name_beside_something_far_stronger_is_its_form_error() -> None:
     weak, strong = replace(NAMED, gain=60.0, delta_bic=50.0), replace(NAMED, gain=9000.0)
-    remnant, kept = without_form_errors([weak, strong])
+    form_error, kept = without_form_errors([weak, strong])
     assert kept == strong
-    assert remnant.effect == UNNAMED
-    assert remnant.refusal is not None
-    assert (remnant.refusal.kind, remnant.refusal.value) == ("form_error", 150.0)
+    assert form_error.effect == UNNAMED
+    assert form_error.refusal is not None
+    assert (form_error.refusal.kind, form_error.refusal.value) == ("form_error", 150.0)
 
 
 def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
@@ -86,7 +86,7 @@ def test_a_weak_name_alone_or_beside_its_like_stands() -> None:
     assert without_form_errors([weak, NAMED]) == [weak, NAMED]
 
 
-def test_what_was_put_right_first_leaves_remnants_too() -> None:
+def test_what_was_put_right_first_leaves_form_errors_too() -> None:
     weak = replace(NAMED, gain=60.0, delta_bic=50.0)
-    (remnant,) = without_form_errors([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
-    assert remnant.effect == UNNAMED
+    (form_error,) = without_form_errors([weak], [replace(NAMED, effect="code_fault", gain=2e4)])
+    assert form_error.effect == UNNAMED

@@ -168,19 +168,19 @@ def test_where_nothing_is_missing_nothing_is_found(nothing: Asked) -> None:
     assert found.p_value > FALSE_ALARMS
 
 
-def test_what_is_no_chance_and_yet_too_dear_ends_the_search(both: Asked) -> None:
-    dear = tuple(
+def test_what_is_significant_and_yet_too_rare_ends_the_search(both: Asked) -> None:
+    rare = tuple(
         replace(one, term=replace(one.term, rarity=1e6))
         for one in both.candidates
         if one.name == "lever_arm"
     )
-    found = search(both.pool, dear)
+    found = search(both.pool, rare)
     assert found.p_value < FALSE_ALARMS
     assert found.selected == ()
 
 
 def test_what_fits_as_well_is_told_as_a_rival(both: Asked) -> None:
-    """A size effect of equal places is a lever arm; it is dearer."""
+    """A size effect of equal places is a lever arm; it is the rarer."""
     found = search(both.pool, both.candidates)
     arm = next(one for one in found.selected if one.candidate.name == "lever_arm")
     assert arm.alternatives[0].candidate.name == "size_effect"

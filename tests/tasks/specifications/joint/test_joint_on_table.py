@@ -247,7 +247,7 @@ def test_ln100_has_its_g_sensitivity_without_earth_rotation_and_null_where_north
     item = found.items["gyro_g_sensitivity"]
     assert item.value["xx"] * 3600 == pytest.approx(0.03, abs=0.005)
     assert {e for e, v in item.value.items() if v is not None} == {"xx"}
-    assert "north is not told" in found.unavailable["gyro_g_sensitivity"]
+    assert "north is not stated" in found.unavailable["gyro_g_sensitivity"]
     assert {"north_unknown", "scale_factor_assumed", "positions_missing"} <= codes(found)
 
 
