@@ -37,6 +37,8 @@ OWN_SERVER = {
     "PREFECT_LOGGING_TO_API_ENABLED": "false",
     # One that does not answer is no more: waiting a minute for each report would hang the run.
     "PREFECT_CLIENT_MAX_RETRIES": "0",
+    # We use no blocks; entering them all is a sixth of the server's start.
+    "PREFECT_API_BLOCKS_REGISTER_ON_START": "false",
 }
 
 

@@ -3,10 +3,11 @@
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from storage.home import Home
-from tests.proof.history.watch import MIMUCAL, Watched, environment, watched
+from tests.proof.history.watch import MIMUCAL, environment, watched
 
 BARE = 100  # runs that the bare estimation is measured on
 WORKERS = 2
@@ -17,7 +18,8 @@ class Again:
     """What one re-processing took, beside the bare estimation of a recording by one core.
 
     stage_s: of the work itself, as the report has it; the rest of wall_s is the start of the
-    program, and Prefect.
+    program, and Prefect. prefect_s: processor time of Prefect's server, and of a command with
+    nothing to do, which is the program's start and a flow run.
     """
 
     done: int
@@ -47,8 +49,8 @@ class Again:
 
     @property
     def prefect(self) -> float:
-        """At most Prefect's share: its server, and everything of the command but the work."""
-        return self.prefect_s / self.processor_s + (self.wall_s - self.stage_s) / self.wall_s
+        """At most Prefect's share of all processor time."""
+        return self.prefect_s / self.processor_s
 
 
 def bare(variables: dict[str, str]) -> tuple[float, float]:
@@ -61,17 +63,30 @@ def bare(variables: dict[str, str]) -> tuple[float, float]:
 def again(home: Home) -> Again:
     """Measures `mimucal reprocess` on every run of a home."""
     variables = environment(MIMUCAL_HOME=str(home.path))
+    return measured(("--workers", str(WORKERS)), variables)
+
+
+def measured(
+    engine: tuple[str, ...],
+    variables: dict[str, str],
+    meanwhile: Callable[[], None] = lambda: None,
+) -> Again:
+    """Measures `mimucal reprocess` with such options, where Prefect's database is made already."""
     before = bare(variables)
-    command = (*MIMUCAL, "reprocess", "--workers", str(WORKERS), "--json")
-    return figures(watched(command, variables), before)
-
-
-def figures(seen: Watched, of_one: tuple[float, float]) -> Again:
-    """What a command's report and its cost say."""
+    command = (*MIMUCAL, "reprocess", *engine, "--json")
+    for _ in range(2):  # the first makes Prefect's database
+        nothing = watched((*command, "--serial", "nobody"), variables)
+    seen = watched(command, variables, meanwhile)
     report = json.loads(seen.out)
-    cost = {name: value for name, value in asdict(seen).items() if name != "out"}
     return Again(
-        done=report["done"] - report["done_before"], failed=report["failed"],
-        stage_s=report["seconds"], bare_s=of_one[0], bare_processor_s=of_one[1],
-        load=os.getloadavg()[0], **cost,
-    )  # fmt: skip
+        done=report["done"] - report["done_before"],
+        failed=report["failed"],
+        bare_s=before[0],
+        bare_processor_s=before[1],
+        wall_s=seen.wall_s,
+        stage_s=report["seconds"],
+        processor_s=seen.processor_s,
+        prefect_s=seen.prefect_s + nothing.processor_s - nothing.prefect_s,
+        memory=seen.memory,
+        load=os.getloadavg()[0],
+    )

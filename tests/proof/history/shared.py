@@ -1,6 +1,5 @@
 """The same history made again by a cluster, undisturbed and disturbed."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,8 +7,7 @@ from storage.home import Home
 from tests.proof.history import cluster
 from tests.proof.history.cluster import catalogue, kept_results
 from tests.proof.history.disturb import Disturbances
-from tests.proof.history.local import Again, bare, figures
-from tests.proof.history.watch import MIMUCAL, watched
+from tests.proof.history.local import Again, measured
 
 EVERY, PAUSE_S = 9, 0.05  # of the disturbed bucket: a request in nine gets 500, each waits
 
@@ -39,18 +37,17 @@ def made(source: Home, folder: Path, count: int, disturbed: bool = False) -> Sha
     bucket = (EVERY, PAUSE_S) if disturbed else (0, 0.0)
     with cluster.running(home, source.path, *bucket) as of:
         cluster.copy_runs(source, of.url, count)
-        before = (0.0, 0.0) if disturbed else bare(of.variables)
         disturb = Disturbances(of, home, count)
-        command = (
-            *MIMUCAL, "reprocess", "--engine", "dask", "--scheduler", of.address, "--json",
-        )  # fmt: skip
-        seen = watched(command, of.variables, disturb.tick if disturbed else lambda: None)
+        again = measured(
+            ("--engine", "dask", "--scheduler", of.address),
+            of.variables,
+            disturb.tick if disturbed else lambda: None,
+        )
         with catalogue(of.url):
             kept = kept_results(home)
     expected = kept_results(source)
-    assert json.loads(seen.out)["runs"] == count
     return Shared(
-        figures(seen, before),
+        again,
         identical=sum(each[:1] == expected[run][:1] for run, each in kept.items()),
         twice=sum(len(each) > 1 for each in kept.values()),
         happened=tuple(disturb.happened),
