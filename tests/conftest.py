@@ -1,6 +1,7 @@
 """What every test may use: the shared recordings, and an ideal JJF 2003 run by plain algebra."""
 
 import gc
+import signal
 from collections import Counter
 from collections.abc import Callable
 from datetime import date
@@ -31,10 +32,19 @@ GRAVITY = 9.78
 AXES = "xyz"
 RATES = (-300.0, -200.0, -100.0, -50.0, -10.0, 10.0, 50.0, 100.0, 200.0, 300.0)
 
+ENDINGS = tuple((one, signal.SIG_DFL) for one in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTERM))
+
 
 def pytest_configure() -> None:
-    """Imports and collected tests live to the end: the garbage collector need not look at them."""
+    """Imports and collected tests live to the end: the garbage collector need not look at them.
+
+    A shell ignores the keyboard's signals for what it starts in the background, and children
+    inherit that: the tests raise them.
+    """
     gc.disable()
+    for one, usual in ((signal.SIGINT, signal.default_int_handler), *ENDINGS):
+        if signal.getsignal(one) == signal.SIG_IGN:
+            signal.signal(one, usual)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
