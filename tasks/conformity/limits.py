@@ -8,6 +8,7 @@ from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text
 
 NO_INTERVAL = "–"
+DIGITS = 9  # significant, of a limit as it is printed
 NEARLY_CERTAIN = 0.999  # a probability nearer to 1 or 0 is not told apart from it
 
 
@@ -34,7 +35,12 @@ def interval_text(lower: Decimal | None, upper: Decimal | None, exponent: int = 
 
 def limits_text(limit: LimitDecision, exponent: int = 0) -> str:
     """The limits, without a unit."""
-    return interval_text(exact(limit.lower), exact(limit.upper), exponent)
+    return interval_text(_laid_down(limit.lower), _laid_down(limit.upper), exponent)
+
+
+def _laid_down(edge: float | None) -> Decimal | None:
+    """A limit without the binary digits that a product with a nominal value leaves behind."""
+    return None if edge is None else exact(float(f"{edge:.{DIGITS}g}"))
 
 
 def nothing_accepted(limit: LimitDecision) -> bool:
@@ -82,4 +88,4 @@ def probability_text(probability: float) -> str:
 def _percent(limit: float | None, nominal: float) -> Decimal | None:
     if limit is None:
         return None
-    return exact(float(f"{100 * (limit - nominal) / abs(nominal):.9g}"))
+    return _laid_down(100 * (limit - nominal) / abs(nominal))

@@ -19,7 +19,7 @@ from tasks.words import Message, Sayable, message
 from tasks.words.rounding import USUAL_K, exact, round_like, round_up, text
 from tasks.words.units import quantity_text
 
-MORE_PLACES = 12  # of decimals, up to which a value is written out to show that it is beyond
+MORE_PLACES = 6  # of decimals, up to which a value is written out to show that it is beyond
 
 
 def outside(limit: LimitDecision) -> Message:
@@ -131,7 +131,10 @@ def _risk(limit: LimitDecision) -> Sayable:
 
 
 def _value(limit: LimitDecision) -> str:
-    """The value rounded to the place of U; to as many more as show what was decided."""
+    """The value rounded to the place of U; to as many more as show what was decided.
+
+    No further place shows it for a value that lies on an edge: it is then rounded as U is.
+    """
     assert limit.value is not None  # else nothing was decided
     full, place = Decimal(repr(limit.value)), _rounded_U(limit)
     intervals = ((limit.lower, limit.upper), (limit.accept_lower, limit.accept_upper))
@@ -140,7 +143,7 @@ def _value(limit: LimitDecision) -> str:
         rounded = round_like(limit.value, place.scaleb(-more))
         if [_inside(rounded, *edges) for edges in intervals] == decided:
             return quantity_text(str(text(rounded)), limit.unit)
-    return quantity_text(str(text(full)), limit.unit)
+    return quantity_text(str(text(round_like(limit.value, place))), limit.unit)
 
 
 def _inside_limits(limit: LimitDecision) -> bool:

@@ -10,7 +10,7 @@ information-earth-unknown = 由此最多改变 U 的 { $times } 倍。仅凭数�
 
 information-lever-arm = 加速度计至转轴的位置（杆臂）
     .text = 加速度计的公共点相对于各转轴交点的位置（体坐标系），由升降速段的 α × r 和转动段的 ω × (ω × r) 求得。
-information-without-lever-arm = 扣除杆臂的加速度计角速率敏感系数
+information-without-lever-arm = 扣除杆臂的加速度计角速度灵敏系数
     .text = 式(12)、式(13)的值含杆臂；升降速段可将二者区分。符号与式(12)一致。
 
 information-nonlinearity = 标度因数非线性度

@@ -1,6 +1,7 @@
 """The verdict: what passes, what fails, what nobody can say."""
 
 import math
+import re
 from datetime import date
 from typing import Any
 
@@ -310,3 +311,12 @@ def test_where_u_is_larger_than_the_guard_bands_allow_there_is_no_acceptance_int
     assert accepted_edges(decided) is None
     exact_fit = with_uncertainty(0.0, 0.05, rule="guard_band").limits[0]
     assert (exact_fit.accept_lower, exact_fit.accept_upper) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("upper", [1.3338541310494842, 1.3338541310494846])
+def test_no_reason_prints_the_binary_digits_of_a_limit_or_of_a_value_near_it(upper: float) -> None:
+    decision = with_uncertainty(1.3338541310494844, 2.0, lower=0.0, upper=upper)
+    assert decision.verdict == "inconclusive"
+    digits = re.findall(r"\d+\.\d+", " ".join((*decision.reasons, *decision.reasons_zh)))
+    assert digits
+    assert max(map(len, digits)) <= len("1.33385413")

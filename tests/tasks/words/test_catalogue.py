@@ -119,3 +119,11 @@ def test_a_message_that_no_catalogue_has_is_an_error() -> None:
     assert not known("no-such-message")
     with pytest.raises(KeyError, match="no-such-message"):
         say(message("no-such-message"), "en")
+
+
+def test_the_chinese_name_of_p_is_that_of_the_specification() -> None:
+    """3.4 of JJF 2003: 加速度计角速度灵敏系数."""
+    written = "".join(path.read_text(encoding="utf-8") for path in (WORDS / "zh").glob("*.ftl"))
+    assert "加速度计角速度灵敏系数" in written
+    assert "角速率敏感系数" not in written
+    assert "角速度敏感系数" not in written
