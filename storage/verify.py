@@ -1,6 +1,5 @@
 """Whether everything in the home is still what it was when it was stored."""
 
-import hashlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
@@ -19,6 +18,7 @@ from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.verify_trail import RESTORE, against_trail, number_gaps
+from storage.whole_files import is_as_kept
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
 ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
@@ -131,12 +131,11 @@ def _untouched(row: sql.Row) -> bool:
 
 def _unchanged(path: Path, expected: str) -> Iterator[str]:
     try:
-        with path.open("rb") as opened:
-            sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
+        same = is_as_kept(path, expected)
     except OSError as error:
         yield f"{error.strerror}; bring it back from a backup"
         return
-    if sha256 != expected:
+    if not same:
         yield "it was changed after it was kept; bring it back from a backup"
 
 

@@ -1,5 +1,6 @@
 """How files get into the home: whole or not at all, once, read-only."""
 
+import hashlib
 import os
 import secrets
 import shutil
@@ -111,3 +112,9 @@ def _to_disk(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def is_as_kept(path: Path, sha256: str) -> bool:
+    """Whether a file still has the SHA-256 that it was kept with; OSError if it is unreadable."""
+    with path.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest() == sha256

@@ -4,7 +4,6 @@ Each is one transaction, and what is printed is made within it: a process that e
 leaves a certificate issued whole, or not at all and its number still to be given.
 """
 
-import hashlib
 from datetime import UTC, datetime
 
 import sqlalchemy as sql
@@ -14,6 +13,7 @@ from schemas.certificate import DEFAULT_PREFIX, DEFAULT_SCHEME, Certificate, Sta
 from storage.catalogue import database, keep_certificate, numbers, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.home import Home
+from storage.whole_files import is_as_kept
 from tasks.certificate.faces import faces_of
 from tasks.certificate.sign import Signing
 from tasks.stages.certificate_inputs import day_of_moment
@@ -134,12 +134,12 @@ def _unchanged(entry: Entry, home: Home) -> Certificate:
     for name, sha256 in entry.files.items():
         path = home.path / name
         try:
-            content = path.read_bytes()
+            same = is_as_kept(path, sha256)
         except OSError as error:
             raise Unusable(
                 f"{path} cannot be read ({error.strerror}); bring it back from a backup."
             ) from error
-        if hashlib.sha256(content).hexdigest() != sha256:
+        if not same:
             raise Unusable(
                 f"{path} was changed after it was kept; bring it back from a backup, or certify "
                 f"run {entry.run} again."
