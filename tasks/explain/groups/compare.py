@@ -9,22 +9,19 @@ filters that come near are fitted in their real form, and so is what is put in a
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 
-from tasks.explain.groups.combinations import Combination, chi2_of
+from tasks.explain.groups.combinations import Combination
 from tasks.explain.groups.families import FAMILIES, Form, forms_of, group_delays, shape_count
+from tasks.explain.groups.linear_forms import DISTINGUISHABLE, LinearForms
 from tasks.explain.groups.marking import group_names, is_by_triad, keys_of, marked, names_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
-from tasks.explain.search.scores import INDISTINGUISHABLE, joint_gain
+from tasks.explain.search.scores import INDISTINGUISHABLE
 
 SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
-# Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
-DISTINGUISHABLE = 30.0
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
-STRETCH = 30.0  # s of what has no segments
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its places alike
 
@@ -61,17 +58,19 @@ class _Family:
     fit: FittedSelection
 
     def compared(self) -> FittedSelection:
-        if any(one.term.stage == "signal" for one in self.present):
+        if _shapes_signals(self.present):
             return self._by_real_fits()
         found = self._fitted(self.present)
         if not found.plausible and (fitting := self._plausible_alone(found)):
             one = min(fitting, key=lambda o: (len(o.members[0].term.shapes), self._cost(o)))
             return marked(one, group_names(one.members, [names_of(o.members) for o in fitting]))
-        alike = [self.present, *self._combined()]
-        costs = [self._linear_cost(one) for one in alike]
+        alike = [self.present, *self._linear.combined(names_of(self.present))]
+        costs = [self._linear.cost(one) for one in alike]
         near = [one for one, cost in zip(alike, costs, strict=True)
                 if cost - min(costs) < INDISTINGUISHABLE]  # fmt: skip
         best = self.present if near[0] is self.present else alike[int(np.argmin(costs))]
+        if _shapes_signals(best):
+            return self._by_real_fits()
         chosen = self._fitted(best)
         if best is not self.present and not self._holds(chosen, found):
             return marked(self._special_case(found), ())
@@ -106,27 +105,32 @@ class _Family:
 
     def _by_real_fits(self) -> FittedSelection:
         """Of one effect each that comes near, then of the best of them with each other."""
-        enough = NEAR * max(map(self._linear_gain, self.forms))
+        enough = NEAR * max(map(self._linear.gain, self.forms))
         tried = [self._fitted(self.present)]
         tried += [
             self._fitted(form)
             for form in self.forms
             if form[0].term.stage == "signal" and keys_of(form) != keys_of(self.present)
-            and (self._delay_was_taken_back or self._linear_gain(form) > enough)
-            and (self._triads_differ or not is_by_triad(form))
+            and (self._delay_was_taken_back or self._linear.gain(form) > enough)
+            and (self._linear.triads_differ or not is_by_triad(form))
         ]  # fmt: skip
         alone = min((one for one in tried if len(names_of(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
-        if self._triads_differ or self._smooths(alone):
+        if self._linear.triads_differ or self._smooths(alone):
             tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
         tried = [one for one in tried if one.plausible] or tried
         least = min(map(self._cost, tried))
-        near = [one for one in tried if self._cost(one) - least < DISTINGUISHABLE]
-        best = min(near, key=lambda o: (o.count, o.members is not self.present, self._cost(o)))
+        near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
+        best = min(near, key=lambda o: (
+            o.count, len(names_of(o.members)), o.members is not self.present, self._cost(o)
+        ))  # fmt: skip
         names = [names_of(one.members) for one in near]
         if set(names_of(best.members)) == {"time_offset", "bandwidth"}:
-            if best.with_filter(FILTER).chi2 - best.chi2 < DISTINGUISHABLE * self._dispersion:
+            if (
+                best.with_filter(FILTER).chi2 - best.chi2
+                < DISTINGUISHABLE * self._linear.dispersion
+            ):
                 names += [("bandwidth",), ("time_offset",)]
         elif len(names_of(best.members)) == 1:
             first = {form[0].name: form for form in reversed(self.forms)}
@@ -159,7 +163,9 @@ class _Family:
                 set(names_of(alone.members)), {"time_offset", "bandwidth"})
         ]  # fmt: skip
         for form, gain in zip(others, alone.promises(others), strict=True):
-            if gain / self._dispersion > self._price * sum(len(one.own) for one in form):
+            if gain / self._linear.dispersion > self._linear.price * sum(
+                len(one.own) for one in form
+            ):
                 yield (*alone.members, *form)
 
     def _smooths(self, alone: Combination) -> bool:
@@ -175,7 +181,7 @@ class _Family:
             gain = alone.promise_of_filter(both.term, FILTER)
         elif names_of(alone.members) == ("bandwidth",):
             gain = alone.promises([delay])[0]
-        return gain > DISTINGUISHABLE * self._dispersion
+        return gain > DISTINGUISHABLE * self._linear.dispersion
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
         """Whether another effect may have made a share of the best, as far as the data tell."""
@@ -183,68 +189,32 @@ class _Family:
             best.members[0].name
         ):
             return False
-        missed = self._linear_gain(best.members) - self._linear_gain(form)
-        limit = DISTINGUISHABLE * self._dispersion
+        missed = self._linear.gain(best.members) - self._linear.gain(form)
+        limit = DISTINGUISHABLE * self._linear.dispersion
         if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
             return False
         return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
-
-    def _combined(self) -> Iterator[Form]:
-        """Each form alone, and pairs; but none of what was found with more, as the search would."""
-        found = set(names_of(self.present))
-        yield from self.forms
-        for one, other in combinations(self.forms, 2):
-            if one[0].name != other[0].name and not found < {one[0].name, other[0].name}:
-                yield (*one, *other)
 
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:
             return Combination(members, self.fit)
         return Combination.of(members, self.names, self.fit)
 
-    def _linear_gain(self, members: Form) -> float:
-        return self._linear(members)[0]
-
-    def _linear_cost(self, members: Form) -> float:
-        gain, count = self._linear(members)
-        return (count + shape_count(members)) * self._price - gain / self._dispersion
-
-    def _linear(self, members: Form) -> tuple[float, int]:
-        selection = self.fit.selection
-        others = [one for one in selection.candidates if one.name not in self.names]
-        return joint_gain(selection.equations, members, others)
-
     def _cost(self, one: Combination) -> float:
-        return one.chi2 / self._dispersion + self._price * (one.count + shape_count(one.members))
+        return one.chi2 / self._linear.dispersion + self._linear.price * (
+            one.count + shape_count(one.members)
+        )
 
     @cached_property
-    def _dispersion(self) -> float:
-        """Chi-squared per reading of what is left, at least one."""
-        used = int((self.fit.blocks.weight > 0).sum())
-        return max(1.0, chi2_of(self.fit.model, self.fit) / used)
-
-    @cached_property
-    def _price(self) -> float:
-        """Of a parameter: ln of the number of stretches that are independent of each other."""
-        blocks = self.fit.blocks
-        span = float(blocks.t[-1] - blocks.t[0])
-        return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
-
-    @cached_property
-    def _triads_differ(self) -> bool:
-        """Whether gyros and accelerometers are late unlike each other, which linear forms tell.
-
-        Of filters alone: a long delay and a filter differ in their linear forms already.
-        """
-        both = next((form for form in self.forms if is_by_triad(form)), None)
-        whole = next((form for form in self.forms
-                      if form[0].name == "bandwidth" and form is not both), None)  # fmt: skip
-        if both is None or whole is None:
-            return both is not None
-        more = self._linear_gain(both) - self._linear_gain(whole)
-        return more > DISTINGUISHABLE * self._dispersion
+    def _linear(self) -> LinearForms:
+        return LinearForms(self.names, self.forms, self.fit)
 
     @cached_property
     def _delay_was_taken_back(self) -> bool:
         """Whether the search was of readings without a delay that the model has."""
         return any(np.isinf(one.gain) for one in self.fit.selection.selected)
+
+
+def _shapes_signals(members: Form) -> bool:
+    """Whether a delay or a filter is among them, whose linear form is that of a small one."""
+    return any(one.term.stage == "signal" for one in members)

@@ -1,0 +1,80 @@
+"""What the effects of a family gain and cost in their linear forms, by the search's equations."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from tasks.explain.groups.combinations import chi2_of
+from tasks.explain.groups.families import Form, shape_count
+from tasks.explain.groups.marking import is_by_triad
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.scores import joint_gain
+
+# Chi-squared that tells two apart: where ramps are sharp, smoothing the reference makes twenty.
+DISTINGUISHABLE = 30.0
+FORM = 0.02  # of an effect: what its published equation and a real filter or clock differ by
+STRETCH = 30.0  # s of what has no segments
+
+
+@dataclass(frozen=True)
+class LinearForms:
+    """The forms of a family's effects beside everything else that a fit has."""
+
+    names: tuple[str, ...]
+    forms: tuple[Form, ...]
+    fit: FittedSelection
+
+    def gain(self, members: Form) -> float:
+        """Chi-squared that the members take away together."""
+        return self._joint(members)[0]
+
+    def cost(self, members: Form) -> float:
+        """The price of the members' parameters and shapes, less what they gain."""
+        gain, count = self._joint(members)
+        return (count + shape_count(members)) * self.price - gain / self.dispersion
+
+    def _joint(self, members: Form) -> tuple[float, int]:
+        selection = self.fit.selection
+        others = [one for one in selection.candidates if one.name not in self.names]
+        return joint_gain(selection.equations, members, others)
+
+    def combined(self, found: Sequence[str]) -> Iterator[Form]:
+        """Each form alone, and pairs; but none of what was found with more, as the search would."""
+        yield from self.forms
+        for one, other in combinations(self.forms, 2):
+            if one[0].name != other[0].name and not set(found) < {one[0].name, other[0].name}:
+                yield (*one, *other)
+
+    @cached_property
+    def distinguishable(self) -> float:
+        """Chi-squared that tells real forms apart: more than their equations may be wrong by."""
+        return max(DISTINGUISHABLE, FORM**2 * max(map(self.gain, self.forms)) / self.dispersion)
+
+    @cached_property
+    def dispersion(self) -> float:
+        """Chi-squared per reading of what is left, at least one."""
+        used = int((self.fit.blocks.weight > 0).sum())
+        return max(1.0, chi2_of(self.fit.model, self.fit) / used)
+
+    @cached_property
+    def price(self) -> float:
+        """Of a parameter: ln of the number of stretches that are independent of each other."""
+        blocks = self.fit.blocks
+        span = float(blocks.t[-1] - blocks.t[0])
+        return float(np.log(max(len(np.unique(blocks.segment)), span / STRETCH, 3.0)))
+
+    @cached_property
+    def triads_differ(self) -> bool:
+        """Whether gyros and accelerometers are late unlike each other, which linear forms tell.
+
+        Of filters alone: a long delay and a filter differ in their linear forms already.
+        """
+        both = next((form for form in self.forms if is_by_triad(form)), None)
+        whole = next((form for form in self.forms
+                      if form[0].name == "bandwidth" and form is not both), None)  # fmt: skip
+        if both is None or whole is None:
+            return both is not None
+        return self.gain(both) - self.gain(whole) > DISTINGUISHABLE * self.dispersion
