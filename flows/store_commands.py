@@ -1,4 +1,4 @@
-"""The commands of the store: import, list, show, verify, prune, remind, validate."""
+"""The commands of the store: import, list, show, verify, doctor, prune, remind, validate."""
 
 import sys
 
@@ -111,6 +111,26 @@ def verify(
         for fault in faults:
             print(f"{fault.what}: {fault.why}")
     raise typer.Exit(1 if faults else 0)
+
+
+@app.command()
+def doctor(as_json: options.Json = False) -> None:
+    """What is wrong with this machine, and what to do.
+
+    Exits with 1 if anything is.
+    """
+    from flows.printing import print_rows
+    from storage.home import home
+    from tasks.stages.diagnose import diagnose
+
+    diagnosis = diagnose(home())
+    if as_json:
+        print(diagnosis.model_dump_json(indent=1))
+    else:
+        rows = [(one.what, one.found, one.remedy or "") for one in diagnosis.examined]
+        print_rows("Doctor", ("what", "found", "what to do"), rows)
+        print(f"{len(diagnosis.faults)} of {len(rows)} need somebody to do something")
+    raise typer.Exit(1 if diagnosis.faults else 0)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from pydantic import BaseModel
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Laboratory, Order
 from schemas.correction import Correction
+from schemas.diagnosis import Diagnosis
 from schemas.discrepancy import Discrepancy
 from schemas.equipment import EquipmentFile
 from schemas.history import Impact, Pruned, Reprocessing
@@ -38,6 +39,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-reprocess": Reprocessing,
     "mimu-impact": Impact,
     "mimu-prune": Pruned,
+    "mimu-doctor": Diagnosis,
 }
 
 

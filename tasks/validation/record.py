@@ -51,6 +51,11 @@ def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict
     return doubts
 
 
+def is_current(record: ValidationRecord) -> bool:
+    """Whether every method computes what it did when the record was made."""
+    return all(_is_of_this_code(record, method) for method in record.methods)
+
+
 def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
     """Whether what a method computes is what it was when the record was made.
 

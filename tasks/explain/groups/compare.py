@@ -120,12 +120,12 @@ class _Family:
             tried += self._delay_with_filter()
         tried += [self._fitted(pair) for pair in self._promising(alone)]
         tried = [one for one in tried if one.plausible] or tried
-        least = min(map(self._cost, tried))
-        near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
-        best = min(near, key=lambda o: (
-            o.count, len(names_of(o.members)), o.members is not self.present, self._cost(o)
-        ))  # fmt: skip
-        names = [names_of(one.members) for one in near]
+        best = self._fewest_effects(tried)
+        names = [
+            names_of(one.members)
+            for one in tried
+            if self._cost(one) - self._cost(best) < DISTINGUISHABLE
+        ]
         if set(names_of(best.members)) == {"time_offset", "bandwidth"}:
             if (
                 best.with_filter(FILTER).chi2 - best.chi2
@@ -136,6 +136,20 @@ class _Family:
             first = {form[0].name: form for form in reversed(self.forms)}
             names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         return marked(best, group_names(best.members, names))
+
+    def _fewest_effects(self, tried: Sequence[Combination]) -> Combination:
+        """Of what fits as far as equations can be relied on, the fewest effects; of these the
+        fewest parameters that fit as well as the best of them.
+        """
+        least = min(map(self._cost, tried))
+        near = [one for one in tried if self._cost(one) - least < self._linear.distinguishable]
+        fewest = min(len(names_of(one.members)) for one in near)
+        near = [one for one in near if len(names_of(one.members)) == fewest]
+        least = min(map(self._cost, near))
+        return min(
+            (one for one in near if self._cost(one) - least < DISTINGUISHABLE),
+            key=lambda one: (one.count, one.members is not self.present, self._cost(one)),
+        )
 
     def _delay_with_filter(self) -> list[Combination]:
         """A delay with a filter of the later triad; and of both, where a filter more fits better.

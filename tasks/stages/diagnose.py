@@ -1,0 +1,184 @@
+"""What is wrong with this machine and this home, and what to do: looked at, never changed."""
+
+import os
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+
+from packaging.requirements import Requirement
+
+from schemas.base import Unusable
+from schemas.diagnosis import Diagnosis, Examined
+from storage import settings
+from storage.catalogue import listing, trail
+from storage.home import Home
+from tasks.validation import record
+
+PYTHON = (3, 11)
+FREE_BYTES = 2 << 30  # on the disk: ten runs of an hour
+MEMORY_BYTES = 2 << 30
+ANSWER_S = 3.0  # for a Prefect server that is named
+
+
+def diagnose(home: Home) -> Diagnosis:
+    """Looks at Python, the packages, the disk, the memory, and at what the home holds."""
+    looks: tuple[Callable[[Home], Iterator[Examined]], ...] = (
+        _python, _packages, _disk, _memory, _home, _catalogue, _clock, _settings, _validation,
+        _interrupted, _prefect,
+    )  # fmt: skip
+    return Diagnosis(examined=tuple(one for look in looks for one in look(home)))
+
+
+def _python(_: Home) -> Iterator[Examined]:
+    found = ".".join(map(str, sys.version_info[:3]))
+    old = "mimucal needs Python 3.11 or newer: PYTHON=python3.12 make setup names another."
+    yield Examined(what="Python", found=found, remedy=None if sys.version_info >= PYTHON else old)
+
+
+def _packages(_: Home) -> Iterator[Examined]:
+    needed = [Requirement(text) for text in requires("mimucal") or ()]
+    wrong = [fault for one in needed if (fault := _wrong(one))]
+    yield Examined(
+        what="packages",
+        found="; ".join(wrong) or f"{len(needed)} of {len(needed)} as required",
+        remedy="Run make setup in mimucal's folder." if wrong else None,
+    )
+
+
+def _wrong(needed: Requirement) -> str | None:
+    if needed.marker is not None and not needed.marker.evaluate():
+        return None
+    try:
+        found = version(needed.name)
+    except PackageNotFoundError:
+        return f"{needed.name} is missing"
+    return (
+        None if found in needed.specifier else f"{needed.name} is {found}, not {needed.specifier}"
+    )
+
+
+def _disk(home: Home) -> Iterator[Examined]:
+    free = shutil.disk_usage(_first_that_exists(home.path)).free
+    yield Examined(
+        what="disk of the home",
+        found=f"{free / 2**30:.1f} GiB free",
+        remedy=None if free >= FREE_BYTES
+        else "Free some space, or see with `mimucal prune --before DATE` what nothing needs.",
+    )  # fmt: skip
+
+
+def _memory(_: Home) -> Iterator[Examined]:
+    has = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    yield Examined(
+        what="memory",
+        found=f"{has / 2**30:.1f} GiB",
+        remedy=None if has >= MEMORY_BYTES else "Long recordings need 2 GiB: use another machine.",
+    )
+
+
+def _home(home: Home) -> Iterator[Examined]:
+    folder = _first_that_exists(home.path)
+    is_good = folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+    made = "" if folder == home.path else ", made when something is stored"
+    yield Examined(
+        what="home",
+        found=f"{home.path}{made}" if is_good else f"{folder} takes no files",
+        remedy=None if is_good
+        else "Let MIMUCAL_HOME name a folder that you may write to, or change this one's rights.",
+    )  # fmt: skip
+
+
+def _first_that_exists(path: Path) -> Path:
+    return next(folder for folder in (path, *path.parents) if folder.exists())
+
+
+def _catalogue(home: Home) -> Iterator[Examined]:
+    try:
+        count = len(listing.all_runs(home))
+        broken = next(trail.faults(home), None)
+    except Unusable as fault:
+        yield Examined(what="catalogue", found="cannot be read", remedy=str(fault))
+        return
+    yield Examined(
+        what="catalogue",
+        found=f"{count} runs" + (f"; the trail: {broken}" if broken else ""),
+        remedy="See `mimucal verify`, and restore the catalogue's backup." if broken else None,
+    )
+
+
+def _clock(home: Home) -> Iterator[Examined]:
+    """A clock that was set back gives certificates and reminders of the wrong day."""
+    try:
+        newest = max((entry.at for entry in trail.entries(home)), default=None)
+    except Unusable:
+        return
+    moment = datetime.now(UTC)
+    is_late = newest is not None and newest > moment
+    yield Examined(
+        what="clock",
+        found=f"{moment:%Y-%m-%d %H:%M} UTC"
+        + (f", before the trail's newest entry, {newest:%Y-%m-%d %H:%M}" if is_late else ""),
+        remedy="Set the computer's clock." if is_late else None,
+    )
+
+
+def _settings(home: Home) -> Iterator[Examined]:
+    """The laboratory's own files: one that cannot be read stops what needs it."""
+    looks = (
+        (settings.LABORATORY, settings.laboratory, "certificates need one: see the README"),
+        (settings.RECALL, settings.recall, "nobody is reminded without one"),
+    )
+    for name, look, without in looks:
+        try:
+            found = look(home)
+        except Unusable as fault:
+            yield Examined(what=name, found="cannot be used", remedy=str(fault))
+        else:
+            yield Examined(what=name, found="sound" if found else f"none; {without}")
+
+
+def _validation(home: Home) -> Iterator[Examined]:
+    try:
+        kept = settings.validation(home) or record.shipped()
+    except Unusable as fault:
+        yield Examined(what="validation record", found="cannot be used", remedy=str(fault))
+        return
+    is_current = kept is not None and record.is_current(kept)
+    yield Examined(
+        what="validation record",
+        found="of this code" if is_current else "of another code",
+        remedy=None if is_current
+        else "No unit passes by it: run `mimucal validate`, which takes some ten minutes.",
+    )  # fmt: skip
+
+
+def _interrupted(home: Home) -> Iterator[Examined]:
+    left = sorted(home.acquiring.glob("*.mcap"))
+    yield Examined(
+        what="interrupted runs",
+        found=", ".join(path.name for path in left) or "none",
+        remedy="Go on with `mimucal acquire --resume`, or take them in with `mimucal import "
+        "--salvage`; a run that goes on now is named, too." if left else None,
+    )  # fmt: skip
+
+
+def _prefect(_: Home) -> Iterator[Examined]:
+    url = os.environ.get("PREFECT_API_URL")
+    if not url:
+        yield Examined(what="Prefect", found="no server named: a command starts its own")
+        return
+    import httpx
+
+    try:
+        httpx.get(f"{url}/health", timeout=ANSWER_S).raise_for_status()
+    except (httpx.HTTPError, httpx.InvalidURL) as error:
+        yield Examined(
+            what="Prefect",
+            found=f"{url} does not answer ({type(error).__name__})",
+            remedy="Start that server, mend PREFECT_API_URL, or unset it.",
+        )
+    else:
+        yield Examined(what="Prefect", found=f"{url} answers")

@@ -1,0 +1,98 @@
+"""The doctor finds what is wrong with a machine or a home, and says what to do."""
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from schemas.diagnosis import Examined
+from schemas.validation import ValidationRecord
+from storage.catalogue import database, trail
+from storage.home import Home
+from tasks.stages import diagnose as stage
+from tasks.stages.diagnose import diagnose
+from tasks.validation import record
+
+
+@pytest.fixture
+def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated: ValidationRecord) -> Home:
+    monkeypatch.setattr(record, "shipped", lambda: validated)
+    monkeypatch.delenv("PREFECT_API_URL", raising=False)
+    monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
+    return Home(tmp_path / "home")
+
+
+def examined(home: Home, what: str) -> Examined:
+    return next(one for one in diagnose(home).examined if one.what == what)
+
+
+def test_a_fresh_home_on_a_sound_machine_needs_nothing(empty: Home) -> None:
+    assert diagnose(empty).faults == ()
+    assert not empty.path.exists()
+
+
+def test_a_missing_package_and_one_of_another_release_are_named(
+    empty: Home, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needed = ["numpy", "no-such-package", "scipy<1", "other; python_version < '3'"]
+    monkeypatch.setattr(stage, "requires", lambda _: needed)
+    found = examined(empty, "packages")
+    assert "no-such-package is missing" in found.found
+    assert "not <1" in found.found
+    assert "other" not in found.found
+    assert found.remedy is not None
+
+
+def test_a_full_disk_is_told(empty: Home, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stage, "FREE_BYTES", 1 << 70)
+    assert "prune" in str(examined(empty, "disk of the home").remedy)
+
+
+def test_a_home_that_is_a_file_is_no_home(empty: Home) -> None:
+    empty.path.write_text("")
+    assert "MIMUCAL_HOME" in str(examined(empty, "home").remedy)
+
+
+def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
+    empty.path.mkdir()
+    (empty.path / "catalog.sqlite").write_bytes(b"no database at all, and long enough" * 99)
+    assert examined(empty, "catalogue").remedy is not None
+
+
+def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
+    with database.engine(empty).begin() as connection:
+        trail.add(connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2))
+    assert examined(empty, "clock").remedy == "Set the computer's clock."
+
+
+@pytest.mark.parametrize("name", ["laboratory.toml", "recall.toml"])
+def test_a_file_of_settings_that_cannot_be_read_is_told(empty: Home, name: str) -> None:
+    empty.path.mkdir()
+    (empty.path / name).write_text("[")
+    assert name in str(examined(empty, name).remedy)
+
+
+def test_a_record_of_another_code_is_told(
+    empty: Home, monkeypatch: pytest.MonkeyPatch, validated: ValidationRecord
+) -> None:
+    methods = {
+        name: each.model_copy(update={"fingerprint": "0" * 64})
+        for name, each in validated.methods.items()
+    }
+    old = validated.model_copy(update={"code_version": "0.0.1+0 of old", "methods": methods})
+    monkeypatch.setattr(record, "shipped", lambda: old)
+    assert "mimucal validate" in str(examined(empty, "validation record").remedy)
+
+
+def test_an_interrupted_run_is_told(empty: Home) -> None:
+    empty.acquiring.mkdir(parents=True)
+    (empty.acquiring / "20260301T000000Z-ab.mcap").touch()
+    assert "--resume" in str(examined(empty, "interrupted runs").remedy)
+
+
+@pytest.mark.parametrize("url", ["http://127.0.0.1:9/api", "not an address"])
+def test_a_prefect_server_that_does_not_answer_is_told(
+    empty: Home, monkeypatch: pytest.MonkeyPatch, url: str
+) -> None:
+    monkeypatch.setenv("PREFECT_API_URL", url)
+    assert "PREFECT_API_URL" in str(examined(empty, "Prefect").remedy)
