@@ -212,6 +212,7 @@ Ahrs = Annotated[
 Seed = Annotated[int, _option("NUMBER", "Which virtual unit.", min=0)]
 Host = Annotated[str, _option("ADDRESS", "Address on which it listens.")]
 Port = Annotated[int, _option("NUMBER", PORT, min=0, max=LAST_PORT)]
+PagesPort = Annotated[int, _option("NUMBER", "TCP port; 0: any that is free.", min=0, max=65_535)]
 Faults = Annotated[
     list[str] | None, _option("NAME[@SECONDS]", "A fault of the station; may be repeated.")
 ]

@@ -1,0 +1,90 @@
+"""The application: the shell, the pages and their JSON, with the headers that keep it at home."""
+
+from importlib.resources import files
+
+import dash_mantine_components as dmc
+from dash import Dash
+from flask import redirect, request
+from flask_talisman import Talisman
+from werkzeug.wrappers import Response
+
+from flows.pages import api, shell
+from flows.pages.preferences import view_of_request
+from flows.pages.register import FIRST
+from storage.home import Home
+
+
+class Application(Dash):
+    """Dash, with the language and theme of the request in the first document already."""
+
+    def interpolate_index(
+        self,
+        metas: str = "",
+        title: str = "",
+        css: str = "",
+        config: str = "",
+        scripts: str = "",
+        app_entry: str = "",
+        favicon: str = "",
+        renderer: str = "",
+    ) -> str:
+        """The first document, before any script has run."""
+        view = view_of_request()
+        return f"""<!DOCTYPE html>
+<html lang="{view.language}"
+ data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}">
+<head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+{metas}<title>{title}</title>{favicon}{css}</head>
+<body>{app_entry}<footer>{config}{scripts}{renderer}</footer></body>
+</html>"""
+
+
+def make_app(home: Home) -> Application:
+    """The pages of a home as an application; nothing is opened before somebody asks."""
+    dmc.add_figure_templates()
+    app = Application(
+        "mimucal",
+        assets_folder=str(files("flows.pages") / "assets"),
+        serve_locally=True,
+        suppress_callback_exceptions=True,  # a page's parts are there when it is
+        update_title="",
+        title="mimucal",
+    )
+    app.enable_dev_tools(debug=False, dev_tools_disable_version_check=True)
+    app.layout = shell.frame
+    shell.add_callbacks(app, home)
+    app.server.register_blueprint(api.endpoints(home))
+    app.server.before_request(_to_first_page)
+    _keep_at_home(app)
+    return app
+
+
+def _to_first_page() -> Response | None:
+    return redirect(f"/{FIRST.name}") if request.path == "/" else None
+
+
+def _keep_at_home(app: Application) -> None:
+    """Headers by which a browser asks no other host, and no other page frames this one."""
+    own = "'self'"
+    policy = {
+        "default-src": own,
+        "script-src": [own, *app.csp_hashes()],
+        "style-src": [own, "'unsafe-inline'"],  # the components write styles of their own
+        "img-src": [own, "data:", "blob:"],
+        "font-src": [own, "data:"],
+        "frame-ancestors": "'none'",
+        "form-action": own,
+        "base-uri": own,
+        "object-src": "'none'",
+    }
+    Talisman(
+        app.server,
+        force_https=False,  # on loopback, or behind a proxy that ends TLS
+        strict_transport_security=False,
+        session_cookie_secure=False,
+        session_cookie_samesite="Strict",
+        frame_options="DENY",
+        referrer_policy="same-origin",
+        content_security_policy=policy,
+    )

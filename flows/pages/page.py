@@ -1,0 +1,59 @@
+"""What a page is, and for whom it is laid out."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from dash import Dash
+from dash.development.base_component import Component
+
+from schemas.base import Frozen
+from storage.home import Home
+from tasks.words import Sayable, message, say
+
+Theme = Literal["light", "dark"]
+
+
+@dataclass(frozen=True)
+class View:
+    """How somebody looks at the pages."""
+
+    language: str = "en"
+    theme: Theme = "light"
+
+    def say(self, sayable: Sayable) -> str:
+        """A message in the language of the view."""
+        return say(sayable, self.language)
+
+    @property
+    def figure_template(self) -> str:
+        """The plotly template of the theme, as dash-mantine-components names it."""
+        return f"mantine_{self.theme}"
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page at /NAME, its JSON at /api/v1/NAME and its words in pages.ftl at pages-NAME.
+
+    question: the model of the query string, with a default for each field. answer: the model that
+    `data` gives, which is the JSON and what `layout` shows; `data` raises Unusable for what cannot
+    be answered. in_navigation: whether the header leads to it. refresh_s: after how long it is
+    asked for again, for a page that is live. callbacks: registers what the page does by itself.
+    """
+
+    name: str
+    question: type[Frozen]
+    answer: type[Frozen]
+    data: Callable[[Any, Home], Frozen]
+    layout: Callable[[Any, View], Component]
+    in_navigation: bool = True
+    refresh_s: float | None = None
+    callbacks: Callable[[Dash, Home], None] | None = None
+
+    def title(self, view: View) -> str:
+        """What the navigation and the heading call it."""
+        return view.say(message(f"pages-{self.name}"))
+
+    def about(self, view: View) -> str:
+        """One sentence of what it shows."""
+        return view.say(message(f"pages-{self.name}.about"))

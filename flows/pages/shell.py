@@ -1,0 +1,122 @@
+"""The frame around every page: navigation, the switches, and the page that an address names."""
+
+from typing import Any
+from urllib.parse import parse_qsl
+
+import dash_mantine_components as dmc
+from dash import ClientsideFunction, Dash, Input, Output, dcc
+from dash.development.base_component import Component
+from pydantic import ValidationError
+
+from flows.pages.page import Page, View
+from flows.pages.preferences import view_of_request
+from flows.pages.register import PAGES
+from schemas.base import Unusable, first_fault
+from storage.catalogue.connection import Busy
+from storage.home import Home
+from tasks.words import LANGUAGES, message
+
+RETRY_S = 5.0  # after which a page that the database did not answer is asked for again
+NEVER = 86_400_000  # ms
+PageAndInterval = tuple[Component, int, bool]
+
+
+def frame() -> Component:
+    """The shell without a page, in the language and theme of the request."""
+    view = view_of_request()
+    return dmc.MantineProvider(
+        dmc.AppShell(
+            [
+                dcc.Location(id="address", refresh="callback-nav"),
+                dcc.Interval(id="again", interval=NEVER, disabled=True),
+                dmc.AppShellHeader(_header(view), px="md"),
+                dmc.AppShellMain(dmc.Box(id="page", className="figures")),
+            ],
+            header={"height": 56},
+            padding="md",
+        ),
+        forceColorScheme=view.theme,
+    )
+
+
+def _header(view: View) -> Component:
+    links = [
+        dmc.NavLink(
+            label=page.title(view), href=f"/{page.name}", active="partial", className="header-link"
+        )
+        for page in PAGES
+        if page.in_navigation
+    ]
+    languages = [
+        {"value": name, "label": View(name).say(message("language-name"))} for name in LANGUAGES
+    ]
+    themes = [
+        {"value": "light", "label": view.say(message("pages-light"))},
+        {"value": "dark", "label": view.say(message("pages-dark"))},
+    ]
+    switches = [
+        dmc.SegmentedControl(id="language", data=languages, value=view.language, size="xs"),
+        dmc.SegmentedControl(id="theme", data=themes, value=view.theme, size="xs"),
+    ]
+    return dmc.Group(
+        [dmc.Group(links, gap=2, wrap="nowrap"), dmc.Group(switches, gap="xs", wrap="nowrap")],
+        justify="space-between",
+        wrap="nowrap",
+        h="100%",
+    )
+
+
+def add_callbacks(app: Dash, home: Home) -> None:
+    """The page of an address, asked for again where it is live or could not be answered."""
+
+    @app.callback(
+        Output("page", "children"),
+        Output("again", "interval"),
+        Output("again", "disabled"),
+        Input("address", "pathname"),
+        Input("address", "search"),
+        Input("again", "n_intervals"),
+    )
+    def show(path: str | None, search: str | None, _: Any) -> PageAndInterval:
+        return page_at(path or "/", search or "", home, view_of_request())
+
+    app.clientside_callback(
+        ClientsideFunction("preferences", "keep"),
+        Output("language", "id"),
+        Input("language", "value"),
+        Input("theme", "value"),
+        prevent_initial_call=True,
+    )
+    for page in PAGES:
+        if page.callbacks is not None:
+            page.callbacks(app, home)
+
+
+def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
+    """The page of an address, the ms after which it is asked for again, and whether it is not."""
+    name = path.strip("/")
+    page = next((page for page in PAGES if page.name == name), None)
+    if page is None:
+        return notice(view, "pages-no-such-page", "yellow"), NEVER, True
+    try:
+        question = page.question.model_validate(dict(parse_qsl(search.removeprefix("?"))))
+        shown = page.layout(page.data(question, home), view)
+    except ValidationError as error:
+        return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
+    except Busy as error:
+        return notice(view, "pages-no-database", "red", str(error)), int(RETRY_S * 1000), False
+    except Unusable as error:
+        return notice(view, "pages-not-answered", "yellow", str(error)), NEVER, True
+    interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
+    return _titled(page, shown, view), interval, page.refresh_s is None
+
+
+def _titled(page: Page, shown: Component, view: View) -> Component:
+    heading = dmc.Title(page.title(view), order=2)
+    about = dmc.Text(page.about(view), c="dimmed", size="sm")
+    return dmc.Stack([dmc.Box([heading, about]), shown], gap="md")
+
+
+def notice(view: View, words: str, color: str, sentence: str = "") -> Component:
+    """What stands in the place of a page, with the sentence of the fault."""
+    return dmc.Alert(sentence, title=view.say(message(words)), color=color, id="notice")

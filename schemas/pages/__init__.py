@@ -1,0 +1,1 @@
+"""What the operations pages show, one model for each page and its JSON."""

@@ -1,0 +1,67 @@
+"""The frame that every page stands in, and its JSON."""
+
+from pathlib import Path
+
+import pytest
+from flask.testing import FlaskClient
+
+from flows.pages.app import make_app
+from flows.pages.page import View
+from flows.pages.register import PAGES
+from flows.pages.shell import page_at
+from storage.home import Home
+from tasks.words import LANGUAGES, known
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory: pytest.TempPathFactory) -> FlaskClient:
+    return make_app(Home(tmp_path_factory.mktemp("home"))).server.test_client()
+
+
+def test_every_page_has_its_words_and_an_endpoint_that_openapi_describes(
+    client: FlaskClient,
+) -> None:
+    described = client.get("/api/v1/openapi.json").json
+    for page in PAGES:
+        assert known(f"pages-{page.name}")
+        assert known(f"pages-{page.name}.about")
+        operation = described["paths"][f"/api/v1/{page.name}"]["get"]
+        content = operation["responses"]["200"]["content"]["application/json"]
+        assert content["schema"]["$ref"].endswith(f"/{page.answer.__name__}")
+        assert page.answer.__name__ in described["components"]["schemas"]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_page_is_shown_of_a_home_that_holds_nothing(
+    page: object, language: str, tmp_path: Path
+) -> None:
+    shown, _, _ = page_at(f"/{page.name}", "", Home(tmp_path), View(language))
+    assert page.title(View(language)) in str(shown)
+
+
+def test_nothing_on_the_first_document_comes_from_elsewhere(client: FlaskClient) -> None:
+    document = client.get("/runs")
+    assert 'src="http' not in document.text
+    assert 'href="http' not in document.text
+    policy = document.headers["Content-Security-Policy"]
+    assert "default-src 'self'" in policy
+    assert "http" not in policy
+    assert document.headers["X-Frame-Options"] == "DENY"
+
+
+def test_language_and_theme_are_those_of_the_cookies_else_the_browsers(client: FlaskClient) -> None:
+    first = client.get("/runs", headers={"Accept-Language": "zh-CN,zh;q=0.9"})
+    assert '<html lang="zh"' in first.text
+    client.set_cookie("mimucal_language", "en")
+    client.set_cookie("mimucal_theme", "dark")
+    chosen = client.get("/runs", headers={"Accept-Language": "zh-CN"})
+    assert '<html lang="en"' in chosen.text
+    assert 'data-mantine-color-scheme="dark"' in chosen.text
+
+
+def test_a_question_that_cannot_be_answered_is_refused_with_a_sentence(client: FlaskClient) -> None:
+    refused = client.get("/api/v1/runs?start=x")
+    assert refused.status_code == 400
+    assert refused.json["error"].startswith("start: ")
+    assert client.get("/api/v1/runs?no_such=1").status_code == 400
