@@ -46,12 +46,12 @@ def complete_runs(home: Home) -> None:
 
 
 def complete_results(home: Home) -> None:
-    """Adds the rows of elements and segments of results that have none.
+    """Adds the rows of what results say (`summaries`) where they are not there yet.
 
     A document that cannot be read has none.
     """
     result = tables.results.c.id
-    known = sql.exists().where(tables.elements.c.result == result)
+    known = sql.exists().where(tables.judged.c.result == result)
     waiting = [row.id for row in database.rows(home, sql.select(result).where(~known))]
     for start in range(0, len(waiting), AT_ONCE):
         some = result.in_(waiting[start : start + AT_ONCE])

@@ -1,4 +1,4 @@
-"""Elements and segments of every result as rows: questions over many runs open no document.
+"""What every result says, as rows: questions over many runs open no document.
 
 They are made of the documents alone, and can be made again from them.
 """
@@ -16,6 +16,7 @@ def add(connection: sql.Connection, result: str, calibration: Calibration) -> No
     for table, rows in (
         (tables.elements, elements_of(calibration)),
         (tables.segments, segments_of(calibration)),
+        (tables.judged, [{"verdict": calibration.validity.verdict}]),
     ):
         database.add_all_new(connection, table, [{"result": result} | row for row in rows])
 

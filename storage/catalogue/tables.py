@@ -131,6 +131,21 @@ segments = sql.Table(
     *(sql.Column(f"deviation_{name}", sql.Float) for name in CHANNELS),
 )
 
+judged = sql.Table(  # the verdict on the run, by a result; one row for each result
+    "judged",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("verdict", sql.Text),
+)
+
+users = sql.Table(  # of the pages; `password`: its Argon2 hash
+    "users",
+    metadata,
+    _column("name", sql.Text, primary_key=True),
+    *_texts("role", "password"),
+    _column("added_at", Utc),
+)
+
 reprocessed = sql.Table(  # `made_again`: a result, or a run that had none
     "reprocessed",
     metadata,
