@@ -8,6 +8,7 @@ from pydantic import AwareDatetime, Field, model_validator
 
 from schemas.base import Frozen
 from schemas.calibration import Calibration
+from schemas.configuration import Configuration, configuration_of
 from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
 from schemas.recording import Manifest
@@ -18,6 +19,8 @@ DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 StepName = Literal["draft", "check", "issue"]
+# Conditions of a specification without which no unit passes, unless the client waives them.
+ConditionName = Literal["largest_rate", "environment"]
 
 
 class Party(Frozen):
@@ -82,6 +85,8 @@ class Order(Frozen):
     calibrated_on: for a recording that does not say when it was made. interval_months: null
     leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536). conformity: whether a
     statement of conformity is asked for; without one the unit is calibrated and nothing decided.
+    waived_conditions: those that need not be met or checked for a pass. configuration: of the unit,
+    beside what the recording's manifest says of it.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -90,6 +95,8 @@ class Order(Frozen):
     calibrated_on: date | None = None
     interval_months: int | None = Field(default=None, gt=0, le=120)
     conformity: bool = True
+    waived_conditions: tuple[ConditionName, ...] = ()
+    configuration: Configuration = Configuration()
 
 
 class AsFound(Frozen):
@@ -144,6 +151,12 @@ class Certificate(Frozen):
     validation: tuple[str, str] | None = None
     steps: tuple[Step, ...] = ()
     replaces: Replaced | None = None
+
+    @property
+    def configuration(self) -> Configuration:
+        """How the unit was set up, by the manifest and the order."""
+        ordered = self.order.configuration if self.order else None
+        return configuration_of(self.manifest.unit, ordered)
 
     @property
     def purpose(self) -> str:

@@ -4,14 +4,14 @@ import math
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration, SegmentUsed
+from schemas.configuration import Configuration
 from schemas.recording import AXES, Axis, Manifest
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, field, given
 from tasks.certificate.positions import positions, turns, zero_positions
+from tasks.conformity.deviations import largest_rate
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message
 from tasks.words.rounding import as_given
-
-FULL_SCALE = 0.999  # of the unit's largest input rate counts as that rate
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,17 @@ class ReportedConditions:
 
 
 def conditions(
-    calibration: Calibration, manifest: Manifest, specification: Specification
+    calibration: Calibration,
+    manifest: Manifest,
+    configuration: Configuration,
+    specification: Specification,
 ) -> ReportedConditions:
-    """Rate points, dwell, positions, mounting, and whether the largest rate was included."""
+    """Rate points, dwell, positions, mounting, and the largest rate where it was included.
+
+    Where it was not, that is a deviation, which the remarks tell.
+    """
     turned = any(segment.kind in ("rate", "rotation") for segment in calibration.segments)
+    rates = largest_rate(calibration, configuration)
     return ReportedConditions(
         rates=tuple(_rates(calibration, axis) for axis in AXES) if turned else (),
         has_p="accel_rate_sensitivity" in specification.definitions,
@@ -46,7 +53,7 @@ def conditions(
             field(name, FIELDS[name](calibration, manifest))
             for name in specification.reported_conditions
         ),
-        sentences=(_range(calibration, manifest),) if turned else (),
+        sentences=(rates.sentence,) if rates and rates.included else (),
     )
 
 
@@ -125,20 +132,3 @@ FIELDS = {
     "attitudes": _attitudes,
     "mounting": _mounting,
 }
-
-
-def _range(calibration: Calibration, manifest: Manifest) -> Message:
-    """Whether each axis that was turned was turned at the unit's largest input rate."""
-    largest = (manifest.unit.model_extra or {}).get("rate_range_deg_s")
-    if isinstance(largest, bool) or not isinstance(largest, int | float) or largest <= 0:
-        return message("certificate-range.not-given")
-    short = [
-        axis.upper()
-        for axis in AXES
-        if max((abs(s.rate_deg_s or 0.0) for s in _held(calibration, axis)), default=0.0)
-        < FULL_SCALE * largest
-    ]
-    written = as_given(largest)
-    if short:
-        return message("certificate-range.missed", largest=written, axes=", ".join(short))
-    return message("certificate-range.included", largest=written)

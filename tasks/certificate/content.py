@@ -29,6 +29,7 @@ from tasks.certificate.statements import (
     uncertainty,
     uncertainty_in_short,
 )
+from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
@@ -92,6 +93,8 @@ def content(certificate: Certificate) -> Content:
     """Everything the certificate prints."""
     calibration, decision = certificate.calibration, certificate.decision
     specification, laboratory = SPECIFICATIONS[calibration.method], certificate.laboratory
+    configuration, order = certificate.configuration, certificate.order
+    deviating = deviations(calibration, configuration, order.waived_conditions if order else ())
     marked = certificate.state != "issued"
     return Content(
         number=certificate.number,
@@ -99,24 +102,24 @@ def content(certificate: Certificate) -> Content:
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
-        front=cover.front(certificate, specification),
+        front=cover.front(certificate, specification, bool(deviating)),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
         scope=scope_with_found(certificate, cover.scope(decision, specification)),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
-        statement=basis(calibration, specification),
+        statement=basis(calibration, specification, bool(deviating)),
         standards=_standards(certificate),
         environment=_environment(certificate, specification),
-        conditions=conditions(calibration, certificate.manifest, specification),
+        conditions=conditions(calibration, certificate.manifest, configuration, specification),
         sections=sections(calibration, decision, specification),
         as_found=as_found(certificate, specification),
         information=information_rows(calibration),
         uncertainty=(*uncertainty(calibration, specification), *_validation(certificate)),
         conformity=conformity(decision),
-        reasons=(*reasons(calibration, decision), *conditional(decision)),
+        reasons=(*reasons(calibration, decision, deviating), *conditional(decision)),
         readings=readings(calibration),
-        remarks=remarks(calibration),
+        remarks=remarks(calibration, deviating),
         budgets=budgets(calibration) if certificate.budgets else None,
         trace=_trace(certificate),
     )

@@ -30,9 +30,9 @@ def party_address(party: Party | None) -> Sayable:
     return given(party.address, party.address_zh) if party else NOT_GIVEN
 
 
-def by_method(what: str, calibration: Calibration) -> str:
+def by_method(what: str, calibration: Calibration, deviates: bool) -> str:
     """The message of a method, or of a calibration by it that missed a condition."""
-    deviates = any(remark.blocks_pass for remark in calibration.remarks)
+    deviates = deviates or any(remark.blocks_pass for remark in calibration.remarks)
     return f"certificate-{what}.{calibration.method}" + "-deviating" * deviates
 
 
@@ -41,8 +41,11 @@ def by_document(what: str, specification: Specification) -> str:
     return f"certificate-{what}.{slug(specification.standard)}"
 
 
-def front(certificate: Certificate, specification: Specification) -> tuple[Field, ...]:
-    """Clause 8 e), f), g) and clause 9."""
+def front(
+    certificate: Certificate, specification: Specification, deviates: bool
+) -> tuple[Field, ...]:
+    """Clause 8 e), f), g) and clause 9; deviates: whether a condition was not shown to be met."""
+    followed = by_method("followed", certificate.calibration, deviates)
     unit, order = certificate.manifest.unit, certificate.order
     client = order.client if order else None
     return (
@@ -52,7 +55,7 @@ def front(certificate: Certificate, specification: Specification) -> tuple[Field
         field("manufacturer", given(unit.manufacturer)),
         field("model", given(unit.model)),
         field("serial", given(unit.serial)),
-        field("specification", message(by_method("followed", certificate.calibration))),
+        field("specification", message(followed)),
         field("received", day(order.received if order else None)),
         field("calibrated", day(certificate.calibrated_on)),
         field("due", _due(certificate)),

@@ -10,6 +10,7 @@ from schemas.text import Remark
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, quoted, slug
+from tasks.conformity.deviations import NOT_RECORDED, Deviation
 from tasks.specifications.items import item_title
 from tasks.specifications.specification import Specification
 from tasks.words import Message, Sayable, clauses, message, statement
@@ -32,15 +33,17 @@ def determined(item: Item | None) -> bool:
     return item is not None and any(value is not None for value in item.value.values())
 
 
-def basis(calibration: Calibration, specification: Specification) -> tuple[Message, ...]:
+def basis(
+    calibration: Calibration, specification: Specification, deviates: bool
+) -> tuple[Message, ...]:
     """Which clauses the values follow, whether to the letter, what was taken off the readings
-    before, and which items have no value.
+    before, and which items have no value; deviates: whether a condition was not shown to be met.
     """
     statements = []
     values = [item for item in calibration.items.values() if determined(item)]
     if values:
         title = message(by_document("specification", specification))
-        followed = message(by_method("basis", calibration), specification=title)
+        followed = message(by_method("basis", calibration, deviates), specification=title)
         clauses = {clause(item.clause, specification.standard) for item in values}
         named = sorted((c for c in clauses if c.en), key=lambda c: (c.zh, c.en))
         if named:
@@ -99,10 +102,13 @@ def uncertainty(calibration: Calibration, specification: Specification) -> tuple
     )
 
 
-def reasons(calibration: Calibration, decision: Decision) -> tuple[Message, ...]:
+def reasons(
+    calibration: Calibration, decision: Decision, deviating: tuple[Deviation, ...]
+) -> tuple[Message, ...]:
     """Why a unit does not pass; the remarks that stand below anyway are only counted."""
     translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
     blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
+    blocking += [statement(each.printed).en for each in deviating if not each.waived]
     own = [
         message("certificate-quoted", text=given(en, translated.get(en)))
         for en in decision.reasons
@@ -135,9 +141,12 @@ def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:
     return tuple(rows)
 
 
-def remarks(calibration: Calibration) -> tuple[Message, ...]:
-    """What the reader has to know about this calibration, with the segments it is about."""
-    return tuple(map(_remark, calibration.remarks))
+def remarks(calibration: Calibration, deviating: tuple[Deviation, ...]) -> tuple[Message, ...]:
+    """What the reader has to know about this calibration: deviations, then remarks with the
+    segments they are about.
+    """
+    others = (remark for remark in calibration.remarks if remark.code not in NOT_RECORDED)
+    return (*(each.printed for each in deviating), *map(_remark, others))
 
 
 def _remark(remark: Remark) -> Message:

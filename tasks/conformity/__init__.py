@@ -1,6 +1,7 @@
 """The verdict on a unit: its results against the limits of its product model (JCGM 106)."""
 
 from tasks.conformity.decide import decide
+from tasks.conformity.deviations import deviations
 from tasks.conformity.equipment import expired, smaller_than_stated
 
-__all__ = ["decide", "expired", "smaller_than_stated"]
+__all__ = ["decide", "deviations", "expired", "smaller_than_stated"]

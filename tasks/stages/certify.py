@@ -6,6 +6,7 @@ from datetime import UTC, date, datetime
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Method
 from schemas.certificate import AsFound, Certificate, Order, Replaced, Step
+from schemas.configuration import configuration_of
 from schemas.decision import Decision
 from storage import settings
 from storage.catalogue import runs
@@ -63,10 +64,15 @@ def certify(
     validated = settings.validation(home) or record.shipped()
     expired = conformity.expired(equipment, calibrated_on or today)
 
+    configuration = configuration_of(manifest.unit, order.configuration if order else None)
+    waived = order.waived_conditions if order else ()
+
     def decide(result: Calibration) -> Decision:
+        deviating = conformity.deviations(result, configuration, waived)
+        unmet = (each.printed for each in deviating if not each.waived)
         doubts = {name: (why,) for name, why in record.doubts_of(validated, result).items()}
         smaller = conformity.smaller_than_stated(result, equipment)
-        return conformity.decide(result, tolerance, (*expired, *smaller), doubts)
+        return conformity.decide(result, tolerance, (*expired, *smaller, *unmet), doubts)
 
     decision = decide(calibration)
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, decide)

@@ -80,6 +80,9 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
         "lower = 0.98\nupper = 1.02\n"
     )
     papers = ("--tolerance", tolerance, "--order", "flows/demo_papers/order.toml")
+    unwaived = mimucal("certify", plant_on_earth, *papers[:2], "--json").json
+    assert unwaived["verdict"] == "inconclusive"
+    assert "waives the condition (largest_rate)" in unwaived["reasons"][0]
     done = mimucal("certify", plant_on_earth, *papers, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"
@@ -131,11 +134,12 @@ def test_a_value_that_just_passes_is_told_with_its_risk(
         f'elements = ["{axis}"]\nupper = {most + bias["U"][axis] / 2}\n'
         f"U_max = {2 * bias['U'][axis]}\n"
     )
-    done = mimucal("certify", run, "--tolerance", tolerance, "--json").json
+    papers = ("--tolerance", tolerance, "--order", "flows/demo_papers/order.toml")
+    done = mimucal("certify", run, *papers, "--json").json
     (made,) = done["decisions"]
     assert (done["verdict"], done["conditional"], made["marginal"]) == ("pass", True, True)
     assert 0.1 < made["false_acceptance"] < 0.2
-    said = mimucal("certify", run, "--tolerance", tolerance).out
+    said = mimucal("certify", run, *papers).out
     assert "conditional pass (draft)" in said
     assert "is accepted but lies within U of its limit" in said
 

@@ -15,7 +15,7 @@ from schemas.recording import Mount, TableAxis
 from schemas.station import StationFile
 from tasks.station import stations
 from tasks.station.virtual.protocol import FRAMES, TRIADS
-from tasks.station.virtual.unit import UnitTruth, draw_ahrs, draw_unit
+from tasks.station.virtual.unit import G, UnitTruth, draw_ahrs, draw_unit
 from tasks.words import Message, message, say
 
 STEP_S = 1e-3  # of the plant, station time
@@ -130,6 +130,10 @@ def _unit(truth: UnitTruth, mount: Mount, url: str) -> dict[str, Any]:
             "manufacturer": "Virtual",
             "model": model,
             "serial": f"{letter}{truth.seed:05d}",
+            "rate_range_deg_s": round(math.degrees(truth.gyro.full_scale), 6),
+            "accel_range_g": round(truth.accel.full_scale / G, 6),
+            "output_rate_hz": truth.rate_hz,
+            "firmware": "virtual",
         },
     }
 

@@ -142,10 +142,6 @@ certificate-positions =
     .not-given = headings not given
     .zero = { $count } of { $seconds } s each
 certificate-of-axis = { $axis }: { $text }
-certificate-range =
-    .not-given = The unit's largest input rate is not stated, so whether it was included was not checked.
-    .missed = The unit's largest input rate is { $largest } °/s; about { $axes } it was not included.
-    .included = The unit's largest input rate is { $largest } °/s; it was included about every axis.
 
 ## Uncertainty
 

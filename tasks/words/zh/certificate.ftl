@@ -142,10 +142,6 @@ certificate-positions =
     .not-given = 方位未提供
     .zero = { $count } 个，各 { $seconds } s
 certificate-of-axis = { $axis } 轴 { $text }
-certificate-range =
-    .not-given = 未提供被校对象的最大输入角速率，故未核查速率点是否包括该值。
-    .missed = 被校对象的最大输入角速率为 { $largest } °/s；{ $axes } 轴的速率点未包括该值。
-    .included = 被校对象的最大输入角速率为 { $largest } °/s；各轴速率点均包括该值。
 
 ## Uncertainty
 

@@ -45,7 +45,7 @@ def test_the_clause_of_a_joint_fit_is_named_in_each_language() -> None:
 
 
 def test_the_basis_says_that_it_is_not_the_computation_of_the_clauses() -> None:
-    zh, en = printed(basis(calibration(method="joint"), SPECIFICATIONS["joint"]))[0]
+    zh, en = printed(basis(calibration(method="joint"), SPECIFICATIONS["joint"], False))[0]
     assert "not the computation of its clauses" in en
     assert "非该规范条款规定的计算方法" in zh
 

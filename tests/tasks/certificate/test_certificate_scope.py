@@ -13,6 +13,7 @@ from sample_certificate import (
     item,
     items,
     manifest,
+    order,
     tolerance,
 )
 
@@ -74,16 +75,37 @@ def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
     ("told", "said"),
     [
         (None, "is not stated, so whether it was included was not checked"),
-        (300, "300 °/s; about Y, Z it was not included"),
-        (10, "10 °/s; about Z it was not included"),
+        (300, "is 300 °/s; about Y, Z it was not included (up to 0 °/s)"),
+        (10, "is 10 °/s; about Z it was not included (up to 0 °/s)"),
     ],
 )
-def test_the_largest_input_rate_is_checked_where_it_is_stated(
+def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
     told: float | None, said: str
 ) -> None:
     unit = manifest().unit.model_copy(update={"rate_range_deg_s": told})
-    made = content(certificate(turned(), manifest=labelled(unit=unit))).conditions
-    assert said in made.sentences[0][1]
+    made = content(certificate(turned(), manifest=labelled(unit=unit)))
+    assert made.conditions.sentences == ()
+    assert said in made.remarks[0][1]
+    assert made.remarks[0][1].startswith("Deviation: ")
+    assert any("with deviations" in each[1] for each in made.statement)
+
+
+def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing() -> None:
+    given = order().model_copy(update={"waived_conditions": ("largest_rate",)})
+    made = content(certificate(turned(), order=given))
+    assert made.remarks[0][1].endswith("The client's order waives this condition (largest_rate).")
+    assert any("with deviations" in each[1] for each in made.statement)
+
+
+def test_a_largest_input_rate_that_was_included_about_every_axis_is_told() -> None:
+    every = tuple(
+        segment(axis, "rate", axis=axis, rate_deg_s=sign * 300.0)
+        for axis in AXES for sign in (1, -1)
+    )  # fmt: skip
+    unit = manifest().unit.model_copy(update={"rate_range_deg_s": 300})
+    made = content(certificate(calibration(segments=every), manifest=labelled(unit=unit)))
+    assert "300 °/s; it was included about every axis" in made.conditions.sentences[0][1]
+    assert not any("with deviations" in each[1] for each in made.statement)
 
 
 def test_without_turning_there_are_no_rates_to_tell() -> None:
