@@ -18,7 +18,7 @@ def data(_: LineQuestion, home: Home) -> LineNow:
     )
 
 
-def layout(line: LineNow, view: View) -> Component:
+def layout(line: LineNow, view: View, _: LineQuestion) -> Component:
     """A card for each station."""
     if not line.stations:
         return dmc.Text(view.say(message("pages-line-no-station")))

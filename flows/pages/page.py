@@ -35,17 +35,18 @@ class View:
 class Page:
     """A page at /NAME, its JSON at /api/v1/NAME and its words in pages.ftl at pages-NAME.
 
-    question: the model of the query string, with a default for each field. answer: the model that
-    `data` gives, which is the JSON and what `layout` shows; `data` raises Unusable for what cannot
-    be answered. in_navigation: whether the header leads to it. refresh_s: after how long it is
-    asked for again, for a page that is live. callbacks: registers what the page does by itself.
+    question: the model of the query string, with a default for each field that may be left out.
+    answer: the model that `data` gives, which is the JSON; `data` raises Unusable for what cannot
+    be answered. layout: shows the answer to a question in a view. in_navigation: whether the
+    header leads to it. refresh_s: after how long it is asked for again, for a page that is live.
+    callbacks: registers what the page does by itself.
     """
 
     name: str
     question: type[Frozen]
     answer: type[Frozen]
     data: Callable[[Any, Home], Frozen]
-    layout: Callable[[Any, View], Component]
+    layout: Callable[[Any, View, Any], Component]
     in_navigation: bool = True
     refresh_s: float | None = None
     callbacks: Callable[[Dash, Home], None] | None = None

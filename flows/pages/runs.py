@@ -1,35 +1,61 @@
-"""Runs: every run of the store with the state of its steps."""
+"""Runs: every run of the store with the state of its steps; the database filters and sorts."""
 
+from typing import Any
+
+import dash_ag_grid as dag
 import dash_mantine_components as dmc
-import sqlalchemy as sql
+from dash import Dash, Input, Output
 from dash.development.base_component import Component
 
+from flows.pages.grid import GRID_OPTIONS, locale
 from flows.pages.page import Page, View
-from schemas.pages.runs import RunLine, RunsQuestion, RunsShown
-from storage.catalogue import database, tables
-from storage.catalogue.completion import complete_runs
+from flows.pages.preferences import view_of_request
+from flows.pages.run_grid import columns, conditions_from, conditions_of, filter_model, row
+from schemas.pages.runs import AT_ONCE, RunsQuestion, RunsShown
+from storage.catalogue.run_list import run_list
 from storage.home import Home
 from tasks.words import message
 
 
 def data(question: RunsQuestion, home: Home) -> RunsShown:
     """Rows of the list of runs, from the catalogue alone."""
-    complete_runs(home)
-    run = tables.runs.c
-    counted = database.rows(home, sql.select(sql.func.count()).select_from(tables.runs))
-    asked = database.of_units(RunLine, tables.runs, sql.true())
-    newest_first = asked.order_by(run.taken_in_at.desc(), run.id)
-    found = database.rows(home, newest_first.offset(question.start).limit(question.count))
-    lines = (RunLine.model_validate(row, from_attributes=True) for row in found)
-    return RunsShown(total=counted[0][0] if counted else 0, runs=tuple(lines))
+    order = [(question.sort, question.descending)]
+    total, runs = run_list(conditions_of(question), order, question.start, question.count, home)
+    return RunsShown(total=total, runs=tuple(runs))
 
 
-def layout(shown: RunsShown, view: View) -> Component:
-    """The list as a table."""
-    if not shown.runs:
-        return dmc.Text(view.say(message("pages-runs-none")))
-    rows = [[run.id, run.serial, run.station, str(run.recorded_on)] for run in shown.runs]
-    return dmc.Table(data={"body": rows}, striped=True)
+def layout(shown: RunsShown, view: View, question: RunsQuestion) -> Component:
+    """The list as a grid, which asks for its rows by itself as it is scrolled and filtered."""
+    grid = dag.AgGrid(
+        id="runs",
+        columnDefs=columns(view),
+        defaultColDef={"resizable": True, "sortable": True},
+        rowModelType="infinite",
+        filterModel=filter_model(question, view),
+        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view), "cacheBlockSize": AT_ONCE},
+        style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
+    )
+    count = view.say(message("pages-runs-count", count=shown.total))
+    return dmc.Stack([dmc.Text(count, id="runs-count"), grid], gap="xs")
 
 
-PAGE = Page("runs", RunsQuestion, RunsShown, data, layout)
+def callbacks(app: Dash, home: Home) -> None:
+    """Rows for the grid, a block at a time."""
+
+    @app.callback(
+        Output("runs", "getRowsResponse"),
+        Output("runs-count", "children"),
+        Input("runs", "getRowsRequest"),
+        prevent_initial_call=True,
+    )
+    def rows(request: dict[str, Any]) -> tuple[dict[str, Any], str]:
+        view = view_of_request()
+        conditions = conditions_from(request.get("filterModel") or {}, view)
+        order = [(str(by["colId"]), by["sort"] == "desc") for by in request.get("sortModel") or ()]
+        start = int(request["startRow"])
+        total, runs = run_list(conditions, order, start, AT_ONCE, home)
+        found = {"rowData": [row(run, view) for run in runs], "rowCount": total}
+        return found, view.say(message("pages-runs-count", count=total))
+
+
+PAGE = Page("runs", RunsQuestion, RunsShown, data, layout, callbacks=callbacks)

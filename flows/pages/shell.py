@@ -100,7 +100,7 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
         return notice(view, "pages-no-such-page", "yellow"), NEVER, True
     try:
         question = page.question.model_validate(dict(parse_qsl(search.removeprefix("?"))))
-        shown = page.layout(page.data(question, home), view)
+        shown = page.layout(page.data(question, home), view, question)
     except ValidationError as error:
         return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
     except Busy as error:

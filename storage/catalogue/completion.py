@@ -51,7 +51,7 @@ def complete_results(home: Home) -> None:
     A document that cannot be read has none.
     """
     result = tables.results.c.id
-    known = sql.exists().where(tables.judged.c.result == result)
+    known = sql.exists().where(tables.outcomes.c.result == result)
     waiting = [row.id for row in database.rows(home, sql.select(result).where(~known))]
     for start in range(0, len(waiting), AT_ONCE):
         some = result.in_(waiting[start : start + AT_ONCE])
@@ -59,7 +59,7 @@ def complete_results(home: Home) -> None:
         with database.changing(home) as connection:
             for row in documents:
                 try:
-                    summaries.add(connection, row.id, calibration_of(row))
+                    summaries.add(connection, row.id, calibration_of(row), row.made_at)
                 except Unusable:
                     continue
 

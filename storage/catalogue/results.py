@@ -53,18 +53,19 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
         return str(latest.id)
     before = None if latest is None else str(latest.id)
     result = result_id(before, document)
+    now = datetime.now(UTC)
     row = {
         "id": result,
         "run": calibration.run,
         "method": calibration.method,
         "code_version": calibration.code_version,
-        "made_at": datetime.now(UTC),
+        "made_at": now,
         "document": document,
         "supersedes": before,
         "why": why if latest is None else why or _why(latest, calibration),
     }
     connection.execute(sql.insert(tables.results).values(row))
-    summaries.add(connection, result, calibration)
+    summaries.add(connection, result, calibration, now)
     return result
 
 

@@ -3,6 +3,7 @@
 They are made of the documents alone, and can be made again from them.
 """
 
+from datetime import datetime
 from typing import Any
 
 import sqlalchemy as sql
@@ -11,14 +12,27 @@ from schemas.calibration import Calibration
 from storage.catalogue import database, tables
 
 
-def add(connection: sql.Connection, result: str, calibration: Calibration) -> None:
+def add(
+    connection: sql.Connection, result: str, calibration: Calibration, made_at: datetime
+) -> None:
     """Adds the rows of a result; those that are there stay."""
     for table, rows in (
         (tables.elements, elements_of(calibration)),
         (tables.segments, segments_of(calibration)),
-        (tables.judged, [{"verdict": calibration.validity.verdict}]),
+        (tables.outcomes, [outcome_of(calibration) | {"made_at": made_at}]),
     ):
         database.add_all_new(connection, table, [{"result": result} | row for row in rows])
+
+
+def outcome_of(calibration: Calibration) -> dict[str, Any]:
+    """The verdict on the run, and how many elements have no value."""
+    values = [value for item in calibration.items.values() for value in item.value.values()]
+    return {
+        "run": calibration.run,
+        "method": calibration.method,
+        "verdict": calibration.validity.verdict,
+        "missing": values.count(None),
+    }
 
 
 def elements_of(calibration: Calibration) -> list[dict[str, Any]]:

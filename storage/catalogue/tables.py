@@ -131,11 +131,16 @@ segments = sql.Table(
     *(sql.Column(f"deviation_{name}", sql.Float) for name in CHANNELS),
 )
 
-judged = sql.Table(  # the verdict on the run, by a result; one row for each result
-    "judged",
+outcomes = sql.Table(  # each result in brief: SQLite finds no row fast that holds a document
+    "outcomes",
     metadata,
     _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
-    _column("verdict", sql.Text),
+    _column("run", sql.Text, sql.ForeignKey("runs.id")),
+    *_texts("method"),
+    _column("made_at", Utc),
+    *_texts("verdict"),  # on the run
+    _column("missing", sql.Integer),  # elements without a value
+    sql.Index("ix_outcomes_run_made_at", "run", "made_at"),
 )
 
 users = sql.Table(  # of the pages; `password`: its Argon2 hash

@@ -84,7 +84,7 @@ def test_results_of_an_earlier_version_are_in_the_tables(
     results.save(calibrate(JJF2003, runs.load(run, fresh), run=run.id, code_version="v"), fresh)
     expected = [dataframes.results(fresh), dataframes.segments(fresh)]
     with database.changing(fresh) as connection:
-        for table in (tables.elements, tables.segments, tables.judged):
+        for table in (tables.elements, tables.segments, tables.outcomes):
             connection.execute(sql.delete(table))
     for table, before in zip((dataframes.results, dataframes.segments), expected, strict=True):
         pd.testing.assert_frame_equal(table(fresh), before)

@@ -1,6 +1,6 @@
-"""the verdict on its run by each result, as a row, and the users of the pages
+"""each result in brief, and the users of the pages
 
-Those of earlier results are filled in from their documents when a question needs them.
+Outcomes of earlier results are filled in from their documents when a question needs them.
 """
 
 from typing import Any
@@ -14,10 +14,15 @@ down_revision = "0006"
 
 def upgrade() -> None:
     op.create_table(
-        "judged",
+        "outcomes",
         _column("result", sa.Text(), sa.ForeignKey("results.id"), primary_key=True),
+        _column("run", sa.Text(), sa.ForeignKey("runs.id")),
+        _column("method", sa.Text()),
+        _column("made_at", sa.DateTime(timezone=True)),
         _column("verdict", sa.Text()),
+        _column("missing", sa.Integer()),
     )
+    op.create_index("ix_outcomes_run_made_at", "outcomes", ["run", "made_at"])
     op.create_table(
         "users",
         _column("name", sa.Text(), primary_key=True),

@@ -1,0 +1,70 @@
+"""What a step of a run came to, in words and in one of four kinds, which the pages colour.
+
+Nothing that failed, is missing, is invalid or was taken back is good: `good` is stated, never the
+rest of a case distinction.
+"""
+
+from typing import Literal, NamedTuple
+
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.page import View
+from schemas.pages.runs import RunLine
+from tasks.words import Sayable, message
+
+Kind = Literal["good", "open", "bad", "none"]
+COLORS: dict[Kind, str] = {"good": "green", "open": "yellow", "bad": "red", "none": "gray"}
+
+
+class StepState(NamedTuple):
+    """A step's state as it is shown."""
+
+    words: Sayable
+    kind: Kind
+
+
+def validity_state(verdict: str | None) -> StepState:
+    """The verdict on a run."""
+    kinds: dict[str | None, Kind] = {"valid": "good", "remarks": "open", "invalid": "bad"}
+    return StepState(message(f"pages-validity.{verdict or 'missing'}"), kinds.get(verdict, "none"))
+
+
+def result_state(run: RunLine) -> StepState:
+    """Whether a run has a result, and a whole one."""
+    if run.fault is not None:
+        return StepState(message("pages-result.failed"), "bad")
+    if run.result is None:
+        return StepState(message("pages-result.missing"), "none")
+    if run.missing is None or run.missing > 0:
+        return StepState(message("pages-result.partial", count=run.missing or 0), "open")
+    kind: Kind = "bad" if run.validity == "invalid" else "good"
+    return StepState(message("pages-result.whole"), kind)
+
+
+def certificate_state(state: str | None) -> StepState:
+    """Where a certificate stands in its life."""
+    kinds: dict[str | None, Kind] = {
+        "draft": "open", "checked": "open", "issued": "good", "amended": "none", "withdrawn": "bad",
+    }  # fmt: skip
+    return StepState(message(f"pages-certificate.{state or 'missing'}"), kinds.get(state, "none"))
+
+
+def verdict_state(run: RunLine) -> StepState:
+    """The verdict on the unit; a pass is good only on a run that bears it."""
+    if run.verdict is None:
+        return StepState(message("pages-verdict-missing"), "none")
+    words = message(f"conformity-verdict.{run.verdict}")
+    if run.verdict != "pass":
+        return StepState(words, "bad" if run.verdict == "fail" else "open")
+    stands = run.validity == "valid" and run.fault is None
+    if stands and run.state in ("draft", "checked", "issued"):
+        return StepState(words, "good")
+    return StepState(words, "open")
+
+
+def badge(state: StepState, view: View) -> Component:
+    """A state as a word on its colour."""
+    return dmc.Badge(
+        view.say(state.words), color=COLORS[state.kind], variant="light", tt="none", radius="sm"
+    )

@@ -1,0 +1,181 @@
+"""The list of runs with the state of each of their steps, filtered and sorted by the database.
+
+A run is joined with the outcome of the result made of it last, the certificate kept last, and the
+fault of its last re-processing where that failed. The tables that neither condition nor order
+names are joined for the rows that are shown alone: each adds one row or none to a run.
+"""
+
+from collections.abc import Collection, Sequence
+from datetime import UTC, date, datetime, time, timedelta
+from typing import Any
+
+import sqlalchemy as sql
+
+from schemas.base import Unusable
+from schemas.pages.runs import Condition, RunLine
+from storage.catalogue import database, tables
+from storage.catalogue.completion import complete_results, complete_runs
+from storage.home import Home
+
+RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
+MADE = tables.outcomes.c
+DAY = timedelta(days=1)
+
+
+def _last(table: sql.Table, column: str, moment: str) -> sql.ScalarSelect[Any]:
+    """Of the rows of a run the last one."""
+    row = table.alias().c
+    mine = sql.select(row[column]).where(row.run == RUN.id).order_by(row[moment].desc())
+    return mine.limit(1).scalar_subquery().correlate(tables.runs)
+
+
+LAST_RESULT = _last(tables.outcomes, "result", "made_at")
+LAST_CERTIFICATE = _last(tables.certificates, "number", "kept_at")
+FAULT = _last(tables.reprocessed, "fault", "done_at")
+COLUMNS: dict[str, sql.ColumnElement[Any]] = {
+    **{name: RUN[name] for name in ("id", "recording_id", "station", "procedure", "standard")},
+    **{name: RUN[name] for name in ("recorded_on", "taken_in_at", "seconds")},
+    **{name: UNIT[name] for name in ("manufacturer", "model", "serial")},
+    **{name: MADE[name] for name in ("result", "method", "made_at", "missing")},
+    "validity": MADE.verdict,
+    "fault": FAULT,
+    "certificate": PAPER.number,
+    "state": PAPER.state,
+    "verdict": PAPER.verdict,
+    "due": PAPER.due,
+}
+LATER: dict[sql.Table, sql.ColumnElement[bool]] = {  # what a run may have, and which of them
+    tables.outcomes: MADE.result == LAST_RESULT,
+    tables.certificates: PAPER.number == LAST_CERTIFICATE,
+}
+
+
+def run_list(
+    conditions: Sequence[Condition],
+    order: Sequence[tuple[str, bool]],
+    start: int,
+    count: int,
+    home: Home,
+) -> tuple[int, list[RunLine]]:
+    """How many runs meet all conditions, and `count` of them after the first `start`.
+
+    order: columns and whether each is descending; then the run that was taken in last comes first.
+    Raises Unusable for a column that the list does not have.
+    """
+    complete_runs(home)
+    complete_results(home)
+    met = sql.and_(sql.true(), *map(_met, conditions))
+    named = {name for name, _ in order} | {each.column for each in conditions}
+    of = sql.select(sql.func.count()).select_from(_joined(named)).where(met)
+    counted = database.rows(home, of)
+    sorting = [_column(name).desc() if down else _column(name) for name, down in order]
+    newest = (*sorting, RUN.taken_in_at.desc(), RUN.id)
+    chosen = sql.select(RUN.id).select_from(_joined(named)).where(met).order_by(*newest)
+    rows = (
+        sql.select(*(column.label(name) for name, column in COLUMNS.items()))
+        .select_from(_joined(COLUMNS))
+        .where(RUN.id.in_(chosen.offset(start).limit(count)))
+        .order_by(*newest)
+    )
+    found = [RunLine(**row._mapping) for row in database.rows(home, rows)]
+    return (counted[0][0] if counted else 0), found
+
+
+def _joined(named: Collection[str]) -> sql.FromClause:
+    """Runs with their units and with the tables of the columns that are named."""
+    joined: sql.FromClause = tables.runs.join(tables.units)
+    for table, is_last in LATER.items():
+        if any(getattr(COLUMNS.get(name), "table", None) is table for name in named):
+            joined = joined.outerjoin(table, is_last)
+    return joined
+
+
+def _column(name: str) -> sql.ColumnElement[Any]:
+    if name not in COLUMNS:
+        raise Unusable(f"runs have no column {name!r}; there are {', '.join(COLUMNS)}.")
+    return COLUMNS[name]
+
+
+def _met(condition: Condition) -> sql.ColumnElement[bool]:
+    """A condition in SQL; texts are compared without regard to case."""
+    column = _column(condition.column)
+    if condition.any_of:
+        return sql.or_(*map(_met, condition.any_of))
+    if condition.all_of:
+        return sql.and_(*map(_met, condition.all_of))
+    if condition.kind == "among":
+        return _among(column, condition.values)
+    if condition.kind in ("blank", "not_blank"):
+        return column.is_(None) if condition.kind == "blank" else column.is_not(None)
+    return _compared(column, condition)
+
+
+def _compared(column: sql.ColumnElement[Any], condition: Condition) -> sql.ColumnElement[bool]:
+    if isinstance(condition.value, date):
+        return _by_day(column, condition)
+    if isinstance(condition.value, str):
+        return _by_text(column, condition.kind, condition.value)
+    return _by_number(column, condition)
+
+
+def _among(column: sql.ColumnElement[Any], values: Sequence[str | None]) -> sql.ColumnElement[bool]:
+    known = column.in_([value for value in values if value is not None])
+    return sql.or_(known, column.is_(None)) if None in values else known
+
+
+def _by_text(column: sql.ColumnElement[Any], kind: str, text: str) -> sql.ColumnElement[bool]:
+    folded, sought = sql.func.lower(column), text.lower()
+    found = {
+        "contains": folded.contains(sought, autoescape=True),
+        "begins": folded.startswith(sought, autoescape=True),
+        "ends": folded.endswith(sought, autoescape=True),
+        "equals": folded == sought,
+    }
+    if kind == "not_contains":
+        return sql.or_(column.is_(None), ~found["contains"])
+    if kind == "not_equals":
+        return sql.or_(column.is_(None), ~found["equals"])
+    return _known(kind, found)
+
+
+def _by_number(column: sql.ColumnElement[Any], condition: Condition) -> sql.ColumnElement[bool]:
+    value, to = condition.value, condition.to
+    comparisons = {
+        "equals": column == value,
+        "not_equals": column != value,
+        "less": column < value,
+        "less_or_equal": column <= value,
+        "greater": column > value,
+        "greater_or_equal": column >= value,
+        "between": sql.and_(column >= value, column <= to) if to is not None else column >= value,
+    }
+    return _known(condition.kind, comparisons)
+
+
+def _by_day(column: sql.ColumnElement[Any], condition: Condition) -> sql.ColumnElement[bool]:
+    """Days as the catalogue keeps them; of a moment its day in UTC."""
+    first, last = condition.value, condition.to or condition.value
+    assert isinstance(first, date)
+    assert isinstance(last, date)
+    lower, upper = _start_of(first, column), _start_of(first + DAY, column)
+    comparisons = {
+        "equals": sql.and_(column >= lower, column < upper),
+        "not_equals": sql.or_(column < lower, column >= upper),
+        "less": column < lower,
+        "greater": column >= upper,
+        "between": sql.and_(column >= lower, column < _start_of(last + DAY, column)),
+    }
+    return _known(condition.kind, comparisons)
+
+
+def _start_of(day: date, column: sql.ColumnElement[Any]) -> Any:
+    of_moments = isinstance(column.type, tables.Utc)
+    return datetime.combine(day, time(), UTC) if of_moments else day
+
+
+def _known(kind: str, comparisons: dict[str, sql.ColumnElement[bool]]) -> sql.ColumnElement[bool]:
+    if kind not in comparisons:
+        raise Unusable(
+            f"such a column cannot be compared by {kind!r}; use {', '.join(comparisons)}."
+        )
+    return comparisons[kind]
