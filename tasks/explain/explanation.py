@@ -24,6 +24,7 @@ RefusalKind = Literal[
     "form_error",
     "incomplete",
     "reference_noise",
+    "placed",
 ]
 
 
@@ -39,6 +40,7 @@ class Refusal:
     form_error: something else found has `value` times its evidence, and a form of its own.
     incomplete: it has no law, and its channels keep `value` times the noise (chi-squared).
     reference_noise: it fits no better than what makes the reference's own noise smaller.
+    placed: labels alone tell `value` positions, and it has a parameter for all that they leave.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.
     """

@@ -16,6 +16,7 @@ from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
 from tasks.explain.evidence.partitions import partitions
+from tasks.explain.evidence.placements import made_by_placing
 from tasks.explain.evidence.shares import WEAK
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Refusal
@@ -64,6 +65,7 @@ class Scrutiny:
             or _channel_worse(evidence, number)
             or _undetermined(evidence, number, values, u)
             or unseen_turning(evidence, number)
+            or made_by_placing(evidence, number)
         )
         return cls(p, u, refusal)
 

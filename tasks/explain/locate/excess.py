@@ -10,6 +10,7 @@ from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.words.rounding import MINUS
 
+ROUNDING = 1e-6  # standard deviations of the noise
 MIN_VISIBLE = 1e-3  # of a cell's rows: a step of which the model leaves less cannot be seen
 
 
@@ -84,7 +85,8 @@ class ChannelExcess:
         return float(self.moments.second.sum())
 
     def formatted(self, value: float) -> str:
-        """A value with its sign and unit."""
+        """A value with its sign and unit; arithmetic that is no value is zero."""
+        value = 0.0 if abs(value) < ROUNDING else value
         return f"{value * self.factor:+.2g} {self.unit}".replace("-", MINUS)
 
 

@@ -71,6 +71,7 @@ def partition_pattern(
     cells = Moments(*(partition.indicator @ v for v in (blocks.rows, blocks.first, blocks.second)))
     sums = partition.indicator @ excess.design.sums
     steps, absorbed = excess.design.fit_steps(cells.rows, sums, cells.first)
+    absorbed = min(absorbed, excess.power)  # steps that the regressors nearly are absorb no more
     varies, gathers = fit_information(absorbed / excess.power), 0.0
     held = float(cells.second.sum())
     if held and not partition.recorded:

@@ -25,6 +25,7 @@ ALIKE_FOR_ALL = {
     "overshadowed": "report-next-overshadowed",
     "incomplete": "report-next-incomplete",
     "reference_noise": "report-next-reference-noise",
+    "placed": "report-next-placed",
 }  # what is next, whatever name was refused
 
 

@@ -69,8 +69,9 @@ def refused(refusal: Refusal, setting: bool) -> Message:
     arguments = {"effect": effect_name(refusal.name), "parameter": ""}
     if refusal.parameter is not None:
         arguments["parameter"] = parameter_name(refusal.parameter)
-    if refusal.kind == "reference_noise":
-        return message("report-refused-reference-noise", effect=arguments["effect"])
+    if refusal.kind in ("reference_noise", "placed"):
+        kind, placed = refusal.kind.replace("_", "-"), int(refusal.value or 0)
+        return message(f"report-refused-{kind}", effect=arguments["effect"], placed=placed)
     if refusal.kind == "channel_worse":
         channel = "" if refusal.channel is None else channel_title(CHANNELS[refusal.channel])
         return message("report-refused-channel", **arguments, channel=channel)

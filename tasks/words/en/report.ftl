@@ -77,6 +77,7 @@ report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is 
 report-refused-channel = It behaves like «{ $effect }», but the { $channel }, which that would change as well, is predicted worse with it; so it is not called that.
 report-refused-undetermined = It behaves like «{ $effect }», but no parameter of that would be larger than its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
 report-refused-reference-noise = It behaves like «{ $effect }», but the errors of the reference by themselves would bring forth as much of it, so it is not called that.
+report-refused-placed = It behaves like «{ $effect }», but labels alone tell where the unit was put, and that has a parameter for everything that { $placed } rests leave: errors of placing would look the same; so it is not called that.
 report-refused-overshadowed = It behaves like «{ $effect }», but what nothing explains in its channels is { $times } times as large as what that would remove, and may well contain it; so it is not called that.
 report-refused-form-error = It behaves like «{ $effect }», but another finding has { $times } times its evidence, and a form a little different from its equation would leave as much; so it is not called that.
 report-refused-incomplete = It behaves like «{ $effect }», but its channels still keep { $times } times the noise (χ² per degree of freedom): something else is at work, and this may be a part of it; so it is not called that.
@@ -94,6 +95,7 @@ report-next-inhomogeneous = { $parts ->
 report-next-channel = check sign, scale and filter of the { $channel }, and record the same motion about another axis
 report-next-undetermined = record what would determine it: { $recording }
 report-next-reference-noise = repeat with a finer or smoother encoder: this one's noise hides what the unit does
+report-next-placed = put the unit into each position a second time, or record its attitude (encoders, a tracked pose): what comes again with the attitude is a law, what does not is placing
 report-next-overshadowed = find what is left in these channels first: it is much larger; then explain again
 report-next-incomplete = look at what is left in these channels segment by segment: something with a law of its own is among it; then explain again
 report-next = { $dimension ->
