@@ -8,7 +8,7 @@ import numpy as np
 
 from tasks.explain.channels import CHANNELS
 from tasks.model.model import Model
-from tasks.model.term import Parameter, TermKey
+from tasks.model.term import Column, Parameter, TermKey
 from tasks.motion.whole import Motion
 
 
@@ -84,21 +84,28 @@ class DeterminedModel:
                 found.append(DeterminedParameter(shape, value, float(self.u[place]), place))
         return tuple(found)
 
-    def change(self, place: int) -> np.ndarray:
-        """(n, 6) by which the readings grow with one parameter, by its standard uncertainty."""
-        more, less = (self._moved(place, sign).prediction(self.motion) for sign in (1.0, -1.0))
+    def change(self, step: np.ndarray) -> np.ndarray:
+        """(n, 6) by which the readings grow with a step (q,) of parameters and shapes."""
+        more, less = (self._moved(sign * step).prediction(self.motion) for sign in (1.0, -1.0))
         return np.asarray((more - less) / 2.0 @ self.axes.T)
 
-    def _moved(self, place: int, sign: float) -> Model:
-        """The model with one parameter greater or smaller by its standard uncertainty."""
-        model, free, step = self.model, np.flatnonzero(self.model.free), sign * self.u[place]
-        if place < len(free):
-            values = model.values.copy()
-            values[free[place]] += step
-            return replace(model, values=values)
-        k, terms = model.fitted_shapes[place - len(free)], list(model.terms)
-        terms[k] = terms[k].shaped((terms[k].at[0] + float(step),))
-        return replace(model, terms=tuple(terms))
+    def columns(self, asked: np.ndarray) -> tuple[Column, ...]:
+        """Readings per unit of the parameters at some rows (k,) of the covariance."""
+        model, free = self.model, np.flatnonzero(self.model.free)
+        wanted = np.zeros(len(model.free), bool)
+        wanted[free[asked]] = True
+        design = model.linearised(self.motion, wanted)
+        return tuple(design.columns[p] for p in free[asked])
+
+    def _moved(self, step: np.ndarray) -> Model:
+        """The model with each parameter and fitted shape greater by a step (q,)."""
+        model, free = self.model, np.flatnonzero(self.model.free)
+        values, terms = model.values.copy(), list(model.terms)
+        values[free] += step[: len(free)]
+        for k, more in zip(model.fitted_shapes, step[len(free) :].tolist(), strict=True):
+            if more:
+                terms[k] = terms[k].shaped((terms[k].at[0] + more,))
+        return replace(model, values=values, terms=tuple(terms))
 
     @cached_property
     def _prediction(self) -> np.ndarray:

@@ -46,7 +46,9 @@ class Corrections:
         determined: DeterminedModel | None,
     ) -> "Corrections":  # fmt: skip
         contributions = [finding.contribution for finding in findings]
-        inputs = tuple(tuple(uncertain_inputs([one], determined)) for one in findings)
+        rows = [recording.imu.rows(s.t_start, s.t_end) for s in recording.manifest.segments or ()]
+        rows = [one for one in rows if one.stop > one.start]
+        inputs = tuple(tuple(uncertain_inputs([one], determined, rows)) for one in findings)
         every = list(chain.from_iterable(inputs))
         return cls(
             calibrate(corrected(recording, contributions)),

@@ -10,18 +10,26 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.determined import DeterminedModel, DeterminedParameter
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import Finding
+from tasks.model.term import Column
+
+MANY = 12  # parameters of a finding, from which on the clauses are not asked for each of them
+NEGLIGIBLE = 1e-5  # of the square of what they all move
+ROUNDING = 1e-12  # of the largest variance
 
 
 @dataclass(frozen=True)
 class UncertainInput:
-    """A parameter of a finding; place: its row of the determined model's covariance, if any.
+    """A parameter of a finding, or a direction of several of them.
 
-    whole: (n, 6) the change of the readings of a finding that no term makes; None by the model.
+    step: (q,) of the determined model's covariance, by one standard uncertainty; form: (q,) what
+    of the parameters it is, of unit variance. Neither where `whole`: (n, 6) is the change of the
+    readings of a finding that no term makes.
     """
 
     finding: Finding
     parameter: FoundParameter
-    place: int | None = None
+    step: np.ndarray | None = None
+    form: np.ndarray | None = None
     whole: np.ndarray | None = None
 
     def change(self, determined: DeterminedModel | None) -> np.ndarray:
@@ -29,14 +37,15 @@ class UncertainInput:
         if self.whole is not None:
             return self.whole
         assert determined is not None
-        assert self.place is not None
-        return determined.change(self.place)
+        assert self.step is not None
+        return determined.change(self.step)
 
 
 def uncertain_inputs(
-    findings: Sequence[Finding], determined: DeterminedModel | None
+    findings: Sequence[Finding], determined: DeterminedModel | None, segments: Sequence[slice] = ()
 ) -> list[UncertainInput]:
-    """What of some findings is uncertain: the fitted parameters of those that terms make.
+    """What of some findings is uncertain: the fitted parameters of those that terms make; of many
+    parameters the directions in which they move the means of the segments (rows of them).
 
     Physics that is known beforehand has none: its parameters are a check, and were not used. What
     no term makes is as uncertain as its parameters are as a whole.
@@ -46,12 +55,58 @@ def uncertain_inputs(
         if determined is None or not finding.terms:
             every += _as_a_whole(finding)
             continue
-        every += [
-            UncertainInput(finding, in_si(one), one.place)
+        placed = [
+            (one, one.place)
             for one in determined.parameters(finding.terms)
             if one.place is not None and one.u > 0.0
         ]
+        if len(placed) > MANY and segments:
+            places = np.array([place for _, place in placed])
+            every += principal_directions(finding, determined, places, segments)
+            continue
+        for one, place in placed:
+            unit = np.eye(1, len(determined.u), place)[0]
+            every.append(UncertainInput(finding, in_si(one), one.u * unit, unit / one.u))
     return every
+
+
+def principal_directions(
+    finding: Finding, determined: DeterminedModel, places: np.ndarray, segments: Sequence[slice]
+) -> Iterator[UncertainInput]:
+    """Independent combinations of a finding's parameters, by how far they move the readings' means
+    over the segments; what moves them next to nothing is left out.
+
+    places: (k,) rows of the covariance, shapes left out. segments: rows of the readings.
+    """
+    places = places[places < int(determined.model.free.sum())]
+    covariance = determined.covariance[np.ix_(places, places)]
+    values, vectors = np.linalg.eigh(covariance)
+    known = values > ROUNDING * values.max()
+    root = vectors[:, known] * np.sqrt(values[known])
+    means = _segment_means(determined.columns(places), determined.axes, segments)
+    moved = np.tensordot(root.T, means, 1)
+    moved /= np.maximum(np.linalg.norm(moved, axis=(0, 1), keepdims=True), 1e-300)
+    left, sizes, _ = np.linalg.svd(moved.reshape(len(moved), -1), full_matrices=False)
+    kept = sizes**2 > NEGLIGIBLE * float((sizes**2).sum())
+    inverse_root = vectors[:, known] / np.sqrt(values[known])
+    for number, direction in enumerate(left.T[kept], start=1):
+        step, form = np.zeros(len(determined.u)), np.zeros(len(determined.u))
+        step[places], form[places] = root @ direction, inverse_root @ direction
+        named = FoundParameter(name=f"direction {number}", value=0.0, unit="1", u=1.0)
+        yield UncertainInput(finding, named, step, form)
+
+
+def _segment_means(
+    columns: Sequence[Column], axes: np.ndarray, segments: Sequence[slice]
+) -> np.ndarray:
+    """(k, segments·3, 2) means of columns over each segment, by triad."""
+    means = np.zeros((len(columns), len(segments), len(axes)))
+    for k, column in enumerate(columns):
+        for channel, values in column.items():
+            filled = np.nan_to_num(values)
+            means[k, :, channel] = [filled[rows].mean() for rows in segments]
+    by_triad = (means @ axes.T).reshape(len(columns), len(segments), 2, 3)
+    return by_triad.transpose(0, 1, 3, 2).reshape(len(columns), -1, 2)
 
 
 def correlation_of(
@@ -59,10 +114,12 @@ def correlation_of(
 ) -> np.ndarray:
     """(m, m) of some inputs; what no term makes goes with nothing."""
     correlation = np.eye(len(inputs))
-    placed = [(n, one.place) for n, one in enumerate(inputs) if one.place is not None]
-    if determined is not None and placed:
-        rows, places = np.array(placed).T
-        correlation[np.ix_(rows, rows)] = determined.correlation[np.ix_(places, places)]
+    formed = [(n, one.form) for n, one in enumerate(inputs) if one.form is not None]
+    if determined is not None and formed:
+        rows, forms = np.array([n for n, _ in formed]), np.array([form for _, form in formed])
+        own = forms @ determined.covariance @ forms.T
+        np.fill_diagonal(own, 1.0)
+        correlation[np.ix_(rows, rows)] = own
     return correlation
 
 

@@ -13,6 +13,7 @@ from schemas.discrepancy import FoundParameter
 from schemas.recording import Recording
 from schemas.text import Statement
 from tasks.calibrate.calibrate import calibrate
+from tasks.explain.correction import sensitivity
 from tasks.explain.correction.adopt import adopt
 from tasks.explain.correction.budget import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
@@ -245,3 +246,15 @@ def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean
     assert result.terms == ()
     assert result.remarks[0].code == "term_not_taken_off"
     assert "bias_random_walk" in result.remarks[0].en
+
+
+def test_directions_of_many_parameters_make_the_uncertainty_of_the_parameters(
+    run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found, model = lever_arm(run), determined(run, r_xy=-0.9)
+    recording = corrected(run, (-found.contribution,))
+    by_parameter = adopt(recording, [found], calibrated, model).items
+    monkeypatch.setattr(sensitivity, "MANY", 2)
+    by_direction = adopt(recording, [found], calibrated, model).items
+    for name, item in by_parameter.items():
+        assert pytest.approx(item.U, rel=1e-3) == by_direction[name].U
