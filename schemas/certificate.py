@@ -32,9 +32,19 @@ class Party(Frozen):
     address_zh: str
 
 
+class Contact(Frozen):
+    """How a laboratory is reached beside its address."""
+
+    e_mail: str | None = None
+    phone: str | None = None
+    web: str | None = None
+
+
 class Laboratory(Frozen):
     """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home).
 
+    accreditation: by whom and under which number, as it may be claimed for these results. place:
+    where it calibrates, if that is not its address.
     limits: what its equipment may be off by, in the place of Table 1 of the specification.
     latitude_deg: of its own place, against which that of each recording is held. number_scheme:
     how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
@@ -44,6 +54,11 @@ class Laboratory(Frozen):
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
     party: Party
+    contact: Contact = Contact()
+    accreditation: str | None = None
+    accreditation_zh: str | None = None
+    place: str | None = None
+    place_zh: str | None = None
     certificate_prefix: str = DEFAULT_PREFIX
     number_scheme: str = DEFAULT_SCHEME
     separate_persons: bool = True
@@ -86,7 +101,8 @@ class Order(Frozen):
     leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536). conformity: whether a
     statement of conformity is asked for; without one the unit is calibrated and nothing decided.
     waived_conditions: those that need not be met or checked for a pass. configuration: of the unit,
-    beside what the recording's manifest says of it.
+    beside what the recording's manifest says of it. place: where it is calibrated, if that is not
+    the laboratory's own place.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -97,6 +113,8 @@ class Order(Frozen):
     conformity: bool = True
     waived_conditions: tuple[ConditionName, ...] = ()
     configuration: Configuration = Configuration()
+    place: str | None = None
+    place_zh: str | None = None
 
 
 class AsFound(Frozen):

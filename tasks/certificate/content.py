@@ -13,6 +13,7 @@ from schemas.text import Statement
 from tasks.certificate import cover
 from tasks.certificate.as_found import FoundSection, as_found, scope_with_found
 from tasks.certificate.budgets import Budgets, budgets
+from tasks.certificate.calibrated_object import calibrated_object
 from tasks.certificate.conditions import ReportedConditions, conditions
 from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
@@ -67,6 +68,7 @@ class Content:
     watermark: Message | None
     laboratory: Sayable
     laboratory_address: Sayable
+    laboratory_fields: tuple[Field, ...]
     front: tuple[Field, ...]
     verdict: str
     verdict_text: Message
@@ -74,7 +76,9 @@ class Content:
     uncertainty_in_short: Message | None
     signatures: tuple[Signature, ...]
     statement: tuple[Message, ...]
+    calibrated_object: tuple[Field, ...]
     standards: tuple[StandardRow, ...]
+    traceability: Message
     environment: tuple[ConditionRow, ...]
     conditions: ReportedConditions
     sections: tuple[PrintedSection, ...]
@@ -102,6 +106,7 @@ def content(certificate: Certificate) -> Content:
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),
+        laboratory_fields=tuple(cover.laboratory_fields(laboratory)),
         front=cover.front(certificate, specification, bool(deviating)),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
@@ -109,7 +114,9 @@ def content(certificate: Certificate) -> Content:
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
         statement=basis(calibration, specification, bool(deviating)),
+        calibrated_object=calibrated_object(certificate),
         standards=_standards(certificate),
+        traceability=_traceability(certificate),
         environment=_environment(certificate, specification),
         conditions=conditions(calibration, certificate.manifest, configuration, specification),
         sections=sections(calibration, decision, specification),
@@ -165,6 +172,19 @@ def _standards(certificate: Certificate) -> tuple[StandardRow, ...]:
         for standard in equipment
     ]
     return tuple(rows) or (StandardRow(*[NOT_GIVEN] * len(fields(StandardRow))),)
+
+
+def _traceability(certificate: Certificate) -> Message:
+    """To what the results are traceable (ISO/IEC 17025:2017, 7.8.4.1 c), by which certificates."""
+    standards = certificate.laboratory.equipment if certificate.laboratory else ()
+    bare = tuple(
+        given(each.name, each.name_zh) for each in standards if not literal(each.certificate)
+    )
+    if len(bare) == len(standards):
+        return message("certificate-traceability.none")
+    if bare:
+        return message("certificate-traceability.in-part", names=bare)
+    return message("certificate-traceability")
 
 
 def _environment(

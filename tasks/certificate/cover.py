@@ -1,11 +1,12 @@
 """The first page: who, what, when (clause 8 a to g, k, l; clause 9), the verdict and its scope."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Party
+from schemas.certificate import Certificate, Laboratory, Party
 from schemas.decision import Decision
-from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, slug
+from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal, slug
 from tasks.conformity.limits import verdict_title
 from tasks.specifications.items import ITEMS
 from tasks.specifications.specification import Specification
@@ -58,8 +59,29 @@ def front(
         field("specification", message(followed)),
         field("received", day(order.received if order else None)),
         field("calibrated", day(certificate.calibrated_on)),
+        *_place(certificate),
         field("due", _due(certificate)),
     )
+
+
+def _place(certificate: Certificate) -> Iterator[Field]:
+    """Where it was calibrated, if not at the laboratory's address: as ordered goes first."""
+    for paper in (certificate.order, certificate.laboratory):
+        if paper and (paper.place or paper.place_zh):
+            yield field("place", given(paper.place, paper.place_zh))
+            return
+
+
+def laboratory_fields(laboratory: Laboratory | None) -> Iterator[Field]:
+    """Accreditation and contact of the laboratory, where they are known."""
+    if laboratory is None:
+        return
+    if laboratory.accreditation or laboratory.accreditation_zh:
+        named = given(laboratory.accreditation, laboratory.accreditation_zh)
+        yield field("accreditation", named)
+    contact = laboratory.contact
+    if reached := [literal(way) for way in (contact.phone, contact.e_mail, contact.web) if way]:
+        yield field("contact", given(", ".join(reached)))
 
 
 def _due(certificate: Certificate) -> Sayable:

@@ -2,7 +2,7 @@
 
 from datetime import date
 
-from schemas.certificate import Certificate, Party
+from schemas.certificate import Certificate, Contact, Laboratory, Party
 from tasks.certificate.cover import party_address, party_name, signatures
 from tasks.certificate.dcc.equipment import identification
 from tasks.certificate.dcc.software import software
@@ -12,6 +12,7 @@ from tasks.certificate.fields import given
 from tasks.words import message
 
 COUNTRY = "CN"  # of the specifications
+NO_CONTACT = Contact()
 
 
 def administration(certificate: Certificate, record: bytes) -> Element:
@@ -20,15 +21,24 @@ def administration(certificate: Certificate, record: bytes) -> Element:
         dcc.dccSoftware(software(certificate.calibration.code_version)),
         _core(certificate),
         _unit(certificate),
-        dcc.calibrationLaboratory(_party("contact", _laboratory(certificate))),
+        _laboratory(certificate.laboratory),
         _persons(certificate),
         _party("customer", certificate.order.client if certificate.order else None),
         statements(certificate, record),
     )
 
 
-def _laboratory(certificate: Certificate) -> Party | None:
-    return certificate.laboratory.party if certificate.laboratory else None
+def _laboratory(laboratory: Laboratory | None) -> Element:
+    """The laboratory, its accreditation as its code."""
+    code = laboratory.accreditation or laboratory.accreditation_zh if laboratory else None
+    return dcc.calibrationLaboratory(
+        *([plain("calibrationLaboratoryCode", code)] if code else []),
+        _party(
+            "contact",
+            laboratory.party if laboratory else None,
+            laboratory.contact if laboratory else NO_CONTACT,
+        ),
+    )
 
 
 def _core(certificate: Certificate) -> Element:
@@ -45,7 +55,7 @@ def _core(certificate: Certificate) -> Element:
         *([dcc.receiptDate(day(order.received))] if order else []),
         dcc.beginPerformanceDate(performed),
         dcc.endPerformanceDate(performed),
-        dcc.performanceLocation("laboratory"),
+        dcc.performanceLocation("other" if order and order.place else "laboratory"),
         *([dcc.issueDate(day(certificate.issued_on))] if certificate.state == "issued" else []),
         *_replaced(certificate),
     )
@@ -83,10 +93,12 @@ def _unit(certificate: Certificate) -> Element:
     )  # fmt: skip
 
 
-def _party(tag: str, party: Party | None) -> Element:
+def _party(tag: str, party: Party | None, contact: Contact = NO_CONTACT) -> Element:
     return dcc(
         tag,
         named(party_name(party)),
+        *([plain("eMail", contact.e_mail)] if contact.e_mail else []),
+        *([plain("phone", contact.phone)] if contact.phone else []),
         dcc.location(dcc.countryCode(COUNTRY), described(party_address(party), tag="further")),
     )
 

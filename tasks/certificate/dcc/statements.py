@@ -22,6 +22,8 @@ def statements(certificate: Certificate, record: bytes) -> Element:
     in_short = [printed.uncertainty_in_short] if printed.uncertainty_in_short else []
     parts = {
         "basis": printed.statement,
+        "object": _lines(printed.calibrated_object),
+        "traceability": [printed.traceability],
         "environment": [
             message(
                 "dcc-required",
@@ -52,7 +54,7 @@ def statements(certificate: Certificate, record: bytes) -> Element:
     }
     return dcc.statements(
         verdict(decision, verdict_words(decision), *scope, *_lines(printed.conformity)),
-        _sentences("certificate-title", _lines(printed.front)),
+        _sentences("certificate-title", _lines((*printed.front, *printed.laboratory_fields))),
         *(_sentences(f"certificate-label-{name}", lines) for name, lines in parts.items() if lines),
         *_replaced(certificate),
         *_units(certificate),

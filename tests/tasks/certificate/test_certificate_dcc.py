@@ -15,7 +15,7 @@ from lxml import etree
 from sample_certificate import calibration, certificate, items, laboratory, tolerance
 
 from schemas.calibration import EnvironmentSeen
-from schemas.certificate import AsFound, Certificate, Replaced
+from schemas.certificate import AsFound, Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.faces import Faces, faces_of
@@ -59,7 +59,12 @@ def amendment() -> Certificate:
     return certificate(replaces=replaced)
 
 
-MADE = {"full": certificate, "adjusted": adjusted, "bare": bare, "amendment": amendment}
+def full() -> Certificate:
+    reached = Contact(e_mail="lab@example.org", phone="+86 10 1234", web="example.org")
+    return certificate(laboratory=laboratory(contact=reached, accreditation="CNAS L1234"))
+
+
+MADE = {"full": full, "adjusted": adjusted, "bare": bare, "amendment": amendment}
 
 
 @pytest.fixture(scope="module", params=["2003", "1536", *MADE])
