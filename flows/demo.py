@@ -70,15 +70,16 @@ def _made(draft: Published, folder: Home) -> dict[str, Any]:
     """What the demonstration made, as one JSON document."""
     certificate, calibration = draft.certificate, draft.certificate.calibration
     named = certificate.manifest.unit
-    unit = (named.manufacturer, named.model, named.serial)
+    unit = " ".join((named.manufacturer, named.model, named.serial))
+    due = certificate.due.isoformat() if certificate.due else None
     return {
         "format": "mimu-demo/1",
         "run": calibration.run,
         "validity": summary(calibration.validity),
         "verdict": certificate.decision.verdict,
         "certificate": certificate.number,
-        "due": certificate.due.isoformat(),
-        "reminders": [{"unit": " ".join(unit), "due": certificate.due.isoformat()}],
+        "due": due,
+        "reminders": [{"unit": unit, "due": due}] if due else [],
         "paths": {
             "raw": str(folder.raw / f"{calibration.digest}.mcap"),
             "columns": str(folder.columns / calibration.digest),

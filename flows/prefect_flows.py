@@ -223,7 +223,7 @@ def _shown(published: Published) -> Published:
         create_markdown_artifact(
             key="certificate",
             markdown=f"# {certificate.number}: {verdict} ({published.state})\n\n{reasons}\n\n"
-            f"Recalibration due {certificate.due}. PDF: `{published.pdf}`",
+            f"Recalibration due: {certificate.due or 'not agreed'}. PDF: `{published.pdf}`",
             description=f"Certificate {certificate.number} of run {certificate.calibration.run}",
         )
     return published

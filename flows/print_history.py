@@ -65,7 +65,7 @@ def print_impact(impact: Impact) -> None:
     ]  # fmt: skip
     print_rows("Runs", ("run", "unit", "recorded", "named by", "results"), runs)
     papers = [
-        (c.number, c.run, c.state, c.verdict, str(c.issued_on), str(c.due))
+        (c.number, c.run, c.state, c.verdict, str(c.issued_on), str(c.due or "—"))
         for c in impact.certificates
     ]
     of_paper = ("certificate", "run", "state", "verdict", "issued", "due")

@@ -97,8 +97,10 @@ class Laboratory(Frozen):
 class Order(Frozen):
     """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back.
 
-    calibrated_on: for a recording that does not say when it was made. interval_months: null
-    leaves it to the specification (12 months in JJF 2003, 24 in JJF 1536). conformity: whether a
+    calibrated_on: for a recording that does not say when it was made. recalibration_agreed: whether
+    the client agreed that the certificate says when the unit comes back (ISO/IEC 17025, 7.8.4.3):
+    after interval_months, or as the specification has it (12 months in JJF 2003, 24 in JJF 1536).
+    An order that states the interval agrees on it. conformity: whether a
     statement of conformity is asked for; without one the unit is calibrated and nothing decided.
     waived_conditions: those that need not be met or checked for a pass. configuration: of the unit,
     beside what the recording's manifest says of it. place: where it is calibrated, if that is not
@@ -109,12 +111,18 @@ class Order(Frozen):
     client: Party
     received: date
     calibrated_on: date | None = None
+    recalibration_agreed: bool = False
     interval_months: int | None = Field(default=None, gt=0, le=120)
     conformity: bool = True
     waived_conditions: tuple[ConditionName, ...] = ()
     configuration: Configuration = Configuration()
     place: str | None = None
     place_zh: str | None = None
+
+    @property
+    def agrees_on_recalibration(self) -> bool:
+        """Whether the certificate has a date of recalibration."""
+        return self.recalibration_agreed or self.interval_months is not None
 
 
 class AsFound(Frozen):
@@ -145,7 +153,8 @@ class Replaced(Frozen):
 class Certificate(Frozen):
     """Everything the certificate prints; the PDF is made from this and nothing else.
 
-    calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`.
+    calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`. due: null
+    where no recalibration was agreed on.
     as_found: where the unit was adjusted, and calibration and decision are those as left.
     budgets: whether the uncertainty budgets of the calibration are printed. validation: which
     record validates the estimation, and how many items (English, Chinese). number: of the
@@ -158,7 +167,7 @@ class Certificate(Frozen):
     state: State
     calibrated_on: date | None
     issued_on: date
-    due: date
+    due: date | None
     laboratory: Laboratory | None
     order: Order | None
     manifest: Manifest

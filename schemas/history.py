@@ -134,7 +134,7 @@ class AffectedCertificate(Frozen):
     state: State
     verdict: Verdict
     issued_on: date
-    due: date
+    due: date | None
 
 
 class Impact(Frozen):

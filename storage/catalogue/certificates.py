@@ -30,7 +30,7 @@ class Entry(Frozen):
     verdict: Verdict
     calibrated_on: date | None
     issued_on: date
-    due: date
+    due: date | None
     pdf: str
     pdf_sha256: str
     record: str
@@ -119,7 +119,7 @@ def due(home: Home, until: date) -> list[Due]:
     """Units whose newest issued certificate falls due by a day, the longest overdue first.
 
     Newest: by the day of calibration (of issue, where that is unknown), then of issue. Neither
-    drafts count nor what was amended or withdrawn.
+    drafts count nor what was amended or withdrawn, and one without an agreed date is due never.
     """
     newest: dict[tuple[str, str, str], Entry] = {}
     for entry in sorted(_register(home, tables.certificates.c.state == "issued"), key=_age):
@@ -127,7 +127,7 @@ def due(home: Home, until: date) -> list[Due]:
     lines = [
         Due(unit=" ".join(unit), certificate=entry.number, due=entry.due, state=entry.state)
         for unit, entry in newest.items()
-        if entry.due <= until
+        if entry.due and entry.due <= until
     ]
     return sorted(lines, key=lambda line: (line.due, line.unit))
 

@@ -60,7 +60,7 @@ def front(
         field("received", day(order.received if order else None)),
         field("calibrated", day(certificate.calibrated_on)),
         *_place(certificate),
-        field("due", _due(certificate)),
+        *_due(certificate),
     )
 
 
@@ -84,10 +84,12 @@ def laboratory_fields(laboratory: Laboratory | None) -> Iterator[Field]:
         yield field("contact", given(", ".join(reached)))
 
 
-def _due(certificate: Certificate) -> Sayable:
-    if certificate.calibrated_on:
-        return day(certificate.due)
-    return message("certificate-due-from-issue", day=certificate.due.isoformat())
+def _due(certificate: Certificate) -> Iterator[Field]:
+    """When the unit comes back, where that was agreed on (ISO/IEC 17025:2017, 7.8.4.3)."""
+    if certificate.due is None:
+        return
+    from_issue = message("certificate-due-from-issue", day=certificate.due.isoformat())
+    yield field("due", day(certificate.due) if certificate.calibrated_on else from_issue)
 
 
 def signatures(certificate: Certificate) -> tuple[Signature, ...]:

@@ -100,10 +100,12 @@ def certify(
     return keep_draft(certificate, home, now)
 
 
-def due_date(from_day: date, order: Order | None, method: Method) -> date:
-    """When a unit comes back that was calibrated on a day: as ordered, else as is usual."""
-    usual = SPECIFICATIONS[method].interval_months
-    return reminders.due_date(from_day, (order.interval_months if order else None) or usual)
+def due_date(from_day: date, order: Order | None, method: Method) -> date | None:
+    """When a unit comes back that was calibrated on a day; None where the order agrees on none."""
+    if order is None or not order.agrees_on_recalibration:
+        return None
+    months = order.interval_months or SPECIFICATIONS[method].interval_months
+    return reminders.due_date(from_day, months)
 
 
 def _as_found(

@@ -16,7 +16,8 @@ def interval_advice(serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
 
     Counted are the intervals between issued certificates whose day of calibration is known; as
     found, where the unit was adjusted. What was inconclusive says nothing of its interval.
-    Raises Unusable for a serial number without such a certificate, or of several products.
+    Raises Unusable for a serial number without such a certificate, of several products, or
+    whose last certificate has no agreed date.
     """
     entries = [
         entry
@@ -37,7 +38,13 @@ def interval_advice(serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
         for (earlier, later), verdict in zip(pairwise(dated), verdicts[1:], strict=True)
         if verdict != "inconclusive" and _day(later) > _day(earlier)
     ]
-    agreed = (dated[-1].due - _day(dated[-1])).days
+    last = dated[-1]
+    if last.due is None:
+        raise Unusable(
+            f"Certificate {last.number} has no date of recalibration to start from: let the order "
+            "agree on one (recalibration_agreed = true)."
+        )
+    agreed = (last.due - _day(last)).days
     return units.pop(), agreed, advise(history, agreed)
 
 

@@ -19,13 +19,14 @@ Send = Callable[[str, str, str, bytes], str | None]
 def recalled(home: Home, until: date = date.max) -> list[Recalled]:
     """The units whose newest issued certificate falls due by a day, and whose order agreed on it.
 
-    The longest overdue come first. Without an interval in the order none was agreed.
+    The longest overdue come first. What an earlier version issued may have a date that no order
+    agreed on.
     """
     found = []
     for due in certificates.due(home, until):
         certificate = certificates.find(due.certificate, home)
         order, laboratory = certificate.order, certificate.laboratory
-        if order and order.interval_months is not None:
+        if order and order.agrees_on_recalibration:
             party = laboratory.party if laboratory else None
             found.append(
                 Recalled(

@@ -168,6 +168,7 @@ def test_units_are_due_by_their_newest_issued_certificate_the_longest_overdue_fi
     kept("A-2", "1", calibrated_on=date(2026, 1, 4), due=date(2027, 1, 4))
     kept("B-1", "2", calibrated_on=date(2025, 3, 1), due=date(2026, 3, 1))
     kept("C-1", "3", calibrated_on=date(2026, 6, 1), due=date(2027, 6, 1))
+    kept("E-1", "4", calibrated_on=date(2025, 6, 1), due=None)
     found = certificates.due(fresh, date(2027, 1, 4))
     assert [line.model_dump() for line in found] == [
         {"unit": "Maker U 2", "certificate": "B-1", "due": date(2026, 3, 1), "state": "issued"},

@@ -95,6 +95,11 @@ def test_traceability_is_claimed_by_certificates_alone(
     assert says in made.traceability[1]
 
 
+def test_without_an_agreed_date_of_recalibration_none_is_printed() -> None:
+    assert front(content(certificate()))["Recalibration due"] == "2027-11-19"
+    assert "Recalibration due" not in front(content(certificate(due=None)))
+
+
 def test_the_first_page_still_holds_the_signatures() -> None:
     pages = PdfReader(io.BytesIO(render(MADE))).pages
     assert "Li Ming" in pages[0].extract_text()

@@ -18,7 +18,7 @@ from storage.catalogue import certificates, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
-from tasks.stages.certify import certify
+from tasks.stages.certify import certify, due_date
 from tasks.stages.estimate import estimate
 from tasks.validation import record
 
@@ -56,17 +56,36 @@ def order(received: date, **more: Any) -> Order:
 
 def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep) -> None:
     given = kept(recorded_at="2026-05-02T00:30:00+08:00")
-    certificate = certify(*given, Inputs()).certificate
+    agreed = order(date(2026, 5, 1), recalibration_agreed=True)
+    certificate = certify(*given, Inputs(order=agreed)).certificate
     assert certificate.calibrated_on == date(2026, 5, 2)
     assert certificate.due == date(2027, 5, 2)
+
+
+@pytest.mark.parametrize(
+    ("agreed", "due"),
+    [
+        ({}, None),
+        ({"interval_months": 6}, date(2026, 11, 2)),
+        ({"recalibration_agreed": True}, date(2027, 5, 2)),
+        ({"recalibration_agreed": True, "interval_months": 24}, date(2028, 5, 2)),
+    ],
+)
+def test_a_unit_comes_back_only_where_the_order_agrees_on_it(
+    agreed: dict[str, Any], due: date | None
+) -> None:
+    assert due_date(date(2026, 5, 2), order(date(2026, 5, 1), **agreed), "jjf2003") == due
+    assert due_date(date(2026, 5, 2), None, "jjf2003") is None
 
 
 def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificate(
     kept: Keep,
 ) -> None:
     given = kept()
-    certificate = certify(*given, Inputs()).certificate
+    agreed = order(date(2026, 5, 1), recalibration_agreed=True)
+    certificate = certify(*given, Inputs(order=agreed)).certificate
     assert certificate.calibrated_on is None
+    assert certificate.due is not None
     assert certificate.issued_on == date.today()
     assert (certificate.due.year, certificate.due.month) == (
         certificate.issued_on.year + 1, certificate.issued_on.month

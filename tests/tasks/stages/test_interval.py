@@ -34,8 +34,8 @@ def issued(home: Home, year: int, decision: Decision = DECIDED, **changes: objec
     run, _ = runs.add(other, home)
     calibration = calibration_of(run)
     results.save(calibration, home)
-    days = {"calibrated_on": date(year, 3, 1), "due": date(year + 1, 3, 1)}
-    made = certificate_of(run, calibration, decision=decision, **days, **changes)
+    days: dict[str, object] = {"calibrated_on": date(year, 3, 1), "due": date(year + 1, 3, 1)}
+    made = certificate_of(run, calibration, decision=decision, **(days | changes))
     key = keep_draft(made, home, MORNING).certificate.number
     check(key, home, "Li")
     return issue(key, home, "Zhao").certificate
@@ -69,3 +69,9 @@ def test_a_young_unit_keeps_its_interval(home: Home) -> None:
 def test_a_unit_without_certificates_is_said_to_have_none(home: Home) -> None:
     with pytest.raises(Unusable, match="there is none"):
         interval_advice("9", home)
+
+
+def test_without_an_agreed_date_there_is_nothing_to_advise_on(home: Home) -> None:
+    issued(home, 2020, due=None)
+    with pytest.raises(Unusable, match=r"has no date of recalibration .*recalibration_agreed"):
+        interval_advice("7", home)
