@@ -9,6 +9,7 @@ from flask_talisman import Talisman
 from werkzeug.wrappers import Response
 
 from flows.pages import api, shell
+from flows.pages.files import files as certificate_files
 from flows.pages.preferences import view_of_request
 from flows.pages.register import FIRST
 from storage.home import Home
@@ -55,6 +56,7 @@ def make_app(home: Home) -> Application:
     app.layout = shell.frame
     shell.add_callbacks(app, home)
     app.server.register_blueprint(api.endpoints(home))
+    app.server.register_blueprint(certificate_files(home))
     app.server.before_request(_to_first_page)
     _keep_at_home(app)
     return app

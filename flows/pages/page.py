@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
+from urllib.parse import parse_qsl
 
 from dash import Dash
 from dash.development.base_component import Component
@@ -12,6 +13,11 @@ from storage.home import Home
 from tasks.words import Sayable, message, say
 
 Theme = Literal["light", "dark"]
+
+
+def parameters(search: str) -> dict[str, str]:
+    """The fields of a query string, as `?id=r1` is one."""
+    return dict(parse_qsl(search.removeprefix("?")))
 
 
 @dataclass(frozen=True)

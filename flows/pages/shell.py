@@ -1,14 +1,13 @@
 """The frame around every page: navigation, the switches, and the page that an address names."""
 
 from typing import Any
-from urllib.parse import parse_qsl
 
 import dash_mantine_components as dmc
 from dash import ClientsideFunction, Dash, Input, Output, dcc
 from dash.development.base_component import Component
 from pydantic import ValidationError
 
-from flows.pages.page import Page, View
+from flows.pages.page import Page, View, parameters
 from flows.pages.preferences import view_of_request
 from flows.pages.register import PAGES
 from schemas.base import Unusable, first_fault
@@ -99,7 +98,7 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
     if page is None:
         return notice(view, "pages-no-such-page", "yellow"), NEVER, True
     try:
-        question = page.question.model_validate(dict(parse_qsl(search.removeprefix("?"))))
+        question = page.question.model_validate(parameters(search))
         shown = page.layout(page.data(question, home), view, question)
     except ValidationError as error:
         return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True

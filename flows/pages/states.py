@@ -1,4 +1,4 @@
-"""What a step of a run came to, in words and in one of four kinds, which the pages colour.
+"""What a step of a run came to, in words and in one of four kinds, which pages.css colours.
 
 Nothing that failed, is missing, is invalid or was taken back is good: `good` is stated, never the
 rest of a case distinction.
@@ -6,15 +6,16 @@ rest of a case distinction.
 
 from typing import Literal, NamedTuple
 
-import dash_mantine_components as dmc
+from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.page import View
+from schemas.decision import LimitDecision
 from schemas.pages.runs import RunLine
+from tasks.conformity.limits import verdict_title
 from tasks.words import Sayable, message
 
 Kind = Literal["good", "open", "bad", "none"]
-COLORS: dict[Kind, str] = {"good": "green", "open": "yellow", "bad": "red", "none": "gray"}
 
 
 class StepState(NamedTuple):
@@ -63,8 +64,12 @@ def verdict_state(run: RunLine) -> StepState:
     return StepState(words, "open")
 
 
+def limit_state(decision: LimitDecision) -> StepState:
+    """The verdict on one limit."""
+    kinds: dict[str, Kind] = {"pass": "good", "fail": "bad", "inconclusive": "open"}
+    return StepState(verdict_title(decision), kinds[decision.verdict])
+
+
 def badge(state: StepState, view: View) -> Component:
     """A state as a word on its colour."""
-    return dmc.Badge(
-        view.say(state.words), color=COLORS[state.kind], variant="light", tt="none", radius="sm"
-    )
+    return html.Span(view.say(state.words), className=f"state state-{state.kind}")

@@ -1,0 +1,71 @@
+"""Budget: what the uncertainty of one element is made of."""
+
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.page import Page, View
+from flows.pages.parts import table
+from schemas.base import Unusable
+from schemas.pages.budget import BudgetQuestion, BudgetShown
+from schemas.text import Statement
+from storage.catalogue import results
+from storage.home import Home
+from tasks.specifications.items import item_title, symbol
+from tasks.words import message, statement
+from tasks.words.rounding import column
+from tasks.words.units import unit_text
+
+
+def data(question: BudgetQuestion, home: Home) -> BudgetShown:
+    """The budget of an element by the run's newest result; Unusable where there is none."""
+    result = results.find(question.run, home)
+    item = result.calibration.items.get(question.item)
+    budget = item.budgets.get(question.element) if item else None
+    if budget is None:
+        raise Unusable(
+            f"result {result.id} of run {result.run} has no budget of {question.item} "
+            f"{question.element}; GET /api/v1/run?id={result.run} lists those that have one"
+        )
+    return BudgetShown(
+        run=result.run,
+        result=result.id,
+        title=statement(item_title(question.item)),
+        symbol=symbol(question.item, question.element),
+        budget=budget,
+    )
+
+
+def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
+    """A line for each input, as the certificate prints them."""
+    budget = shown.budget
+    unit = unit_text(budget.unit)
+    names = ("input", "kind", "u", "sensitivity", "contribution", "share", "source")
+    rows = [
+        (
+            f"{view.say(Statement(en=each.name, zh=each.name_zh))} ({each.symbol})",
+            f"{each.kind}, {view.say(message(f'pages-distribution.{each.distribution}'))}",
+            f"{each.u:.3g} {unit_text(each.unit)}",
+            f"{each.sensitivity:.3g}",
+            f"{each.contribution:.3g} {unit}",
+            f"{100 * each.share:.1f} %",
+            each.source,
+        )
+        for each in budget.inputs
+    ]
+    printed = column([budget.value], [budget.U], budget.k)
+    power = f"×10^{printed.exponent} " if printed.exponent else ""
+    summary = message(
+        "pages-budget-summary", symbol=shown.symbol, value=f"{printed.values[0]} {power}{unit}",
+        u=f"{budget.u_c:.3g} {unit}", k=f"{budget.k:.3g}",
+        expanded=f"{printed.uncertainties[0]} {power}{unit}",
+    )  # fmt: skip
+    headings = [message(f"pages-budget-column.{name}") for name in names]
+    return dmc.Stack(
+        [
+            dmc.Text(f"{view.say(shown.title)}: {view.say(summary)}"),
+            table(headings, rows, view),
+        ]
+    )
+
+
+PAGE = Page("budget", BudgetQuestion, BudgetShown, data, layout, in_navigation=False)

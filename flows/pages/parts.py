@@ -1,0 +1,37 @@
+"""Parts that several pages are made of."""
+
+from collections.abc import Sequence
+
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.page import View
+from tasks.words import Message
+
+Cell = str | Component | None
+
+
+def table(headings: Sequence[Message], rows: Sequence[Sequence[Cell]], view: View) -> Component:
+    """A plain table; what is missing is a dash."""
+    head = dmc.TableThead(dmc.TableTr([dmc.TableTh(view.say(each)) for each in headings]))
+    body = [
+        dmc.TableTr([dmc.TableTd("–" if cell is None else cell, maw=480) for cell in row])
+        for row in rows
+    ]
+    shown = dmc.Table(
+        [head, dmc.TableTbody(body)], striped=True, withTableBorder=True, verticalSpacing=4
+    )
+    return dmc.TableScrollContainer(shown, minWidth=600)
+
+
+def facts(pairs: Sequence[tuple[Message, Cell]], view: View) -> Component:
+    """Names and what they are, side by side."""
+    cards = [
+        dmc.Box([dmc.Text(view.say(name), size="xs", c="dimmed"), _fact(value)])
+        for name, value in pairs
+    ]
+    return dmc.SimpleGrid(cards, cols={"base": 2, "sm": 4}, spacing="xs")
+
+
+def _fact(value: Cell) -> Component:
+    return value if isinstance(value, Component) else dmc.Text(value or "–", lineClamp=3)

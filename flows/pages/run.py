@@ -1,0 +1,169 @@
+"""Run: one run with its signals, segments, items, certificates, log and lineage."""
+
+from typing import Any
+
+import dash_mantine_components as dmc
+from dash import Dash, Input, Output, State
+from dash.development.base_component import Component
+
+from flows.pages import budget, signals
+from flows.pages.page import Page, View, parameters
+from flows.pages.parts import facts, table
+from flows.pages.preferences import view_of_request
+from flows.pages.run_data import data
+from flows.pages.run_lineage import certificates, lineage, log
+from flows.pages.states import (
+    badge,
+    certificate_state,
+    limit_state,
+    result_state,
+    validity_state,
+    verdict_state,
+)
+from schemas.pages.budget import BudgetQuestion
+from schemas.pages.run import ElementShown, LimitShown, RunQuestion, RunShown, SegmentShown
+from storage.home import Home
+from tasks.words import message
+from tasks.words.units import unit_text
+
+TABS = ("items", "segments", "signals", "certificate", "log", "lineage")
+
+
+def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
+    """Who, where, when and how it stands; the rest in tabs."""
+    panels: dict[str, Component] = {
+        "items": _items(shown, view),
+        "segments": _segments(shown, view),
+        "signals": signals.section(shown.run.id, view),
+        "certificate": certificates(shown, view),
+        "log": log(shown, view),
+        "lineage": lineage(shown, view),
+    }
+    names = [dmc.TabsTab(view.say(message(f"pages-run-tab.{tab}")), value=tab) for tab in TABS]
+    return dmc.Stack(
+        [
+            _facts(shown, view),
+            *(dmc.Alert(view.say(reason), color="yellow") for reason in shown.reasons),
+            dmc.Tabs(
+                [
+                    dmc.TabsList(names),
+                    *(dmc.TabsPanel(panels[tab], value=tab, pt="md") for tab in TABS),
+                ],
+                value=TABS[0],
+                keepMounted=False,
+                id="run-tabs",
+            ),
+        ]
+    )
+
+
+def _facts(shown: RunShown, view: View) -> Component:
+    run = shown.run
+    return facts(
+        [
+            (message("pages-column-id"), run.id),
+            (message("pages-column-serial"), f"{run.manufacturer} {run.model} {run.serial}"),
+            (message("pages-column-station"), run.station),
+            (message("pages-column-recorded-on"), str(run.recorded_on or f"{run.taken_in_at:%F}")),
+            (message("pages-column-validity"), badge(validity_state(run.validity), view)),
+            (message("pages-column-result"), badge(result_state(run), view)),
+            (message("pages-column-verdict"), badge(verdict_state(run), view)),
+            (message("pages-column-state"), badge(certificate_state(run.state), view)),
+        ],
+        view,
+    )
+
+
+def _items(shown: RunShown, view: View) -> Component:
+    names = ("item", "symbol", "value", "u", "limits", "margin", "verdict")
+    headings = [message(f"pages-items-column.{name}") for name in names]
+    rows = [row for element in shown.elements for row in _element(element, view)]
+    budgets = [
+        {"value": f"{each.item} {each.element}", "label": f"{view.say(each.title)} {each.symbol}"}
+        for each in shown.elements
+        if each.has_budget
+    ]
+    absent = [dmc.Text(view.say(why), size="sm") for why in shown.unavailable.values()]
+    limits = message("pages-items-limits", certificate=shown.limits_of or "")
+    without = message("pages-items-no-limits")
+    return dmc.Stack(
+        [
+            dmc.Text(view.say(limits if shown.limits_of else without), size="sm", c="dimmed"),
+            dmc.Select(
+                id="budget-of",
+                data=budgets,
+                label=view.say(message("pages-budget-of")),
+                searchable=True,
+                clearable=True,
+                maw=480,
+            ),
+            dmc.Box(id="budget"),
+            table(headings, rows, view),
+            *absent,
+        ]
+    )
+
+
+def _element(shown: ElementShown, view: View) -> list[tuple[Any, ...]]:
+    """A row for each limit of an element, and one for an element without."""
+    power = f"×10^{shown.exponent} " if shown.exponent else ""
+    unit = f" {power}{'' if shown.unit == '1' else unit_text(shown.unit)}".rstrip()
+    first = (
+        view.say(shown.title),
+        shown.symbol,
+        shown.value_text and shown.value_text + unit,
+        shown.U_text and f"{shown.U_text}{unit} (k = {shown.k:g})",
+    )
+    return [(*first, *_limit(limit, unit, view)) for limit in shown.limits or (None,)]
+
+
+def _limit(limit: LimitShown | None, unit: str, view: View) -> tuple[Any, ...]:
+    if limit is None:
+        return None, None, None
+    margin = None if limit.margin is None else f"{limit.margin:.1f} U"
+    return limit.text + unit, margin, badge(limit_state(limit.decision), view)
+
+
+def _segments(shown: RunShown, view: View) -> Component:
+    names = ("name", "kind", "since", "until", "rate", "rows", "checks")
+    headings = [message(f"pages-segments-column.{name}") for name in names]
+    return table(headings, [_segment(each, view) for each in shown.segments], view)
+
+
+def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
+    rows = None if segment.rows is None else f"{segment.rows}"
+    if segment.rows_left_out:
+        rows = view.say(
+            message("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
+        )
+    checks = [dmc.Text(getattr(remark, view.language), size="sm") for remark in segment.remarks]
+    return (
+        segment.name,
+        view.say(message(f"pages-segment-kind.{segment.kind}")),
+        f"{segment.t_start:.2f}",
+        f"{segment.t_end:.2f}",
+        None if segment.rate_deg_s is None else f"{segment.rate_deg_s:+g} °/s",
+        rows,
+        dmc.Stack(checks, gap=2) if checks else "",
+    )
+
+
+def callbacks(app: Dash, home: Home) -> None:
+    """The budget of the element that is chosen."""
+
+    @app.callback(
+        Output("budget", "children"),
+        Input("budget-of", "value"),
+        State("address", "search"),
+        prevent_initial_call=True,
+    )
+    def choose(chosen: str | None, search: str) -> Any:
+        if not chosen:
+            return None
+        view, run = view_of_request(), parameters(search).get("id", "")
+        item, _, element = chosen.partition(" ")
+        question = BudgetQuestion(run=run, item=item, element=element)
+        return budget.layout(budget.data(question, home), view, question)
+
+
+PAGE = Page("run", RunQuestion, RunShown, data, layout, in_navigation=False, callbacks=callbacks)

@@ -1,0 +1,159 @@
+"""One run out of the store: what its page shows, from the functions that reports use."""
+
+from collections.abc import Iterator, Sequence
+
+import sqlalchemy as sql
+from pydantic import TypeAdapter, ValidationError
+
+from schemas.base import Unusable
+from schemas.calibration import Calibration, SegmentUsed
+from schemas.decision import LimitDecision
+from schemas.pages.run import (
+    CertificateShown,
+    ElementShown,
+    LimitShown,
+    ResultShown,
+    RunQuestion,
+    RunShown,
+    SegmentShown,
+    StandardUsed,
+)
+from schemas.pages.runs import Condition
+from schemas.recording import Manifest, Segment
+from schemas.run_log import LogEntry
+from schemas.text import Statement
+from storage.catalogue import certificates, database, results, runs, tables
+from storage.catalogue.certificates import Entry, record_of
+from storage.catalogue.listing import find
+from storage.catalogue.run_list import run_list
+from storage.home import Home
+from tasks.conformity.limits import limits_text
+from tasks.specifications.items import item_title, symbol
+from tasks.words import statement
+from tasks.words.rounding import column
+
+
+def data(question: RunQuestion, home: Home) -> RunShown:
+    """A run with everything that the catalogue says of it; its recording is not opened."""
+    run = find(question.id, home)
+    _, (line,) = run_list([Condition(column="id", value=run.id)], [], 0, 1, home)
+    manifest = runs.manifest(run, home)
+    kept, entries = results.of_run(run, home), certificates.of_run(run, home)
+    newest = kept[-1] if kept else None
+    made = newest.calibration if newest else None
+    printing = next((e for e in reversed(entries) if newest and e.result == newest.id), None)
+    validity = made.validity if made else None
+    reasons = zip(validity.reasons, validity.reasons_zh, strict=True) if validity else ()
+    return RunShown(
+        run=line,
+        digest=run.digest,
+        validity=validity.verdict if validity else None,
+        reasons=tuple(Statement(en=en, zh=zh) for en, zh in reasons),
+        segments=tuple(_segments(manifest, made)),
+        elements=tuple(_elements(made, _limits(printing, home))) if made else (),
+        unavailable=_unavailable(made) if made else {},
+        limits_of=printing.number if printing else None,
+        certificates=tuple(map(_certificate, entries)),
+        log=_log(manifest),
+        settings=made.settings if made else {},
+        results=tuple(
+            ResultShown(**result.model_dump(include=set(ResultShown.model_fields)))
+            for result in kept
+        ),
+        sources=_sources(run.id, home),
+        standards=_standards(run.id, home),
+    )
+
+
+def _certificate(entry: Entry) -> CertificateShown:
+    return CertificateShown(**entry.model_dump(include=set(CertificateShown.model_fields)))
+
+
+def _limits(entry: Entry | None, home: Home) -> tuple[LimitDecision, ...]:
+    return record_of(entry, home).decision.limits if entry else ()
+
+
+def _segments(manifest: Manifest, made: Calibration | None) -> Iterator[SegmentShown]:
+    """Those of the manifest, or those that were found where it names none."""
+    used = {segment.name: segment for segment in made.segments} if made else {}
+    remarks = made.remarks if made else ()
+    stated: Sequence[Segment | SegmentUsed] = manifest.segments or tuple(used.values())
+    for segment in stated:
+        as_used = used.get(segment.name)
+        yield SegmentShown(
+            name=segment.name, kind=segment.kind, t_start=segment.t_start, t_end=segment.t_end,
+            up=segment.up, axis=segment.axis, rate_deg_s=segment.rate_deg_s,
+            rows=as_used.rows if as_used else None,
+            rows_left_out=as_used.rows_left_out if as_used else None,
+            remarks=tuple(remark for remark in remarks if segment.name in remark.segments),
+        )  # fmt: skip
+
+
+def _elements(made: Calibration, limits: tuple[LimitDecision, ...]) -> Iterator[ElementShown]:
+    for name, item in made.items.items():
+        printed = column(list(item.value.values()), [item.U.get(e) for e in item.value], item.k)
+        for i, (element, value) in enumerate(item.value.items()):
+            of_this = [each for each in limits if (each.item, each.element) == (name, element)]
+            yield ElementShown(
+                item=name, title=statement(item_title(name)), element=element,
+                symbol=symbol(name, element), unit=item.unit, value=value,
+                U=item.U.get(element), k=item.k, exponent=printed.exponent,
+                value_text=printed.values[i], U_text=printed.uncertainties[i],
+                limits=tuple(_limit(each, printed.exponent) for each in of_this),
+                has_budget=element in item.budgets,
+            )  # fmt: skip
+
+
+def _limit(decision: LimitDecision, exponent: int) -> LimitShown:
+    return LimitShown(
+        decision=decision, text=limits_text(decision, exponent), margin=margin(decision)
+    )
+
+
+def margin(decision: LimitDecision) -> float | None:
+    """How far a value is within the nearer limit, in U; negative outside of it."""
+    if decision.value is None or not decision.U:
+        return None
+    lower = [] if decision.lower is None else [decision.value - decision.lower]
+    upper = [] if decision.upper is None else [decision.upper - decision.value]
+    return min([*lower, *upper]) / decision.U if lower or upper else None
+
+
+def _unavailable(made: Calibration) -> dict[str, Statement]:
+    return {
+        item: Statement(en=why, zh=made.unavailable_zh.get(item, why))
+        for item, why in made.unavailable.items()
+    }
+
+
+def _log(manifest: Manifest) -> tuple[LogEntry, ...]:
+    """What the run went through; nothing where no log of this program is in the manifest."""
+    kept = (manifest.model_extra or {}).get("log") or ()
+    try:
+        return TypeAdapter(tuple[LogEntry, ...]).validate_python(kept)
+    except ValidationError:
+        return ()
+
+
+def _sources(run: str, home: Home) -> tuple[str, ...]:
+    source = tables.sources.c
+    found = database.rows(home, sql.select(source.path).where(source.run == run))
+    return tuple(row.path for row in found)
+
+
+def _standards(run: str, home: Home) -> tuple[StandardUsed, ...]:
+    used = tables.equipment.c
+    columns = [used[name] for name in StandardUsed.model_fields]
+    asked = sql.select(*columns).where(used.run == run).order_by(used.document, used.name)
+    return tuple(StandardUsed(**row._mapping) for row in database.rows(home, asked))
+
+
+def pdf_of(number: str, home: Home) -> tuple[str, bytes]:
+    """The name and the bytes of a certificate's PDF; Unusable where it cannot be read."""
+    path = home.path / certificates.entry_of(number, home).pdf
+    try:
+        return path.name, path.read_bytes()
+    except OSError as error:
+        raise Unusable(
+            f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+        ) from error

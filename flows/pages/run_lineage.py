@@ -1,0 +1,95 @@
+"""Certificates, log and lineage of a run."""
+
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.page import View
+from flows.pages.parts import facts, table
+from flows.pages.states import badge, certificate_state
+from schemas.pages.run import RunShown
+from tasks.words import message
+
+
+def certificates(shown: RunShown, view: View) -> Component:
+    """Every certificate on which the run stands, with its PDF."""
+    names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
+    rows = [
+        (
+            dmc.Anchor(each.number, href=f"/certificate/{each.number}.pdf", refresh=True),
+            badge(certificate_state(each.state), view),
+            view.say(message(f"conformity-verdict.{each.verdict}")),
+            each.result,
+            str(each.calibrated_on or "–"),
+            str(each.issued_on),
+            str(each.due),
+            each.why,
+        )
+        for each in shown.certificates
+    ]
+    return table([message(f"pages-certificate-column.{name}") for name in names], rows, view)
+
+
+def log(shown: RunShown, view: View) -> Component:
+    """Every change of the run's state, when and why."""
+    if not shown.log:
+        return dmc.Text(view.say(message("pages-run-no-log")))
+    rows = [
+        (
+            f"{entry.at:%F %T}",
+            f"{entry.t:.2f}",
+            view.say(message(f"pages-run-state.{entry.state.replace('_', '-')}")),
+            getattr(entry, view.language),
+        )
+        for entry in shown.log
+    ]
+    names = ("at", "t", "state", "cause")
+    return table([message(f"pages-log-column.{name}") for name in names], rows, view)
+
+
+def lineage(shown: RunShown, view: View) -> Component:
+    """What the run and its results come from, and what stands on them."""
+    results = [
+        (
+            each.id,
+            each.method,
+            each.code_version,
+            f"{each.made_at:%F %R}",
+            each.supersedes,
+            each.why,
+            ", ".join(c.number for c in shown.certificates if c.result == each.id) or None,
+        )
+        for each in shown.results
+    ]
+    names = ("id", "method", "code", "made", "supersedes", "why", "certificates")
+    standards = [(s.name, s.serial, s.certificate, s.document) for s in shown.standards]
+    standard_names = ("name", "serial", "certificate", "document")
+    settings = [(name, "–" if each is None else str(each)) for name, each in shown.settings.items()]
+    return dmc.Stack(
+        [
+            facts(
+                [
+                    (message("pages-lineage-raw"), dmc.Code(shown.digest)),
+                    (message("pages-lineage-sources"), ", ".join(shown.sources)),
+                    (message("pages-column-recording-id"), shown.run.recording_id),
+                    (message("pages-column-procedure"), shown.run.procedure),
+                ],
+                view,
+            ),
+            _heading("results", view),
+            table([message(f"pages-results-column.{name}") for name in names], results, view),
+            _heading("standards", view),
+            table(
+                [message(f"pages-standards-column.{name}") for name in standard_names],
+                standards,
+                view,
+            ),
+            _heading("settings", view),
+            table(
+                [message(f"pages-settings-column.{n}") for n in ("name", "value")], settings, view
+            ),
+        ]
+    )
+
+
+def _heading(name: str, view: View) -> Component:
+    return dmc.Title(view.say(message(f"pages-lineage-heading.{name}")), order=4)

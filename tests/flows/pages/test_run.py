@@ -1,0 +1,100 @@
+"""The page of one run says what the store says of it, and shows what others wrote as text."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flask.testing import FlaskClient
+
+from flows.pages.app import make_app
+from flows.pages.page import View
+from flows.pages.run_data import data
+from flows.pages.shell import page_at
+from flows.pages.signals import data as signals
+from schemas.base import Unusable
+from schemas.pages.run import RunQuestion, RunShown
+from schemas.pages.signals import SignalsQuestion
+from storage.catalogue import results, runs
+from storage.catalogue.listing import find
+from storage.home import Home
+from tests.drafts import calibration_of, draft, recording_of
+
+HOSTILE = "<img src=x onerror=alert(1)>\"'`{}\U0001f600../../" + "x" * 10_000
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Home:
+    home = Home(tmp_path_factory.mktemp("run"))
+    draft(home, "1")
+    runs.add(recording_of(HOSTILE), home)
+    return home
+
+
+@pytest.fixture(scope="module")
+def shown(store: Home) -> RunShown:
+    return data(RunQuestion(id="run of 1"), store)
+
+
+@pytest.fixture(scope="module")
+def client(store: Home) -> FlaskClient:
+    return make_app(store).server.test_client()
+
+
+def test_values_limits_and_margin_are_those_of_the_certificate(shown: RunShown) -> None:
+    (element,) = shown.elements
+    assert (element.value, element.U, element.value_text, element.U_text) == (
+        0.25, 0.02, "0.250", "0.020",
+    )  # fmt: skip
+    (limit,) = element.limits
+    assert (limit.text, limit.decision.verdict) == ("±1", "pass")
+    assert limit.margin == pytest.approx(0.75 / 0.02)
+    assert shown.limits_of == shown.certificates[0].number
+
+
+def test_limits_of_an_earlier_result_do_not_stand_beside_a_new_one(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    run = find("run of 1", home)
+    results.save(calibration_of(run, bias=0.3), home)
+    again = data(RunQuestion(id=run.id), home)
+    assert again.limits_of is None
+    assert again.elements[0].limits == ()
+    assert again.results[1].supersedes == again.results[0].id
+
+
+def test_raw_rows_between_two_times_are_shown_whole_or_with_their_extremes(store: Home) -> None:
+    run = find("run of 1", store)
+    raw = runs.load(run, store).imu
+    part = signals(SignalsQuestion(run=run.id, channel="accel_z", since=1.0, until=2.0), store)
+    rows = raw.rows(1.0, 2.0)
+    assert part.low == tuple(raw.columns["accel_z"][rows])
+    every = signals(SignalsQuestion(run=run.id, channel="accel_z", bins=10), store)
+    assert every.rows == len(raw)
+    assert max(value for value in every.high if value is not None) == np.max(raw.columns["accel_z"])
+    with pytest.raises(Unusable, match="no channel nothing in a stream imu"):
+        signals(SignalsQuestion(run=run.id, channel="nothing"), store)
+
+
+def test_what_others_wrote_is_text_in_every_answer(client: FlaskClient, store: Home) -> None:
+    run = find(f"run of {HOSTILE}", store)
+    answer = client.get(f"/api/v1/run?id={run.id}")
+    assert answer.mimetype == "application/json"
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+    assert answer.json["run"]["serial"] == HOSTILE
+    page, _, _ = page_at("/run", f"?id={run.id}", store, View())
+    assert "dangerously" not in str(page)
+
+
+def test_a_certificate_is_given_as_it_is_kept_and_no_other_file(
+    client: FlaskClient, shown: RunShown, store: Home
+) -> None:
+    number = shown.certificates[0].number
+    assert client.get(f"/certificate/{number}.pdf").data.startswith(b"%PDF")
+    for bad in ("none", "..%2fcatalog", "%00"):
+        assert client.get(f"/certificate/{bad}.pdf").mimetype != "application/pdf"
+
+
+def test_a_run_that_is_not_there_is_a_sentence_on_the_page(store: Home) -> None:
+    page, _, stays = page_at("/run", "?id=nothing", store, View("zh"))
+    assert "There is no run 'nothing'" in str(page)
+    assert stays
