@@ -12,6 +12,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.history import Dispensable, Refused
+from storage import statistics
 from storage.blobs import Blobs, blobs_of
 from storage.catalogue import certificates, database, runs, tables, trail
 from storage.catalogue.certificates import Entry, record_of
@@ -107,6 +108,7 @@ def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
     blobs = blobs_of(home)
     blobs.remove_file(f"raw/{digest}.mcap")
     blobs.remove_folder(f"columns/{digest}")
+    blobs.remove_file(statistics.name_of(digest))
 
 
 def _delete_columns(each: Dispensable, person: str, home: Home) -> None:

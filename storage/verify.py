@@ -8,6 +8,7 @@ from pathlib import Path
 import sqlalchemy as sql
 
 from schemas.base import Frozen, Unusable
+from storage import statistics
 from storage.blobs import Blobs, blobs_of
 from storage.catalogue import certificates, database, tables, trail
 from storage.catalogue.certificates import Entry, record_of
@@ -166,9 +167,10 @@ def _record(entry: Entry, home: Home) -> Iterator[str]:
 
 
 def _unknown(blobs: Blobs, runs: list[Run]) -> Iterator[Found]:
-    """Recordings and columns in folder or bucket that no row of the catalogue names."""
+    """Recordings, columns and statistics in folder or bucket that no row of the catalogue names."""
     known = {f"raw/{run.digest}.mcap" for run in runs} | {f"columns/{run.digest}" for run in runs}
-    for kept in (*blobs.kept("raw"), *blobs.kept("columns")):
+    known |= {statistics.name_of(run.digest) for run in runs}
+    for kept in (*blobs.kept("raw"), *blobs.kept("columns"), *blobs.kept(statistics.FOLDER)):
         if kept.name not in known:
             yield from _left_over(blobs.where(kept.name), kept.age_s)
 

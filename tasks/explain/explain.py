@@ -59,7 +59,7 @@ def explain(
     """
     tell(progress, "motion")
     recording = as_mean_rates(recording)
-    faults, right, full = _put_right(recording, reference)
+    faults, right, full = without_faults(recording, reference)
     tell(progress, "events")
     clean = cleaned(right, full, only is None or TIME_OFFSET.name in only).less(reference, full)
     full = clean.as_stamped(full)
@@ -74,8 +74,8 @@ def explain(
     return with_faults(explanation, recording, faults)
 
 
-def _put_right(
-    recording: Recording, reference: ReferencePrediction | None
+def without_faults(
+    recording: Recording, reference: ReferencePrediction | None = None
 ) -> tuple[tuple[Fault, ...], Recording, FullRate]:
     """Faults of the logger, and the recording without them, as it is and at the unit's rate."""
     full = full_rate(recording)

@@ -1,6 +1,6 @@
 """What may be missing: the catalogue's terms and empirical ones, as columns of a design matrix."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -134,7 +134,7 @@ def candidates_of(
     columns: list[Column] = []
     for number, variant in enumerate(variants):
         own = columns_of(variant, motion)
-        for part in _parts(own):
+        for part in parts_of(own):
             members = tuple(len(columns) + p for p in part)
             candidates.append(Candidate(replace(variant, variant=number), members, part, 1))
         columns.extend(_single(own))
@@ -193,8 +193,11 @@ def _random_drifts(terms: Sequence[Term], first: int, variant: int) -> Iterator[
                 yield Candidate(term, members, own, 1, Prior(form[0], strength, form[1]))
 
 
-def _parts(columns: Sequence[Column]) -> Iterator[tuple[int, ...]]:
-    """All parameters; and, where each reads one channel alone, those of a triad, of a channel."""
+def parts_of(columns: Sequence[Collection[int]]) -> Iterator[tuple[int, ...]]:
+    """All parameters; and, where each reads one channel alone, those of a triad, of a channel.
+
+    columns: the channels of each parameter.
+    """
     present = [p for p, column in enumerate(columns) if column]
     if present:
         yield tuple(present)

@@ -36,10 +36,12 @@ class Case(Data):
     rate_hz: samples per second of unit and table. rates_deg_s: magnitudes, each turned both ways.
     gravity_m_s2, latitude_deg, heading_deg: what the manifest tells; they are true unless an
     effect says otherwise. temperature_recorded: whether the unit gives its own temperature.
-    site_told: whether the manifest tells latitude and heading.
+    site_told: whether the manifest tells latitude and heading. unit_seed: which unit, where it is
+    not a new one in each run.
     """
 
     seed: int = Field(ge=0)
+    unit_seed: int | None = Field(default=None, ge=0)
     grade: Grade = "industrial"
     procedure: Procedure = "three_axis"
     rate_hz: int = Field(default=100, ge=10, le=2000)

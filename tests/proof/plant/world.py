@@ -27,7 +27,8 @@ class Setting:
 
     @cached_property
     def unit(self) -> UnitErrors:
-        return draw_unit(self.case.seed)
+        own = self.case.unit_seed
+        return draw_unit(self.case.seed if own is None else own)
 
 
 @dataclass(frozen=True)

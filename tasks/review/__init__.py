@@ -1,0 +1,1 @@
+"""What many runs show together: evidence that adds up, who carries it and since when."""

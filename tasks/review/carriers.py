@@ -1,0 +1,163 @@
+"""Which carrier has an effect, against a spread between units and runs that would show the same."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc
+
+from schemas.review import LEVELS
+from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.review.hypotheses import Effect
+from tasks.review.mixed import Evidence, Spread, solved, spreads
+from tasks.review.pool import Pool
+from tasks.review.screening import Screened
+from tasks.review.windows import Window, rows_of, runs_of
+
+BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
+BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
+PER_CHANGE = 4.0
+SMALLER_LEVEL = 0.01  # of score: of two carriers with the same runs the smaller level is named
+
+
+@dataclass(frozen=True)
+class Carried:
+    """An effect in a window of runs, with the spread that explains the rest best.
+
+    gain: chi-squared that the common value takes away beside that spread. score: gain less its
+    price. beyond: twice the nats beyond the likeliest spread without a common value, which is the
+    test; p_value: of that, corrected for all that was tried.
+    """
+
+    effect: Effect
+    evidence: Evidence
+    window: Window
+    spread: Spread
+    gain: float
+    beyond: float
+    score: float
+    p_value: float
+
+    def values(self, pool: Pool) -> tuple[np.ndarray, np.ndarray]:
+        """(m,) values and (m, m) covariance, SI."""
+        right, information = self.spread.common(rows_of(pool, self.window))
+        back = self.evidence.back
+        covariance = back @ np.linalg.pinv(information, hermitian=True) @ back.T
+        return back @ solved(information, right), covariance
+
+
+def carried(pool: Pool, one: Screened, tried: int) -> list[Carried]:
+    """An effect in each of its windows, the best first; tried: windows and effects in all."""
+    rows = np.array([rows_of(pool, window) for window in one.windows])
+    looked = [
+        (spread, spread.gains_of(*sums))
+        for spread, sums in spreads(one.evidence, BETWEEN_RUNS, BETWEEN_UNITS, rows)
+    ]
+    nothing = max(spread.likelihood for spread, _ in looked)
+    likelihoods = np.array([spread.likelihood + gains for spread, gains in looked])
+    found = []
+    for number, (window, k) in enumerate(zip(one.windows, likelihoods.argmax(axis=0), strict=True)):
+        spread, gains = looked[int(k)]
+        beyond = spread.likelihood + gains[number] - nothing
+        found.append(
+            scored(pool, one.effect, one.evidence, window, spread, 2.0 * float(gains[number]),
+                   2.0 * float(beyond), tried)
+        )  # fmt: skip
+    return sorted(found, key=lambda each: -each.score)
+
+
+def scored(
+    pool: Pool,
+    effect: Effect,
+    evidence: Evidence,
+    window: Window,
+    spread: Spread,
+    gain: float,
+    beyond: float,
+    tried: int,
+) -> Carried:
+    """With the price: of its parameters, of how many of its name and level there are, and of each
+    change the number of runs at which it may be."""
+    price = PER_PARAMETER * evidence.size + 2.0 * np.log(effect.trials) + effect.term.rarity
+    price += 2.0 * np.log(max(1, len(pool.names[window.level])))
+    price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
+    price += SMALLER_LEVEL * LEVELS.index(window.level)
+    # What is known to be there needs no other that imitates it.
+    price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    p_value = min(1.0, float(chdtrc(evidence.size, max(beyond, 0.0))) * tried)
+    return Carried(effect, evidence, window, spread, gain, beyond, gain - price, p_value)
+
+
+@dataclass(frozen=True)
+class Change:
+    """A carrier's run from which on, or up to which, and the first and last that it may be."""
+
+    run: int
+    earliest: int
+    latest: int
+
+
+def refined(pool: Pool, one: Carried, tried: int) -> Carried:
+    """With the likeliest first and last run, of every one."""
+    for _ in range(2):
+        for side in ("first", "last"):
+            if getattr(one.window, side) not in (0, one.window.count):
+                one = _at_best(pool, one, side, tried)
+    return one
+
+
+def with_both_ends(pool: Pool, one: Carried, tried: int) -> Carried:
+    """With a second change where it gains more than its price."""
+    best = one
+    for side in ("first", "last"):
+        if getattr(one.window, side) in (0, one.window.count):
+            other = _at_best(pool, one, side, tried)
+            best = max(best, other, key=lambda each: each.score)
+    return best
+
+
+def _at_best(pool: Pool, one: Carried, side: str, tried: int) -> Carried:
+    """With the first or last run at which a common value gains most."""
+    gains = profile(pool, one, side)
+    if not gains:
+        return one
+    at = max(gains, key=lambda k: gains[k])
+    more = 2.0 * gains[at] - one.gain
+    return scored(
+        pool, one.effect, one.evidence, moved(one.window, side, at), one.spread, one.gain + more,
+        one.beyond + more, tried,
+    )  # fmt: skip
+
+
+def moved(window: Window, side: str, at: int) -> Window:
+    """The window with another first or last run."""
+    ends = {"first": window.first, "last": window.last} | {side: at}
+    return Window(window.level, window.carrier, ends["first"], ends["last"], window.count)
+
+
+def profile(pool: Pool, one: Carried, side: str) -> dict[int, float]:
+    """Nats gained with every other first (or last) run of the window, at the best values."""
+    window = one.window
+    within = range(1, window.last) if side == "first" else range(window.first + 1, window.count)
+    rows = np.array([rows_of(pool, moved(window, side, at)) for at in within])
+    return dict(zip(within, one.spread.gains(rows).tolist(), strict=True))
+
+
+CONFIDENT = 1.92  # nats: half of the 95 % point of chi-squared with one degree of freedom
+
+
+def change_of(pool: Pool, one: Carried, side: str) -> Change | None:
+    """The change at one end of the window; None where it is that of the carrier's runs."""
+    at = getattr(one.window, side)
+    if at in (0, one.window.count):
+        return None
+    gains = profile(pool, one, side)
+    likely = [k for k, gain in gains.items() if gain > max(gains.values()) - CONFIDENT]
+    own = runs_of(pool, one.window.level, one.window.carrier)
+    last = side == "last"  # of a window that ends before run `at`
+    return Change(*(int(own[k - last]) for k in (at, min(likely), max(likely))))
+
+
+def tried_of(pool: Pool, windows: Sequence[Sequence[Window]]) -> int:
+    """How many effects in how many windows were tried."""
+    return len(pool.effects) * sum(len(some) for some in windows)

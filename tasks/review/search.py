@@ -1,0 +1,115 @@
+"""What the runs show together, one finding after the other until chance would show as much."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.review import Level
+from tasks.explain.search.scores import INDISTINGUISHABLE
+from tasks.review.carriers import (
+    Carried,
+    Change,
+    carried,
+    change_of,
+    refined,
+    tried_of,
+    with_both_ends,
+)
+from tasks.review.pool import Pool
+from tasks.review.screening import WORTH, screened
+from tasks.review.windows import all_windows, rows_of
+
+FALSE_ALARMS = 0.01
+MOST_FINDINGS = 6
+CLOSELY = 16  # effects that are looked at closely
+
+
+@dataclass(frozen=True)
+class Found:
+    """An effect that a carrier has.
+
+    values: (m,) SI with their covariance. since, until: None where it was there from the carrier's
+    first run, or to its last. pool: what the findings before it have left. carriers: the same
+    effect elsewhere, as likely within INDISTINGUISHABLE; others: names likewise.
+    """
+
+    best: Carried
+    values: np.ndarray
+    covariance: np.ndarray
+    since: Change | None
+    until: Change | None
+    pool: Pool
+    carriers: tuple[Carried, ...]
+    others: tuple[Carried, ...]
+
+
+def search(pool: Pool) -> tuple[tuple[Found, ...], float]:
+    """The findings, and the p value of the strongest mismatch, corrected for all that is tried."""
+    found, p_value = list[Found](), 1.0
+    while len(found) < MOST_FINDINGS:
+        one, strongest = _next(pool)
+        if not found:
+            p_value = strongest
+        if one is None:
+            break
+        found.append(one)
+        pool = pool.less(one.best.effect, one.values, rows_of(pool, one.best.window))
+    return tuple(found), p_value
+
+
+def _next(pool: Pool) -> tuple[Found | None, float]:
+    windows = all_windows(pool)
+    tried = tried_of(pool, [level.windows for level in windows])
+    looked = screened(pool, windows)
+    worth = [one for one in looked if one.p_value < WORTH][:CLOSELY]
+    if not worth:
+        return None, looked[0].p_value if looked else 1.0
+    every = [each for one in worth for each in carried(pool, one, tried)]
+    believed = [each for each in every if each.p_value < FALSE_ALARMS and _plausible(pool, each)]
+    if not believed:
+        return None, max(min(each.p_value for each in every), FALSE_ALARMS)
+    leading = sorted(believed, key=lambda each: -each.score)
+    near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
+    finer = sorted(
+        (with_both_ends(pool, refined(pool, each, tried), tried) for each in near),
+        key=lambda each: -each.score,
+    )
+    best = finer[0]
+    values, covariance = best.values(pool)
+    since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
+    return (
+        Found(
+            best, values, covariance, since, until, pool, _carriers(finer, best),
+            _names(finer, best),
+        ),
+        best.p_value,
+    )  # fmt: skip
+
+
+def _carriers(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:
+    """Other carriers of the same effect that are as likely, the best window of each."""
+    found: dict[tuple[Level, int], Carried] = {}
+    for each in finer:
+        if each.effect == best.effect and each.score > best.score - INDISTINGUISHABLE:
+            found.setdefault((each.window.level, each.window.carrier), each)
+    found.pop((best.window.level, best.window.carrier), None)
+    return tuple(found.values())
+
+
+def _names(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:
+    """Other names that are as likely, the best of each."""
+    found: dict[str, Carried] = {}
+    for each in finer:
+        if each.effect.name != best.effect.name and each.score > best.score - INDISTINGUISHABLE:
+            found.setdefault(each.effect.name, each)
+    return tuple(found.values())
+
+
+def _plausible(pool: Pool, one: Carried) -> bool:
+    """Every parameter within the plausible range of the effect."""
+    values, covariance = one.values(pool)
+    u = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    low = np.array([p.low for p in one.effect.parameters]) - 2.0 * u
+    high = np.array([p.high for p in one.effect.parameters]) + 2.0 * u
+    return bool(((values >= low) & (values <= high)).all())

@@ -1,0 +1,84 @@
+"""Which runs may have something in common: those of a carrier, all, or since or until one."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.review import LEVELS, Level
+from tasks.review.pool import Pool
+
+FEWEST = 3  # runs before and after a change
+MOST_WINDOWS = 3000  # of one level: at more runs not every one is tried for a change
+
+
+@dataclass(frozen=True)
+class Window:
+    """The runs of a carrier from its run number `first` on, up to but without `last`."""
+
+    level: Level
+    carrier: int
+    first: int
+    last: int
+    count: int  # runs of the carrier
+
+    @property
+    def whole(self) -> bool:
+        return self.first == 0 and self.last == self.count
+
+    @property
+    def changes(self) -> int:
+        return int(self.first > 0) + int(self.last < self.count)
+
+
+@dataclass(frozen=True)
+class LevelWindows:
+    """All windows of one level.
+
+    order: (k,) runs of the pool by carrier and time. low, high: (w,) of each window within them.
+    """
+
+    order: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    windows: tuple[Window, ...]
+
+
+def runs_of(pool: Pool, level: Level, carrier: int) -> np.ndarray:
+    """(k,) numbers of a carrier's runs in the order of time."""
+    return np.flatnonzero(pool.carrier[level] == carrier)
+
+
+def rows_of(pool: Pool, window: Window) -> np.ndarray:
+    """(runs,) bool: the runs of a window."""
+    rows = np.zeros(len(pool.runs), bool)
+    rows[runs_of(pool, window.level, window.carrier)[window.first : window.last]] = True
+    return rows
+
+
+def all_windows(pool: Pool) -> tuple[LevelWindows, ...]:
+    """Every window that is tried, by level."""
+    found = []
+    for level in LEVELS:
+        order, starts, windows = list[int](), list[int](), list[Window]()
+        most = max(4, MOST_WINDOWS // max(1, len(pool.names[level])))
+        for carrier in range(len(pool.names[level])):
+            own = runs_of(pool, level, carrier)
+            for first, last in _spans(len(own), most):
+                windows.append(Window(level, carrier, first, last, len(own)))
+                starts.append(len(order))
+            order.extend(own.tolist())
+        at = np.array(starts, int)
+        low = at + np.array([w.first for w in windows], int)
+        high = at + np.array([w.last for w in windows], int)
+        found.append(LevelWindows(np.array(order, int), low, high, tuple(windows)))
+    return tuple(found)
+
+
+def _spans(count: int, most: int) -> Iterator[tuple[int, int]]:
+    """All runs, those since one and those up to one, at most so many of each."""
+    yield 0, count
+    step = max(1, count // most)
+    for k in range(FEWEST, count - FEWEST + 1, step):
+        yield k, count
+        yield 0, k

@@ -1,0 +1,1 @@
+"""Sealed fleets: many runs of many units on some stations, and who in them carries an effect."""

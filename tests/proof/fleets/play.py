@@ -1,0 +1,45 @@
+"""A run of a fleet as a recording that tells who, where and when, and nothing of the truth."""
+
+from datetime import UTC, datetime, timedelta
+
+from schemas.recording import Manifest, Recording
+from tests.proof.fleets.draw import Fleet, FleetRun
+from tests.proof.plant.simulate import simulate
+
+BEGINNING = datetime(2025, 3, 1, 8, tzinfo=UTC)
+
+
+def played(fleet: Fleet, run: FleetRun) -> Recording:
+    """The recording of a run."""
+    recording = simulate(fleet.case_of(run)).recording
+    told = recording.manifest.model_dump(mode="json", exclude_none=True)
+    told["recording_id"] = f"fleet_{fleet.number}_{run.day:04d}"
+    told["acquired_at"] = (BEGINNING + timedelta(days=run.day)).isoformat()
+    told["unit"] |= {"serial": unit_name(run.unit), "model": model_name(fleet.models[run.unit])}
+    told["station"] |= {"id": station_name(run.station)}
+    told["station"]["site"] = site_name(fleet.sites[run.station])
+    return Recording(
+        Manifest.model_validate(told), recording.imu, recording.table, None, recording.environment
+    )
+
+
+def carrier_name(fleet: Fleet) -> str:
+    """The name of what carries the effect."""
+    names = {"unit": unit_name, "station": station_name, "model": model_name, "site": site_name}
+    return names[fleet.level](fleet.carrier)
+
+
+def unit_name(number: int) -> str:
+    return f"SN{number:04d}"
+
+
+def station_name(number: int) -> str:
+    return f"ST-{number:02d}"
+
+
+def model_name(number: int) -> str:
+    return f"M{number}"
+
+
+def site_name(number: int) -> str:
+    return f"site {number}"

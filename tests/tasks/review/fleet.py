@@ -1,0 +1,86 @@
+"""Fleets of statistics without recordings: columns of chance, and what carries an effect."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from schemas.review import Layout, PooledParameter, PooledTerm, RunStatistics
+from tasks.review.pool import Pool, ReviewedRun, pooled
+from tasks.review.statistics import STEP
+
+NAMES = ("axis_tilt", "lever_arm", "size_effect", "gyro_g2_sensitivity", "table_scale")
+SIZES = (2, 3, 3, 3, 1)
+ROWS = 60
+
+
+def layout() -> Layout:
+    """Five terms of a few parameters."""
+    return Layout(
+        terms=tuple(
+            PooledTerm(
+                name=name, family="f", at=(), rarity=0.0, known=False,
+                parameters=tuple(
+                    PooledParameter(
+                        name=f"p{q}", unit="1", factor=1.0, low=-100.0, high=100.0, channels=(0, 1)
+                    )
+                    for q in range(size)
+                ),
+            )
+            for name, size in zip(NAMES, SIZES, strict=True)
+        )
+    )  # fmt: skip
+
+
+def place(name: str) -> slice:
+    """Where a term's parameters stand."""
+    k = NAMES.index(name)
+    return slice(sum(SIZES[:k]), sum(SIZES[: k + 1]))
+
+
+def statistics(rng: np.random.Generator, columns: np.ndarray, values: np.ndarray) -> RunStatistics:
+    """Of one run with white noise of one; columns (rows, p), values (p,)."""
+    readings = columns @ values + rng.standard_normal(len(columns))
+    gram = columns.T @ columns
+    size = np.sqrt(np.diag(gram))
+    correlation = gram / size[:, None] / size
+    triangle = correlation[np.triu_indices(len(size))]
+    return RunStatistics(
+        LAYOUT, KEY, np.round(triangle * STEP).astype(np.int16),
+        (columns.T @ readings / size).astype(np.float32), (1.0 / size).astype(np.float32),
+        np.ones(6, np.float32),
+    )  # fmt: skip
+
+
+Values = Callable[[int, int, int], np.ndarray]  # unit, station, day -> (p,)
+
+
+def fleet(
+    seed: int, values: Values, *, runs: int = 80, units: int = 12, stations: int = 4,
+    station_of: Callable[[int], int] | None = None,
+) -> Pool:  # fmt: skip
+    """Runs day after day of units that go from station to station, or stay on their own."""
+    rng = np.random.default_rng(seed)
+    shared = rng.standard_normal((ROWS, sum(SIZES))) / np.sqrt(ROWS)
+    found = []
+    for day in range(runs):
+        unit = int(rng.integers(units))
+        station = station_of(unit) if station_of else int(rng.integers(stations))
+        columns = shared + 0.2 * rng.standard_normal(shared.shape) / np.sqrt(ROWS)
+        carriers = {
+            "unit": f"U{unit}", "station": f"S{station}", "model": f"M{unit % 2}", "site": "here"
+        }  # fmt: skip
+        run = ReviewedRun(f"r{day:03d}", f"2026-01-01T{day:05d}", carriers)
+        found.append((run, statistics(rng, columns, values(unit, station, day))))
+    return pooled(found)
+
+
+def of(name: str, size: float) -> np.ndarray:
+    """(p,) values: an effect with each parameter of a size."""
+    values = np.zeros(sum(SIZES))
+    values[place(name)] = size
+    return values
+
+
+NOTHING = np.zeros(sum(SIZES))
+LAYOUT = layout()
+KEY = LAYOUT.key

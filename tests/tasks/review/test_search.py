@@ -1,0 +1,83 @@
+"""What many runs show together, tried on fleets of statistics whose truth is known."""
+
+import numpy as np
+import pytest
+
+from tasks.review.search import Found, search
+from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place
+
+IN_ONE_RUN = 2.0  # each parameter: z of about three
+
+
+def carrier(found: Found) -> tuple[str, str, str]:
+    window = found.best.window
+    return found.best.effect.name, window.level, found.pool.names[window.level][window.carrier]
+
+
+def test_what_no_run_shows_alone_is_found_at_its_station() -> None:
+    pool = fleet(1, lambda unit, station, day: of("axis_tilt", IN_ONE_RUN * (station == 2)))
+    found, p_value = search(pool)
+    assert [carrier(one) for one in found] == [("axis_tilt", "station", "S2")]
+    assert p_value < 1e-6
+    assert found[0].values == pytest.approx([IN_ONE_RUN, IN_ONE_RUN], abs=0.8)
+
+
+def test_a_model_and_a_single_unit_are_carriers_too() -> None:
+    model = fleet(2, lambda unit, station, day: of("size_effect", IN_ONE_RUN * (unit % 2)))
+    single = fleet(
+        3, lambda unit, station, day: of("size_effect", IN_ONE_RUN * (unit == 4)), runs=120, units=8
+    )  # fmt: skip
+    assert [carrier(one) for one in search(model)[0]] == [("size_effect", "model", "M1")]
+    assert [carrier(one) for one in search(single)[0]] == [("size_effect", "unit", "U4")]
+
+
+def test_a_change_is_dated_within_its_interval() -> None:
+    pool = fleet(4, lambda unit, station, day: of("axis_tilt", 1.5 * IN_ONE_RUN * (day >= 50)))
+    (one,), _ = search(pool)
+    assert carrier(one)[1:] == ("site", "here")
+    assert one.since is not None
+    assert one.until is None
+    assert abs(one.since.run - 50) <= 2
+    assert one.since.earliest <= 50 <= one.since.latest
+
+
+def test_a_spread_between_units_is_no_mismatch() -> None:
+    spread = np.random.default_rng(9).standard_normal((12, SIZES[2])) * IN_ONE_RUN
+
+    def values(unit: int, station: int, day: int) -> np.ndarray:
+        own = NOTHING.copy()
+        own[place("size_effect")] = spread[unit]
+        return own
+
+    assert search(fleet(5, values))[0] == ()
+
+
+def test_two_effects_are_found_one_after_the_other() -> None:
+    def values(unit: int, station: int, day: int) -> np.ndarray:
+        tilted = of("axis_tilt", 2.0 * IN_ONE_RUN * (station == 1))
+        return tilted + of("gyro_g2_sensitivity", IN_ONE_RUN * (unit % 2))
+
+    names = {carrier(one) for one in search(fleet(6, values, runs=120))[0]}
+    assert names == {("axis_tilt", "station", "S1"), ("gyro_g2_sensitivity", "model", "M1")}
+
+
+def test_a_unit_that_stayed_on_its_station_cannot_be_told_from_it() -> None:
+    pool = fleet(
+        7, lambda unit, station, day: of("axis_tilt", 1.5 * IN_ONE_RUN * (unit == 3)),
+        runs=120, units=8, station_of=lambda unit: unit,
+    )  # fmt: skip
+    (one,), _ = search(pool)
+    assert carrier(one) == ("axis_tilt", "unit", "U3")
+    assert [each.window.level for each in one.carriers] == ["station"]
+
+
+def test_what_every_run_has_a_little_of_is_not_believed() -> None:
+    little = fleet(8, lambda unit, station, day: of("axis_tilt", 0.4), runs=200)
+    much = fleet(8, lambda unit, station, day: of("axis_tilt", 2.0 * IN_ONE_RUN), runs=200)
+    assert search(little)[0] == ()
+    assert [carrier(one)[:2] for one in search(much)[0]] == [("axis_tilt", "site")]
+
+
+def test_clean_fleets_raise_no_alarm() -> None:
+    alarms = [search(fleet(100 + k, lambda unit, station, day: NOTHING))[0] for k in range(12)]
+    assert [alarm for alarm in alarms if alarm] == []
