@@ -16,6 +16,7 @@ from flows import (
     options,
     station,
     store_commands,
+    user_commands,
 )
 from flows.signals import end_as_ctrl_c
 from schemas.base import BrokenOff, Unusable
@@ -40,6 +41,7 @@ app.add_typer(history_commands.app)
 app.add_typer(dashboard_commands.app)
 app.add_typer(equipment_commands.app, name="equipment")
 app.add_typer(station.app, name="station")
+app.add_typer(user_commands.app, name="user")
 
 
 def main() -> None:

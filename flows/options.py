@@ -213,6 +213,9 @@ Seed = Annotated[int, _option("NUMBER", "Which virtual unit.", min=0)]
 Host = Annotated[str, _option("ADDRESS", "Address on which it listens.")]
 Port = Annotated[int, _option("NUMBER", PORT, min=0, max=LAST_PORT)]
 PagesPort = Annotated[int, _option("NUMBER", "TCP port; 0: any that is free.", min=0, max=65_535)]
+UserName = Annotated[str, typer.Argument(metavar="NAME", help="As the trail has it.")]
+ROLE = "viewer, operator, verifier, issuer or administrator."
+UserRole = Annotated[str, _option("ROLE", ROLE, "--role")]
 Faults = Annotated[
     list[str] | None, _option("NAME[@SECONDS]", "A fault of the station; may be repeated.")
 ]

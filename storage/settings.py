@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from pydantic import ValidationError
 
+from schemas.access import PagesFile
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Laboratory
 from schemas.recall import RecallFile
@@ -17,6 +18,7 @@ from storage.plain_files import check_depth, text_bytes
 
 LABORATORY = "laboratory.toml"
 RECALL = "recall.toml"
+PAGES = "pages.toml"
 VALIDATION = "validation.json"
 READERS = {".toml": tomllib.loads, ".json": json.loads}
 
@@ -86,6 +88,12 @@ def recall(home: Home) -> RecallFile | None:
     """Who is reminded of recalibration and how, or None where `recall.toml` is missing."""
     path = home.path / RECALL
     return read(path, RecallFile) if path.exists() else None
+
+
+def pages(home: Home) -> PagesFile:
+    """How the operations pages are served; as usual where `pages.toml` is missing."""
+    path = home.path / PAGES
+    return read(path, PagesFile) if path.exists() else PagesFile()
 
 
 def validation(home: Home) -> ValidationRecord | None:

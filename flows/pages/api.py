@@ -19,6 +19,7 @@ from tasks.version import code_version
 PREFIX = "/api/v1"
 REFUSALS = {
     400: "The query cannot be answered as it stands.",
+    401: "Nobody said who is asking (HTTP basic authentication, or a session).",
     503: "The catalogue cannot be reached just now.",
 }
 

@@ -9,9 +9,12 @@ from flask_talisman import Talisman
 from werkzeug.wrappers import Response
 
 from flows.pages import api, shell
+from flows.pages.access import guard
 from flows.pages.files import files as certificate_files
+from flows.pages.login import login
 from flows.pages.preferences import view_of_request
 from flows.pages.register import FIRST
+from storage import settings
 from storage.home import Home
 
 
@@ -58,7 +61,8 @@ def make_app(home: Home) -> Application:
     app.server.register_blueprint(api.endpoints(home))
     app.server.register_blueprint(certificate_files(home))
     app.server.before_request(_to_first_page)
-    _keep_at_home(app)
+    _keep_at_home(app, is_https=settings.pages(home).https)
+    app.server.register_blueprint(login(home, guard(app.server, home)))
     return app
 
 
@@ -66,7 +70,7 @@ def _to_first_page() -> Response | None:
     return redirect(f"/{FIRST.name}") if request.path == "/" else None
 
 
-def _keep_at_home(app: Application) -> None:
+def _keep_at_home(app: Application, is_https: bool) -> None:
     """Headers by which a browser asks no other host, and no other page frames this one."""
     own = "'self'"
     policy = {
@@ -83,9 +87,9 @@ def _keep_at_home(app: Application) -> None:
     Talisman(
         app.server,
         force_https=False,  # on loopback, or behind a proxy that ends TLS
-        strict_transport_security=False,
-        session_cookie_secure=False,
-        session_cookie_samesite="Strict",
+        strict_transport_security=is_https,
+        session_cookie_secure=is_https,
+        session_cookie_samesite="Lax",
         frame_options="DENY",
         referrer_policy="same-origin",
         content_security_policy=policy,

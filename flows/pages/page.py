@@ -1,13 +1,14 @@
 """What a page is, and for whom it is laid out."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 from urllib.parse import parse_qsl
 
 from dash import Dash
 from dash.development.base_component import Component
 
+from schemas.access import Visitor
 from schemas.base import Frozen
 from storage.home import Home
 from tasks.words import Sayable, message, say
@@ -26,6 +27,7 @@ class View:
 
     language: str = "en"
     theme: Theme = "light"
+    visitor: Visitor = field(default_factory=Visitor)
 
     def say(self, sayable: Sayable) -> str:
         """A message in the language of the view."""

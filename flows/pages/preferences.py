@@ -1,8 +1,9 @@
-"""Language and theme: two cookies that the switches in the header set."""
+"""How and by whom a page is looked at: language and theme are cookies that the switches set."""
 
-from flask import request
+from flask import g, request
 
 from flows.pages.page import Theme, View
+from schemas.access import Visitor
 from tasks.words import LANGUAGES
 
 LANGUAGE, THEME = "mimucal_language", "mimucal_theme"
@@ -13,4 +14,5 @@ def view_of_request() -> View:
     chosen = request.cookies.get(LANGUAGE)
     accepted = request.accept_languages.best_match(LANGUAGES, default="en")
     theme: Theme = "dark" if request.cookies.get(THEME) == "dark" else "light"
-    return View(language=chosen if chosen in LANGUAGES else accepted, theme=theme)
+    language = chosen if chosen in LANGUAGES else accepted
+    return View(language=language, theme=theme, visitor=g.get("visitor") or Visitor())

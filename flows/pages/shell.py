@@ -3,10 +3,12 @@
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import ClientsideFunction, Dash, Input, Output, dcc
+from dash import ClientsideFunction, Dash, Input, Output, dcc, html
 from dash.development.base_component import Component
+from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
+from flows.pages.access import fault
 from flows.pages.page import Page, View, parameters
 from flows.pages.preferences import view_of_request
 from flows.pages.register import PAGES
@@ -56,6 +58,7 @@ def _header(view: View) -> Component:
     switches = [
         dmc.SegmentedControl(id="language", data=languages, value=view.language, size="xs"),
         dmc.SegmentedControl(id="theme", data=themes, value=view.theme, size="xs"),
+        *_person(view),
     ]
     return dmc.Group(
         [dmc.Group(links, gap=2, wrap="nowrap"), dmc.Group(switches, gap="xs", wrap="nowrap")],
@@ -63,6 +66,21 @@ def _header(view: View) -> Component:
         wrap="nowrap",
         h="100%",
     )
+
+
+def _person(view: View) -> list[Component]:
+    """Who is logged in, and the way out; nobody where the home has no users."""
+    if not view.visitor.name:
+        return []
+    role = view.say(message(f"pages-role.{view.visitor.role}"))
+    leave = [
+        dcc.Input(type="hidden", name="csrf_token", value=generate_csrf()),
+        dmc.Button(view.say(message("pages-login.leave")), type="submit", size="compact-xs"),
+    ]
+    return [
+        dmc.Text(f"{view.visitor.name} ({role})", size="xs", truncate="end", maw=140),
+        html.Form(leave, action="/logout", method="POST"),
+    ]
 
 
 def add_callbacks(app: Dash, home: Home) -> None:
@@ -77,7 +95,10 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Input("again", "n_intervals"),
     )
     def show(path: str | None, search: str | None, _: Any) -> PageAndInterval:
-        return page_at(path or "/", search or "", home, view_of_request())
+        view, unreachable = view_of_request(), fault()
+        if unreachable is not None:
+            return no_database(unreachable, view)
+        return page_at(path or "/", search or "", home, view)
 
     app.clientside_callback(
         ClientsideFunction("preferences", "keep"),
@@ -103,11 +124,16 @@ def page_at(path: str, search: str, home: Home, view: View) -> PageAndInterval:
     except ValidationError as error:
         return notice(view, "pages-not-answered", "yellow", first_fault(error)), NEVER, True
     except Busy as error:
-        return notice(view, "pages-no-database", "red", str(error)), int(RETRY_S * 1000), False
+        return no_database(str(error), view)
     except Unusable as error:
         return notice(view, "pages-not-answered", "yellow", str(error)), NEVER, True
     interval = NEVER if page.refresh_s is None else int(page.refresh_s * 1000)
     return _titled(page, shown, view), interval, page.refresh_s is None
+
+
+def no_database(sentence: str, view: View) -> PageAndInterval:
+    """What a page says while the database does not answer; then it asks again."""
+    return notice(view, "pages-no-database", "red", sentence), int(RETRY_S * 1000), False
 
 
 def _titled(page: Page, shown: Component, view: View) -> Component:

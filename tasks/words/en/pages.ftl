@@ -2,6 +2,19 @@
 
 pages-light = Light
 pages-dark = Dark
+pages-login =
+    .name = Name
+    .password = Password
+    .enter = Log in
+    .leave = Log out
+    .wrong = Name or password is not right.
+    .shut = Too many tries failed. Wait a minute, or up to an hour, and try again.
+pages-role =
+    .viewer = viewer
+    .operator = operator
+    .verifier = verifier
+    .issuer = issuer
+    .administrator = administrator
 pages-no-such-page = There is no such page
 pages-not-answered = This cannot be shown
 pages-no-database = The catalogue cannot be reached; this page asks again by itself

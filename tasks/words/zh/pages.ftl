@@ -2,6 +2,19 @@
 
 pages-light = 浅色
 pages-dark = 深色
+pages-login =
+    .name = 姓名
+    .password = 密码
+    .enter = 登录
+    .leave = 退出
+    .wrong = 姓名或密码不正确。
+    .shut = 失败次数过多。请等待一分钟（最长一小时）后再试。
+pages-role =
+    .viewer = 查看者
+    .operator = 操作员
+    .verifier = 核验员
+    .issuer = 签发人
+    .administrator = 管理员
 pages-no-such-page = 没有这个页面
 pages-not-answered = 无法显示
 pages-no-database = 无法访问目录数据库；本页会自动重试

@@ -1,0 +1,79 @@
+"""The users of the operations pages: `mimucal user add|list|remove`."""
+
+import sys
+
+import typer
+
+from flows import options
+from schemas.base import Unusable
+
+app = typer.Typer(help="Who may log in to the operations pages, and in which role.")
+SHORTEST = 10  # characters of a password
+LONGEST = 100  # characters of a name
+
+
+@app.command()
+def add(name: options.UserName, role: options.UserRole, by: options.By = None) -> None:
+    """Add a user, or give one another role and password.
+
+    The password is asked for at a terminal, else it is the first line of standard input.
+    """
+    from flows.pages.passwords import hashed
+    from schemas.access import ROLES
+    from storage.catalogue import users
+    from storage.home import home
+
+    chosen = next((each for each in ROLES if each == role), None)
+    if chosen is None:
+        raise Unusable(f"--role {role}: choose one of {', '.join(ROLES)}")
+    if not 0 < len(name) <= LONGEST or name != name.strip():
+        raise Unusable(
+            f"{name[:LONGEST]!r} is no name of a user; give 1 to {LONGEST} characters that neither "
+            "begin nor end with a space."
+        )
+    users.add(name, chosen, hashed(_password(name)), home(), _person(by))
+    print(f"{name}: {chosen}")
+
+
+@app.command(name="list")
+def list_(as_json: options.Json = False) -> None:
+    """The users with their roles."""
+    from flows.printing import print_json, print_rows
+    from storage.catalogue import users
+    from storage.home import home
+
+    every = users.users(home()).values()
+    if as_json:
+        shown = [each.model_dump(mode="json", exclude={"password"}) for each in every]
+        print_json({"format": "mimu-users/1", "users": shown})
+        return
+    rows = [(each.name, each.role, f"{each.added_at:%F %R}") for each in every]
+    print_rows("Users", ("name", "role", "since (UTC)"), rows)
+
+
+@app.command()
+def remove(name: options.UserName, by: options.By = None) -> None:
+    """Remove a user; whoever is logged in under the name is so no more."""
+    from storage.catalogue import users
+    from storage.home import home
+
+    users.remove(name, home(), _person(by))
+    print(f"{name} removed")
+
+
+def _password(name: str) -> str:
+    if sys.stdin.isatty():
+        given: str = typer.prompt(
+            f"Password of {name}", hide_input=True, confirmation_prompt=True, err=True
+        )
+    else:
+        given = sys.stdin.readline().rstrip("\n")
+    if len(given) < SHORTEST:
+        raise Unusable(f"The password has {len(given)} characters; give at least {SHORTEST}.")
+    return given
+
+
+def _person(by: str | None) -> str:
+    if not by or not by.strip():
+        raise Unusable("The trail keeps who changes users; give --by NAME, or set MIMUCAL_USER.")
+    return by

@@ -1,0 +1,140 @@
+"""Who is let in, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+from flask.testing import FlaskClient
+
+from flows.pages import passwords
+from flows.pages.app import make_app
+from flows.pages.serve import serve
+from schemas.access import MAY, ROLES, Visitor
+from schemas.base import Unusable
+from storage.catalogue import trail, users
+from storage.catalogue.connection import Busy
+from storage.home import Home
+
+PASSWORD = "correct horse battery"
+HASH = passwords.hashed(PASSWORD)
+PAGE = {"Accept": "text/html"}
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Home:
+    users.add("Wang Li", "operator", HASH, Home(tmp_path), "Admin")
+    return Home(tmp_path)
+
+
+@pytest.fixture
+def client(home: Home) -> FlaskClient:
+    return make_app(home).server.test_client()
+
+
+def token(client: FlaskClient) -> str:
+    page = client.get("/login", headers=PAGE).text
+    return page.partition('name="csrf_token" value="')[2].partition('"')[0]
+
+
+def log_in(client: FlaskClient, password: str = PASSWORD, name: str = "Wang Li") -> int:
+    form = {"name": name, "password": password, "next": "/runs", "csrf_token": token(client)}
+    return client.post("/login", data=form).status_code
+
+
+def test_a_home_without_users_is_looked_at_by_everybody_who_may_do_nothing(tmp_path: Path) -> None:
+    assert make_app(Home(tmp_path)).server.test_client().get("/api/v1/runs").status_code == 200
+    assert not any(Visitor(role=role).may(action) for role in ROLES for action in MAY)
+
+
+def test_nobody_sees_anything_without_a_name(client: FlaskClient) -> None:
+    assert client.get("/runs", headers=PAGE).headers["Location"] == "/login?next=/runs"
+    for path in ("/api/v1/runs", "/api/v1/openapi.json", "/_dash-layout", "/_dash-dependencies"):
+        assert client.get(path).status_code == 401, path
+    assert client.get("/certificate/A-1.pdf").status_code in (302, 401)
+    assert client.post("/_dash-update-component", json={}).status_code in (400, 401)
+
+
+def test_a_session_begins_with_the_password_and_ends_with_the_user(
+    client: FlaskClient, home: Home
+) -> None:
+    assert log_in(client, "wrong") == 403
+    assert log_in(client) == 302
+    assert client.get("/api/v1/runs").status_code == 200
+    cookie = client.get_cookie("mimucal_session")
+    assert cookie is not None
+    assert (cookie.http_only, cookie.same_site) == (True, "Lax")
+    users.add("Wang Li", "operator", passwords.hashed("another password"), home, "Admin")
+    assert client.get("/api/v1/runs").status_code == 401
+
+
+def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: Home) -> None:
+    log_in(client)
+    users.remove("Wang Li", home, "Admin")
+    users.add("Zhao Min", "viewer", HASH, home, "Admin")
+    assert client.get("/api/v1/runs").status_code == 401
+    actions = [(entry.person, entry.action, entry.subject) for entry in trail.entries(home)]
+    assert ("Admin", "remove user", "Wang Li") in actions
+    assert not any(HASH in entry.details for entry in trail.entries(home))
+
+
+def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
+    form = {"name": "Wang Li", "password": PASSWORD}
+    assert client.post("/login", data=form).status_code == 400
+    log_in(client)
+    assert client.post("/logout").status_code == 400
+    assert client.post("/_dash-update-component", json={}).status_code == 400
+
+
+def test_tries_that_fail_shut_the_gate_for_the_name_and_the_address(
+    client: FlaskClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    codes = [log_in(client, "wrong") for _ in range(6)]
+    assert codes == [403] * 5 + [429]
+    assert log_in(client) == 429
+    assert client.get("/api/v1/runs", auth=("Wang Li", PASSWORD)).status_code == 401
+
+
+def test_a_script_says_its_name_with_each_request(client: FlaskClient) -> None:
+    assert client.get("/api/v1/runs", auth=("Wang Li", PASSWORD)).status_code == 200
+    refused = client.get("/api/v1/runs", auth=("Nobody", PASSWORD))
+    assert refused.status_code == 401
+    assert refused.headers["WWW-Authenticate"].startswith("Basic")
+
+
+def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) -> None:
+    settings = '[proxy]\naddresses = ["10.0.0.7"]\nheader = "X-Remote-User"\n'
+    (home.path / "pages.toml").write_text(settings, encoding="utf-8")
+    client = make_app(home).server.test_client()
+
+    def asked(address: str, name: str) -> int:
+        return client.get(
+            "/api/v1/runs", headers={"X-Remote-User": name}, environ_base={"REMOTE_ADDR": address}
+        ).status_code
+
+    assert asked("10.0.0.7", "Wang Li") == 200
+    assert asked("10.0.0.7", "Nobody") == 401
+    assert asked("127.0.0.1", "Wang Li") == 401
+
+
+def test_pages_without_users_are_served_on_this_machine_alone(tmp_path: Path) -> None:
+    with pytest.raises(Unusable, match="mimucal user add"):
+        serve(Home(tmp_path), "0.0.0.0", 0)
+
+
+def test_a_password_is_kept_as_an_argon2_hash(home: Home) -> None:
+    (user,) = users.users(home).values()
+    assert user.password.startswith("$argon2id$")
+    assert PASSWORD not in repr(user)
+
+
+def test_without_its_database_the_frame_is_there_and_the_json_says_why(
+    client: FlaskClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(_: Home) -> dict[str, users.User]:
+        raise Busy("The catalogue cannot be used.")
+
+    monkeypatch.setattr("flows.pages.access.users", stopped)
+    assert client.get("/runs", headers=PAGE).status_code == 200
+    refused = client.get("/api/v1/runs")
+    assert (refused.status_code, refused.json) == (503, {"error": "The catalogue cannot be used."})
+    monkeypatch.undo()
+    assert client.get("/api/v1/runs").status_code == 401
