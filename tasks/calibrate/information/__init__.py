@@ -20,8 +20,8 @@ def information(
     """
     return {
         **earth_information(evidence.earth, items),
-        **lever_arm_information(evidence),
-        **line_information(evidence, rate_sensor),
+        **lever_arm_information(evidence, items),
+        **line_information(evidence, items, rate_sensor),
         **repeatability_information(evidence, rate_sensor),
         **noise_information(evidence, rate_sensor),
     }

@@ -27,7 +27,10 @@ def _gain(earth: EarthRotationGain | None) -> dict[str, Information]:
     if earth is None:
         return {}
     text = message("information-earth-gain.text", shown=earth_rotation_message(earth))
-    gain = entry("earth-gain", "1", [earth.gain], [earth.u], text, elements="λ", about=ITEM)
+    gain = entry(
+        "earth-gain", "1", [round(earth.gain, 3)], [earth.u], text,
+        elements="λ", without_U=True, about=ITEM,
+    )  # fmt: skip
     return {EARTH_ROTATION: gain}
 
 

@@ -1,11 +1,13 @@
 """An entry of the result's information."""
 
+import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from schemas.calibration import Elements, Information
+from schemas.calibration import Elements, Information, Item
 from schemas.recording import AXES
+from tasks.uncertainty.propagation import coverage_factor
 from tasks.words import Message, message, say
 from tasks.words.rounding import USUAL_K
 
@@ -21,16 +23,19 @@ def entry(
     elements: Iterable[str] = AXES,
     factor: float = 1.0,
     k: float = USUAL_K,
+    without_U: np.ndarray | bool = False,  # noqa: N803
     about: str | None = None,
 ) -> Information:
     """Values with standard uncertainties, one of each element, NaN where there is none; U = k·u.
 
     name: of the title's message; sentences: what it is and how it was found; factor: from the
-    values' unit to the printed one; about: the item that it stands beside.
+    values' unit to the printed one; about: the item that it stands beside. without_U: where u is
+    no complete uncertainty, so that no U is stated.
     """
     title = message(f"information-{name.replace('_', '-')}")
     values = factor * np.array(value, float)
     us = np.where(np.isfinite(values), factor * np.array(u, float), np.nan)
+    expanded = np.where(without_U, np.nan, k * us)
 
     def known(numbers: np.ndarray) -> Elements:
         finite = (float(n) if np.isfinite(n) else None for n in numbers)
@@ -42,7 +47,7 @@ def entry(
         unit=unit,
         value=known(values),
         u=known(us),
-        U=known(k * us),
+        U=known(expanded),
         k=k,
         about=about,
         en=" ".join(say(sentence, "en") for sentence in sentences),
@@ -50,6 +55,28 @@ def entry(
     )
 
 
+def student_k(dof: np.ndarray) -> float:
+    """k by Student's t for the fewest degrees of freedom (n,) that there are; NaN or 0: none."""
+    return coverage_factor(float(min(dof[dof > 0], default=math.inf)))
+
+
 def of_axes(id_: str, axes: Sequence[str], **arguments: str) -> list[Message]:
     """A sentence about some axes; none where there are none."""
     return [message(id_, axes=", ".join(axes), **arguments)] if axes else []
+
+
+def type_b(item: Item | None, elements: Iterable[str]) -> np.ndarray:
+    """What the equipment adds to u of each element of an item, by its budget; NaN without one."""
+    budgets = item.budgets if item else {}
+    return np.array([
+        math.sqrt(sum(line.contribution**2 for line in budgets[element].inputs if line.kind == "B"))
+        if element in budgets
+        else math.nan
+        for element in elements
+    ])  # fmt: skip
+
+
+def or_why_not(u: np.ndarray) -> list[Message]:
+    """The sentence on what u (n,) holds: type B as well, or why there is none."""
+    known = bool(np.isfinite(u).any())
+    return [message(f"information-type-b.{'contained' if known else 'not-evaluated'}")]

@@ -5,14 +5,15 @@ it feels α × r besides. Both together, and the unit's own bias and scale facto
 rests, turns and ramps about the vertical, with the lever arm as a term (`tasks.model`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.calibration import Information
-from schemas.recording import ACCEL, Recording, Stream
-from tasks.calibrate.information.entry import entry
+from schemas.calibration import Information, Item
+from schemas.recording import ACCEL, AXES, Recording, Stream
+from tasks.calibrate.information.entry import entry, or_why_not, type_b
 from tasks.model.fit import Fit, fit
 from tasks.model.noise import RowNoise
 from tasks.model.simulate import predict
@@ -34,6 +35,7 @@ LEVEL = np.radians(0.05)  # rad/s across the vertical: more than this is a move,
 MIN_RAMPING = 20  # cells about each axis
 PASSES = 6
 OUTLYING = 6.0  # robust standard deviations beyond which a cell is no signal of this model
+SENSITIVITY = "accel_rate_sensitivity"
 TERMS: tuple[Term, ...] = (LEVER_ARM, *ACCEL_TERMS)
 
 
@@ -49,9 +51,13 @@ class Cells:
     seconds: np.ndarray
 
 
-def lever_arm_information(evidence: ClauseEvidence) -> dict[str, Information]:
+def lever_arm_information(
+    evidence: ClauseEvidence, items: Mapping[str, Item]
+) -> dict[str, Information]:
     """Lever arm (m) and rate sensitivity without it (m, sign of eq. (12)), where ramps show them.
 
+    Type B is that of the rate sensitivity by the clause: the same rates about the same axes, in
+    which the lever arm enters as the sensitivity does.
     Nothing without encoders and gravity, or without ramps about all three axes with the
     accelerometers recorded.
     """
@@ -69,16 +75,24 @@ def lever_arm_information(evidence: ClauseEvidence) -> dict[str, Information]:
         return {}
     excess = max(1.0, float(np.sqrt(fitted.chi2 / fitted.degrees)))
     arm, free = message("information-lever-arm.text"), message("information-without-lever-arm.text")
+    elements = [parameter.name for parameter in ACCEL_RATE_SENSITIVITY.parameters]
+    equipment = type_b(items.get(SENSITIVITY), elements)
+    of_axis = [  # of a coordinate: the largest of what reads along it
+        max((b for e, b in zip(elements, equipment, strict=True) if e[0] == axis), default=np.nan)
+        for axis in AXES
+    ]
+    u, u_p = np.hypot(excess * u, of_axis), np.hypot(excess * u_p, equipment)
     return {
-        "lever_arm": entry("lever-arm", "m", r, excess * u, arm),
+        "lever_arm": entry("lever-arm", "m", r, u, arm, *or_why_not(u)),
         "accel_rate_sensitivity_without_lever_arm": entry(
             "without-lever-arm",
             "m",
             p,
-            excess * u_p,
+            u_p,
             free,
-            elements=[parameter.name for parameter in ACCEL_RATE_SENSITIVITY.parameters],
-            about="accel_rate_sensitivity",
+            *or_why_not(u_p),
+            elements=elements,
+            about=SENSITIVITY,
         ),
     }
 

@@ -6,14 +6,15 @@ of the negative ones, over the mean of both. Residuals are those of the clauses'
 of JJF 2003 and eq. (13) of JJF 1536.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import chdtrc, chdtri
 
-from schemas.calibration import Information
+from schemas.calibration import Information, Item
 from schemas.recording import AXES
-from tasks.calibrate.information.entry import entry, of_axes
+from tasks.calibrate.information.entry import entry, of_axes, or_why_not, type_b
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.linear import EXCESS_LEVEL, residuals_of, solve
 from tasks.words import message
@@ -30,8 +31,14 @@ class Ratio:
     significant: bool = False
 
 
-def line_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, Information]:
-    """Non-linearity and asymmetry of the scale factor about each axis, ppm."""
+def line_information(
+    evidence: ClauseEvidence, items: Mapping[str, Item], rate_sensor: str
+) -> dict[str, Information]:
+    """Non-linearity and asymmetry of the scale factor about each axis, ppm.
+
+    Type B is that of the scale factor, relative to it; twice in the asymmetry, because the table
+    may be off otherwise in either direction.
+    """
     points = [_points(evidence, channel) for channel in range(3)]
     ratios = {
         "nonlinearity": [nonlinearity(*about_axis) for about_axis in points],
@@ -40,8 +47,14 @@ def line_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, In
     if not any(np.isfinite(ratio.value) for three in ratios.values() for ratio in three):
         return {}
     item = f"{rate_sensor}_scale_factor"
+    scale = np.array(
+        [(items[item].value.get(axis) if item in items else None) for axis in AXES], float
+    )
+    equipment = type_b(items.get(item), AXES) / np.abs(scale)
+    of_ratio = {"nonlinearity": equipment, "asymmetry": np.sqrt(2.0) * equipment}
     return {
-        f"{rate_sensor}_scale_{name}": _entry(name, item, three) for name, three in ratios.items()
+        f"{rate_sensor}_scale_{name}": _entry(name, item, three, of_ratio[name])
+        for name, three in ratios.items()
     }
 
 
@@ -89,16 +102,18 @@ def _points(evidence: ClauseEvidence, channel: int) -> tuple[np.ndarray, np.ndar
     return evidence.rate[points], evidence.means[points, channel], covariance
 
 
-def _entry(name: str, item: str, ratios: list[Ratio]) -> Information:
+def _entry(name: str, item: str, ratios: list[Ratio], equipment: np.ndarray) -> Information:
+    u = np.hypot([ratio.u for ratio in ratios], equipment)
     significant = [a for a, ratio in zip(AXES, ratios, strict=True) if ratio.significant]
     beyond = of_axes("information-more-than-noise", significant)
     return entry(
         name,
         "ppm",
         [ratio.value for ratio in ratios],
-        [ratio.u for ratio in ratios],
+        u,
         message(f"information-{name}.text"),
         *(beyond or [message("information-no-more-than-noise")]),
+        *or_why_not(u),
         factor=PPM,
         about=item,
     )

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.calibration import Information
 from schemas.recording import AXES, Recording
 from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
-from tasks.calibrate.information.entry import entry, of_axes
+from tasks.calibrate.information.entry import entry, of_axes, student_k
 from tasks.segments.pieces import extreme_steps
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
@@ -21,6 +21,7 @@ from tasks.segments.summarise import (
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.words import Message, message
+from tasks.words.rounding import USUAL_K
 
 FLOOR = float(np.sqrt(2.0 * np.log(2.0) / np.pi))  # 0.664
 AS_LONG = 0.9  # of the longest rest: rests as long as it is
@@ -62,7 +63,7 @@ def _of_triad(
     within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
     curve = allan_curve([imu.views(CHANNELS[triad], rows) for rows in within], interval)
     hidden = np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0)
-    white, floor = np.full((2, 3), np.nan), np.full((3, 3), np.nan)
+    white, floor = np.full((2, 3), np.nan), np.full((4, 3), np.nan)
     if len(curve.tau) >= MIN_LEVELS:
         for i in np.flatnonzero(~hidden).tolist():
             white[:, i], floor[:, i] = _random_walk(curve, i), _bias_instability(curve, i)
@@ -75,14 +76,18 @@ def _of_triad(
         walk[0]: _entry(
             walk,
             white,
+            USUAL_K,
             message("information-random-walk", source=source),
+            message("information-type-b.unit-and-table"),
             *coarse,
             *of_axes("information-no-white-noise", _axes(np.isnan(white[0]) & ~hidden)),
         ),
         instability[0]: _entry(
             instability,
             floor[:2],
+            student_k(floor[3]),
             message("information-bias-instability", source=source),
+            message("information-type-b.unit-and-table"),
             *of_axes("information-averaging-times", averaged),
             *coarse,
             *of_axes("information-no-floor", _axes(np.isnan(floor[2]) & ~hidden), tau=longest),
@@ -117,20 +122,28 @@ def _random_walk(curve: AllanCurve, channel: int) -> tuple[float, float]:
     return value, noise.u / (2.0 * value)
 
 
-def _bias_instability(curve: AllanCurve, channel: int) -> tuple[float, float, float]:
-    """Bias instability, its standard uncertainty and its averaging time (s), NaN without floor."""
+def _bias_instability(curve: AllanCurve, channel: int) -> tuple[float, float, float, float]:
+    """Bias instability, its standard uncertainty, its averaging time (s) and degrees of freedom.
+
+    NaN without floor.
+    """
     variance = curve.variance[:, channel]
     level = int(variance.argmin())
     if level < 2 or not variance[level - 2] < FALLING * variance[level]:
-        return np.nan, np.nan, np.nan
-    value = np.sqrt(variance[level]) / FLOOR
-    return value, value / np.sqrt(2.0 * curve.flicker_dof[level]), curve.tau[level]
+        return np.nan, np.nan, np.nan, np.nan
+    value, dof = np.sqrt(variance[level]) / FLOOR, curve.flicker_dof[level]
+    return value, value / np.sqrt(2.0 * dof), curve.tau[level], dof
 
 
 def _axes(which: np.ndarray) -> list[str]:
     return [AXES[i] for i in np.flatnonzero(which)]
 
 
-def _entry(quantity: Quantity, value_and_u: np.ndarray, *sentences: Message) -> Information:
+def _entry(
+    quantity: Quantity,
+    value_and_u: np.ndarray,
+    k: float,
+    *sentences: Message,
+) -> Information:
     key, unit, factor = quantity
-    return entry(key, unit, *value_and_u, *sentences, factor=factor)
+    return entry(key, unit, *value_and_u, *sentences, factor=factor, k=k)

@@ -11,7 +11,7 @@ import numpy as np
 
 from schemas.calibration import Information
 from schemas.recording import AXES
-from tasks.calibrate.information.entry import entry
+from tasks.calibrate.information.entry import entry, of_axes, student_k
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
@@ -93,9 +93,16 @@ def _by_heading(evidence: ClauseEvidence, up: str, channel: int) -> dict[int, fl
 
 
 def _entry(name: str, unit: str, factor: float, deviations: list[Deviation]) -> Information:
-    """Deviations with u = s/√(2·dof)."""
+    """Deviations with u = s/√(2·dof); without U where that would reach below zero."""
     s, dof = (np.array(column, float) for column in zip(*deviations, strict=True))
     u = s / np.sqrt(2.0 * np.maximum(dof, 1.0))
     listed = ", ".join(f"{axis} {int(n)}" for axis, n in zip(AXES, dof, strict=True) if n)
     text = message("information-repetition", dof=listed)
-    return entry(name, unit, s, u, text, factor=factor)
+    k = student_k(dof)
+    vague = k * u >= s
+    few = [axis for axis, n, v in zip(AXES, dof, vague, strict=True) if n and v]
+    return entry(
+        name, unit, s, u, text, message("information-type-b.unit-and-table"),
+        *of_axes("information-few-degrees-of-freedom", few), factor=factor, k=k,
+        without_U=vague,
+    )  # fmt: skip

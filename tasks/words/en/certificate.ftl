@@ -267,7 +267,7 @@ certificate-label-remarks = Remarks
 certificate-label-readings = Readings of the specification
 certificate-label-trace = Origin and processing of the data
 certificate-label-information = For information, not decided on
-certificate-label-information-introduction = Found in the data of this run; not results of the clauses, and nothing was decided on them. Written as value ± U; where nothing else is said, U is type A only with k = 2. Where there is no number, the sentence beneath says why.
+certificate-label-information-introduction = Found in the data of this run; not results of the clauses, and nothing was decided on them. Written as value ± U, with k by Student's t where there are few degrees of freedom. Where there is no number, or no U, the sentence beneath says why.
 certificate-label-not-determined = not determined
 certificate-label-clause = Clause
 certificate-label-see = see

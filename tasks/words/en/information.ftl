@@ -1,7 +1,7 @@
 ## What the data show beside the clauses' results. Titles by the key of the result; .text: how it was found.
 
 information-earth-gain = Gain of Earth's rotation in the rests
-    .text = { $shown }.
+    .text = { $shown }. The ± is of type A alone: what latitude, heading and placing add is not evaluated, so the figure stands without U.
 information-without-earth = Gyro g-sensitivity without Earth's rotation
     .text = The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; { $difference } U is evaluated as the item's.
 information-earth-present = the value by eq. (7) contains it and is off by up to { $times } times its U.
@@ -44,3 +44,9 @@ information-noise-hidden = { $axes }: the output's step hides the noise.
 information-no-white-noise = { $axes }: white noise does not show.
 information-averaging-times = Averaging times: { $axes }.
 information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s; longer rests would show it.
+
+information-type-b =
+    .contained = U contains type A and the type B of the equipment.
+    .not-evaluated = Without U, because the limits of the equipment are in no budget of this run.
+    .unit-and-table = A figure of unit and table together; U follows from the number of readings.
+information-few-degrees-of-freedom = { $axes }: without U, because so few degrees of freedom give no bound.

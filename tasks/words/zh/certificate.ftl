@@ -267,7 +267,7 @@ certificate-label-remarks = 说明
 certificate-label-readings = 对规范条文的理解
 certificate-label-trace = 数据来源与处理信息
 certificate-label-information = 附加信息（不作判定）
-certificate-label-information-introduction = 由本次运行数据得出，非规范条款的结果，不参与符合性判定。记为“测得值 ± U”；未另作说明时，U 仅为 A 类评定，k = 2。“未得”的原因见各项说明。
+certificate-label-information-introduction = 由本次运行数据得出，非规范条款的结果，不参与符合性判定。记为“测得值 ± U”，自由度少时按 t 分布取 k。没有数值或没有 U 的原因见各项说明。
 certificate-label-not-determined = 未得
 certificate-label-clause = 条款
 certificate-label-see = 见

@@ -10,6 +10,7 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
+from tasks.calibrate.information.entry import or_why_not, type_b
 from tasks.calibrate.information.noise import FLOOR
 from tasks.calibrate.information.repeatability import pooled_deviation
 from tasks.specifications.jjf2003 import JJF2003
@@ -164,6 +165,30 @@ def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_
     assert found.value["x"] == pytest.approx(deviation, rel=1e-6)
     assert found.u["x"] == pytest.approx(deviation / np.sqrt(8), rel=1e-6)
     assert found.value["y"] == pytest.approx(0.0, abs=1e-9)
+    # Four degrees of freedom: k = 2.87 by Student's t, and k·u reaches below zero.
+    assert found.k == pytest.approx(2.869, abs=1e-3)
+    assert found.U["x"] is None
+    assert "x, y, z: without U, because so few degrees of freedom" in found.en
+
+
+def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_run) -> None:
+    """An ideal run has hardly any noise: what U holds is the table."""
+    made = result(ideal_run())
+    item, found = made.items["gyro_scale_factor"], made.information["gyro_scale_asymmetry"]
+    for axis in "xyz":
+        lines = [line for line in item.budgets[axis].inputs if line.kind == "B"]
+        table = np.sqrt(sum(line.contribution**2 for line in lines)) / item.value[axis]
+        assert found.u[axis] >= 1e6 * np.sqrt(2.0) * table > 0.0
+        assert found.U[axis] == pytest.approx(2.0 * found.u[axis])
+    assert "type B of the equipment" in found.en
+
+
+def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run) -> None:
+    bare = result(ideal_run()).items["gyro_scale_factor"].model_copy(update={"budgets": {}})
+    assert np.isnan(type_b(bare, "xyz")).all()
+    assert np.isnan(type_b(None, "xyz")).all()
+    (why,) = or_why_not(type_b(bare, "xyz"))
+    assert why.id == "information-type-b.not-evaluated"
 
 
 def test_deviations_are_pooled_over_groups_by_their_degrees_of_freedom() -> None:
