@@ -133,7 +133,7 @@ def _key(home: Home) -> str:
     path = home.path / KEY
     if not home.path.is_dir():
         return secrets.token_hex(32)
-    with suppress(FileExistsError), writing_in_home(path):
+    with writing_in_home(path), suppress(FileExistsError):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
         os.write(file, secrets.token_hex(32).encode())
         os.close(file)

@@ -75,7 +75,7 @@ def _person(view: View) -> list[Component]:
     role = view.say(message(f"pages-role.{view.visitor.role}"))
     leave = [
         dcc.Input(type="hidden", name="csrf_token", value=generate_csrf()),
-        dmc.Button(view.say(message("pages-login.leave")), type="submit", size="compact-xs"),
+        html.Button(view.say(message("pages-login.leave")), type="submit", className="leave"),
     ]
     return [
         dmc.Text(f"{view.visitor.name} ({role})", size="xs", truncate="end", maw=140),

@@ -59,6 +59,7 @@ def test_a_session_begins_with_the_password_and_ends_with_the_user(
     assert log_in(client, "wrong") == 403
     assert log_in(client) == 302
     assert client.get("/api/v1/runs").status_code == 200
+    assert "Wang Li" in client.get("/_dash-layout").text
     cookie = client.get_cookie("mimucal_session")
     assert cookie is not None
     assert (cookie.http_only, cookie.same_site) == (True, "Lax")
@@ -74,6 +75,16 @@ def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: 
     actions = [(entry.person, entry.action, entry.subject) for entry in trail.entries(home)]
     assert ("Admin", "remove user", "Wang Li") in actions
     assert not any(HASH in entry.details for entry in trail.entries(home))
+
+
+def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: Home) -> None:
+    log_in(client)
+    kept = client.get_cookie("mimucal_session")
+    assert kept is not None
+    again = make_app(home).server.test_client()
+    again.set_cookie("mimucal_session", kept.value)
+    assert again.get("/api/v1/runs").status_code == 200
+    assert (home.path / "pages.key").stat().st_mode & 0o077 == 0
 
 
 def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
