@@ -29,14 +29,15 @@ class LogEntry(Statement):
 class RunStatus(Frozen):
     """How a run stands, or stood when its process last wrote.
 
-    at: when that was. segment of segments: which is being measured. rates_hz: rows of each stream
-    in a second of station time. noise: standard deviation of single samples, deg/s and m/s². cause:
-    why it stopped.
+    units: serial numbers. at: when that was. segment of segments: which is being measured.
+    rates_hz: rows of each stream in a second of station time. noise: standard deviation of single
+    samples, deg/s and m/s². cause: why it stopped.
     """
 
     format: Literal["mimu-status/1"] = "mimu-status/1"
     station: str
     procedure: str
+    units: tuple[str, ...] = ()
     process: int
     began_at: AwareDatetime
     at: AwareDatetime

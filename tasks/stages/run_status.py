@@ -26,12 +26,13 @@ def status_file(
     """
     began, written_s = datetime.now(UTC), 0.0
     last = Progress("connecting", 0.0, 0.0, 0.0)
+    units = tuple(alone.unit.serial for alone in station.per_unit())
 
     def write(state: State, cause: str = "") -> None:
         nonlocal written_s
         written_s = time.monotonic()
         status = RunStatus(
-            station=station.station.id, procedure=procedure.name, process=os.getpid(),
+            station=station.station.id, procedure=procedure.name, units=units, process=os.getpid(),
             began_at=began, at=datetime.now(UTC), state=state, now=last.now,
             segment=last.segment, segments=last.segments, station_s_done=last.station_s_done,
             station_s_total=last.station_s_total, wall_s_left=last.wall_s_left,
