@@ -10,6 +10,7 @@ from schemas.calibration import Method
 
 Evidence = Literal["worked example", "truth recovery", "coverage", "independent program"]
 EVIDENCE: tuple[Evidence, ...] = get_args(Evidence)
+TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval, for an item and for each element
 
 
 class Check(Frozen):
@@ -34,6 +35,14 @@ class Coverage(Frozen):
     inside_expanded: float = Field(ge=0, le=1)
     rms_z: Finite
     by_element: dict[str, float] = Field(description="share inside the 95 % interval, of each")
+
+    @property
+    def outside(self) -> dict[str, float]:
+        """The elements whose intervals hold the truth too rarely or too often, which an average
+        over the item hides.
+        """
+        low, high = TARGET_SHARE
+        return {name: share for name, share in self.by_element.items() if not low <= share <= high}
 
 
 class ItemValidation(Frozen):

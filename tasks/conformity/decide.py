@@ -5,13 +5,14 @@ outside the conditions is inconclusive.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 from schemas.calibration import Calibration, Elements, Item
 from schemas.decision import Decision, LimitDecision, Verdict
 from schemas.text import Statement
 from schemas.tolerance import Limit, Tolerance
+from tasks.conformity.doubt import Doubts, is_doubted
 from tasks.conformity.equipment import taken_to_be_met
 from tasks.conformity.reasons import missing, outside, too_uncertain, without_uncertainty
 from tasks.conformity.risks import (
@@ -22,8 +23,6 @@ from tasks.conformity.risks import (
 from tasks.conformity.rules import Criterion, criterion
 from tasks.conformity.scope import check, limited, withdrawn
 from tasks.words import Message, Sayable, message, statement
-
-Doubts = Mapping[str, tuple[Sayable, ...]]
 
 
 def decide(
@@ -38,8 +37,8 @@ def decide(
     element has no value, no uncertainty above zero or one too large for its rule, if a remark
     blocks a pass, if U of a limited element rests on limits of a specification that the equipment
     is only taken to meet, if there are `doubts` (further reasons, like `expired` gives), or if
-    there is no tolerance; else pass. `doubts_of` an item, by its name, leave its limited elements
-    undecided whatever their values, and do not count where the item has no limit.
+    there is no tolerance; else pass. `doubts_of` an item, by its name, leave the limited elements
+    that they are about undecided whatever their values, and do not count where none is limited.
 
     An invalid run gives no verdict on any element, neither pass nor fail: its reasons alone stand.
 
@@ -59,8 +58,8 @@ def decide(
     else:
         reasons += _reasons(calibration, decisions, doubts_of)
         reasons += taken_to_be_met(calibration, decisions)
-    for item in dict.fromkeys(decided.item for decided in decisions):
-        reasons += doubts_of.get(item, ())
+    doubted = (each.item for each in decisions if is_doubted(doubts_of, each.item, each.element))
+    reasons += [doubts_of[item].sentence for item in dict.fromkeys(doubted)]
     reasons += doubts
     reasons += [Statement(en=r.en, zh=r.zh) for r in calibration.remarks if r.blocks_pass]
     statements = tuple(dict.fromkeys(map(statement, reasons)))
@@ -96,10 +95,11 @@ def _decisions(
     for limit in tolerance.limits:
         check(calibration, limit)
         item, rule = calibration.items.get(limit.item), criterion(tolerance, limit)
-        undecided = withdrawn(calibration, limit.item) or bool(doubts_of.get(limit.item))
+        undecided = withdrawn(calibration, limit.item)
         undecided = undecided or calibration.validity.verdict == "invalid"
         for element in limited(item, limit):
-            yield _decision(limit, rule, element, item, undecided)
+            doubted = is_doubted(doubts_of, limit.item, element)
+            yield _decision(limit, rule, element, item, undecided or doubted)
 
 
 def _decision(
@@ -191,7 +191,9 @@ def _reasons(
     absent = [d for d in undecided if d.value is None or withdrawn(calibration, d.item)]
     bare = [d for d in undecided if d not in absent and d.U is None]
     explained = [*absent, *bare]
-    vague = [d for d in undecided if d not in explained and not doubts_of.get(d.item)]
+    vague = [
+        d for d in undecided if d not in explained and not is_doubted(doubts_of, d.item, d.element)
+    ]
     return [
         *(outside(decided) for decided in decisions if decided.verdict == "fail"),
         *map(too_uncertain, vague),

@@ -70,7 +70,7 @@ def certify(
     def decide(result: Calibration) -> Decision:
         deviating = conformity.deviations(result, configuration, waived)
         unmet = (each.printed for each in deviating if not each.waived)
-        doubts = {name: (why,) for name, why in record.doubts_of(validated, result).items()}
+        doubts = record.doubts_of(validated, result)
         smaller = conformity.smaller_than_stated(result, equipment)
         return conformity.decide(result, tolerance, (*expired, *smaller, *unmet), doubts)
 

@@ -15,7 +15,7 @@ import pandas as pd
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
-from schemas.validation import Check, Coverage
+from schemas.validation import TARGET_SHARE, Check, Coverage
 from tasks.validation import run1536, run2003
 from tasks.validation.draw import SimulatedUnit, draw_simulated_unit
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item
@@ -26,7 +26,6 @@ Truth = dict[str, dict[str, float]]
 Run = Callable[[SimulatedUnit, int], tuple[Recording, Truth]]
 
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
-TARGET_SHARE = (0.93, 0.97)  # of truths inside a 95 % interval: less is no evidence
 MIN_UNITS = 1000
 MAX_ERROR = 1e-9  # of a recovered value, in the printed unit of the item
 RUNS: dict[str, tuple[Run, float]] = {
@@ -145,8 +144,8 @@ def wilson(share: float, count: int) -> tuple[float, float]:
 def coverage_check(coverage: Coverage) -> Check:
     """Whether an item's intervals hold the truth as often as they say, over enough units.
 
-    Intervals that hold it more often are longer than they need be, which is said; they let no
-    bad unit pass.
+    Intervals that hold it more often are longer than they need be, which is said here; the gate
+    asks each element (`Coverage.outside`).
     """
     low, high = (f"{100 * share:.0f}" for share in TARGET_SHARE)
     long = ".too-long" if coverage.inside_95 > TARGET_SHARE[1] else ""

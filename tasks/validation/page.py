@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from schemas.validation import EVIDENCE, Coverage, ValidationRecord
+from schemas.validation import EVIDENCE, TARGET_SHARE, Coverage, ValidationRecord
 from tasks.pages import draw, inline, page
-from tasks.validation.coverage import TARGET_SHARE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,6 +27,7 @@ def validation_html(record: ValidationRecord) -> str:
         record=record,
         rows=rows,
         valid=sum(item.valid for _, _, item in rows),
+        outside=sum(len(coverage.outside) for _, coverage in covered),
         asked=[f"{100 * share:.0f}" for share in TARGET_SHARE],
         evidence=EVIDENCE,
         picture=inline(_picture(covered)) if covered else "",

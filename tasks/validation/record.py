@@ -6,10 +6,12 @@ What makes it (`tasks.validation.make`) is not imported here: a certificate star
 from importlib.resources import files
 
 from schemas.calibration import Calibration, Method
-from schemas.validation import EVIDENCE, Check, ItemValidation, ValidationRecord
+from schemas.validation import EVIDENCE, TARGET_SHARE, Check, ItemValidation, ValidationRecord
+from tasks.conformity.doubt import Doubt
+from tasks.specifications.items import item_title
 from tasks.validation.fingerprint import fingerprint
 from tasks.version import code_version
-from tasks.words import Message, message, statement
+from tasks.words import Message, clauses, message, statement
 
 SHIPPED = "record.json"
 G_SENSITIVITY = "gyro_g_sensitivity"
@@ -35,19 +37,20 @@ def shipped() -> ValidationRecord | None:
     return ValidationRecord.model_validate_json(file.read_text(encoding="utf-8"))
 
 
-def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict[str, Message]:
-    """Why items of a calibration are not validated, by item; empty where all of them are."""
+def doubts_of(record: ValidationRecord | None, calibration: Calibration) -> dict[str, Doubt]:
+    """Why items of a calibration are not validated, or elements of them; empty where all are."""
     method = record.methods.get(calibration.method) if record else None
     if record is None or method is None or not _is_of_this_code(record, calibration.method):
         stale = message("validation-stale", method=calibration.method)
-        return dict.fromkeys(calibration.items, stale)
+        return dict.fromkeys(calibration.items, Doubt(stale))
     doubts = {}
     for name in calibration.items:
         both = name == G_SENSITIVITY and WITHOUT_EARTH in method.items
         parts = (name, WITHOUT_EARTH) if both else (name,)
-        failed = filter(None, (_failed(name, method.items.get(part)) for part in parts))
-        if reason := next(failed, None):
-            doubts[name] = reason
+        found = [method.items.get(part) for part in parts]
+        failed = filter(None, (_failed(name, part) for part in found))
+        if doubt := next(failed, None) or _outside(name, found):
+            doubts[name] = doubt
     return doubts
 
 
@@ -67,20 +70,55 @@ def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
     return made_by == runs_now or record.methods[method].fingerprint == fingerprint(method)
 
 
-def _failed(name: str, item: ItemValidation | None) -> Message | None:
+def _failed(name: str, item: ItemValidation | None) -> Doubt | None:
     if item is not None and item.valid:
         return None
     checks = item.checks if item else {}
     open_ = [kind for kind in EVIDENCE if kind not in checks or not checks[kind].passed]
-    return message("validation-failed", item=name, evidence=", ".join(open_))
+    return Doubt(message("validation-failed", item=name, evidence=", ".join(open_)))
+
+
+def _outside(name: str, parts: list[ItemValidation | None]) -> Doubt | None:
+    """The elements of an item whose own intervals hold the truth too rarely or too often.
+
+    Where an item has two values, an element is validated if both of it are.
+    """
+    shares: dict[str, list[float]] = {}
+    for part in parts:
+        for element, share in (part.coverage.outside if part and part.coverage else {}).items():
+            shares.setdefault(element, []).append(share)
+    if not shares:
+        return None
+    low, high = (f"{100 * share:.0f}" for share in TARGET_SHARE)
+    sentence = message(
+        "validation-failed.element", item=item_title(name), elements=_listed(shares),
+        low=low, high=high,
+    )  # fmt: skip
+    return Doubt(sentence, frozenset(shares))
+
+
+def _listed(shares: dict[str, list[float]]) -> str:
+    """xy (91.1 %), xz (98.9 %)"""
+    percent = {
+        element: ", ".join(f"{100 * share:.1f} %" for share in of_element)
+        for element, of_element in shares.items()
+    }
+    return ", ".join(f"{element} ({share})" for element, share in percent.items())
 
 
 def named(record: ValidationRecord | None, calibration: Calibration) -> Message:
     """The sentence of a certificate that names the record and its result."""
     doubts = doubts_of(record, calibration)
-    if record is None or len(doubts) == len(calibration.items):
+    in_part = {name: doubt.elements for name, doubt in doubts.items() if doubt.elements}
+    if record is None or (len(doubts) == len(calibration.items) and not in_part):
         return message("validation-none")
+    elements = tuple(
+        message("validation-elements", item=item_title(name), elements=", ".join(sorted(few)))
+        for name, few in in_part.items()
+    )
     return message(
-        "validation-record", record=f"{record.made_on}, {record.code_version.split()[0]}",
+        "validation-record.in-part" if in_part else "validation-record",
+        record=f"{record.made_on}, {record.code_version.split()[0]}",
         valid=len(calibration.items) - len(doubts), items=len(calibration.items),
+        **({"elements": clauses(elements)} if in_part else {}),
     )  # fmt: skip

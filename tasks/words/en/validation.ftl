@@ -2,8 +2,11 @@
 
 validation-stale = The estimation by the method { $method } is not validated for this version: run mimucal validate
 validation-failed = The estimation of { $item } is not validated for this version ({ $evidence } not shown): see mimucal validate
+    .element = The estimation of { $item } is not validated for { $elements }: of simulated units its 95 % interval holds the truth outside { $low } % to { $high } %
 validation-none = No validation record of this version covers the estimation
 validation-record = Estimation validated by the record of { $record }: { $valid } of { $items } items
+    .in-part = Estimation validated by the record of { $record }: { $valid } of { $items } items in full; not validated are { $elements }
+validation-elements = { $item } { $elements }
 validation-coverage = { $share } of { $values } values of { $units } simulated units lie within the stated 95 % interval; { $low } % to { $high } % over at least { $fewest } units are aimed at
     .too-long = { $share } of { $values } values of { $units } simulated units lie within the stated 95 % interval; { $low } % to { $high } % over at least { $fewest } units are aimed at; the uncertainty is larger than it need be
 validation-example = { $specification }, Appendix A ({ $clause }) prints u_c = { $u_c }, U = { $U }; found { $result }

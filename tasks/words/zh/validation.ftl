@@ -2,8 +2,11 @@
 
 validation-stale = 本版本的 { $method } 估计方法未经验证：请运行 mimucal validate
 validation-failed = 本版本的 { $item } 估计未经验证（{ $evidence } 未通过）：见 mimucal validate
+    .element = { $item } 的 { $elements } 的估计未经验证：仿真单元中其 95 % 区间包含真值的比例不在 { $low } %～{ $high } % 内
 validation-none = 无适用于本版本的估计验证记录
 validation-record = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项通过
+    .in-part = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项全部通过；未经验证：{ $elements }
+validation-elements = { $item } { $elements }
 validation-coverage = { $units } 台仿真单元的 { $values } 个值中，{ $share } 位于所给 95 % 区间内；目标为至少 { $fewest } 台、{ $low } %～{ $high } %
     .too-long = { $units } 台仿真单元的 { $values } 个值中，{ $share } 位于所给 95 % 区间内；目标为至少 { $fewest } 台、{ $low } %～{ $high } %；不确定度偏大
 validation-example = { $specification } 附录 A（{ $clause }）：u_c = { $u_c }，U = { $U }；本程序：{ $result }

@@ -9,7 +9,7 @@ from scipy.special import ndtr
 from schemas.text import Remark, Statement
 from schemas.tolerance import Limit, ProductionPrior
 from schemas.uncertainty import Budget
-from tasks.conformity import decide
+from tasks.conformity import Doubt, decide
 
 DOUBT = Statement(en="its validation failed", zh="其验证未通过")
 
@@ -17,7 +17,7 @@ DOUBT = Statement(en="its validation failed", zh="其验证未通过")
 @pytest.mark.parametrize("y", [-0.02, -0.06])
 def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y: float) -> None:
     decision = decide(calibration({"gyro_bias": item(BIAS | {"y": y})}), tolerance(bias_limit()),
-                      doubts_of={"gyro_bias": (DOUBT,)})  # fmt: skip
+                      doubts_of={"gyro_bias": Doubt(DOUBT)})  # fmt: skip
     assert decision.verdict == "inconclusive"
     assert {made.verdict for made in decision.limits} == {"inconclusive"}
     assert [made.value for made in decision.limits] == [0.01, y, 0.03]
@@ -26,14 +26,14 @@ def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y: float) -> Non
 
 def test_a_doubt_about_an_item_without_a_limit_does_not_count() -> None:
     decision = decide(calibration({"gyro_bias": item(BIAS), "accel_bias": item(BIAS, "m/s2")}),
-                      tolerance(bias_limit()), doubts_of={"accel_bias": (DOUBT,)})  # fmt: skip
+                      tolerance(bias_limit()), doubts_of={"accel_bias": Doubt(DOUBT)})  # fmt: skip
     assert (decision.verdict, decision.reasons) == ("pass", ())
 
 
 def test_a_doubt_about_one_item_does_not_hide_that_another_fails() -> None:
     items = {"gyro_bias": item(BIAS | {"x": 1.0}), "accel_bias": item(BIAS, "m/s2")}
     limits = tolerance(bias_limit(), Limit(item="accel_bias", unit="m/s2", magnitude=1.0))
-    decision = decide(calibration(items), limits, doubts_of={"accel_bias": (DOUBT,)})
+    decision = decide(calibration(items), limits, doubts_of={"accel_bias": Doubt(DOUBT)})
     assert decision.verdict == "fail"
     assert DOUBT.en in decision.reasons
 

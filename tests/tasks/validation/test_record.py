@@ -4,14 +4,17 @@ from datetime import date
 
 import pytest
 
+from schemas.tolerance import Limit, Tolerance
 from schemas.validation import (
     EVIDENCE,
     Check,
+    Coverage,
     ItemValidation,
     MethodValidation,
     ValidationRecord,
 )
 from tasks.calibrate.calibrate import calibrate
+from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.validation.fingerprint import fingerprint, read_source, sources
 from tasks.validation.page import validation_html
@@ -96,7 +99,9 @@ def test_without_a_record_every_item_is_doubted_with_the_way_out(calibration) ->
     doubts = doubts_of(None, calibration)
     assert set(doubts) == set(calibration.items)
     assert all(
-        "mimucal validate" in text for why in doubts.values() for text in texts(why).values()
+        "mimucal validate" in text
+        for doubt in doubts.values()
+        for text in texts(doubt.sentence).values()
     )
 
 
@@ -120,6 +125,46 @@ def test_one_item_that_failed_or_is_missing_is_doubted_alone(calibration, how: s
     record = record_of(calibration, fingerprint("jjf2003"), **{how: "gyro_bias"})
     assert set(doubts_of(record, calibration)) == {"gyro_bias"}
     assert "8 of 9" in say(named(record, calibration), "en")
+
+
+@pytest.fixture
+def hidden(calibration) -> ValidationRecord:
+    """A good average with an element that is not covered, and one that is covered too often."""
+    shares = {"xy": 0.95, "xz": 0.911, "yx": 0.97, "yz": 0.989, "zx": 0.93, "zy": 0.951}
+    cover = Coverage(
+        units=2000, elements=12000, inside_95=0.95, confidence=(0.94, 0.96), inside_expanded=0.96,
+        rms_z=1.0, by_element=shares,
+    )  # fmt: skip
+    record = record_of(calibration, fingerprint("jjf2003"))
+    items = record.methods["jjf2003"].items
+    checks = items["gyro_cross_coupling"].checks
+    items["gyro_cross_coupling"] = ItemValidation(checks=checks, coverage=cover)
+    return record
+
+
+def test_an_element_that_the_average_hides_is_doubted(calibration, hidden) -> None:
+    (doubt,) = doubts_of(hidden, calibration).values()
+    assert doubt.elements == {"xz", "yz"}
+    assert "xz (91.1 %), yz (98.9 %)" in say(doubt.sentence, "en")
+    assert say(named(hidden, calibration), "en").endswith(
+        "8 of 9 items in full; not validated are Gyro cross coupling coefficient xz, yz"
+    )
+    assert '<td>xz</td><td class="number">91.1 %</td>' in validation_html(hidden)
+
+
+def test_an_element_that_is_not_validated_gets_no_pass_and_the_others_do(
+    calibration, hidden
+) -> None:
+    limit = Limit(item="gyro_cross_coupling", unit="1", magnitude=1.0)
+    tolerance = Tolerance(manufacturer="m", model="m", document="d", limits=(limit,))
+    made = decide(calibration, tolerance, doubts_of=doubts_of(hidden, calibration))
+    assert made.verdict == "inconclusive"
+    passed = {each.element for each in made.limits if each.verdict == "pass"}
+    assert passed == {"xy", "yx", "zx", "zy"}
+    others = limit.model_copy(update={"elements": ("xy", "zy")})
+    apart = tolerance.model_copy(update={"limits": (others,)})
+    about = decide(calibration, apart, doubts_of=doubts_of(hidden, calibration))
+    assert not any("not validated" in reason for reason in about.reasons)
 
 
 def test_a_record_survives_being_written_and_read(calibration) -> None:
