@@ -201,6 +201,44 @@ pages-distribution =
     .arcsine = arcsine
     .t = Student's t
 
+pages-do = Do
+    .about = Orders, as far as your role allows; every one of them is in the trail
+pages-do-nothing = Your role looks at the pages and gives no orders.
+pages-do-orders = Orders given here since the pages are served
+pages-do-refused = Refused
+pages-do-done = { $action }: { $subject }
+pages-do-field =
+    .station = Station
+    .procedure = Procedure
+    .run = Run
+    .certificate = Certificate
+    .reason = Reason
+    .since = Recorded since (YYYY-MM-DD)
+    .until = Recorded until (YYYY-MM-DD)
+    .model = Model
+    .serial = Serial number
+pages-action =
+    .acquire = Start a run
+    .reprocess = Re-process
+    .certify = Draft a certificate
+    .check = Check a draft
+    .issue = Issue a certificate
+    .withdraw = Withdraw a certificate
+pages-order =
+    .running = running
+    .done = done
+    .failed = failed
+pages-order-column =
+    .at = UTC
+    .person = Person
+    .action = Order
+    .subject = Of
+    .state = State
+    .fault = Why it failed
+pages-roles-column =
+    .action = Order
+    .roles = Roles
+
 ## The words of the grid itself; each identifier ends with the grid's own key.
 
 pages-grid-contains = Contains

@@ -200,6 +200,44 @@ pages-distribution =
     .arcsine = 反正弦
     .t = t 分布
 
+pages-do = 操作
+    .about = 您的角色所允许的操作；每一项都记入审计记录
+pages-do-nothing = 您的角色只能查看页面，不能下达指令。
+pages-do-orders = 自页面启动以来在此下达的指令
+pages-do-refused = 已拒绝
+pages-do-done = { $action }：{ $subject }
+pages-do-field =
+    .station = 工位
+    .procedure = 程序
+    .run = 测量记录
+    .certificate = 证书
+    .reason = 原因
+    .since = 测量日期自（YYYY-MM-DD）
+    .until = 测量日期至（YYYY-MM-DD）
+    .model = 型号
+    .serial = 编号
+pages-action =
+    .acquire = 开始测量
+    .reprocess = 重新处理
+    .certify = 起草证书
+    .check = 核验草稿
+    .issue = 签发证书
+    .withdraw = 撤销证书
+pages-order =
+    .running = 执行中
+    .done = 完成
+    .failed = 失败
+pages-order-column =
+    .at = UTC
+    .person = 人员
+    .action = 指令
+    .subject = 对象
+    .state = 状态
+    .fault = 失败原因
+pages-roles-column =
+    .action = 指令
+    .roles = 角色
+
 ## 表格自身的用语；标识符的末尾是表格自己的键。
 
 pages-grid-contains = 包含

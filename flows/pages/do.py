@@ -1,0 +1,164 @@
+"""Do: start a run, re-process, draft, check, issue and withdraw, as far as the role allows."""
+
+from functools import cache
+from typing import Any
+
+import dash_mantine_components as dmc
+import sqlalchemy as sql
+from dash import ALL, Dash, Input, Output, State, ctx, no_update
+from dash.development.base_component import Component
+
+from flows.pages.orders import FIELDS, Orders, station_files
+from flows.pages.page import Page, View
+from flows.pages.parts import table
+from flows.pages.preferences import view_of_request
+from flows.pages.states import Kind, StepState, badge
+from schemas.access import MAY, Action
+from schemas.base import Unusable
+from schemas.pages.do import DoQuestion, DoShown, WaitingCertificate
+from storage.catalogue import database, tables
+from storage.home import Home
+from tasks.station import procedures
+from tasks.words import message
+
+WAITING = ("draft", "checked", "issued")
+SHOWN = 500  # certificates to choose from, the last ones
+STEP_OF = {"check": "draft", "issue": "checked", "withdraw": "issued"}
+
+
+@cache
+def orders_of(home: Home) -> Orders:
+    """The orders given to a home in this process."""
+    return Orders(home)
+
+
+def data(_: DoQuestion, home: Home) -> DoShown:
+    """What there is to choose from, and the orders given here."""
+    paper, unit = tables.certificates.c, tables.units.c
+    named = (paper.number, paper.state, unit.manufacturer, unit.model, unit.serial)
+    asked = sql.select(*named).join_from(tables.certificates, tables.units)
+    newest = asked.where(paper.state.in_(WAITING)).order_by(paper.kept_at.desc()).limit(SHOWN)
+    return DoShown(
+        stations=station_files(home),
+        procedures=procedures.names(),
+        certificates=tuple(
+            WaitingCertificate(
+                number=row.number,
+                state=row.state,
+                unit=f"{row.manufacturer} {row.model} {row.serial}",
+            )
+            for row in database.rows(home, newest)
+        ),
+        orders=orders_of(home).given(),
+    )
+
+
+def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
+    """A form for each order that the role allows; the orders given here below."""
+    allowed = [action for action in FIELDS if view.visitor.may(action)]
+    forms = [_form(action, shown, question, view) for action in allowed]
+    nothing = dmc.Alert(view.say(message("pages-do-nothing")), color="gray")
+    return dmc.Stack(
+        [
+            dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
+            dmc.Box(id="do-answer"),
+            dmc.Title(view.say(message("pages-do-orders")), order=3),
+            _orders(shown, view),
+            _roles(view),
+        ]
+    )
+
+
+def _form(action: Action, shown: DoShown, question: DoQuestion, view: View) -> Component:
+    fields = [_field(action, name, shown, question, view) for name in FIELDS[action]]
+    name = view.say(message(f"pages-action.{action}"))
+    button = dmc.Button(name, id={"do": action}, color="red" if action == "withdraw" else "blue")
+    return dmc.Card([dmc.Stack([*fields, button], gap="xs")], withBorder=True, padding="md")
+
+
+def _field(
+    action: Action, name: str, shown: DoShown, question: DoQuestion, view: View
+) -> Component:
+    chosen: dict[str, list[str]] = {
+        "procedure": list(shown.procedures),
+        "certificate": [c.number for c in shown.certificates if c.state == STEP_OF.get(action)],
+    }
+    if action == "acquire":
+        chosen["station"] = list(shown.stations)
+    id_ = {"of": action, "field": name}
+    label = view.say(message(f"pages-do-field.{name}"))
+    if name not in chosen:
+        return dmc.TextInput(id=id_, label=label, value=getattr(question, name, None) or "")
+    given = getattr(question, name, None)
+    first = given if given in chosen[name] else None
+    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True)
+
+
+def _orders(shown: DoShown, view: View) -> Component:
+    kinds: dict[str, Kind] = {"running": "open", "done": "good", "failed": "bad"}
+    rows = [
+        (
+            f"{each.at:%F %T}",
+            each.person,
+            view.say(message(f"pages-action.{each.action}")),
+            each.subject,
+            badge(StepState(message(f"pages-order.{each.state}"), kinds[each.state]), view),
+            each.fault,
+        )
+        for each in shown.orders
+    ]
+    names = ("at", "person", "action", "subject", "state", "fault")
+    return table([message(f"pages-order-column.{name}") for name in names], rows, view)
+
+
+def _roles(view: View) -> Component:
+    """Which role may do what, as it stands."""
+    rows = [
+        (
+            view.say(message(f"pages-action.{action}")),
+            ", ".join(view.say(message(f"pages-role.{role}")) for role in roles),
+        )
+        for action, roles in MAY.items()
+    ]
+    return table(
+        [message(f"pages-roles-column.{name}") for name in ("action", "roles")], rows, view
+    )
+
+
+def callbacks(app: Dash, home: Home) -> None:
+    """A button gives its order, in the name of whoever is logged in."""
+
+    @app.callback(
+        Output("do-answer", "children"),
+        Input({"do": ALL}, "n_clicks"),
+        State({"of": ALL, "field": ALL}, "value"),
+        State({"of": ALL, "field": ALL}, "id"),
+        prevent_initial_call=True,
+    )
+    def give(clicks: list[int | None], values: list[str | None], ids: list[dict[str, str]]) -> Any:
+        if not any(clicks) or not isinstance(ctx.triggered_id, dict):
+            return no_update
+        view, action = view_of_request(), ctx.triggered_id["do"]
+        fields = {
+            each["field"]: value or ""
+            for each, value in zip(ids, values, strict=True)
+            if each["of"] == action
+        }
+        return answer(action, fields, view, home)
+
+
+def answer(action: str, fields: dict[str, str], view: View, home: Home) -> Component:
+    """Gives an order; what became of it, as a sentence."""
+    known = next((each for each in MAY if each == action), None)
+    if known is None:
+        return dmc.Alert(view.say(message("pages-not-answered")), color="red")
+    try:
+        subject = orders_of(home).give(known, fields, view.visitor)
+    except Unusable as error:
+        title = view.say(message("pages-do-refused"))
+        return dmc.Alert(str(error), title=title, color="red")
+    done = message("pages-do-done", action=message(f"pages-action.{action}"), subject=subject)
+    return dmc.Alert(view.say(done), color="green")
+
+
+PAGE = Page("do", DoQuestion, DoShown, data, layout, callbacks=callbacks)

@@ -1,0 +1,162 @@
+"""Orders given on the pages: refused by role, carried out by the functions of the command line.
+
+The steps of a certificate are taken at once. A run, a re-processing and a draft take minutes: each
+is a process of the command line with a log in the home, and outlives the server of the pages.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from flows import run_orders
+from schemas.access import MAY, Action, Visitor
+from schemas.base import Unusable
+from schemas.orders import (
+    AcquireOrder,
+    CheckOrder,
+    IssueOrder,
+    ReprocessOrder,
+    WithdrawOrder,
+    order_of,
+)
+from schemas.pages.do import GivenOrder, OrderState
+from storage.catalogue import database, trail
+from storage.catalogue.listing import find
+from storage.home import Home
+from storage.whole_files import writing_in_home
+from tasks.station import procedures
+
+LAST_LINE = 500  # characters of the log that a failed order shows
+FIELDS: Mapping[Action, tuple[str, ...]] = {  # of each order; whatever else is sent is left out
+    "acquire": ("station", "procedure"),
+    "certify": ("run",),
+    "check": ("certificate", "reason"),
+    "issue": ("certificate", "reason"),
+    "withdraw": ("certificate", "reason"),
+    "reprocess": ("since", "until", "model", "serial", "station"),
+}
+Fields = Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Running:
+    """A process of the command line, and whose order it carries out."""
+
+    action: Action
+    subject: str
+    person: str
+    at: datetime
+    process: "subprocess.Popen[bytes]"
+    log: Path
+
+    def given(self) -> GivenOrder:
+        """How the order stands."""
+        code = self.process.poll()
+        state: OrderState = "running" if code is None else "done" if code == 0 else "failed"
+        return GivenOrder(
+            action=self.action, subject=self.subject, person=self.person, at=self.at, state=state,
+            fault=self._last_line() if state == "failed" else "",
+        )  # fmt: skip
+
+    def _last_line(self) -> str:
+        lines = self.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        return lines[-1][-LAST_LINE:] if lines else ""
+
+
+class Orders:
+    """The orders that were given since the pages are served."""
+
+    def __init__(self, home: Home) -> None:
+        self._home = home
+        self._running: list[Running] = []
+
+    def given(self) -> tuple[GivenOrder, ...]:
+        """Every order that became a process, the last one first."""
+        return tuple(each.given() for each in reversed(self._running))
+
+    def give(self, action: Action, fields: Fields, visitor: Visitor) -> str:
+        """Carries an order out, or begins to; gives what it is about.
+
+        Raises Unusable where the role does not allow it, and for what cannot be carried out.
+        """
+        if not visitor.may(action):
+            raise Unusable(
+                f"{visitor.name or 'Nobody without a name'} ({visitor.role}) may not do this: "
+                f"{action} is for {' and '.join(MAY[action])}"
+            )
+        given = {name: fields.get(name, "").strip() for name in FIELDS[action]}
+        kept = {name: value for name, value in given.items() if value}
+        steps: dict[Action, Callable[[Fields, str], str]] = {
+            "acquire": self._acquire, "reprocess": self._reprocess, "certify": self._certify,
+            "check": self._check, "issue": self._issue, "withdraw": self._withdraw,
+        }  # fmt: skip
+        return steps[action](kept, visitor.name)
+
+    def _check(self, fields: Fields, person: str) -> str:
+        order = order_of(CheckOrder, home=str(self._home.path), by=person, **fields)
+        return run_orders.check(order).certificate.number
+
+    def _issue(self, fields: Fields, person: str) -> str:
+        order = order_of(IssueOrder, home=str(self._home.path), by=person, **fields)
+        return run_orders.issue(order).certificate.number
+
+    def _withdraw(self, fields: Fields, person: str) -> str:
+        given = {"why": fields.get("reason", "")} | {"certificate": fields.get("certificate", "")}
+        order = order_of(WithdrawOrder, home=str(self._home.path), by=person, **given)
+        return run_orders.withdraw(order).certificate.number
+
+    def _certify(self, fields: Fields, person: str) -> str:
+        """A run of the store, and no recording that lies elsewhere."""
+        run = find(fields.get("run", ""), self._home).id
+        return self._begin("certify", run, person, [run])
+
+    def _acquire(self, fields: Fields, person: str) -> str:
+        """A station file of the home, and a procedure that comes with the program.
+
+        What a person at a terminal would be asked is refused beforehand.
+        """
+        name, procedure = fields.get("station", ""), fields.get("procedure", "jjf2003")
+        if name not in station_files(self._home):
+            raise Unusable(f"there is no station file {name!r} in {stations(self._home)}")
+        path = str(stations(self._home) / name)
+        procedures.load(procedure)
+        order = AcquireOrder(
+            home=str(self._home.path), station=path, procedure=procedure, attended=False
+        )
+        run_orders.check_acquisition(order)
+        return self._begin("acquire", name, person, [path, "--procedure", procedure])
+
+    def _reprocess(self, fields: Fields, person: str) -> str:
+        order_of(ReprocessOrder, **fields)
+        options = [f"--{name}={value}" for name, value in sorted(fields.items())]
+        return self._begin("reprocess", " ".join(options) or "*", person, options)
+
+    def _begin(self, action: Action, subject: str, person: str, options: list[str]) -> str:
+        """Starts the command, with an entry in the trail."""
+        now = datetime.now(UTC)
+        log = self._home.path / "orders" / f"{now:%Y%m%dT%H%M%S.%f}-{action}.log"
+        with database.changing(self._home) as connection:
+            trail.add(connection, person, f"order {action}", subject, at=now, log=log.name)
+        with writing_in_home(log), log.open("wb") as output:
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "flows.cli", action, "--json", *options],
+                stdin=subprocess.DEVNULL, stdout=output, stderr=output, start_new_session=True,
+                env=os.environ | {"MIMUCAL_HOME": str(self._home.path), "MIMUCAL_USER": person},
+            )  # fmt: skip
+        self._running.append(Running(action, subject, person, now, process, log))
+        return subject
+
+
+def stations(home: Home) -> Path:
+    """Where a home keeps the files of the stations that the pages may start."""
+    return home.path / "stations"
+
+
+def station_files(home: Home) -> tuple[str, ...]:
+    """The names of those files."""
+    found = (path.name for path in stations(home).glob("*") if path.suffix in (".toml", ".json"))
+    return tuple(sorted(name for name in found if not name.startswith(".")))

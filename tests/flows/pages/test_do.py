@@ -1,0 +1,131 @@
+"""Orders given on the pages: by role, by the rules of the command line, and in the trail."""
+
+import subprocess
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from flows.pages.do import answer, data
+from flows.pages.orders import FIELDS, Orders
+from flows.pages.page import View
+from schemas.access import MAY, ROLES, Action, Role, Visitor
+from schemas.base import Unusable
+from schemas.pages.do import DoQuestion
+from storage.catalogue import trail
+from storage.home import Home
+from tests.drafts import draft
+
+STATED: dict[Role, set[Action]] = {
+    "viewer": set(),
+    "operator": {"acquire", "reprocess", "certify"},
+    "verifier": {"check"},
+    "issuer": {"issue", "withdraw"},
+    "administrator": set(MAY),
+}
+
+
+class Started:
+    """In the place of a process: what was started, and how it ended."""
+
+    commands: list[tuple[list[str], dict[str, str]]]
+    code: int | None
+
+    def __init__(self) -> None:
+        self.commands, self.code = [], None
+
+    def __call__(self, command: list[str], **options: Any) -> "Started":
+        self.commands.append((command, options["env"]))
+        options["stdout"].write(b"begun\nthe reason, as one sentence\n")
+        return self
+
+    def poll(self) -> int | None:
+        return self.code
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> Started:
+    made = Started()
+    monkeypatch.setattr(subprocess, "Popen", made)
+    return made
+
+
+def test_each_role_may_do_what_is_stated_and_is_refused_all_else(tmp_path: Path) -> None:
+    orders = Orders(Home(tmp_path))
+    for role, action in product(ROLES, MAY):
+        visitor = Visitor(name="Wang", role=role)
+        assert visitor.may(action) == (action in STATED[role])
+        # An empty form: whoever may is asked for what is missing, everybody else for another role.
+        asked = "may not do this" if action not in STATED[role] else ""
+        if action == "reprocess" and not asked:
+            continue  # an empty selection is every run
+        with pytest.raises(Unusable) as refused:
+            orders.give(action, {}, visitor)
+        assert ("may not do this" in str(refused.value)) == bool(asked)
+    assert set(FIELDS) == set(MAY)
+    assert trail.entries(Home(tmp_path)) == []
+
+
+def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    key = draft(home, "1").certificate.number
+    orders, form = Orders(home), {"certificate": key, "reason": "read again"}
+    with pytest.raises(Unusable, match="another person has to check"):
+        orders.give("check", form, Visitor(name="Wang", role="administrator"))
+    orders.give("check", form | {"by": "Somebody else"}, Visitor(name="Zhao", role="verifier"))
+    number = orders.give("issue", form, Visitor(name="Chen", role="issuer"))
+    assert number.startswith("LAB-")
+    withdraw = {"certificate": number, "reason": "wrong table"}
+    orders.give("withdraw", withdraw, Visitor(name="Chen", role="issuer"))
+    steps = [(entry.person, entry.action) for entry in trail.entries(home)]
+    assert steps[-3:] == [("Zhao", "check"), ("Chen", "issue"), ("Chen", "withdraw")]
+
+
+def test_long_work_is_a_process_of_the_command_line_with_an_entry_in_the_trail(
+    tmp_path: Path, started: Started
+) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    orders, operator = Orders(home), Visitor(name="Li", role="operator")
+    run = orders.give("certify", {"run": "run of 1"}, operator)
+    orders.give("reprocess", {"station": "T1", "out": "/etc", "since": "2026-01-01"}, operator)
+    (first, environment), (second, _) = started.commands
+    assert first[-3:] == ["certify", "--json", run]
+    assert second[-4:] == ["reprocess", "--json", "--since=2026-01-01", "--station=T1"]
+    assert (environment["MIMUCAL_USER"], environment["MIMUCAL_HOME"]) == ("Li", str(tmp_path))
+    assert [entry.action for entry in trail.entries(home)][-2:] == [
+        "order certify", "order reprocess",
+    ]  # fmt: skip
+    assert {each.state for each in orders.given()} == {"running"}
+    started.code = 2
+    assert {each.fault for each in orders.given()} == {"the reason, as one sentence"}
+
+
+@pytest.mark.parametrize(
+    ("action", "fields"),
+    [
+        ("acquire", {"station": "../../etc/passwd"}),
+        ("acquire", {"station": "one.toml", "procedure": "/etc/own.toml"}),
+        ("certify", {"run": "/etc"}),
+        ("certify", {"run": "--help"}),
+        ("reprocess", {"since": "not a day"}),
+    ],
+)
+def test_nothing_is_started_of_what_is_not_the_homes_own(
+    action: Action, fields: dict[str, str], tmp_path: Path, started: Started
+) -> None:
+    (tmp_path / "stations").mkdir()
+    (tmp_path / "stations" / "one.toml").write_text("", encoding="utf-8")
+    with pytest.raises(Unusable):
+        Orders(Home(tmp_path)).give(action, fields, Visitor(name="Li", role="operator"))
+    assert started.commands == []
+
+
+def test_a_form_for_each_order_that_the_role_allows(tmp_path: Path) -> None:
+    home = Home(tmp_path)
+    draft(home, "1")
+    shown = data(DoQuestion(), home)
+    assert [each.state for each in shown.certificates] == ["draft"]
+    refused = answer("issue", {}, View(visitor=Visitor(name="Li", role="operator")), home)
+    assert "issue is for issuer and administrator" in str(refused)
