@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from schemas.calibration import Calibration
-from schemas.certificate import Certificate, Laboratory, Party
+from schemas.certificate import Certificate, Laboratory, Party, StepName
 from schemas.decision import Decision
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal, slug
 from tasks.conformity.limits import verdict_title
@@ -93,19 +93,36 @@ def _due(certificate: Certificate) -> Iterator[Field]:
 
 
 def signatures(certificate: Certificate) -> tuple[Signature, ...]:
-    """Clause 8 k), l)."""
-    lab = certificate.laboratory
+    """Clause 8 k), l): who took the steps, which need not be whom laboratory.toml names."""
     waiting = certificate.state in ("draft", "checked")
     issued = message("certificate-not-issued") if waiting else day(certificate.issued_on)
-    title = given(lab.issuer_title, lab.issuer_title_zh) if lab else NOT_GIVEN
     operator, checker, issuer = (
         message(f"certificate-role.{role}") for role in ("operator", "checker", "issuer")
     )
     return (
-        Signature(operator, given(lab.operator if lab else None)),
-        Signature(checker, given(lab.checker if lab else None)),
-        Signature(issuer, given(lab.issuer if lab else None), title, issued),
+        Signature(operator, _person(certificate, "draft")),
+        Signature(checker, _person(certificate, "check")),
+        Signature(issuer, _person(certificate, "issue"), _title(certificate), issued),
     )
+
+
+def _person(certificate: Certificate, name: StepName) -> Sayable:
+    """Who took a step; whom the laboratory names, for what was issued when steps were not kept."""
+    step, lab = certificate.step(name), certificate.laboratory
+    if step is not None:
+        return given(step.person)
+    if certificate.steps or certificate.state in ("draft", "checked"):
+        return NOT_GIVEN if name == "draft" else message(f"certificate-step-open.{name}")
+    named = {"draft": lab.operator, "check": lab.checker, "issue": lab.issuer} if lab else {}
+    return given(named.get(name))
+
+
+def _title(certificate: Certificate) -> Sayable:
+    """The title of whom laboratory.toml names, if that is who issued it."""
+    step, lab = certificate.step("issue"), certificate.laboratory
+    if lab is None or (step and lab.issuer and step.person != lab.issuer):
+        return NOT_GIVEN
+    return given(lab.issuer_title, lab.issuer_title_zh)
 
 
 def verdict(decision: Decision) -> Message:

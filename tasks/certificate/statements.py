@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.decision import Decision
 from schemas.text import Remark
+from tasks.certificate.alike import alike
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import whose_limits
 from tasks.certificate.fields import given, quoted, slug
@@ -108,14 +109,16 @@ def reasons(
     """Why a unit does not pass; the remarks that stand below anyway are only counted."""
     translated = dict(zip(decision.reasons, decision.reasons_zh, strict=False))
     blocking = [remark.en for remark in calibration.remarks if remark.blocks_pass]
-    blocking += [statement(each.printed).en for each in deviating if not each.waived]
+    open_ = [statement(each.printed).en for each in deviating if not each.waived]
+    count = len(open_) + sum(group[0].blocks_pass for group in alike(calibration.remarks))
+    blocking += open_
     own = [
         message("certificate-quoted", text=given(en, translated.get(en)))
         for en in decision.reasons
         if en not in blocking
     ]
     if blocking:
-        own.append(message("certificate-see-remarks", count=len(blocking)))
+        own.append(message("certificate-see-remarks", count=count))
     return tuple(own)
 
 
@@ -146,15 +149,24 @@ def remarks(calibration: Calibration, deviating: tuple[Deviation, ...]) -> tuple
     segments they are about.
     """
     others = (remark for remark in calibration.remarks if remark.code not in NOT_RECORDED)
-    return (*(each.printed for each in deviating), *map(_remark, others))
+    return (*(each.printed for each in deviating), *map(_remark, alike(others)))
 
 
-def _remark(remark: Remark) -> Message:
-    """The remark; its segments where the sentence does not name them, and what it prevents."""
+def _remark(group: list[Remark]) -> Message:
+    """The first of remarks that say the same of several segments, with the names of the others;
+    its segments where the sentence does not name them, and what it prevents.
+    """
+    remark, *others = group
     sentence = quoted(remark.en, remark.zh)
     named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
     if not all(named):
         sentence = message(
             "certificate-remark", remark=sentence, segments=", ".join(remark.segments)
         )
+    if others:
+        names = dict.fromkeys(name for other in others for name in other.segments)
+        sentence = message(
+            "certificate-remark.alike",
+            remark=sentence, count=len(names), segments=", ".join(names),
+        )  # fmt: skip
     return message("certificate-remark.blocks", remark=sentence) if remark.blocks_pass else sentence

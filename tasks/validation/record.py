@@ -118,7 +118,7 @@ def named(record: ValidationRecord | None, calibration: Calibration) -> Message:
     )
     return message(
         "validation-record.in-part" if in_part else "validation-record",
-        record=f"{record.made_on}, {record.code_version.split()[0]}",
+        record=f"{record.made_on} ({record.methods[calibration.method].fingerprint})",
         valid=len(calibration.items) - len(doubts), items=len(calibration.items),
         **({"elements": clauses(elements)} if in_part else {}),
     )  # fmt: skip

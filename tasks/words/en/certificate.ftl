@@ -59,6 +59,9 @@ certificate-role =
     .checker = Checked by
     .issuer = Issued by
 certificate-not-issued = not yet issued
+certificate-step-open =
+    .check = not yet checked
+    .issue = not yet issued
 certificate-no-statement = no statement of conformity
 certificate-due-from-issue = { $day }, counted from the date of the certificate, as that of the calibration is not given
 certificate-scope =
@@ -230,6 +233,7 @@ certificate-marks =
     .nothing-accepted = AL –: U is larger than the guard bands allow, and leaves no acceptance interval
 certificate-see-remarks = The remarks below that prevent a pass: { $count }.
 certificate-remark = { $remark } [{ $segments }]
+    .alike = { $remark } The same holds, with figures of their own, of { $count } more segments: { $segments }.
     .blocks = { $remark } This prevents a pass.
 certificate-unregistered = this identifier is not in the register
 

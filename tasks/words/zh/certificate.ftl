@@ -59,6 +59,9 @@ certificate-role =
     .checker = 核验员
     .issuer = 签发人
 certificate-not-issued = 尚未签发
+certificate-step-open =
+    .check = 尚未核验
+    .issue = 尚未签发
 certificate-no-statement = 未作符合性判定
 certificate-due-from-issue = { $day }（未提供校准日期，自证书日期起算）
 certificate-scope =
@@ -230,6 +233,7 @@ certificate-marks =
     .nothing-accepted = AL –：U 过大，扣除保护带后没有接受区间
 certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 条。
 certificate-remark = { $remark } [{ $segments }]
+    .alike = { $remark }另有 { $count } 段情况相同（数值各异）：{ $segments }。
     .blocks = { $remark }本条影响判定：不得判为合格。
 certificate-unregistered = 此标识未在册
 

@@ -93,6 +93,8 @@ def test_a_record_that_fits_leaves_no_doubt(calibration) -> None:
     assert doubts_of(record, calibration) == {}
     assert "9 of 9 items" in say(named(record, calibration), "en")
     assert "2026-11-21" in say(named(record, calibration), "en")
+    # The certificate names one version of the code: that by which its values were made.
+    assert "0.1.0" not in say(named(record, calibration), "en")
 
 
 def test_without_a_record_every_item_is_doubted_with_the_way_out(calibration) -> None:

@@ -1,0 +1,77 @@
+"""Remarks told once with their segments, and who signs: whoever took the steps."""
+
+from datetime import UTC, datetime
+
+import pytest
+from sample_certificate import calibration, certificate, content, laboratory
+
+from schemas.certificate import Step, StepName
+from schemas.text import Remark
+from tasks.certificate.alike import alike
+
+NAMES = [f"rate_{axis}_{rate:+d}" for axis in "xyz" for rate in (-300, -100, -10, 10, 100, 300)]
+MORNING = datetime(2026, 11, 21, 8, tzinfo=UTC)
+
+
+def unsteady(name: str, number: int, **changes: object) -> Remark:
+    text = f"{name}: about {name[5].upper()} the rate varies by {number / 100} %."
+    return Remark.model_validate(
+        {"code": "unsteady_rate", "en": text, "zh": text, "segments": (name,)} | changes
+    )
+
+
+def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() -> None:
+    every = tuple(unsteady(name, number) for number, name in enumerate(NAMES))
+    made = content(certificate(calibration(remarks=every)))
+    ((zh, en),) = made.remarks
+    assert en.startswith("rate_x_-300: about X the rate varies by 0.0 %. The same holds")
+    assert "of 17 more segments: rate_x_" in en
+    assert all(name in en for name in NAMES)
+    assert "另有 17 段" in zh
+
+
+def test_remarks_that_differ_in_more_than_figures_stay_apart() -> None:
+    other = unsteady(NAMES[0], 1, en="Something else.")
+    blocking = unsteady(NAMES[1], 1, blocks_pass=True)
+    whole = Remark(code="unsteady_rate", en="A.", zh="A.")
+    groups = alike([unsteady(NAMES[0], 1), other, blocking, whole, whole])
+    assert [len(group) for group in groups] == [1, 1, 1, 1, 1]
+
+
+def test_the_reasons_count_the_remarks_that_are_printed() -> None:
+    blocking = tuple(unsteady(name, 1, blocks_pass=True) for name in NAMES)
+    made = content(certificate(calibration(remarks=blocking)))
+    assert made.reasons[-1][1] == "The remarks below that prevent a pass: 1."
+
+
+def steps(**persons: str) -> tuple[Step, ...]:
+    names: dict[str, StepName] = {"draft": "draft", "check": "check", "issue": "issue"}
+    return tuple(
+        Step(step=names[name], person=person, at=MORNING) for name, person in persons.items()
+    )
+
+
+@pytest.mark.parametrize(
+    ("state", "taken", "names"),
+    [
+        ("draft", {"draft": "Sun"}, ["Sun", "not yet checked", "not yet issued"]),
+        ("checked", {"draft": "Sun", "check": "Qian"}, ["Sun", "Qian", "not yet issued"]),
+        ("issued", {"draft": "Sun", "check": "Qian", "issue": "Zhou"}, ["Sun", "Qian", "Zhou"]),
+    ],
+)
+def test_who_took_a_step_signs_and_nobody_else(
+    state: str, taken: dict[str, str], names: list[str]
+) -> None:
+    """The laboratory's file names Li Ming, Wang Fang and Zhang Wei."""
+    made = content(certificate(state=state, steps=steps(**taken)))
+    signed = {each.role[1]: each for each in made.signatures}
+    assert [signed[role].name[1] for role in ("Operator", "Checked by", "Issued by")] == names
+
+
+def test_a_title_belongs_to_whom_the_laboratory_names() -> None:
+    for person, title in (("Zhou", "not given"), ("张伟 Zhang Wei", "Technical director")):
+        taken = steps(draft="Sun", check="Qian", issue=person)
+        signed = content(certificate(steps=taken)).signatures
+        assert signed[-1].title[1] == title
+    anybody = certificate(laboratory=laboratory(issuer=None), steps=steps(issue="Zhou"))
+    assert content(anybody).signatures[-1].title[1] == "Technical director"
