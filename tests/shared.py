@@ -1,5 +1,6 @@
 """What lies beside the project in ../shared; a test that asks for it is skipped where it is not."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -18,3 +19,11 @@ def shared_path(name: str) -> Path:
         folder = "/".join(Path(name).parts[:2])
         pytest.skip(f"../shared/{folder}{ABSENT}")
     return FOLDER / name
+
+
+def chromium() -> str:
+    """The browser that Debian's package chromium installs; skips the test where none is."""
+    path = shutil.which("chromium")
+    if path is None:
+        pytest.skip(f"chromium{ABSENT} (apt-get install chromium)")
+    return path

@@ -8,8 +8,9 @@ import os
 import secrets
 from contextlib import suppress
 from datetime import timedelta
+from typing import Any
 
-from flask import Flask, Response, g, redirect, request, session
+from flask import Flask, Response, g, jsonify, redirect, request, session
 from flask_wtf.csrf import CSRFError, CSRFProtect, generate_csrf
 from werkzeug.wrappers import Response as AnyResponse
 
@@ -26,7 +27,11 @@ from storage.whole_files import writing_in_home
 KEY = "pages.key"
 SESSION = timedelta(hours=12)
 OPEN = ("/login", "/assets/", "/_dash-component-suites/", "/_favicon.ico")
-SHELL = ("/_dash-layout", "/_dash-dependencies", "/_dash-update-component")
+SHELL = ("/_dash-layout", "/_dash-dependencies")
+UPDATE, OF_THE_FRAME = "/_dash-update-component", "..page.children."
+ASK_AGAIN: dict[str, Any] = {  # as Dash has it for what a callback sets beside its outputs
+    "multi": True, "response": {}, "sideUpdate": {"again": {"disabled": False, "interval": 1000}},
+}  # fmt: skip
 CSRF_COOKIE = "_csrf_token"  # where Dash looks for what it sends back as X-CSRFToken
 
 
@@ -122,8 +127,14 @@ def _turned_away() -> AnyResponse:
 
 
 def _without_database(sentence: str) -> AnyResponse | None:
-    """The frame of the pages is there without it, to say so and to ask again."""
+    """The frame of the pages is there without it, to say so and to ask again; nothing else is.
+
+    Whatever else a page asks for by itself has the frame ask for the whole page again.
+    """
     g.fault = sentence
+    if request.path == UPDATE:
+        asked = (request.get_json(silent=True) or {}).get("output", "")
+        return None if str(asked).startswith(OF_THE_FRAME) else jsonify(ASK_AGAIN)
     is_page = request.method == "GET" and "text/html" in request.headers.get("Accept", "")
     return None if is_page or request.path in SHELL else refusal(503, sentence)
 

@@ -53,6 +53,7 @@ def make_app(home: Home) -> Application:
         serve_locally=True,
         suppress_callback_exceptions=True,  # a page's parts are there when it is
         update_title="",
+        on_error=shell.say_fault,
         title="mimucal",
     )
     app.enable_dev_tools(debug=False, dev_tools_disable_version_check=True)

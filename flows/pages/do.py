@@ -5,7 +5,7 @@ from typing import Any
 
 import dash_mantine_components as dmc
 import sqlalchemy as sql
-from dash import ALL, Dash, Input, Output, State, ctx, no_update
+from dash import ALL, Dash, Input, Output, State, ctx, dcc, no_update
 from dash.development.base_component import Component
 
 from flows.pages.orders import FIELDS, Orders, station_files
@@ -15,13 +15,14 @@ from flows.pages.preferences import view_of_request
 from flows.pages.states import Kind, StepState, badge
 from schemas.access import MAY, Action
 from schemas.base import Unusable
-from schemas.pages.do import DoQuestion, DoShown, WaitingCertificate
+from schemas.pages.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from storage.catalogue import database, tables
 from storage.home import Home
 from tasks.station import procedures
 from tasks.words import message
 
 WAITING = ("draft", "checked", "issued")
+REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
 STEP_OF = {"check": "draft", "issue": "checked", "withdraw": "issued"}
 
@@ -63,7 +64,8 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
             dmc.Box(id="do-answer"),
             dmc.Title(view.say(message("pages-do-orders")), order=3),
-            _orders(shown, view),
+            dmc.Box(_orders(shown.orders, view), id="do-orders"),
+            dcc.Interval(id="do-again", interval=REFRESH_MS),
             _roles(view),
         ]
     )
@@ -94,7 +96,7 @@ def _field(
     return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True)
 
 
-def _orders(shown: DoShown, view: View) -> Component:
+def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
     kinds: dict[str, Kind] = {"running": "open", "done": "good", "failed": "bad"}
     rows = [
         (
@@ -105,7 +107,7 @@ def _orders(shown: DoShown, view: View) -> Component:
             badge(StepState(message(f"pages-order.{each.state}"), kinds[each.state]), view),
             each.fault,
         )
-        for each in shown.orders
+        for each in given
     ]
     names = ("at", "person", "action", "subject", "state", "fault")
     return table([message(f"pages-order-column.{name}") for name in names], rows, view)
@@ -127,6 +129,10 @@ def _roles(view: View) -> Component:
 
 def callbacks(app: Dash, home: Home) -> None:
     """A button gives its order, in the name of whoever is logged in."""
+
+    @app.callback(Output("do-orders", "children"), Input("do-again", "n_intervals"))
+    def refresh(_: int | None) -> Component:
+        return _orders(orders_of(home).given(), view_of_request())
 
     @app.callback(
         Output("do-answer", "children"),

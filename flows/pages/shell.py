@@ -1,9 +1,10 @@
 """The frame around every page: navigation, the switches, and the page that an address names."""
 
+import logging
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import ClientsideFunction, Dash, Input, Output, dcc, html
+from dash import ClientsideFunction, Dash, Input, Output, dcc, html, set_props
 from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
@@ -31,7 +32,7 @@ def frame() -> Component:
                 dcc.Location(id="address", refresh="callback-nav"),
                 dcc.Interval(id="again", interval=NEVER, disabled=True),
                 dmc.AppShellHeader(_header(view), px="md"),
-                dmc.AppShellMain(dmc.Box(id="page", className="figures")),
+                dmc.AppShellMain([dmc.Box(id="fault"), dmc.Box(id="page", className="figures")]),
             ],
             header={"height": 56},
             padding="md",
@@ -83,6 +84,18 @@ def _person(view: View) -> list[Component]:
     ]
 
 
+def say_fault(error: Exception) -> None:
+    """What a page's own callback could not do, above the page; without a database it asks again."""
+    view = view_of_request()
+    if isinstance(error, Busy):
+        set_props("again", {"disabled": False, "interval": int(RETRY_S * 1000)})
+    words = "pages-not-answered" if isinstance(error, Unusable) else "pages-failed"
+    if not isinstance(error, Unusable):
+        logging.getLogger(__name__).error("a callback failed", exc_info=error)
+    sentence = str(error) if isinstance(error, Unusable) else type(error).__name__
+    set_props("fault", {"children": notice(view, words, "red", sentence)})
+
+
 def add_callbacks(app: Dash, home: Home) -> None:
     """The page of an address, asked for again where it is live or could not be answered."""
 
@@ -90,15 +103,16 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Output("page", "children"),
         Output("again", "interval"),
         Output("again", "disabled"),
+        Output("fault", "children"),
         Input("address", "pathname"),
         Input("address", "search"),
         Input("again", "n_intervals"),
     )
-    def show(path: str | None, search: str | None, _: Any) -> PageAndInterval:
+    def show(path: str | None, search: str | None, _: Any) -> tuple[Any, ...]:
         view, unreachable = view_of_request(), fault()
         if unreachable is not None:
-            return no_database(unreachable, view)
-        return page_at(path or "/", search or "", home, view)
+            return *no_database(unreachable, view), None
+        return *page_at(path or "/", search or "", home, view), None
 
     app.clientside_callback(
         ClientsideFunction("preferences", "keep"),

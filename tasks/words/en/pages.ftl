@@ -17,6 +17,7 @@ pages-role =
     .administrator = administrator
 pages-no-such-page = There is no such page
 pages-not-answered = This cannot be shown
+pages-failed = The pages themselves failed
 pages-no-database = The catalogue cannot be reached; this page asks again by itself
 
 pages-line = Line

@@ -17,6 +17,7 @@ pages-role =
     .administrator = 管理员
 pages-no-such-page = 没有这个页面
 pages-not-answered = 无法显示
+pages-failed = 页面自身出错
 pages-no-database = 无法访问目录数据库；本页会自动重试
 
 pages-line = 产线

@@ -1,0 +1,108 @@
+"""The pages in a browser: what is shown, what is asked of whom, and a database that stops."""
+
+from collections.abc import Iterator
+from threading import Event, Thread
+
+import pytest
+from werkzeug.serving import make_server
+
+from flows.pages import shell
+from flows.pages.app import make_app
+from storage.catalogue import connection, database, runs
+from storage.home import Home
+from tests.drafts import draft, recording_of
+from tests.shared import chromium
+
+HOSTILE = "<img src=x onerror=alert(1)>\"'\U0001f600" + "x" * 10_000
+OPTIONS = (
+    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync --no-proxy-server --disable-dev-shm-usage"
+)
+
+pytestmark = pytest.mark.real_time
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
+    made = Home(tmp_path_factory.mktemp("browser"))
+    draft(made, "V1")
+    runs.add(recording_of(HOSTILE), made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def address(home: Home) -> Iterator[str]:
+    server = make_server("127.0.0.1", 0, make_app(home).server, threaded=True)
+    Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def faults() -> list[str]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def page(address: str, faults: list[str]) -> Iterator:
+    """A page of a tablet's width that notes every error, dialog and request to another host."""
+    path = chromium()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS.split())
+        page = browser.new_page(viewport={"width": 820, "height": 1100}, locale="zh-CN")
+        page.set_default_timeout(120_000)  # ms, for a machine that is busy with other work
+        page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.on("dialog", lambda dialog: (faults.append(dialog.message), dialog.dismiss()))
+        ours = (address, "data:", "blob:")
+        page.on("request", lambda r: None if r.url.startswith(ours) else faults.append(r.url))
+        yield page
+        browser.close()
+
+
+def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, faults) -> None:
+    page.goto(f"{address}/runs")
+    page.wait_for_selector(".ag-cell a")
+    assert page.locator(".ag-center-cols-container [role=row]").count() == 2
+    page.fill("[aria-colindex='5'] input[type=text] >> visible=true", "v1")
+    page.wait_for_selector("#runs-count:text-is('共 1 条测量记录')")
+    page.click(".ag-cell a")
+    page.wait_for_selector("#run-tabs")
+    assert "0.250 °/s" in page.inner_text("#page")
+    page.click("text=English")
+    page.wait_for_selector("text=Gyro bias")
+    page.click("[role=tab]:has-text('Signals')")
+    page.wait_for_selector("#signals .main-svg")
+    assert faults == []
+
+
+def test_a_name_with_a_script_is_text(page, address, faults) -> None:
+    page.goto(f"{address}/runs")
+    page.wait_for_selector(f"text={HOSTILE[:28]}")
+    assert page.locator("img[src=x]").count() == 0
+    assert faults == []
+
+
+def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
+    page, address, faults, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stopped, reading = Event(), database.rows
+
+    def rows(*asked):
+        if stopped.is_set():
+            raise connection.Busy("The catalogue cannot be used (it was stopped).")
+        return reading(*asked)
+
+    monkeypatch.setattr(database, "rows", rows)
+    monkeypatch.setattr(shell, "RETRY_S", 0.2)
+    page.goto(f"{address}/runs")
+    page.wait_for_selector(".ag-cell a")
+    stopped.set()
+    page.click("header a >> nth=0")
+    page.wait_for_selector("#notice:has-text('it was stopped')")
+    stopped.clear()
+    page.wait_for_selector("#notice", state="detached")
+    page.wait_for_selector("#page h3")
+    assert faults == []
