@@ -14,6 +14,7 @@ from flows import (
     explain_commands,
     history_commands,
     options,
+    review_commands,
     station,
     store_commands,
     user_commands,
@@ -35,6 +36,7 @@ app = typer.Typer(
 )
 app.add_typer(certificate_commands.app)
 app.add_typer(explain_commands.app)
+app.add_typer(review_commands.app)
 app.add_typer(correction_commands.app)
 app.add_typer(store_commands.app)
 app.add_typer(history_commands.app)

@@ -31,6 +31,16 @@ def _whole_days(value: datetime | None) -> datetime | None:
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output.")]
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Run id, or path to a recording.")]
 
+Reviewed = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="[PATH…]", help="Recordings, or folders of them; default: the store's runs."
+    ),
+]
+ReviewFolder = Annotated[
+    Path | None, _option("DIR", "Folder for review.json; nothing is written without it.", "--out")
+]
+
 Log = Annotated[
     bool, typer.Option("--log", help="Every change of its state, when and why, and nothing else.")
 ]

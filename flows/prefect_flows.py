@@ -38,6 +38,7 @@ from schemas.orders import (
     ProduceOrder,
     RemindOrder,
     ReprocessOrder,
+    ReviewOrder,
     SimulateOrder,
     WithdrawOrder,
 )
@@ -49,6 +50,7 @@ from tasks.stages.certificate_inputs import read_inputs
 from tasks.stages.correct import Corrected
 from tasks.stages.explain import Explained
 from tasks.stages.published import Published
+from tasks.stages.review import Reviewed
 from tasks.stages.simulate import Simulated
 from tasks.stages.stage import without_loss
 from tasks.words import say
@@ -109,6 +111,15 @@ def explain(order: ExplainOrder) -> Explained:
     with suppress(TransportError):
         _show_discrepancy(explained)
     return explained
+
+
+@flow(name="review")
+def review(order: ReviewOrder) -> Reviewed:
+    """Say what many runs show together, who carries it and since when."""
+    reviewed = run_orders.review(order)
+    with suppress(TransportError):
+        _show_review(reviewed)
+    return reviewed
 
 
 @flow(name="simulate", flow_run_name="simulate {order.run}")
@@ -238,6 +249,20 @@ def _show_discrepancy(explained: Explained) -> None:
         markdown=f"# {discrepancy.verdict}\n\n" + "\n\n".join(sentences),
         description=f"Where model and recording {discrepancy.recording_id} differ",
     )
+
+
+def _show_review(reviewed: Reviewed) -> None:
+    """The findings as a Prefect artifact."""
+    review = reviewed.review
+    create_table_artifact(
+        key="review",
+        table=[
+            {"effect": f.effect, "level": f.level, "carrier": f.carrier,
+             "since": f.since and f.since.at, "runs": f.evidence.runs, "statement": f.statement.en}
+            for f in review.findings
+        ],
+        description=review.statement.en,
+    )  # fmt: skip
 
 
 def _show_items(calibration: Calibration) -> None:

@@ -21,6 +21,7 @@ from schemas.orders import (
     IssueOrder,
     OrderModel,
     ReprocessOrder,
+    ReviewOrder,
     SimulateOrder,
     WithdrawOrder,
 )
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from tasks.stages.correct import Corrected
     from tasks.stages.explain import Explained
     from tasks.stages.published import Published
+    from tasks.stages.review import Reviewed
     from tasks.stages.simulate import Simulated
     from tasks.station.ports import Ask
 
@@ -85,6 +87,14 @@ def explain(order: ExplainOrder) -> "Explained":
 
     place = home_of(order)
     return explain_run(run_of(order.run, place), place, order, describe)
+
+
+def review(order: ReviewOrder) -> "Reviewed":
+    """Say what many runs show together."""
+    from tasks.stages.review import review_runs
+
+    with counting("runs") as report:
+        return review_runs(order, home_of(order), report)
 
 
 def simulate(order: SimulateOrder) -> "Simulated":

@@ -162,6 +162,22 @@ class ExplainOrder(OrderModel):
     simulated: str | None = None
 
 
+class ReviewOrder(OrderModel):
+    """What many runs show together.
+
+    paths: recordings, or folders of them, imported on the fly; without any, the runs of the store
+    that the rest selects, as in `Selection`. out: folder of the answer; none is written without it.
+    """
+
+    paths: tuple[str, ...] = ()
+    since: date | None = None
+    until: date | None = None
+    model: str | None = None
+    serial: str | None = None
+    station: str | None = None
+    out: str | None = None
+
+
 class SimulateOrder(OrderModel):
     """What a unit with a calibration would have read on a run's motion, as a new folder.
 

@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, fdtrc
 
-from schemas.review import LEVELS
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import Evidence, Spread, solved, spreads
@@ -17,7 +16,6 @@ from tasks.review.windows import Window, rows_of, runs_of
 BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
 BETWEEN_UNITS = (0.0, 0.5, 1.0, 2.0, 5.0)  # τ
 PER_CHANGE = 4.0
-SMALLER_LEVEL = 0.01  # of score: of two carriers with the same runs the smaller level is named
 
 
 @dataclass(frozen=True)
@@ -78,14 +76,24 @@ def scored(
 ) -> Carried:
     """With the price: of its parameters, of how many of its name and level there are, and of each
     change the number of runs at which it may be."""
-    price = PER_PARAMETER * evidence.size + 2.0 * np.log(effect.trials) + effect.term.rarity
+    price = PER_PARAMETER * (evidence.size + len(effect.term.at))  # a shape is searched for, too
+    price += 2.0 * np.log(effect.trials) + effect.term.rarity
     price += 2.0 * np.log(max(1, len(pool.names[window.level])))
     price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
-    price += SMALLER_LEVEL * LEVELS.index(window.level)
     # What is known to be there needs no other that imitates it.
     price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
-    p_value = min(1.0, float(chdtrc(evidence.size, max(beyond, 0.0))) * tried)
+    p_value = min(1.0, _chance(evidence, spread, beyond) * tried)
     return Carried(effect, evidence, window, spread, gain, beyond, gain - price, p_value)
+
+
+def _chance(evidence: Evidence, spread: Spread, beyond: float) -> float:
+    """That chance shows as much: beside a spread between units as few of them let it be known."""
+    if beyond <= 0.0:
+        return 1.0
+    units = len(evidence.starts)
+    if spread.tau and units > 1:
+        return float(fdtrc(evidence.size, units - 1.0, beyond / evidence.size))
+    return float(chdtrc(evidence.size, beyond))
 
 
 @dataclass(frozen=True)
@@ -138,9 +146,12 @@ def moved(window: Window, side: str, at: int) -> Window:
 def profile(pool: Pool, one: Carried, side: str) -> dict[int, float]:
     """Nats gained with every other first (or last) run of the window, at the best values."""
     window = one.window
-    within = range(1, window.last) if side == "first" else range(window.first + 1, window.count)
-    rows = np.array([rows_of(pool, moved(window, side, at)) for at in within])
-    return dict(zip(within, one.spread.gains(rows).tolist(), strict=True))
+    own = runs_of(pool, window.level, window.carrier)
+    if side == "first":
+        gains = one.spread.nested_gains(own[: window.last][::-1])[::-1]
+        return dict(enumerate(gains[1:].tolist(), start=1))
+    gains = one.spread.nested_gains(own[window.first :])
+    return dict(enumerate(gains[:-1].tolist(), start=window.first + 1))
 
 
 CONFIDENT = 1.92  # nats: half of the 95 % point of chi-squared with one degree of freedom

@@ -15,7 +15,6 @@ from functools import cached_property
 import numpy as np
 
 DETERMINED = 1e-4  # of a parameter's information that is left beside the effect's others
-AT_ONCE = 32  # windows
 IN_EVERY_RUN = 0.5  # κ, in units of what one run determines
 
 
@@ -82,26 +81,46 @@ class Spread:
 
     def common(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Right side (m,) and information (m, m) of a value common to some runs (runs,) bool."""
-        right, information = self._common(*_by_unit(self, rows[None]))
+        sums = self._common(*_by_unit(self, rows[None]))
+        right, information = self._less_everywhere(*sums)
         return right[0], information[0]
 
-    def gains(self, rows: np.ndarray) -> np.ndarray:
-        """(w,) nats that a value common to the runs of each window, (w, runs) bool, gains."""
-        parts = (rows[first : first + AT_ONCE] for first in range(0, len(rows), AT_ONCE))
-        gains = [self.gains_of(*_by_unit(self, part)) for part in parts]
-        return np.concatenate([np.zeros(0), *gains])
+    def nested_gains(self, runs: np.ndarray) -> np.ndarray:
+        """(n,) nats that a value common to the first, to the first two … of some runs (n,) gains.
+
+        Each run changes the sums of its own unit alone.
+        """
+        unit, own = self.evidence.unit[runs], self.information[runs]
+        after = _cumulative_of_each(own, unit)
+        before, lessened = after - own, self.lessened[unit]
+        each = own - after @ lessened @ after + before @ lessened @ before
+        right = np.cumsum(
+            self.score[runs] - np.einsum("rij,rj->ri", own, self.shrunk[unit]), axis=0
+        )
+        crossed = np.cumsum(own @ self.kept[unit], axis=0)
+        return self._gains(right, np.cumsum(each, axis=0), crossed)
 
     def gains_of(self, score: np.ndarray, own: np.ndarray) -> np.ndarray:
         """The same from each window's sums over units, (w, units, m) and (w, units, m, m)."""
-        right, information = self._common(score, own)
+        return self._gains(*self._common(score, own))
+
+    def _gains(self, right: np.ndarray, information: np.ndarray, crossed: np.ndarray) -> np.ndarray:
+        right, information = self._less_everywhere(right, information, crossed)
         return np.asarray(0.5 * (right * solved(information, right)).sum(axis=1))
 
-    def _common(self, score: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _common(
+        self, score: np.ndarray, own: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         right = score.sum(axis=1) - np.einsum("wuij,uj->wi", own, self.shrunk)
         information = own.sum(axis=1) - (own @ self.lessened @ own).sum(axis=1)
-        crossed = (own @ self.kept).sum(axis=1)
-        right = right - crossed @ self.everywhere
-        return right, information - crossed @ self.shared @ crossed.transpose(0, 2, 1)
+        return right, information, (own @ self.kept).sum(axis=1)
+
+    def _less_everywhere(
+        self, right: np.ndarray, information: np.ndarray, crossed: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Without what all runs have in common by this program's own doing."""
+        taken = crossed @ self.shared @ crossed.transpose(0, 2, 1)
+        return right - crossed @ self.everywhere, information - taken
 
 
 Sums = tuple[np.ndarray, np.ndarray]
@@ -156,11 +175,27 @@ def _between_units(alone: Spread, tau: float, score: np.ndarray, information: np
 
 def _by_unit(spread: Spread, rows: np.ndarray) -> Sums:
     """Sums over each unit's runs within each of some windows (w, runs) bool."""
-    order, starts = spread.evidence.by_unit, spread.evidence.starts
-    kept = rows[:, order, None]
-    score = np.add.reduceat(kept * spread.score[order], starts, axis=1)
-    own = np.add.reduceat(kept[..., None] * spread.information[order], starts, axis=1)
+    evidence, units = spread.evidence, len(spread.evidence.starts)
+    score = np.zeros((len(rows), units, evidence.size))
+    own = np.zeros((len(rows), units, evidence.size, evidence.size))
+    for number, some in enumerate(rows):
+        runs = evidence.by_unit[some[evidence.by_unit]]
+        unit = evidence.unit[runs]
+        starts = np.flatnonzero(np.diff(unit, prepend=-1))
+        score[number, unit[starts]] = np.add.reduceat(spread.score[runs], starts)
+        own[number, unit[starts]] = np.add.reduceat(spread.information[runs], starts)
     return score, own
+
+
+def _cumulative_of_each(values: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Cumulative sums of values (n, …) within each group; group: (n,) numbers."""
+    order = np.argsort(group, kind="stable")
+    total = np.cumsum(values[order], axis=0)
+    starts = np.flatnonzero(np.diff(group[order], prepend=-1))
+    before = np.concatenate([np.zeros((1, *values.shape[1:])), total])[starts]
+    found = np.empty_like(total)
+    found[order] = total - np.repeat(before, np.diff(np.append(starts, len(group))), axis=0)
+    return found
 
 
 def solved(information: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Whose run it is: what its manifest tells of unit, lot, station, model and site."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from schemas.recording import Manifest, Station
@@ -7,19 +8,28 @@ from schemas.review import Level
 from tasks.review.pool import ReviewedRun
 
 
-def reviewed_run(run: str, manifest: Manifest) -> ReviewedRun:
-    """A run by its manifest; `run`: what it is called."""
+def reviewed_runs(manifests: Mapping[str, Manifest]) -> dict[str, ReviewedRun]:
+    """Runs by their manifests, each by what it is called. A unit goes by its serial number, and by
+    its model too where several models have one of that number.
+    """
+    models: dict[str, set[str]] = {}
+    for manifest in manifests.values():
+        models.setdefault(manifest.unit.serial, set()).add(manifest.unit.model)
+    shared = {serial for serial, of in models.items() if len(of) > 1}
+    return {run: _reviewed(run, manifest, shared) for run, manifest in manifests.items()}
+
+
+def _reviewed(run: str, manifest: Manifest, shared: set[str]) -> ReviewedRun:
     unit, free = manifest.unit, manifest.model_extra or {}
+    serial = f"{unit.model} {unit.serial}" if unit.serial in shared else unit.serial
     carriers: dict[Level, str] = {
-        "unit": f"{unit.model} {unit.serial}",
-        "station": manifest.station.id,
-        "model": unit.model,
-    }
-    told: dict[Level, Any] = {
+        "unit": serial, "station": manifest.station.id, "model": unit.model
+    }  # fmt: skip
+    named: dict[Level, Any] = {
         "lot": (unit.model_extra or {}).get("lot"),
         "site": _site(manifest.station),
     }
-    carriers |= {level: str(name) for level, name in told.items() if name is not None}
+    carriers |= {level: str(name) for level, name in named.items() if name is not None}
     return ReviewedRun(run, str(free.get("acquired_at") or manifest.recording_id), carriers)
 
 

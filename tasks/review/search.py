@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.review import Level
+from schemas.review import LEVELS, Level
 from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.review.carriers import (
     Carried,
@@ -75,7 +75,7 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
         (with_both_ends(pool, refined(pool, each, tried), tried) for each in near),
         key=lambda each: -each.score,
     )
-    best = finer[0]
+    best = _smallest(pool, finer)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
@@ -85,6 +85,17 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
         ),
         best.p_value,
     )  # fmt: skip
+
+
+def _smallest(pool: Pool, finer: Sequence[Carried]) -> Carried:
+    """The best; of carriers with the very same runs the one of the smallest level."""
+    rows = rows_of(pool, finer[0].window)
+    same = [
+        each
+        for each in finer
+        if each.effect == finer[0].effect and (rows_of(pool, each.window) == rows).all()
+    ]
+    return min(same, key=lambda each: LEVELS.index(each.window.level))
 
 
 def _carriers(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:

@@ -79,7 +79,7 @@ def layout_of(terms: Sequence[Term], columns: Sequence[tuple[Column, ...]]) -> L
 
 
 def _pooled(term: Term, columns: Sequence[Column]) -> PooledTerm:
-    told = [(p.name, p.unit, p.factor, *p.plausible) for p in term.parameters]
+    listed = [(p.name, p.unit, p.factor, *p.plausible) for p in term.parameters]
     parameters = [
         PooledParameter(
             name=name,
@@ -90,7 +90,7 @@ def _pooled(term: Term, columns: Sequence[Column]) -> PooledTerm:
             channels=_channels(term, column),
         )
         for (name, unit, factor, low, high), column in zip(
-            told or [("factor", "1", 1.0, 0.0, 2.0)], columns, strict=True
+            listed or [("factor", "1", 1.0, 0.0, 2.0)], columns, strict=True
         )
     ]
     return PooledTerm(

@@ -9,7 +9,7 @@ from schemas.review import LEVELS, Level
 from tasks.review.pool import Pool
 
 FEWEST = 3  # runs before and after a change
-MOST_WINDOWS = 3000  # of one level: at more runs not every one is tried for a change
+MOST_WINDOWS = 500  # of one level: at more runs not every one is tried for a change
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,7 @@ def explain_run(
     from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, write_report
+    from tasks.stages.statistics import keep_statistics
 
     out = report_folder(order.out)
     recording = runs.load(run, home)
@@ -64,6 +65,7 @@ def explain_run(
     discrepancy = discrepancy_of(explanation, wheres, effects)
     tell(progress, "report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
+    keep_statistics(run, recording, home)
     return Explained(discrepancy, files)
 
 

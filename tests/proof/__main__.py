@@ -8,6 +8,7 @@ import typer
 
 from schemas.base import Unusable
 from tests.proof.faults.hold import run_faults
+from tests.proof.fleets.hold import run_fleets
 from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
@@ -92,6 +93,10 @@ def main(
             metavar="N", min=1, help="Nothing but N recordings made again, here and by a cluster."
         ),
     ] = None,
+    fleets: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Nothing but N fleets of many runs each."),
+    ] = None,
     issue: Annotated[
         int | None,
         typer.Option(
@@ -101,7 +106,8 @@ def main(
     write: Annotated[
         bool,
         typer.Option(
-            "--write", help="With --faults, --fuzz, --issue, --throughput: into the evidence."
+            "--write",
+            help="With --faults, --fleets, --fuzz, --issue, --throughput: into the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -116,7 +122,9 @@ def main(
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
         (run_history, history),
     )  # fmt: skip
-    seeded = ((run_faults, faults), (run_fuzz, fuzz), (run_issue, issue))
+    seeded = (
+        (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
+    )  # fmt: skip
     try:
         for run, count in only:
             if count is not None:

@@ -1,9 +1,12 @@
 """A run of a fleet as a recording that tells who, where and when, and nothing of the truth."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 from schemas.recording import Manifest, Recording
 from tests.proof.fleets.draw import Fleet, FleetRun
+from tests.proof.plant.procedures import plan_of
+from tests.proof.plant.recording import manifest_of
 from tests.proof.plant.simulate import simulate
 
 BEGINNING = datetime(2025, 3, 1, 8, tzinfo=UTC)
@@ -12,15 +15,20 @@ BEGINNING = datetime(2025, 3, 1, 8, tzinfo=UTC)
 def played(fleet: Fleet, run: FleetRun) -> Recording:
     """The recording of a run."""
     recording = simulate(fleet.case_of(run)).recording
-    told = recording.manifest.model_dump(mode="json", exclude_none=True)
+    return replace(recording, manifest=manifest_of_run(fleet, run))
+
+
+def manifest_of_run(fleet: Fleet, run: FleetRun) -> Manifest:
+    """Its manifest, with the names that the fleet has for unit, model, station and site."""
+    case = fleet.case_of(run)
+    told = manifest_of(case, plan_of(case)).model_dump(mode="json", exclude_none=True)
     told["recording_id"] = f"fleet_{fleet.number}_{run.day:04d}"
     told["acquired_at"] = (BEGINNING + timedelta(days=run.day)).isoformat()
     told["unit"] |= {"serial": unit_name(run.unit), "model": model_name(fleet.models[run.unit])}
-    told["station"] |= {"id": station_name(run.station)}
-    told["station"]["site"] = site_name(fleet.sites[run.station])
-    return Recording(
-        Manifest.model_validate(told), recording.imu, recording.table, None, recording.environment
-    )
+    told["station"] |= {
+        "id": station_name(run.station), "site": site_name(fleet.sites[run.station])
+    }  # fmt: skip
+    return Manifest.model_validate(told)
 
 
 def carrier_name(fleet: Fleet) -> str:

@@ -1,0 +1,112 @@
+"""Stage: what many runs show together, who carries it and since when."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from schemas.base import Unusable
+from schemas.orders import ReviewOrder, Selection
+from schemas.review import Review, Skipped
+from storage.catalogue import runs
+from storage.catalogue.listing import Run
+from storage.catalogue.selection import select
+from storage.home import Home
+from storage.whole_files import report_folder, writing_to
+from tasks.stages.import_recording import run_of
+from tasks.stages.stage import stage
+from tasks.version import code_version
+
+Progress = Callable[[int, int], None]
+FEWEST = 2  # runs that have anything in common
+MANIFEST = "manifest.json"
+
+
+@dataclass(frozen=True)
+class Reviewed:
+    """The answer, and its file where a folder was named."""
+
+    review: Review
+    files: tuple[Path, ...] = ()
+
+
+@stage("review")
+def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
+    """Add the statistics of runs up, and say what no run shows alone.
+
+    Statistics that are not kept yet are made, and kept. progress(done, total) is called after each
+    run. Raises Unusable for fewer than two runs, or a folder that cannot be written.
+    """
+    # Late: the other stages need none of it.
+    from tasks.review.pool import pooled
+    from tasks.review.report import review_of
+    from tasks.review.run import reviewed_runs
+    from tasks.review.search import search
+    from tasks.stages.statistics import kept_statistics, make_statistics
+
+    out = report_folder(order.out)
+    chosen, skipped = _chosen(order, home)
+    missing = [run for run in chosen if kept_statistics(run, home) is None]
+    for done, (run, why) in enumerate(make_statistics(missing, home), start=1):
+        progress(done, len(missing))
+        if why:
+            skipped.append(Skipped(run=run.id, why=why))
+    found = [(run, kept_statistics(run, home)) for run in chosen]
+    usable = {run.id: each for run, each in found if each is not None}
+    manifests = {run.id: runs.manifest(run, home) for run in chosen if run.id in usable}
+    if len(usable) < FEWEST:
+        raise Unusable(_too_few(len(usable), skipped))
+    named = reviewed_runs(manifests)
+    pool = pooled([(named[run], each) for run, each in usable.items()])
+    review = review_of(pool, *search(pool), skipped)
+    review = review.model_copy(update={"code_version": code_version()})
+    return Reviewed(review, () if out is None else (_write(review, out),))
+
+
+def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
+    """The runs of the order's paths, each once, else of its selection; and what is no recording."""
+    if not order.paths:
+        fields = ("since", "until", "model", "serial", "station")
+        return select(Selection(**{name: getattr(order, name) for name in fields}), home), []
+    found, skipped = dict[str, Run](), []
+    for path in (path for named in order.paths for path in _recordings(named)):
+        try:
+            run = run_of(path, home)
+            found[run.id] = run
+        except Unusable as fault:
+            skipped.append(Skipped(run=path, why=str(fault)))
+    return [run for run in found.values() if _selected(run, order)], skipped
+
+
+def _recordings(named: str) -> list[str]:
+    """A recording itself; of a folder that is none, what is in it."""
+    folder = Path(named)
+    if not folder.is_dir() or (folder / MANIFEST).exists():
+        return [named]
+    within = sorted(folder.iterdir())
+    if not within or any(path.name == "metadata.yaml" for path in within):  # a ROS 2 bag
+        return [named]
+    return [str(path) for path in within if path.is_dir() or path.suffix == ".mcap"] or [named]
+
+
+def _selected(run: Run, order: ReviewOrder) -> bool:
+    asked = (
+        (order.model, run.model), (order.serial, run.serial), (order.station, run.station),
+    )  # fmt: skip
+    day = run.recorded_on or run.taken_in_at.date()
+    within = (order.since is None or day >= order.since) and (
+        order.until is None or day <= order.until
+    )
+    return within and all(wanted is None or wanted == own for wanted, own in asked)
+
+
+def _too_few(count: int, skipped: list[Skipped]) -> str:
+    why = "; ".join(f"{one.run}: {one.why}" for one in skipped[:3])
+    left_out = f"; {len(skipped)} left out ({why})" if skipped else ""
+    return f"review needs {FEWEST} runs or more, and {count} can be used{left_out}."
+
+
+def _write(review: Review, folder: Path) -> Path:
+    path = folder / "review.json"
+    with writing_to(path) as draft:
+        draft.write_text(review.model_dump_json(indent=1), encoding="utf-8")
+    return path

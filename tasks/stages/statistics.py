@@ -1,0 +1,60 @@
+"""The statistics of a run, which `review` adds up: made once, and kept beside its recording."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from schemas.review import RunStatistics
+from storage import statistics
+from storage.catalogue import runs
+from storage.catalogue.listing import Run
+from storage.home import Home
+from tasks.review.statistics import VERSION, statistics_of
+from tasks.stages.fan_out import fan_out, processors
+
+
+@dataclass(frozen=True)
+class Job:
+    """A run whose statistics are to be made."""
+
+    run: Run
+    home: Home
+
+
+def kept_statistics(run: Run, home: Home) -> RunStatistics | None:
+    """The statistics of a run where they are kept."""
+    return statistics.load(run.digest, VERSION, home)
+
+
+def keep_statistics(run: Run, recording: Recording, home: Home) -> None:
+    """Makes and keeps the statistics of a run, unless they are there; a run that has none, and a
+    home that only reads, stay without.
+    """
+    if kept_statistics(run, home) is None:
+        with suppress(Unusable):
+            statistics.keep(run.digest, VERSION, statistics_of(recording), home)
+
+
+def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str]]:
+    """Makes and keeps the statistics of runs in as many processes as there are processors; gives
+    each run as it is done, and why it has none; empty: it has.
+    """
+    yield from fan_out(_made, [Job(run, home) for run in which], processors(), _died)
+
+
+def _made(job: Job) -> tuple[Run, str]:
+    """However it fails, one recording does not end the work on the others."""
+    try:
+        recording = runs.load(job.run, job.home)
+        statistics.keep(job.run.digest, VERSION, statistics_of(recording), job.home)
+    except Unusable as fault:
+        return job.run, str(fault)
+    except Exception as failure:
+        return job.run, f"mimucal itself failed ({type(failure).__name__}: {failure})"
+    return job.run, ""
+
+
+def _died(job: Job) -> tuple[Run, str]:
+    return job.run, "its worker died twice; see that the machine has enough memory for it"

@@ -1,0 +1,26 @@
+## What many runs show together.
+
+review-carrier =
+    .unit = unit { $name }
+    .lot = lot { $name }
+    .station = station { $name }
+    .model = model { $name }
+    .site = site { $name }
+review-carried = { $effect } in the runs of { $carrier }
+review-summary = { $count ->
+        [one] One effect that
+       *[other] { $count } effects that
+    } the runs have in common: { $findings }
+review-nothing = { $runs } runs of { $units } units on { $stations } stations have nothing in common that chance, or a spread between units, would not show as well ({ $p }, corrected for all that was tried; 1 clean fleet in 100 would raise a false alarm)
+review-evidence = { $runs } runs add up to χ² = { $gain }; in a single one it is { $z } times its own standard deviation (median), and { $shown } of them lean towards it
+review-sizes = { $sizes }
+review-changed =
+    .since = it is there since run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
+    .until = it is there up to run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
+review-deciding-run =
+    .unit = these runs do not tell { $unit } from { $station }: a run of the unit on another station would, or one of another unit on this station
+    .other = these runs do not tell { $carrier } from { $other }: a run of one of them without the other would
+review-other-names = as likely here: { $names }
+review-separated-by = what would separate them: { $recording }
+review-site = { $station }: estimated from Earth's rotation in { $runs } runs, as no manifest gives it: latitude { $latitude } north or south, heading { $heading } (k = 2)
+review-site-unknown = { $station }: no manifest gives its latitude and heading, and Earth's rotation does not stand out in its { $runs } runs

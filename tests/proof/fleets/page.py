@@ -1,0 +1,136 @@
+"""The page of evidence about fleets."""
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from tasks.version import code_version
+from tests.proof.fleets.judge import Judged
+
+ENOUGH = 25  # runs that the figures ask for at the smallest z
+WITHIN = 2  # runs of the carrier
+
+TEXT = """# Fleets: what many runs show together
+
+`make prove ARGS="--fleets {count} --seed {seed}"`, {version}. Each fleet is drawn from the seed:
+stations, units, models, sites, who runs where and when, and an effect that has z = 3 to 5 in one
+run and is carried by a station (from the first run or since a date), a unit, a model or a site; or
+none. In some fleets every unit has a little of another effect of its own, which is no mismatch.
+The recordings are short (four minutes at 20 Hz, of consumer and industrial grade), made by a plant
+that shares no code with what explains them. `review` gets their statistics and manifests.
+
+| | asked | fleets | |
+|---|--:|--:|--:|
+{figures}
+
+Carrier and name are right where both are stated, alone or as one of those that the runs cannot
+tell apart; the second line counts only what stands alone. Wrong names are of all findings.
+
+## What one run shows
+
+`explain` on one affected run of each fleet, alone: {alone}.
+
+## Many runs
+
+{many:,} kept statistics of {size:.0f} kB each (100,000 runs: {disk:.1f} GB) are read in
+{read:.1f} s and searched in {search:.1f} s (asked: 10 s), by one process of a computer with
+{cores} cores and a load of {load:.1f}.
+
+## Each fleet
+
+| | carried by | effect | z | affected of runs | found | right |
+|--:|---|---|--:|--:|---|---|
+{fleets}
+"""
+
+
+@dataclass(frozen=True)
+class Alone:
+    """What `explain` says of one affected run: the one right name; among several; a wrong one."""
+
+    named: bool
+    among: bool
+    wrong: bool
+
+
+@dataclass(frozen=True)
+class Many:
+    """A search over many statistics: s to read them and to search, mean size of one in bytes."""
+
+    count: int
+    read_s: float
+    search_s: float
+    size: float
+
+
+def page(seed: int, outcomes: Sequence[Judged], alone: Sequence[Alone | None], many: Many) -> str:
+    """The page; outcomes and what one run shows: of each fleet."""
+    return TEXT.format(
+        count=len(outcomes), seed=seed, version=code_version(), figures=_figures(outcomes),
+        alone=_alone([one for one in alone if one is not None]), many=many.count,
+        size=many.size / 1e3, disk=many.size * 1e5 / 1e9, read=many.read_s, search=many.search_s,
+        cores=os.cpu_count(), load=os.getloadavg()[0], fleets="\n".join(map(_row, outcomes)),
+    )  # fmt: skip
+
+
+def _figures(outcomes: Sequence[Judged]) -> str:
+    carried = [one for one in outcomes if one.fleet.effect is not None]
+    enough = [one for one in carried if one.runs >= ENOUGH]
+    clean = [one for one in outcomes if one.fleet.effect is None]
+    dated = [one for one in carried if one.fleet.since is not None]
+    kinds = sorted({one.fleet.kind for one in carried})
+    rows = [
+        _line(f"carrier and name, {ENOUGH} affected runs or more", "90 %", enough, _right),
+        _line("the same, each alone", "", enough, _single),
+        _line("carrier and name, every fleet", "", carried, _right),
+        _line("the same, each alone", "", carried, _single),
+        *(
+            _line(f"carrier and name: {kind.replace('_', ' ')}", "",
+                  [one for one in carried if one.fleet.kind == kind], _right)
+            for kind in kinds
+        ),
+        _line(f"since when, within {WITHIN} runs of the carrier", "90 %", dated, _dated),
+        _line("false alarms", "1 %", clean, lambda one: one.alarms > 0),
+        _line("fleets with a wrong name", "1 %", carried, lambda one: bool(one.wrong)),
+    ]  # fmt: skip
+    return "\n".join(rows)
+
+
+def _right(one: Judged) -> bool:
+    return one.right
+
+
+def _single(one: Judged) -> bool:
+    return one.single
+
+
+def _dated(one: Judged) -> bool:
+    return one.since_off is not None and one.since_off <= WITHIN
+
+
+def _line(what: str, asked: str, some: Sequence[Judged], holds: Callable[[Judged], bool]) -> str:
+    count = sum(map(holds, some))
+    share = f"{100.0 * count / len(some):.0f} % ({count} of {len(some)})" if some else "–"
+    return f"| {what} | {asked} | {len(some)} | {share} |"
+
+
+def _alone(some: Sequence[Alone]) -> str:
+    named, among, wrong = (
+        sum(getattr(one, name) for one in some) for name in ("named", "among", "wrong")
+    )
+    return (
+        f"the one right name in {named} of {len(some)}, the right one alone or among several in "
+        f"{among}, a wrong one in {wrong}"
+    )
+
+
+def _row(one: Judged) -> str:
+    fleet = one.fleet
+    effect = fleet.effect.name if fleet.effect else "–"
+    z = "" if fleet.z is None else f"{fleet.z:.0f}"
+    right = "" if fleet.effect is None and not one.alarms else "yes" if one.right else "no"
+    kind = fleet.kind.replace("_", " ")
+    return (
+        f"| {fleet.number} | {kind} | {effect} | {z} | {one.runs} of {len(fleet.runs)} | "
+        f"{one.said} | {right} |"
+    )
