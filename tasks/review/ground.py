@@ -35,5 +35,6 @@ GROUND_ROTATION = GroundRotation(
 def ground_rotation(recording: Recording) -> tuple[Term, ...]:
     """The term of a run whose manifest does not tell latitude and heading."""
     station = recording.manifest.station
-    told = station.latitude_deg is not None and station.heading_deg is not None
-    return () if told else (GROUND_ROTATION,)
+    if station.latitude_deg is not None and station.heading_deg is not None:
+        return ()
+    return (GROUND_ROTATION,)

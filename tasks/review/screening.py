@@ -52,7 +52,6 @@ def _best_of_level(evidence: Evidence, level: LevelWindows) -> Iterator[tuple[fl
         return
     gains = window_gains(evidence, level)
     carriers = set[int]()
-    whole = {window.carrier: k for k, window in enumerate(level.windows) if window.whole}
     for k in np.argsort(-gains).tolist():
         window = level.windows[k]
         if window.carrier in carriers:
@@ -60,7 +59,7 @@ def _best_of_level(evidence: Evidence, level: LevelWindows) -> Iterator[tuple[fl
         carriers.add(window.carrier)
         yield float(gains[k]), window
         if not window.whole:
-            at = whole[window.carrier]
+            at = level.whole[window.carrier]
             yield float(gains[at]), level.windows[at]
         if len(carriers) == CARRIERS:
             return

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,6 +43,11 @@ class LevelWindows:
     low: np.ndarray
     high: np.ndarray
     windows: tuple[Window, ...]
+
+    @cached_property
+    def whole(self) -> dict[int, int]:
+        """By carrier, which window has all its runs."""
+        return {window.carrier: k for k, window in enumerate(self.windows) if window.whole}
 
 
 def runs_of(pool: Pool, level: Level, carrier: int) -> np.ndarray:

@@ -14,6 +14,8 @@ from storage.home import Home
 from tasks.review.statistics import VERSION, statistics_of
 from tasks.stages.fan_out import fan_out, processors
 
+WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
+
 
 @dataclass(frozen=True)
 class Job:
@@ -41,7 +43,8 @@ def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str
     """Makes and keeps the statistics of runs in as many processes as there are processors; gives
     each run as it is done, and why it has none; empty: it has.
     """
-    yield from fan_out(_made, [Job(run, home) for run in which], processors(), _died)
+    workers = min(processors(), len(which) // WORTH_A_PROCESS)
+    yield from fan_out(_made, [Job(run, home) for run in which], workers, _died)
 
 
 def _made(job: Job) -> tuple[Run, str]:

@@ -1,0 +1,83 @@
+"""What a review says: numbers, carriers and sentences in both languages."""
+
+import numpy as np
+import pytest
+
+from schemas.recording import Manifest
+from schemas.review import Review
+from tasks.motion.table import EARTH_RATE
+from tasks.review.report import review_of
+from tasks.review.run import reviewed_runs
+from tasks.review.search import search
+from tasks.review.site import estimated
+from tests.tasks.review.fleet import NOTHING, fleet, of
+
+SIZE = 3.0
+
+
+def reviewed(*args: object, **more: object) -> Review:
+    pool = fleet(*args, **more)  # type: ignore[arg-type]
+    return review_of(pool, *search(pool))
+
+
+def test_a_change_is_told_with_its_run_and_interval() -> None:
+    review = reviewed(4, lambda unit, station, day: of("axis_tilt", SIZE * (day >= 50)))
+    (finding,) = review.findings
+    assert (review.verdict, finding.effect) == ("explained", "axis_tilt")
+    assert finding.since is not None
+    assert finding.since.run in finding.statement.en
+    assert finding.since.run in finding.statement.zh
+    assert finding.since.earliest <= finding.since.at <= finding.since.latest
+    assert finding.evidence.runs_that_show_it > 0.8 * finding.evidence.runs
+    assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
+
+
+def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:
+    review = reviewed(
+        7, lambda unit, station, day: of("axis_tilt", SIZE * (unit == 3)),
+        runs=120, units=8, station_of=lambda unit: unit,
+    )  # fmt: skip
+    (finding,) = review.findings
+    assert review.verdict == "partly_explained"
+    assert [(each.level, each.carrier) for each in finding.alternatives] == [("station", "S3")]
+    assert "another unit on this station" in finding.statement.en
+
+
+def test_a_clean_fleet_says_so() -> None:
+    review = reviewed(101, lambda unit, station, day: NOTHING)
+    assert (review.verdict, review.findings) == ("no_mismatch", ())
+    assert "80 runs of 12 units on 4 stations" in review.statement.en
+
+
+def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
+    latitude, heading, u = np.radians(39.9), np.radians(30.0), 1e-7
+    level = EARTH_RATE * np.cos(latitude) * np.array([-np.sin(heading), np.cos(heading)])
+    site = estimated("ST-01", 12, level, np.diag([u**2, u**2]))
+    assert site.latitude_deg == pytest.approx(39.9, abs=1e-6)
+    assert site.heading_deg == pytest.approx(30.0, abs=1e-6)
+    assert site.latitude_expanded == pytest.approx(
+        2 * np.degrees(u / (EARTH_RATE * np.sin(latitude)))
+    )
+
+
+def test_a_site_that_does_not_stand_out_stays_unknown() -> None:
+    site = estimated("ST-01", 2, np.array([1e-6, 0.0]), np.diag([1e-12, 1e-12]))
+    assert site.latitude_deg is None
+    assert "does not stand out" in site.statement.en
+
+
+def manifest(model: str, serial: str, **station: object) -> Manifest:
+    return Manifest.model_validate({
+        "format": "mimu-recording/1", "recording_id": f"{model}-{serial}",
+        "unit": {"manufacturer": "A", "model": model, "serial": serial},
+        "station": {"id": "ST-01"} | station,
+    })  # fmt: skip
+
+
+def test_units_go_by_their_serial_unless_two_models_share_it() -> None:
+    runs = reviewed_runs({
+        "a": manifest("M1", "1", site="north"), "b": manifest("M2", "1", latitude_deg=40.0),
+        "c": manifest("M2", "2"),
+    })  # fmt: skip
+    assert [run.carriers["unit"] for run in runs.values()] == ["M1 1", "M2 1", "2"]
+    assert [run.carriers.get("site") for run in runs.values()] == ["north", "40.00°", None]

@@ -1,0 +1,43 @@
+"""Stage: recordings of a folder are taken in, and their statistics made once and kept."""
+
+from pathlib import Path
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.orders import ReviewOrder
+from storage import statistics
+from storage.home import Home
+from tasks.review.statistics import VERSION
+from tasks.stages.review import review_runs
+from tests.proof.plant.case import Case
+from tests.proof.plant.files import write
+from tests.proof.plant.simulate import simulate
+
+
+def nothing(done: int, total: int) -> None:
+    pass
+
+
+def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> None:
+    home, folder = Home(tmp_path / "home"), tmp_path / "recordings"
+    for seed in (1, 2):
+        case = Case(seed=seed, procedure="rests", rate_hz=20, dwell_s=5.0)
+        write(simulate(case).recording, folder / f"{seed}")
+    (folder / "empty").mkdir()
+    order = ReviewOrder(paths=(str(folder),), out=str(tmp_path / "out"))
+    reviewed = review_runs(order, home, nothing)
+    assert (reviewed.review.runs, reviewed.review.verdict) == (2, "no_mismatch")
+    assert [Path(one.run).name for one in reviewed.review.skipped] == ["empty"]
+    assert reviewed.files[0].read_text(encoding="utf-8").startswith("{")
+    kept = sorted((home.path / statistics.FOLDER).iterdir())
+    assert [statistics.load(path.name, VERSION, home) is not None for path in kept] == [True, True]
+    made = [path.stat().st_mtime_ns for path in kept]
+    again = review_runs(ReviewOrder(), home, nothing)
+    assert again.review.findings == reviewed.review.findings
+    assert [path.stat().st_mtime_ns for path in kept] == made
+
+
+def test_a_store_without_runs_has_nothing_to_review(tmp_path: Path) -> None:
+    with pytest.raises(Unusable, match="2 runs or more, and 0"):
+        review_runs(ReviewOrder(), Home(tmp_path), nothing)
