@@ -20,8 +20,10 @@ def print_review(reviewed: Reviewed) -> None:
     console.print(review.statement.en, markup=False)
     if review.findings:
         console.print(_table(review))
-    for stated in (*review.findings, *review.sites):
-        console.print(stated.statement.en, markup=False)
+    for statement in [one.statement for one in review.findings] + [
+        one.statement for one in review.sites
+    ]:
+        console.print(statement.en, markup=False)
     for skipped in review.skipped:
         console.print(f"left out: {skipped.run}: {skipped.why}", markup=False)
     for path in reviewed.files:
@@ -40,7 +42,7 @@ def _table(review: Review) -> Table:
 def _rows(finding: ReviewFinding) -> list[tuple[str, ...]]:
     since = finding.since.at if finding.since else "–"
     first = (finding.effect, f"{finding.level} {finding.carrier}", since)
-    found = []
+    found: list[tuple[str, ...]] = []
     for p in finding.parameters:
         made = quantities([p.value], USUAL_K * p.u, p.unit)
         number = str(finding.evidence.runs) if not found else ""
