@@ -17,6 +17,7 @@ from tasks.words.units import quantity_text, unit_text
 # Which value of an item contains what the separated one does not.
 EARTH = "gyro_g_sensitivity_without_earth_rotation"
 SEPARATED = (EARTH, "accel_rate_sensitivity_without_lever_arm")
+WITHOUT_U = 3  # significant digits of a value
 # Remarks by which the data do not show that Earth's rotation is in them.
 EARTH_NOT_SHOWN = {"earth_rotation_not_visible", "earth_rotation_not_shown", "earth_rotation_odd"}
 
@@ -87,7 +88,9 @@ def contained(
 def _row(shown: Information) -> InformationRow:
     U: Elements = shown.U or {}
     elements = tuple(shown.value)
-    printed = column([shown.value[e] for e in elements], [U.get(e) for e in elements], shown.k)
+    printed = column(
+        [shown.value[e] for e in elements], [U.get(e) for e in elements], shown.k, WITHOUT_U
+    )
     cells = {
         e: Cell(e, printed.values[i], printed.uncertainties[i]) for i, e in enumerate(elements)
     }

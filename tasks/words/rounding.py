@@ -61,26 +61,32 @@ def round_like(value: float, uncertainty: Decimal) -> Decimal:
 
 
 def stated(
-    value: float | None, uncertainty: float | None, k: float = USUAL_K
+    value: float | None, uncertainty: float | None, k: float = USUAL_K, alone: int = ALONE
 ) -> tuple[Decimal | None, Decimal | None]:
-    """A value and its expanded uncertainty as a certificate states them; None for no number."""
+    """A value and its expanded uncertainty as a certificate states them; None for no number.
+
+    alone: significant digits of a value without an uncertainty.
+    """
     U = None if uncertainty is None or not math.isfinite(uncertainty) else round_up(uncertainty, k)
     if value is None or not math.isfinite(value):
         return None, U
-    return (round_like(value, U) if U else _alone(value)), U
+    return (round_like(value, U) if U else _alone(value, alone)), U
 
 
 def column(
-    values: Sequence[float | None], uncertainties: Sequence[float | None], k: float = USUAL_K
+    values: Sequence[float | None],
+    uncertainties: Sequence[float | None],
+    k: float = USUAL_K,
+    alone: int = ALONE,
 ) -> RoundedColumn:
     """Values and their expanded uncertainties as the texts of one column of a table.
 
     k: the coverage factor of the uncertainties. Each value is rounded to the place of its own;
     the power of ten is one for the whole column: 0 where plain decimals do, otherwise a multiple
-    of three. A value without an uncertainty (None, 0 or not finite) is given with six significant
-    digits.
+    of three. A value without an uncertainty (None, 0 or not finite) is given with
+    `alone` significant digits.
     """
-    pairs = [stated(*pair, k) for pair in zip(values, uncertainties, strict=True)]
+    pairs = [stated(*pair, k, alone) for pair in zip(values, uncertainties, strict=True)]
     exponent = _exponent(pairs)
     return RoundedColumn(
         exponent,
@@ -106,9 +112,9 @@ def as_given(value: float) -> str:
     return f"{value:.10g}".replace("-", MINUS)
 
 
-def _alone(value: float) -> Decimal:
+def _alone(value: float, digits: int) -> Decimal:
     number = Decimal(repr(float(value)))
-    return _quantized(number, max(number.adjusted() - ALONE + 1, _place(number)))
+    return _quantized(number, max(number.adjusted() - digits + 1, _place(number)))
 
 
 def _quantized(number: Decimal, place: int) -> Decimal:

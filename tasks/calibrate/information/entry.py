@@ -80,3 +80,8 @@ def or_why_not(u: np.ndarray) -> list[Message]:
     """The sentence on what u (n,) holds: type B as well, or why there is none."""
     known = bool(np.isfinite(u).any())
     return [message(f"information-type-b.{'contained' if known else 'not-evaluated'}")]
+
+
+def unit_and_table(values: np.ndarray) -> list[Message]:
+    """Why no type B is added to a figure (n,) that has the table in it; none without a figure."""
+    return [message("information-type-b.unit-and-table")] if np.isfinite(values).any() else []

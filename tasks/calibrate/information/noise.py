@@ -9,7 +9,7 @@ import numpy as np
 from schemas.calibration import Information
 from schemas.recording import AXES, Recording
 from tasks.calibrate.information.allan import MIN_LEVELS, AllanCurve, allan_curve, white_noise
-from tasks.calibrate.information.entry import entry, of_axes, student_k
+from tasks.calibrate.information.entry import entry, of_axes, student_k, unit_and_table
 from tasks.segments.pieces import extreme_steps
 from tasks.segments.summarise import (
     ACCEL_COLUMNS,
@@ -78,7 +78,7 @@ def _of_triad(
             white,
             USUAL_K,
             message("information-random-walk", source=source),
-            message("information-type-b.unit-and-table"),
+            *unit_and_table(white[0]),
             *coarse,
             *of_axes("information-no-white-noise", _axes(np.isnan(white[0]) & ~hidden)),
         ),
@@ -87,7 +87,7 @@ def _of_triad(
             floor[:2],
             student_k(floor[3]),
             message("information-bias-instability", source=source),
-            message("information-type-b.unit-and-table"),
+            *unit_and_table(floor[0]),
             *of_axes("information-averaging-times", averaged),
             *coarse,
             *of_axes("information-no-floor", _axes(np.isnan(floor[2]) & ~hidden), tau=longest),

@@ -11,7 +11,7 @@ import numpy as np
 
 from schemas.calibration import Information
 from schemas.recording import AXES
-from tasks.calibrate.information.entry import entry, of_axes, student_k
+from tasks.calibrate.information.entry import entry, of_axes, student_k, unit_and_table
 from tasks.segments.summarise import ACCEL_COLUMNS
 from tasks.specifications.estimate import DEG
 from tasks.specifications.evidence import ClauseEvidence
@@ -102,7 +102,7 @@ def _entry(name: str, unit: str, factor: float, deviations: list[Deviation]) -> 
     vague = k * u >= s
     few = [axis for axis, n, v in zip(AXES, dof, vague, strict=True) if n and v]
     return entry(
-        name, unit, s, u, text, message("information-type-b.unit-and-table"),
+        name, unit, s, u, text, *unit_and_table(np.where(vague, np.nan, s)),
         *of_axes("information-few-degrees-of-freedom", few), factor=factor, k=k,
         without_U=vague,
     )  # fmt: skip

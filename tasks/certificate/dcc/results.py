@@ -14,6 +14,7 @@ from tasks.certificate.dcc.software import software
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, named
 from tasks.certificate.fields import given, quoted
+from tasks.certificate.information import WITHOUT_U
 from tasks.certificate.results import Group, sections
 from tasks.specifications.items import ITEMS
 from tasks.specifications.register import SPECIFICATIONS
@@ -132,7 +133,7 @@ def _information(certificate: Certificate, name: str, shown: Information) -> Ele
     title, unit = quoted(shown.title, shown.title_zh), dsi_unit(shown.unit, gravity_of(certificate))
     U, made = shown.U or {}, []
     for element, value in shown.value.items():
-        number, expanded = stated(value, U.get(element), shown.k)
+        number, expanded = stated(value, U.get(element), shown.k, WITHOUT_U)
         of_element = message("dcc-element", element=title, column=given(element))
         at = coverage(shown.k)
         made.append(quantity(of_element, f"{name}.{element}", number, unit, expanded, at))

@@ -48,5 +48,5 @@ information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s
 information-type-b =
     .contained = U contains type A and the type B of the equipment.
     .not-evaluated = Without U, because the limits of the equipment are in no budget of this run.
-    .unit-and-table = A figure of unit and table together; U follows from the number of readings.
-information-few-degrees-of-freedom = { $axes }: without U, because so few degrees of freedom give no bound.
+    .unit-and-table = A figure of unit and table together: the equipment adds nothing more to its U.
+information-few-degrees-of-freedom = { $axes }: without U, which by Student's t for so few degrees of freedom would reach below zero.

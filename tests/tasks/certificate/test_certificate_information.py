@@ -47,6 +47,13 @@ def test_a_quantity_without_any_number_keeps_its_reason() -> None:
     assert "step hides" in row.sentences[1]
 
 
+def test_a_value_without_u_has_three_digits_and_no_more() -> None:
+    shown = noise(value={"x": 582.0471}, u={"x": 205.8}, U={"x": None})
+    (row,) = printed(information_rows(calibration(information={"s": shown})))
+    ((x, _, _),) = row.lines
+    assert (x.value, x.U, row.exponent) == ("582", None, 0)
+
+
 def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
     value = {"xy": 1.0, "yx": 2.0}
     shown = noise(value=value, u=None, U=None)
