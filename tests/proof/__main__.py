@@ -12,6 +12,7 @@ from tests.proof.fleets.hold import run_fleets
 from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
+from tests.proof.pages.hold import run_pages
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough
@@ -103,11 +104,18 @@ def main(
             metavar="N", min=1, help="Nothing but N certificates issued at once, and kills."
         ),
     ] = None,
+    pages: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
+        ),
+    ] = None,
     write: Annotated[
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --issue, --throughput: into the evidence.",
+            help="With --faults, --fleets, --fuzz, --issue, --pages, --throughput: into the "
+            "evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -124,6 +132,7 @@ def main(
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
+        (run_pages, pages),
     )  # fmt: skip
     try:
         for run, count in only:
