@@ -82,11 +82,11 @@ def scored(
     price += window.changes * (PER_CHANGE + 2.0 * np.log(window.count))
     # What is known to be there needs no other that imitates it.
     price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
-    p_value = min(1.0, _chance(evidence, spread, beyond) * tried)
+    p_value = min(1.0, chance(evidence, spread, beyond) * tried)
     return Carried(effect, evidence, window, spread, gain, beyond, gain - price, p_value)
 
 
-def _chance(evidence: Evidence, spread: Spread, beyond: float) -> float:
+def chance(evidence: Evidence, spread: Spread, beyond: float) -> float:
     """That chance shows as much: beside a spread between units as few of them let it be known."""
     if beyond <= 0.0:
         return 1.0

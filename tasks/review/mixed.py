@@ -100,6 +100,10 @@ class Spread:
         crossed = np.cumsum(own @ self.kept[unit], axis=0)
         return self._gains(right, np.cumsum(each, axis=0), crossed)
 
+    def gains(self, rows: np.ndarray) -> np.ndarray:
+        """(w,) nats that a value common to the runs of each window, (w, runs) bool, gains."""
+        return self.gains_of(*_by_unit(self, rows))
+
     def gains_of(self, score: np.ndarray, own: np.ndarray) -> np.ndarray:
         """The same from each window's sums over units, (w, units, m) and (w, units, m, m)."""
         return self._gains(*self._common(score, own))

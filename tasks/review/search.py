@@ -16,6 +16,7 @@ from tasks.review.carriers import (
     tried_of,
     with_both_ends,
 )
+from tasks.review.own_values import stands_out
 from tasks.review.pool import Pool
 from tasks.review.screening import WORTH, screened
 from tasks.review.windows import all_windows, rows_of
@@ -70,6 +71,9 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
     leading = sorted(believed, key=lambda each: -each.score)
+    leading = [each for each in leading if stands_out(pool, each, tried, FALSE_ALARMS)]
+    if not leading:
+        return None, FALSE_ALARMS
     near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
     finer = sorted(
         (with_both_ends(pool, refined(pool, each, tried), tried) for each in near),

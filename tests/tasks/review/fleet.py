@@ -1,6 +1,7 @@
 """Fleets of statistics without recordings: columns of chance, and what carries an effect."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -56,9 +57,12 @@ Values = Callable[[int, int, int], np.ndarray]  # unit, station, day -> (p,)
 
 def fleet(
     seed: int, values: Values, *, runs: int = 80, units: int = 12, stations: int = 4,
-    station_of: Callable[[int], int] | None = None,
+    station_of: Callable[[int], int] | None = None, same_name: tuple[str, ...] = (),
 ) -> Pool:  # fmt: skip
-    """Runs day after day of units that go from station to station, or stay on their own."""
+    """Runs day after day of units that go from station to station, or stay on their own.
+
+    same_name: terms that are forms of the first one.
+    """
     rng = np.random.default_rng(seed)
     shared = rng.standard_normal((ROWS, sum(SIZES))) / np.sqrt(ROWS)
     found = []
@@ -70,8 +74,22 @@ def fleet(
             "unit": f"U{unit}", "station": f"S{station}", "model": f"M{unit % 2}", "site": "here"
         }  # fmt: skip
         run = ReviewedRun(f"r{day:03d}", f"2026-01-01T{day:05d}", carriers)
-        found.append((run, statistics(rng, columns, values(unit, station, day))))
+        made = statistics(rng, columns, values(unit, station, day))
+        if same_name:
+            made = replace(made, layout=as_forms(same_name))
+        found.append((run, made))
     return pooled(found)
+
+
+def as_forms(names: tuple[str, ...]) -> Layout:
+    """The layout with some terms as forms of the first of them."""
+    terms = (
+        term.model_copy(update={"name": names[0], "at": (float(names.index(term.name)),)})
+        if term.name in names
+        else term
+        for term in LAYOUT.terms
+    )
+    return Layout(terms=tuple(terms))
 
 
 def of(name: str, size: float) -> np.ndarray:

@@ -52,6 +52,21 @@ def test_a_spread_between_units_is_no_mismatch() -> None:
     assert search(fleet(5, values))[0] == ()
 
 
+def test_a_unit_that_differs_in_another_form_than_the_others_do_is_none_either() -> None:
+    rng = np.random.default_rng(3)
+    spread = 0.5 * IN_ONE_RUN * rng.standard_normal((12, SIZES[3]))
+
+    def values(unit: int, station: int, day: int) -> np.ndarray:
+        own = NOTHING.copy()
+        own[place("gyro_g2_sensitivity")] = spread[unit] * (unit != 5)
+        return own + of("size_effect", 1.5 * IN_ONE_RUN * (unit == 5))
+
+    different = fleet(11, values, runs=160)
+    alike = fleet(11, values, runs=160, same_name=("size_effect", "gyro_g2_sensitivity"))
+    assert [carrier(one)[1:] for one in search(different)[0]] == [("unit", "U5")]
+    assert search(alike)[0] == ()
+
+
 def test_two_effects_are_found_one_after_the_other() -> None:
     def values(unit: int, station: int, day: int) -> np.ndarray:
         tilted = of("axis_tilt", 2.0 * IN_ONE_RUN * (station == 1))
