@@ -1,6 +1,8 @@
 """`mimucal dashboard`: the pages, served until Ctrl-C."""
 
+import logging
 from ipaddress import ip_address
+from typing import Any
 
 from flows.pages.app import make_app
 from flows.printing import stdout
@@ -9,32 +11,42 @@ from storage import settings
 from storage.catalogue.users import users
 from storage.home import Home
 
+HERE = ("127.0.0.1", "localhost", "[::1]")
 THREADS = 8  # requests answered at the same time; further ones wait
 
 
 def serve(home: Home, host: str, port: int) -> None:
     """Serve the pages of a home; raises Unusable for an address that cannot be listened on."""
+    server = listening(home, host, port)
+    stdout(markup=False).print(
+        f"http://{host}:{server.effective_port}/ (Ctrl-C ends it)", highlight=False
+    )
+    server.run()
+
+
+def listening(home: Home, host: str, port: int) -> Any:
+    """A server of the pages that listens already; `run` answers, `close` ends it."""
     from waitress.server import create_server
 
     _check_reach(home, host)
-    app = make_app(home)
+    app = make_app(home).server
+    pages = settings.pages(home)
+    if _is_here(host) and pages.proxy is None and not pages.https:
+        # A page of another host whose name leads here must not read what is open on this machine.
+        app.config["TRUSTED_HOSTS"] = list(HERE)
+    logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # that somebody waits is no fault
     try:
-        server = create_server(app.server, host=host, port=port, threads=THREADS, ident="mimucal")
+        return create_server(app, host=host, port=port, threads=THREADS, ident="mimucal")
     except (OSError, ValueError) as error:
         raise Unusable(
             f"{host} port {port} cannot be listened on ({error}); name others with --host and "
             "--port."
         ) from error
-    listening = getattr(server, "effective_port", port)
-    stdout(markup=False).print(f"http://{host}:{listening}/ (Ctrl-C ends it)", highlight=False)
-    server.run()
 
 
 def _check_reach(home: Home, host: str) -> None:
     """Raises Unusable for pages that everybody on the network could look at without a name."""
-    if host == "localhost" or (_is_address(host) and ip_address(host).is_loopback):
-        return
-    if not users(home) and settings.pages(home).proxy is None:
+    if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
         raise Unusable(
             f"--host {host} lets others look at the pages, and nobody has a password yet; "
             "`mimucal user add NAME --role administrator` comes first, or a proxy in "
@@ -42,9 +54,9 @@ def _check_reach(home: Home, host: str) -> None:
         )
 
 
-def _is_address(host: str) -> bool:
+def _is_here(host: str) -> bool:
+    """Whether an address is reached from this machine alone."""
     try:
-        ip_address(host)
+        return host == "localhost" or ip_address(host).is_loopback
     except ValueError:
         return False
-    return True

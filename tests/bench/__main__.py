@@ -10,7 +10,7 @@ from pathlib import Path
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy is there, as the program itself does
 
-from tests.bench import bench_calibrate, bench_history, bench_mcap, bench_peers, report
+from tests.bench import bench_calibrate, bench_history, bench_mcap, bench_pages, bench_peers, report
 
 
 def main() -> None:
@@ -28,6 +28,7 @@ def main() -> None:
         bench_history.prefect,
         bench_peers.ferraris,
         bench_peers.allan,
+        bench_pages.pages,
     )
     sections = []
     for part in parts:

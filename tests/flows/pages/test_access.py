@@ -1,13 +1,15 @@
 """Who is let in, and what is refused."""
 
 from pathlib import Path
+from threading import Thread
 
+import httpx
 import pytest
 from flask.testing import FlaskClient
 
 from flows.pages import passwords
 from flows.pages.app import make_app
-from flows.pages.serve import serve
+from flows.pages.serve import listening, serve
 from schemas.access import MAY, ROLES, Visitor
 from schemas.base import Unusable
 from storage.catalogue import trail, users
@@ -129,6 +131,15 @@ def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) ->
 def test_pages_without_users_are_served_on_this_machine_alone(tmp_path: Path) -> None:
     with pytest.raises(Unusable, match="mimucal user add"):
         serve(Home(tmp_path), "0.0.0.0", 0)
+
+
+def test_pages_of_this_machine_are_not_read_under_another_hosts_name(tmp_path: Path) -> None:
+    server = listening(Home(tmp_path), "127.0.0.1", 0)
+    Thread(target=server.run, daemon=True).start()
+    address = f"http://127.0.0.1:{server.effective_port}/api/v1/runs"
+    assert httpx.get(address).status_code == 200
+    assert httpx.get(address, headers={"Host": "elsewhere.example"}).status_code == 400
+    server.close()
 
 
 def test_a_password_is_kept_as_an_argon2_hash(home: Home) -> None:

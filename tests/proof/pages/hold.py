@@ -14,9 +14,8 @@ from threading import Thread
 
 import httpx
 import typer
-from waitress.server import create_server
 
-from flows.pages.app import make_app
+from flows.pages.serve import listening
 from storage.catalogue import database
 from storage.home import Home
 from tests.drafts import draft
@@ -65,7 +64,7 @@ class Stopped:
 @contextmanager
 def served(home: Home) -> Iterator[str]:
     """The pages of a home, at an address of their own."""
-    server = create_server(make_app(home).server, host="127.0.0.1", port=0)
+    server = listening(home, "127.0.0.1", 0)
     Thread(target=server.run, daemon=True).start()
     try:
         yield f"http://127.0.0.1:{server.effective_port}"

@@ -1,0 +1,107 @@
+"""The operations pages on ten thousand runs: first paint, a filter, and twenty people at once.
+
+Wall time, in Debian's chromium where it is installed.
+"""
+
+import tempfile
+import time
+import urllib.request
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from shutil import which
+from statistics import median, quantiles
+from typing import TYPE_CHECKING
+
+from storage.home import Home
+from tests.bench.many_runs import many_runs
+from tests.bench.measure import RUNS, Figure, Section
+from tests.proof.pages.hold import served
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+PAINT_S, FILTER_S, PEOPLE_S = 1.0, 0.5, 1.0  # asked
+GRID_PAUSE_S = 0.5  # for which the grid itself waits for a further letter
+PEOPLE, LOOKS, LOOK_S = 20, 10, 1.0
+PATHS = ("/api/v1/runs?station=T3", "/api/v1/runs?verdict=fail&sort=due", "/api/v1/line",
+         "/api/v1/runs?validity=invalid", "/runs")  # fmt: skip
+FIRST_SEEN = {"/runs": ".ag-cell a", "/line": "#page h3", "/do": "#page h3"}
+OPTIONS = ["--no-sandbox", "--disable-gpu", "--no-proxy-server", "--disable-dev-shm-usage"]
+
+
+def pages() -> Section:
+    """What is asked is the first line; each other one is to be no more than its share of it."""
+    with tempfile.TemporaryDirectory() as name:
+        home = Home(Path(name))
+        many_runs(home)
+        with served(home) as address:
+            figures = [*_in_browser(address), _people(address)]
+    return Section(
+        "Operations pages on 10,000 runs (wall)",
+        (Figure("asked of a first paint", PAINT_S), *figures),
+        "First paint: from the address to the first row or heading, median of 5, with an empty and "
+        "with a full browser cache. A filter: from the last letter to its rows, without the "
+        "0.5 s for which the grid waits for another. Twenty people, each asking every second.",
+    )
+
+
+def _in_browser(address: str) -> list[Figure]:
+    chromium = which("chromium")
+    if chromium is None:
+        return []
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=OPTIONS)
+        figures = [
+            figure
+            for path, seen in FIRST_SEEN.items()
+            for figure in _paint(browser, f"{address}{path}", path, seen)
+        ]
+        figures.append(_filter(browser.new_page(), f"{address}/runs"))
+        browser.close()
+    return figures
+
+
+def _paint(browser: "Browser", url: str, path: str, seen: str) -> Iterator[Figure]:
+    empty, full = [], []
+    for _ in range(RUNS):
+        context = browser.new_context()
+        page = context.new_page()
+        for times in (empty, full):
+            began = time.perf_counter()
+            page.goto(url, wait_until="commit")
+            page.wait_for_selector(seen)
+            times.append(time.perf_counter() - began)
+        context.close()
+    yield Figure(f"{path}, empty cache", median(empty), asked=1.0)
+    yield Figure(f"{path}, full cache", median(full), asked=1.0)
+
+
+def _filter(page: "Page", url: str) -> Figure:
+    page.goto(url)
+    page.wait_for_selector(FIRST_SEEN["/runs"])
+    times = []
+    for number in range(RUNS):
+        began = time.perf_counter()
+        page.fill("[aria-colindex='5'] input[type=text] >> visible=true", f"V0010{number}")
+        page.wait_for_selector("#runs-count:text-is('50 runs')")
+        page.wait_for_selector(f".ag-cell:has-text('V0010{number}')")
+        times.append(time.perf_counter() - began - GRID_PAUSE_S)
+    return Figure("a filter of the runs", median(times), asked=FILTER_S / PAINT_S)
+
+
+def _people(address: str) -> Figure:
+    def look(person: int) -> list[float]:
+        times = []
+        for step in range(LOOKS):
+            began = time.perf_counter()
+            urllib.request.urlopen(address + PATHS[(person + step) % len(PATHS)]).read()
+            times.append(time.perf_counter() - began)
+            time.sleep(LOOK_S)
+        return times
+
+    with ThreadPoolExecutor(PEOPLE) as everybody:
+        times = [each for one in everybody.map(look, range(PEOPLE)) for each in one]
+    return Figure("20 people at once, 95th percentile", quantiles(times, n=20)[-1], asked=PEOPLE_S)
