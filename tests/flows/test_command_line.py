@@ -471,7 +471,7 @@ def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, share
     assert "JJF 1536" in by_other.err
 
 
-def test_an_ahrs_certificate_is_due_after_two_years(mimucal, shared) -> None:
+def test_an_ahrs_certificate_is_due_after_two_years_where_that_was_agreed(mimucal, shared) -> None:
     certify = ("certify", shared / "plant/ahrs_clean", "--calibrated-on", "2026-01-31", "--json")
     agreed = mimucal(*certify, "--order", "flows/demo_papers/ahrs/order.toml")
     assert (agreed.json["verdict"], agreed.json["due"]) == ("inconclusive", "2028-01-31")
