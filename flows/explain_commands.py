@@ -1,4 +1,4 @@
-"""The commands about what the model leaves out: `explain`, and `simulate` to hold against it."""
+"""The commands about what the model leaves out: `explain`, `next` and `simulate`."""
 
 import sys
 
@@ -34,6 +34,40 @@ def explain(
     from flows.print_explanation import print_explanation
 
     print_explanation(explained)
+
+
+@app.command(name="next")
+def next_recording(
+    runs: options.Runs,
+    effects: options.Effects = None,
+    minutes: options.Minutes = 15.0,
+    procedure: options.BaseProcedure = None,
+    out: options.NewProcedure = None,
+    station: options.AbleStation = None,
+    as_json: options.Json = False,
+) -> None:
+    """The shortest recording that decides what `explain` leaves open.
+
+    Writes a procedure for `acquire --procedure`.
+    """
+    from flows.carry_out import carry_out
+    from schemas.orders import NextOrder
+
+    order = NextOrder(
+        runs=tuple(runs),
+        effects=tuple(name.strip() for name in (effects or "").split(",") if name.strip()),
+        minutes=minutes,
+        base=str(procedure) if procedure else None,
+        out=str(out) if out else None,
+        station=str(station) if station else None,
+    )
+    answer = carry_out("next_recording", order, ", ".join(order.runs))
+    if as_json:
+        print(answer.model_dump_json(indent=1))
+        return
+    print(answer.statement.en)
+    if answer.procedure:
+        print(answer.procedure)
 
 
 @app.command()

@@ -231,3 +231,25 @@ Faults = Annotated[
 ]
 StationFile = Annotated[Path, _option("FILE", "Where the file for `mimucal acquire` is written.")]
 Truth = Annotated[Path | None, _option("FILE", "Where the unit's truth is written.")]
+
+Runs = Annotated[
+    list[str],
+    typer.Argument(metavar="RUN...", help="Run ids, or paths to recordings, of one unit."),
+]
+Effects = Annotated[
+    str | None,
+    _option("EFFECT,EFFECT", "Catalogue names to be told apart; one alone is told from none."
+            " Default: what explain leaves open.", "--for"),
+]  # fmt: skip
+Minutes = Annotated[
+    float, typer.Option(metavar="MIN", help="The longest that it may take.", callback=_positive)
+]
+BaseProcedure = Annotated[
+    Path | None,
+    _option("FILE", "A procedure whose room, warm-up and settling are kept.", "--procedure"),
+]
+NewProcedure = Annotated[Path | None, _option("FILE", "New procedure file.", "--out")]
+AbleStation = Annotated[
+    Path | None,
+    _option("FILE", "Station file; default: what the run's own table did.", "--station"),
+]

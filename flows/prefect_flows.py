@@ -25,6 +25,7 @@ from flows import run_orders
 from schemas.base import BrokenOff
 from schemas.calibration import Calibration
 from schemas.history import Reprocessing
+from schemas.next_recording import NextRecording
 from schemas.orders import (
     AcquireOrder,
     AmendOrder,
@@ -34,6 +35,7 @@ from schemas.orders import (
     CheckOrder,
     ExplainOrder,
     IssueOrder,
+    NextOrder,
     OrderModel,
     ProduceOrder,
     RemindOrder,
@@ -120,6 +122,12 @@ def review(order: ReviewOrder) -> Reviewed:
     with suppress(TransportError):
         _show_review(reviewed)
     return reviewed
+
+
+@flow(name="next", flow_run_name="next recording of {order.runs}")
+def next_recording(order: NextOrder) -> NextRecording:
+    """Say which recording would decide what the explanations of some runs left open."""
+    return run_orders.next_recording(order)
 
 
 @flow(name="simulate", flow_run_name="simulate {order.run}")

@@ -75,7 +75,7 @@ def _start(folder: Path) -> None:
         url = f"http://127.0.0.1:{listener.getsockname()[1]}/api"
         with (folder / LOG).open("ab") as log:
             server = subprocess.Popen(
-                [sys.executable, "-m", __name__, str(listener.fileno())],
+                [sys.executable, "-P", "-m", __name__, str(listener.fileno())],
                 pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                 start_new_session=True, preexec_fn=_DIE_WITH_PARENT,
             )  # fmt: skip

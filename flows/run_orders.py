@@ -19,6 +19,7 @@ from schemas.orders import (
     CheckOrder,
     ExplainOrder,
     IssueOrder,
+    NextOrder,
     OrderModel,
     ReprocessOrder,
     ReviewOrder,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from schemas.calibration import Calibration
     from schemas.certificate import Replaced
     from schemas.history import Reprocessing
+    from schemas.next_recording import NextRecording
     from schemas.orders import Estimation
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certificate_inputs import CertificateInputs
@@ -95,6 +97,16 @@ def review(order: ReviewOrder) -> "Reviewed":
 
     with counting("runs") as report:
         return review_runs(order, home_of(order), report)
+
+
+def next_recording(order: NextOrder) -> "NextRecording":
+    """The recording that decides what the explanations of some runs left open."""
+    from tasks.stages import next_recording as stage
+    from tasks.stages.import_recording import run_of
+
+    place = home_of(order)
+    every = [run_of(each, place) for each in order.runs]
+    return stage.next_recording(every, place, order, describe)
 
 
 def simulate(order: SimulateOrder) -> "Simulated":

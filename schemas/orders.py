@@ -178,6 +178,22 @@ class ReviewOrder(OrderModel):
     out: str | None = None
 
 
+class NextOrder(OrderModel):
+    """The recording that decides what `explain` left open of some runs of a unit.
+
+    effects: to be told apart, in place of what is open; one alone is told from none. minutes: that
+    the station may take. base: a procedure file whose room, warm-up and settling are kept. out:
+    the new procedure file. station: a station file; what the run's own table did unless given.
+    """
+
+    runs: tuple[str, ...] = Field(min_length=1)
+    effects: tuple[str, ...] = ()
+    minutes: float = Field(default=15.0, gt=0)
+    base: str | None = None
+    out: str | None = None
+    station: str | None = None
+
+
 class SimulateOrder(OrderModel):
     """What a unit with a calibration would have read on a run's motion, as a new folder.
 

@@ -12,6 +12,7 @@ from schemas.diagnosis import Diagnosis
 from schemas.discrepancy import Discrepancy
 from schemas.equipment import EquipmentFile
 from schemas.history import Impact, Pruned, Reprocessing
+from schemas.next_recording import NextRecording
 from schemas.procedure import Procedure
 from schemas.recall import RecallFile
 from schemas.recording import Manifest
@@ -40,6 +41,7 @@ PUBLISHED: dict[str, type[BaseModel]] = {
     "mimu-impact": Impact,
     "mimu-prune": Pruned,
     "mimu-doctor": Diagnosis,
+    "mimu-next": NextRecording,
 }
 
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
+from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.evidence.absorption import with_absorbed
@@ -72,6 +73,25 @@ def explain(
         stopped = message("explain-search-stopped", seconds=f"{budget:g}")
         explanation = replace(explanation, remarks=(*explanation.remarks, stopped))
     return with_faults(explanation, recording, faults)
+
+
+def fitted_effects(recording: Recording, only: Sequence[str]) -> FittedSelection:
+    """Some effects of the catalogue fitted to a recording with the standard's model.
+
+    Raises Unusable where the recording tells no motion, is too short, or cannot show one of them.
+    """
+    recording = as_mean_rates(recording)
+    _, right, full = without_faults(recording)
+    clean = cleaned(right, full, TIME_OFFSET.name in only)
+    full = clean.as_stamped(full)
+    fit = _evidence(right, full, clean, only, silent, SEARCH_BUDGET).fit
+    missing = set(only) - {key[0] for key in fit.model.places}
+    if missing:
+        raise Unusable(
+            f"{recording.manifest.recording_id} does not show {', '.join(sorted(missing))}: "
+            "name effects of the catalogue that it may have"
+        )
+    return fit
 
 
 def without_faults(

@@ -28,7 +28,15 @@ def running(
     it cannot start.
     """
     with subprocess.Popen(
-        [sys.executable, "-m", __name__, config.model_dump_json(), str(speed), *map(str, faults)],
+        [
+            sys.executable,
+            "-P",
+            "-m",
+            __name__,
+            config.model_dump_json(),
+            str(speed),
+            *map(str, faults),
+        ],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

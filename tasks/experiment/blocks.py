@@ -1,0 +1,135 @@
+"""What a procedure can be made of at a station: swings, rates, turns, rests in every attitude."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, cast
+
+import numpy as np
+
+from schemas.base import Unusable
+from schemas.procedure import Position, RateRun, Sweep, Turns
+from schemas.recording import Axis, Up
+from tasks.experiment.abilities import Abilities
+from tasks.motion.table import axis_directions, payload_attitude
+
+Step = Position | Sweep | RateRun | Turns
+
+ITEM = "decide"
+QUARTERS = (0.0, 90.0, -90.0, 180.0)  # deg
+ALONG = 0.999  # cosine from which a body axis counts as up
+SWINGS, EACH_SLOWER = 16, 0.02  # no two rates alike, so that each segment has a name of its own
+SWING_S, RATE_S, REST_S, TUMBLE_S, SOAK_S = 0.2, 6.0, 10.0, 1.0, 180.0
+SHARES = (1.0, 0.5, 0.25, 0.1)  # of the largest rate
+HEADINGS = (0.0, 90.0, 180.0, 270.0)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Steps that stand together."""
+
+    name: str
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """Table angles (deg) with one of the unit's axes up."""
+
+    up: Up
+    angles_deg: tuple[float, ...]
+
+    @property
+    def axis(self) -> Axis:
+        return cast(Axis, self.up[1])
+
+    @property
+    def label(self) -> str:
+        return self.up.replace("+", "p").replace("-", "n")
+
+
+def blocks_of(abilities: Abilities) -> tuple[Block, ...]:
+    """Every block that the station can do; raises Unusable where no axis of the unit comes up."""
+    reached = attitudes(abilities)
+    if not reached:
+        raise Unusable(
+            f"at station {abilities.station.id} none of the unit's axes comes up: correct its mount"
+        )
+    rests = tuple(
+        Position(name=f"tumble_{one.label}", item=ITEM, up=one.up, axis=one.axis,
+                 angles_deg=one.angles_deg, dwell_s=TUMBLE_S)
+        for one in reached
+    )  # fmt: skip
+    found = [Block("tumble", rests)] if len(rests) > 1 else []
+    first = reached[0]
+    soak = Position(name="rest", item=ITEM, up=first.up, axis=first.axis,
+                    angles_deg=first.angles_deg, dwell_s=SOAK_S)  # fmt: skip
+    found.append(Block("rest", (soak,)))
+    if _outermost_is_vertical(abilities):
+        upright = {one.axis: one for one in reversed(reached)}
+        for one in sorted(upright.values(), key=lambda each: each.axis):
+            found.extend(_about(one, abilities))
+    return tuple(found)
+
+
+def attitudes(abilities: Abilities) -> list[Attitude]:
+    """Of each axis up and down the first that quarter turns of the axes reach; of a vertical one
+    none does.
+    """
+    found: dict[Up, Attitude] = {}
+    outermost = (0.0,) if _outermost_is_vertical(abilities) else QUARTERS
+    for angles in product(outermost, *[QUARTERS] * (abilities.axis_count - 1)):
+        up = _up(abilities, angles)
+        if up is not None and up not in found:
+            found[up] = Attitude(up, angles)
+    return [found[up] for up in sorted(found, key=lambda up: (up[1], up[0]))]
+
+
+def _up(abilities: Abilities, angles_deg: tuple[float, ...]) -> Up | None:
+    from scipy.spatial.transform import Rotation  # late: it takes a third of a start
+
+    mount = Rotation.from_quat(abilities.mount.quaternion_wxyz, scalar_first=True).as_matrix()
+    attitude = payload_attitude(abilities.station, np.radians(angles_deg)) @ mount
+    upward = attitude.T @ np.array([0.0, 0.0, 1.0])
+    k = int(np.abs(upward).argmax())
+    if abs(upward[k]) < ALONG:
+        return None
+    return cast(Up, ("+" if upward[k] > 0 else "-") + "xyz"[k])
+
+
+def _outermost_is_vertical(abilities: Abilities) -> bool:
+    return abs(float(axis_directions(abilities.station)[0][2])) > ALONG
+
+
+def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
+    """What turns the unit about its axis that is up, by the outermost axis."""
+    most = abilities.rates_deg_s[0]
+    common: dict[str, Any] = {
+        "item": ITEM, "up": one.up, "axis": one.axis, "angles_deg": one.angles_deg,
+    }  # fmt: skip
+    spin = common | {"spin_axis": 0}
+    sign = 1.0 if one.up[0] == "+" else -1.0
+    yield Block(f"headings_{one.label}", (
+        Sweep(name=f"heading_{one.label}", table_axis=0, stops_deg=HEADINGS, dwell_s=REST_S,
+              **common),
+    ))  # fmt: skip
+    if not abilities.endless[0]:
+        return
+    for share in (1.0, 0.25):
+        top = share * most
+        slower = [top * (1.0 - EACH_SLOWER * (k // 2)) for k in range(SWINGS)]
+        rates = [sign * (-1.0) ** k * rate for k, rate in enumerate(slower)]
+        name = f"swing_{one.label}_{top:.0f}"
+        run = RateRun(name=name, rates_deg_s=_rounded(rates), dwell_s=SWING_S, **spin)
+        yield Block(name, (run,))
+    rates = [sign * way * share * most for share in SHARES for way in (1.0, -1.0)]
+    yield Block(f"rates_{one.label}", (
+        RateRun(name=f"rate_{one.label}", rates_deg_s=_rounded(rates), dwell_s=RATE_S, **spin),
+    ))  # fmt: skip
+    yield Block(f"turns_{one.label}", (
+        Turns(name=f"turns_{one.label}", turns=2, rate_deg_s=round(0.25 * most, 1), **spin),
+    ))  # fmt: skip
+
+
+def _rounded(rates: list[float]) -> tuple[float, ...]:
+    return tuple(round(rate, 1) for rate in rates)

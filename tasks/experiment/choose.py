@@ -1,0 +1,225 @@
+"""The shortest procedure of a station's blocks that tells competing models apart."""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import permutations
+from math import ceil
+
+import numpy as np
+
+from schemas.procedure import EnvironmentLimits, Procedure
+from schemas.recording import Manifest
+from tasks.experiment.abilities import Abilities
+from tasks.experiment.blocks import Block, Step, blocks_of
+from tasks.experiment.separation import (
+    ENOUGH,
+    FINE_HZ,
+    Separation,
+    UnitNoise,
+    left_by_real_fit,
+    probability_right,
+)
+from tasks.experiment.track import planned_recording
+from tasks.explain.groups.compare import HOLDS
+from tasks.explain.inputs.blocks import Blocks
+from tasks.explain.regression.spectrum import Noise
+from tasks.model.model import Model
+from tasks.station.plan import plan
+from tasks.words import message, statement
+
+SPARE = 0.9  # of the blocks: fewer are tried where so many would be enough
+REPEATS = 25  # of one block
+SETTLE_S = 0.1
+ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
+NOTHING = ""  # the standard's model with none of the competing effects
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A procedure, min that it takes, and the chi-squared by which it is expected to show that the
+    models of the pair that is told apart worst differ.
+    """
+
+    procedure: Procedure
+    minutes: float
+    left: float
+
+    @property
+    def probability(self) -> float:
+        """Of one name, the right one."""
+        return probability_right(self.left)
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether it decides."""
+        return self.left >= ENOUGH
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Competing models by name, the unit's noise, and what the station can do with it.
+
+    like: manifest of the unit's recording, with the station's part. name: of the procedure. base:
+    the procedure whose warm-up, settling, rates of moves and room it keeps, if there is one.
+    """
+
+    models: Mapping[str, Model]
+    noise: UnitNoise
+    abilities: Abilities
+    like: Manifest
+    name: str
+    base: Procedure | None = None
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        """True and other models; none with another that holds it, which fits whatever it does."""
+        every = permutations(self.models, 2)
+        return tuple(
+            (truth, other)
+            for truth, other in every
+            if truth != NOTHING and HOLDS.get(truth) != other
+        )
+
+    def shortest(self, minutes: float) -> Choice:
+        """Blocks added one by one, each time the one that shows most for its time, until the whole
+        is enough or no time is left; linear forms choose, real fits judge.
+        """
+        chosen: list[_Measured] = []
+        needed = ENOUGH
+        while True:
+            more = self._extended(chosen, needed, minutes)
+            choice = self._judged(more or self._measured[:1])
+            if choice.is_enough:
+                return self._shortened(more, choice)
+            if len(more) == len(chosen):
+                return choice
+            chosen, needed = more, 1.05 * needed * max(ENOUGH / max(choice.left, 1.0), 1.0)
+
+    def _shortened(self, chosen: Sequence["_Measured"], choice: Choice) -> Choice:
+        """With as few of the blocks as real fits, which show more than linear ones, need."""
+        share = ENOUGH / choice.left
+        while share < SPARE:
+            fewer = self._judged(chosen[: max(1, ceil(len(chosen) * share / SPARE))])
+            if fewer.is_enough:
+                return fewer
+            share *= ENOUGH / max(fewer.left, 1.0)
+        return choice
+
+    def left_by(self, blocks: Blocks, noises: Sequence[Noise]) -> float:
+        """Chi-squared by which a motion, as blocks tell it, tells the worst pair apart."""
+        return min(
+            left_by_real_fit(self.models[other], self._reading(blocks, truth), noises)
+            for truth, other in self.pairs
+        )
+
+    def _reading(self, blocks: Blocks, truth: str) -> Blocks:
+        prediction = self.models[truth].prediction(blocks.motion)
+        return replace(blocks, readings=np.nan_to_num(prediction))
+
+    def _extended(
+        self, chosen: Sequence["_Measured"], needed: float, minutes: float
+    ) -> list["_Measured"]:
+        """With as many blocks more as linear forms need."""
+        more = list(chosen)
+        so_far: dict[Pair, Separation] = {}
+        for one in more:
+            so_far = _sum(so_far, one.separations)
+        while _least(so_far) < needed:
+            used = Counter(one.block.name for one in more)
+            left_s = 60.0 * minutes - sum(one.seconds for one in more)
+            open_ = [one for one in self._measured
+                     if used[one.block.name] < REPEATS and one.seconds <= left_s]  # fmt: skip
+            if not open_:
+                break
+            sums = [_sum(so_far, one.separations) for one in open_]
+            worth = [(_least(s) - _least(so_far)) / one.seconds
+                     for s, one in zip(sums, open_, strict=True)]  # fmt: skip
+            best = max(range(len(open_)), key=worth.__getitem__)
+            more.append(open_[best])
+            so_far = sums[best]
+        return more
+
+    def _judged(self, chosen: Sequence["_Measured"]) -> Choice:
+        procedure = self._procedure(_steps([one.block for one in chosen]))
+        planned = planned_recording(procedure, self.like, FINE_HZ)
+        shown = []
+        for truth in dict.fromkeys(truth for truth, _ in self.pairs):
+            observed = self.noise.observed(planned, self.models[truth])
+            noises = self.noise.at(observed)
+            own = left_by_real_fit(self.models[truth], observed, noises)
+            shown += [
+                left_by_real_fit(self.models[other], observed, noises) - own
+                for first, other in self.pairs
+                if first == truth
+            ]
+        seconds = procedure.warm_up_s + sum(each.planned_s for each in plan(procedure))
+        return Choice(procedure, seconds / 60.0, max(min(shown), 0.0))
+
+    @cached_property
+    def _measured(self) -> tuple["_Measured", ...]:
+        return tuple(self._measure(block) for block in blocks_of(self.abilities))
+
+    def _measure(self, block: Block) -> "_Measured":
+        """By its second turn: the way to where it begins is gone once, however often it comes."""
+        twice = self._procedure(_steps([block, block]))
+        planned = planned_recording(twice, self.like, FINE_HZ)
+        segments = planned.manifest.segments or ()
+        begins, ends = segments[len(segments) // 2 - 1].t_end, segments[-1].t_end
+        found: dict[Pair, Separation] = {}
+        for truth in dict.fromkeys(truth for truth, _ in self.pairs):
+            observed = self.noise.observed(planned, self.models[truth])
+            second = observed.weight * (observed.t > begins)[:, None]
+            observed, noises = replace(observed, weight=second), self.noise.at(observed)
+            for name in (truth, *(other for first, other in self.pairs if first == truth)):
+                found[truth, name] = Separation.of(self.models[name], observed, noises)
+        return _Measured(block, ends - begins, found)
+
+    def _procedure(self, steps: Sequence[Step]) -> Procedure:
+        """On a unit that is warm, unless the base lets it warm up."""
+        base, able, title = self.base, self.abilities, statement(message("next-title"))
+        slowest, acceleration = min(able.rates_deg_s), able.acceleration_deg_s2
+        return Procedure(
+            name=self.name, title=title.en, title_zh=title.zh, standard="other",
+            environment=base.environment if base else ROOM,
+            warm_up_s=base.warm_up_s if base else 0.0,
+            settle_s=base.settle_s if base else SETTLE_S,
+            move_rate_deg_s=min(base.move_rate_deg_s, slowest) if base else slowest,
+            acceleration_deg_s2=acceleration,
+            steps=tuple(steps),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """A block, s that it takes, and what it shows of each pair."""
+
+    block: Block
+    seconds: float
+    separations: Mapping[Pair, Separation]
+
+
+def _least(so_far: Mapping[Pair, Separation]) -> float:
+    """Chi-squared of the pair that is told apart worst: what the other leaves beyond the true."""
+    left = {pair: one.left for pair, one in so_far.items()}
+    beyond = (left[pair] - left[pair[0], pair[0]] for pair in left if pair[0] != pair[1])
+    return max(min(beyond, default=0.0), 0.0)
+
+
+def _sum(
+    first: Mapping[Pair, Separation], more: Mapping[Pair, Separation]
+) -> dict[Pair, Separation]:
+    return {pair: first[pair] + one if pair in first else one for pair, one in more.items()}
+
+
+def _steps(blocks: Sequence[Block]) -> list[Step]:
+    """Their steps in turn, those of a block that comes again with names of their own."""
+    used, steps = Counter[str](), list[Step]()
+    for block in blocks:
+        used[block.name] += 1
+        mark = f"_{used[block.name]}" if used[block.name] > 1 else ""
+        steps += [step.model_copy(update={"name": f"{step.name}{mark}"}) for step in block.steps]
+    return steps

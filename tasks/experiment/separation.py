@@ -1,0 +1,132 @@
+"""How far apart two models are on a motion, by the noise that a unit's own recording has.
+
+What one model reads is fitted by the other, with the standard's parameters and everything else
+that it has free: the chi-squared that is left is what a recording would show of the difference.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import norm
+
+from schemas.recording import Recording, Stream
+from tasks.explain.channels import CHANNELS
+from tasks.explain.groups.linear_forms import DISTINGUISHABLE
+from tasks.explain.inputs.angle_rates import as_mean_rates
+from tasks.explain.inputs.blocks import Blocks, block_means
+from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.explain.regression.spectrum import Noise, equations_of
+from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.refit import fitted
+from tasks.model.model import Model
+from tasks.model.regression import inverse
+from tasks.motion.samples import sample_interval
+
+FINE_HZ = 1000.0  # of a motion that is planned
+QUIET = 1e-4  # rad/s, m/s²: so that noise is told of something
+ENOUGH = 54.5  # chi-squared by which 95 of 100 recordings name the true one alone
+
+
+@dataclass(frozen=True)
+class UnitNoise:
+    """Of a unit and its reference as a recording of it has them. rate: Hz, of `noises`.
+
+    every: of the rows of a motion told at FINE_HZ those that the unit and its reference tell.
+    """
+
+    noises: tuple[Noise, ...]
+    rate: float
+    full: FullRate
+    every: tuple[int, int]
+
+    @classmethod
+    def of(cls, recording: Recording, fit: FittedSelection) -> "UnitNoise":
+        streams = (recording.imu, recording.table or recording.imu)
+        unit, reference = (max(1, round(FINE_HZ * sample_interval(one.t))) for one in streams)
+        full = full_rate(as_mean_rates(recording))
+        return cls(fit.noises, fit.blocks.rate, full, (unit, reference))
+
+    def observed(self, fine: Recording, truth: Model) -> Blocks:
+        """Blocks of what a unit of the true model reads on a motion that was planned, weighted as
+        its own are. fine: told at FINE_HZ; the reference tells it as seldom as it does, so that
+        what happens between its samples is as unknown as it will be.
+        """
+        readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
+        readings += np.random.default_rng(0).normal(scale=QUIET, size=readings.shape)
+        columns = dict(zip(CHANNELS, readings.T.copy(), strict=True))
+        seen = replace(
+            fine,
+            imu=Stream(fine.imu.t, columns).at(slice(None, None, self.every[0])),
+            table=fine.table and fine.table.at(slice(None, None, self.every[1])),
+        )
+        full = self._as_usual(full_rate(seen))
+        variance = self.full.rest_variance.reshape(2, 3).mean(axis=1)
+        full = replace(
+            full,
+            segment_variance=np.tile(variance, (len(full.segments) + 1, 1)),
+            steps=self.full.steps, dithered=self.full.dithered,
+            reference_noise=self.full.reference_noise,
+        )  # fmt: skip
+        return block_means(full, self.rate, fewest=1)
+
+    def _as_usual(self, full: FullRate) -> FullRate:
+        """With what the unit's recording has besides, as it was there on average: no table moves
+        a temperature.
+        """
+        rows = len(full.motion.t)
+        usual = {
+            name: np.full(rows, np.nanmedian(values))
+            for name, values in self.full.motion.recorded.items()
+        }
+        recorded = usual | dict(full.motion.recorded)
+        return replace(full, motion=replace(full.motion, recorded=recorded))
+
+    def at(self, blocks: Blocks) -> tuple[Noise, ...]:
+        return tuple(noise.at_rate(blocks.rate / self.rate) for noise in self.noises)
+
+
+@dataclass(frozen=True)
+class Separation:
+    """Normal equations (q, q), (q,) of a model about what the true one reads, with what its prior
+    knows, and the chi-squared of their difference. They add up over motions.
+    """
+
+    normal: np.ndarray
+    right: np.ndarray
+    chi2: float
+    prior: np.ndarray
+
+    @classmethod
+    def of(cls, model: Model, observed: Blocks, noises: Sequence[Noise]) -> "Separation":
+        design = model.design(observed.motion)
+        misfit = observed.readings - design.prediction
+        normal, right, chi2 = equations_of(design.columns, misfit, observed, noises).normal()
+        prior = np.zeros(len(right))
+        prior[: int(model.free.sum())] = model.prior[model.free]
+        return cls(normal, right, chi2, prior)
+
+    def __add__(self, more: "Separation") -> "Separation":
+        return Separation(
+            self.normal + more.normal, self.right + more.right, self.chi2 + more.chi2, self.prior
+        )
+
+    @property
+    def left(self) -> float:
+        """Chi-squared that the model cannot make up for."""
+        made_up = self.right @ inverse(self.normal + np.diag(self.prior)) @ self.right
+        return max(float(self.chi2 - made_up), 0.0)
+
+
+def left_by_real_fit(model: Model, observed: Blocks, noises: Sequence[Noise]) -> float:
+    """Chi-squared that a model leaves where it is fitted in its real form."""
+    found = fitted(model, observed, noises)
+    misfit = observed.readings - found.prediction(observed.motion)
+    return equations_of([], misfit, observed, noises).normal()[2]
+
+
+def probability_right(left: float) -> float:
+    """That a recording, whose noise moves the difference by 2·√χ², names the true one alone."""
+    if left <= 0.0:
+        return 0.0
+    return float(norm.cdf((left - DISTINGUISHABLE) / (2.0 * np.sqrt(left))))

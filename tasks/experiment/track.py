@@ -1,0 +1,120 @@
+"""A procedure as the encoders of an ideal table would record it, before anything moves."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from schemas.procedure import Procedure
+from schemas.recording import ACCEL, GYRO, Manifest, Recording, Segment, Stream
+from tasks.station.plan import SERVO_S, PlannedSegment, plan
+
+WHOLE = 360.0
+QUIET = 1e-4  # rad/s, m/s²: what the unit reads, so that noise is told of something
+
+
+@dataclass
+class _Track:
+    """Angles (deg) of each axis at even steps, piece by piece, and what is measured meanwhile."""
+
+    step_s: float
+    angles: np.ndarray
+    speed: float = 0.0  # deg/s of the axis that spins
+    count: int = 0
+    pieces: list[np.ndarray] = field(default_factory=list)
+    segments: list[Segment] = field(default_factory=list)
+
+    @property
+    def now(self) -> float:
+        return self.count * self.step_s
+
+    def stay(self, seconds: float, axis: int = 0, acceleration: float = 0.0) -> None:
+        """On at the speed that the axis has, with an acceleration of it."""
+        count = max(1, round(seconds / self.step_s))
+        t = np.arange(1, count + 1) * self.step_s
+        piece = np.tile(self.angles, (count, 1))
+        piece[:, axis] += self.speed * t + 0.5 * acceleration * t**2
+        self.speed += acceleration * count * self.step_s
+        self._append(piece)
+
+    def to_speed(self, axis: int, speed: float, acceleration: float) -> None:
+        """Ramps an axis to a speed, deg/s."""
+        change = speed - self.speed
+        count = max(1, round(abs(change) / acceleration / self.step_s))
+        if change:
+            self.stay(count * self.step_s, axis, change / (count * self.step_s))
+        self.speed = speed
+
+    def move(self, goal: np.ndarray, rate: float, acceleration: float) -> None:
+        """All axes from rest to rest, each the shorter way."""
+        way = (goal - self.angles + WHOLE / 2) % WHOLE - WHOLE / 2
+        if np.abs(way).max() > 0.0:
+            self._append(self.angles + way * _profile(np.abs(way).max(), rate, acceleration,
+                                                      self.step_s)[:, None])  # fmt: skip
+
+    def turn(self, axis: int, by: float, rate: float, acceleration: float) -> None:
+        """One axis from rest to rest by an angle, however far."""
+        way = np.zeros(len(self.angles))
+        way[axis] = by
+        self._append(self.angles + way * _profile(abs(by), rate, acceleration,
+                                                  self.step_s)[:, None])  # fmt: skip
+
+    def _append(self, piece: np.ndarray) -> None:
+        self.pieces.append(piece)
+        self.count += len(piece)
+        self.angles = piece[-1].copy()
+
+
+def _profile(distance: float, rate: float, acceleration: float, step_s: float) -> np.ndarray:
+    """(n,) share of a distance behind it, by a trapezoid of the rate."""
+    top = min(rate, float(np.sqrt(distance * acceleration)))
+    ramp = top / acceleration
+    whole = 2.0 * ramp + (distance - top * ramp) / top
+    t = np.minimum(np.arange(1, int(np.ceil(whole / step_s)) + 1) * step_s, whole)
+    up = 0.5 * acceleration * np.minimum(t, ramp) ** 2
+    even = top * np.clip(t - ramp, 0.0, whole - 2.0 * ramp)
+    last = np.clip(t - whole + ramp, 0.0, ramp)
+    return np.asarray((up + even + top * last - 0.5 * acceleration * last**2) / distance)
+
+
+def planned_recording(procedure: Procedure, like: Manifest, rate_hz: float) -> Recording:
+    """The table's stream and the labels of a procedure; the unit reads a little noise.
+
+    like: the manifest of a recording at that station. Steps at `rate_hz` from time 0.
+    Raises ValueError for a step that turns the unit over in its fixture: it was not planned for.
+    """
+    track = _Track(1.0 / rate_hz, np.zeros(len(like.station.table_axes or ())))
+    track.stay(1.0)
+    for segment in plan(procedure):
+        if segment.refix is not None:
+            raise ValueError(f"{segment.name} turns the unit over")
+        _follow(track, segment, procedure)
+    angles = np.vstack(track.pieces)
+    t = np.arange(len(angles)) * track.step_s
+    names = [f"{axis.name}_angle" for axis in like.station.table_axes or ()]
+    columns = dict(zip(names, np.radians(angles).T, strict=True))
+    fields = {
+        "recording_id": procedure.name, "segments": tuple(track.segments),
+        "standard": procedure.standard,
+    }  # fmt: skip
+    noise = np.random.default_rng(0).normal(scale=QUIET, size=(6, len(t)))
+    readings = dict(zip((*GYRO, *ACCEL), noise, strict=True))
+    return Recording(like.model_copy(update=fields), Stream(t, readings), Stream(t, columns))
+
+
+def _follow(track: _Track, segment: PlannedSegment, procedure: Procedure) -> None:
+    rate, acceleration = procedure.move_rate_deg_s, procedure.acceleration_deg_s2
+    goal, settle_s = np.array(segment.angles_deg), SERVO_S + procedure.settle_s
+    axis = segment.spin_axis or 0
+    if segment.kind != "rate" or not track.speed:
+        track.to_speed(axis, 0.0, acceleration)
+        track.move(goal, rate, acceleration)
+    if segment.kind == "rate":
+        track.to_speed(axis, segment.rate_deg_s, acceleration)
+    track.stay(settle_s, axis)
+    start = track.now
+    if segment.turn_by_deg is not None:
+        track.turn(axis, segment.turn_by_deg, abs(segment.rate_deg_s), acceleration)
+        track.stay(SERVO_S, axis)
+    else:
+        track.stay(segment.dwell_s, axis)
+    track.segments.append(segment.segment(start, track.now))

@@ -1,0 +1,119 @@
+"""Stage: the shortest recording that would decide what `explain` left open."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from schemas.base import Unusable
+from schemas.next_recording import NextRecording, PredictedEvidence, RepeatOfBase
+from schemas.orders import NextOrder
+from schemas.procedure import Procedure
+from schemas.recording import Recording
+from schemas.station import StationFile
+from storage import settings
+from storage.catalogue import runs
+from storage.catalogue.listing import Run
+from storage.home import Home
+from tasks.explain.progress import Progress, silent, tell
+from tasks.stages.stage import stage
+from tasks.words import Message, clauses, message, statement
+
+if TYPE_CHECKING:
+    from tasks.experiment.abilities import Abilities
+    from tasks.experiment.choose import Choice, Experiment
+    from tasks.experiment.open_question import OpenQuestion
+
+
+@stage("next")
+def next_recording(
+    of: Sequence[Run], home: Home, order: NextOrder, progress: Progress = silent
+) -> NextRecording:
+    """The shortest procedure that tells apart what a run's explanation could not.
+
+    of: runs of one unit; the first that leaves something open is asked. Writes the procedure.
+    Raises Unusable where nothing is open, or the station's table is not known.
+    """
+    from tasks.experiment.choose import Experiment
+    from tasks.experiment.open_question import open_question
+    from tasks.experiment.separation import UnitNoise
+
+    question = None
+    for run in of:
+        recording = runs.load(run, home)
+        question = open_question(recording, order.effects, progress)
+        if question is not None:
+            break
+    if question is None:
+        raise Unusable(
+            f"explain names every effect of {', '.join(run.recording_id for run in of)} by itself, "
+            "so nothing is open: name with --for EFFECT,EFFECT what is to be told apart."
+        )
+    tell(progress, "search")
+    station = settings.read(Path(order.station), StationFile) if order.station else None
+    base = settings.read(Path(order.base), Procedure) if order.base else None
+    abilities = _abilities(recording, station)
+    like = recording.manifest
+    if station is not None:
+        like = like.model_copy(update={"station": station.station, "mount": station.mount})
+    experiment = Experiment(
+        question.models, UnitNoise.of(recording, question.fit), abilities, like,
+        f"decide_{'_'.join(question.names)}", base,
+    )  # fmt: skip
+    return _answer(experiment, question, recording, order)
+
+
+def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":
+    from tasks.experiment.abilities import Abilities
+
+    return Abilities.of_recording(recording) if station is None else Abilities.of_station(station)
+
+
+def _answer(
+    experiment: "Experiment", question: "OpenQuestion", recording: Recording, order: NextOrder
+) -> NextRecording:
+    choice = experiment.shortest(order.minutes)
+    repeated = experiment.left_by(question.fit.blocks, question.fit.noises)
+    minutes = float(recording.imu.t[-1] - recording.imu.t[0]) / 60.0
+    path = _written(choice, order, question) if choice.is_enough else None
+    return NextRecording(
+        decides=question.names,
+        procedure=None if path is None else str(path),
+        minutes=choice.minutes if path is not None else None,
+        steps=tuple(step.model_dump(mode="json") for step in choice.procedure.steps)
+        if path is not None
+        else (),
+        predicted=PredictedEvidence(delta_chi2=choice.left, probability_right=choice.probability),
+        repeat_of_base=RepeatOfBase(minutes=minutes, delta_chi2=repeated),
+        statement=statement(_sentence(question, choice, repeated, minutes, order)),
+    )
+
+
+def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Path:
+    path = Path(order.out or f"next-{'-'.join(question.names)}.json").absolute()
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(choice.procedure.model_dump_json(indent=1) + "\n")
+    except OSError as error:  # FileExistsError is one
+        raise Unusable(
+            f"{path} cannot be written ({error.strerror}); name a new file with --out."
+        ) from error
+    return path
+
+
+def _sentence(
+    question: "OpenQuestion", choice: "Choice", repeated: float, minutes: float, order: NextOrder
+) -> Message:
+    from tasks.model.effect import effect_name, separating_recording
+
+    effects = clauses([effect_name(name) for name in question.names], by="report-or")
+    figures = {
+        "minutes": f"{choice.minutes:.1f}", "left": f"{choice.left:.0f}",
+        "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
+        "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}",
+    }  # fmt: skip
+    if choice.is_enough:
+        return message("next-decides", effects=effects, **figures)
+    known = [one for one in map(separating_recording, question.names) if one is not None]
+    if not known:
+        return message("next-impossible", effects=effects, **figures)
+    return message("next-undecided", effects=effects, other=known[0], **figures)

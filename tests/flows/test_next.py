@@ -1,0 +1,103 @@
+"""`mimucal next`: the procedure that it writes is one that `acquire` takes; refusals are said."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from schemas.procedure import EnvironmentLimits, Position, Procedure
+from schemas.recording import Recording
+from storage import settings
+from storage.catalogue import runs
+from storage.home import Home
+from tasks.experiment import abilities, open_question, separation
+from tasks.experiment.choose import Choice, Experiment
+from tasks.experiment.open_question import OpenQuestion
+
+PROCEDURE = Procedure(
+    name="decide", title="t", title_zh="t", standard="other", warm_up_s=0.0, settle_s=0.1,
+    environment=EnvironmentLimits(temperature_degc=(15, 25), humidity_percent=(20, 80)),
+    move_rate_deg_s=60, acceleration_deg_s2=100,
+    steps=(Position(name="rest", item="i", up="+z", angles_deg=(0, 0, 0), dwell_s=2.0),),
+)  # fmt: skip
+
+
+@pytest.fixture
+def run(home: Path, ideal_run: Callable[..., Recording]) -> str:
+    return runs.add(ideal_run(dwell=1.0), Home(home))[0].id
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """The engine with a known answer: the chi-squared that its procedure shows."""
+
+    def answer(left: float) -> None:
+        fit = SimpleNamespace(blocks=None, noises=())
+        question = OpenQuestion(("time_offset", "bandwidth"), {}, fit)  # type: ignore[arg-type]
+        monkeypatch.setattr(open_question, "open_question", lambda *_: question)
+        monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
+        monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: None)
+        monkeypatch.setattr(Experiment, "shortest", lambda *_: Choice(PROCEDURE, 1.5, left))
+        monkeypatch.setattr(Experiment, "left_by", lambda *_: 2.0)
+
+    return answer
+
+
+def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
+    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
+) -> None:
+    answered(80.0)
+    out = tmp_path / "next.json"
+    done = mimucal("next", run, "--out", str(out), "--json")
+    assert (done.code, done.json["format"]) == (0, "mimu-next/1")
+    assert done.json["decides"] == ["time_offset", "bandwidth"]
+    assert done.json["procedure"] == str(out)
+    assert done.json["minutes"] == 1.5
+    assert done.json["predicted"]["delta_chi2"] == 80.0
+    assert done.json["repeat_of_base"]["delta_chi2"] == 2.0
+    assert settings.read(out, Procedure) == PROCEDURE
+    assert [step["name"] for step in done.json["steps"]] == ["rest"]
+    again = mimucal("next", run, "--out", str(out))
+    assert again.code == 2
+    assert "--out" in again.err
+
+
+def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
+    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
+) -> None:
+    answered(10.0)
+    out = tmp_path / "next.json"
+    done = mimucal("next", run, "--out", str(out), "--json")
+    assert done.code == 0
+    assert (done.json["procedure"], done.json["minutes"], done.json["steps"]) == (None, None, [])
+    assert "What would" in done.json["statement"]["en"]
+    assert not out.exists()
+
+
+def test_where_nothing_is_open_it_asks_what_to_tell_apart(
+    run: str, mimucal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(open_question, "open_question", lambda *_: None)
+    refused = mimucal("next", run)
+    assert refused.code == 2
+    assert "--for" in refused.err
+
+
+def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Path) -> None:
+    for arguments in (
+        ("--minutes", "0"), ("--station", str(tmp_path / "none.toml")),
+        ("--procedure", str(tmp_path / "none.toml")), ("--for", "no_such_effect"),
+    ):  # fmt: skip
+        refused = mimucal("next", run, *arguments)
+        assert refused.code == 2, arguments
+        assert len(refused.err.strip().splitlines()) == 1
+        assert json.dumps(refused.err)
+
+
+def test_two_runs_of_a_pair_are_asked_in_turn(
+    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
+) -> None:
+    answered(80.0)
+    assert mimucal("next", run, run, "--out", str(tmp_path / "n.json")).code == 0

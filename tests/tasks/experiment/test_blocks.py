@@ -1,0 +1,54 @@
+"""What a station can make a procedure of follows from its table."""
+
+import pytest
+
+from schemas.base import Unusable
+from schemas.recording import Mount, Station, TableAxis
+from tasks.experiment.abilities import Abilities
+from tasks.experiment.blocks import attitudes, blocks_of
+
+VERTICAL, EAST = TableAxis(name="a", direction=(0, 0, 1)), TableAxis(name="b", direction=(1, 0, 0))
+LEVEL, INNER = Mount(), TableAxis(name="c", direction=(0, 0, 1))
+
+
+def able(*axes: TableAxis, mount: Mount = LEVEL, endless: bool = True) -> Abilities:
+    station = Station(id="T", heading_deg=0.0, table_axes=axes)
+    return Abilities(station, mount, (300.0,) * len(axes), 500.0, (endless,) * len(axes))
+
+
+def test_three_axes_bring_every_axis_of_the_unit_up_and_down() -> None:
+    found = attitudes(able(VERTICAL, EAST, INNER))
+    assert [one.up for one in found] == ["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+def test_one_vertical_axis_leaves_up_what_is_up() -> None:
+    assert [one.up for one in attitudes(able(VERTICAL))] == ["+z"]
+    lying = Mount(quaternion_wxyz=(0.5**0.5, 0.5**0.5, 0.0, 0.0))
+    assert [one.up for one in attitudes(able(VERTICAL, mount=lying))] == ["+y"]
+
+
+def test_each_axis_is_swung_by_the_vertical_axis_no_faster_than_it_turns() -> None:
+    swings = [one for one in blocks_of(able(VERTICAL, EAST, INNER)) if "swing" in one.name]
+    assert {step.axis for block in swings for step in block.steps} == {"x", "y", "z"}
+    rates = [rate for block in swings for step in block.steps for rate in step.rates_deg_s]
+    assert max(map(abs, rates)) == 300.0
+    assert min(rates) < 0.0 < max(rates)
+    for block in swings:
+        for step in block.steps:
+            assert len(set(step.rates_deg_s)) == len(step.rates_deg_s)
+
+
+def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
+    names = [block.name for block in blocks_of(able(VERTICAL, EAST, INNER, endless=False))]
+    assert not [name for name in names if name.startswith(("swing", "rates", "turns"))]
+    assert "tumble" in names
+
+
+def test_an_axis_that_is_not_vertical_is_not_spun() -> None:
+    assert [block.name for block in blocks_of(able(EAST, VERTICAL))] == ["tumble", "rest"]
+
+
+def test_no_axis_up_is_said() -> None:
+    tilted = Mount(quaternion_wxyz=(0.9238795, 0.3826834, 0.0, 0.0))
+    with pytest.raises(Unusable, match="none of the unit's axes"):
+        blocks_of(able(VERTICAL, mount=tilted))

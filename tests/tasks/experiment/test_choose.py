@@ -1,0 +1,53 @@
+"""The shortest procedure is enough for what it promises, and an impossible one is none."""
+
+from functools import cache
+
+import pytest
+
+from schemas.recording import Recording
+from tasks.experiment.abilities import Abilities
+from tasks.experiment.choose import NOTHING, Experiment
+from tasks.experiment.open_question import open_question
+from tasks.experiment.separation import ENOUGH, UnitNoise, probability_right
+from tests.proof.plant.case import Case
+from tests.proof.plant.simulate import simulate
+
+
+@cache
+def recorded() -> Recording:
+    made = simulate(Case(seed=3, rate_hz=50, rates_deg_s=(20.0, 80.0, 200.0), dwell_s=5.0))
+    return made.recording
+
+
+@cache
+def experiment(*effects: str) -> Experiment:
+    recording = recorded()
+    question = open_question(recording, effects)
+    assert question is not None
+    abilities = Abilities.of_recording(recording)
+    return Experiment(
+        question.models, UnitNoise.of(recording, question.fit), abilities, recording.manifest, "d"
+    )
+
+
+def test_what_is_promised_grows_with_the_difference_and_is_right_where_it_is_enough() -> None:
+    chances = [probability_right(left) for left in (0.0, 10.0, 30.0, ENOUGH, 200.0)]
+    assert chances == sorted(chances)
+    assert chances[0] == 0.0
+    assert chances[3] == pytest.approx(0.95, abs=0.005)
+
+
+def test_the_table_s_own_motion_tells_what_the_station_can_do() -> None:
+    able = Abilities.of_recording(recorded())
+    assert able.rates_deg_s[0] == pytest.approx(200.0, rel=0.03)
+    assert able.endless[0]
+    assert not able.endless[1]
+
+
+def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
+    made = experiment("lever_arm")
+    assert set(made.models) == {"lever_arm", NOTHING}
+    choice = made.shortest(15.0)
+    assert choice.is_enough
+    assert 0.0 < choice.minutes <= 15.0
+    assert choice.left >= ENOUGH
