@@ -440,8 +440,6 @@ def test_help_starts_without_the_heavy_libraries() -> None:
     text, heavy = loaded("--help")
     assert heavy == set()
     assert "calibrate" in text
-    for later in ("dashboard",):
-        assert later not in text
 
 
 def test_runs_are_listed_with_the_catalogue_alone(mimucal, plant_clean) -> None:
