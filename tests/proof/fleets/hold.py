@@ -103,7 +103,7 @@ def _many(folder: Path) -> Many:
     """A search over thousands of kept statistics of units and stations drawn anew, timed."""
     files: Sequence[Path] = sorted((folder / "statistics").glob("*/*"))
     rng = np.random.default_rng(1)
-    began = time.perf_counter()
+    began, processor = time.perf_counter(), time.process_time()
     runs = []
     for number in range(MANY):
         unit, station = int(rng.integers(LARGE_UNITS)), int(rng.integers(LARGE_STATIONS))
@@ -115,5 +115,6 @@ def _many(folder: Path) -> Many:
         runs.append((who, _read(files[number % len(files)])))
     read = time.perf_counter()
     search(pooled(runs))
+    searched, used = time.perf_counter() - read, time.process_time() - processor
     size = float(np.mean([file.stat().st_size for file in files]))
-    return Many(MANY, read - began, time.perf_counter() - read, size)
+    return Many(MANY, read - began, searched, used, size)
