@@ -17,7 +17,7 @@ def check(
     as_json: options.Json = False,
 ) -> None:
     """Note that a person checked the draft of a certificate."""
-    from schemas.orders import CheckOrder
+    from schemas.certificate_orders import CheckOrder
 
     _step("check", CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
 
@@ -30,7 +30,7 @@ def issue(
     as_json: options.Json = False,
 ) -> None:
     """Issue a certificate that was checked: it gets its number, and is never changed again."""
-    from schemas.orders import IssueOrder
+    from schemas.certificate_orders import IssueOrder
 
     _step("issue", IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
 
@@ -54,7 +54,7 @@ def amend(
 
     It is checked and issued as every draft is; with its issue the old one becomes amended.
     """
-    from schemas.orders import AmendOrder
+    from schemas.certificate_orders import AmendOrder
 
     _step(
         "amend",
@@ -85,7 +85,7 @@ def withdraw(
 
     Its files stay as they are.
     """
-    from schemas.orders import WithdrawOrder
+    from schemas.certificate_orders import WithdrawOrder
 
     _step("withdraw", WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
 

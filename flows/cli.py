@@ -154,7 +154,8 @@ def certify(
     """
     from flows.carry_out import carry_out
     from flows.print_certificate import print_certificate
-    from schemas.orders import CertifyOrder, order_of
+    from schemas.certificate_orders import CertifyOrder
+    from schemas.orders import order_of
 
     certify_order = order_of(
         CertifyOrder,

@@ -13,7 +13,7 @@ from flows.print_validity import summary
 from flows.printing import print_rows
 from flows.progress import working
 from flows.run_orders import procedure_of
-from schemas.orders import ProduceOrder
+from schemas.certificate_orders import ProduceOrder
 from storage.home import Home, home
 from storage.whole_files import writing_in_home
 from tasks.stages.published import Published

@@ -24,25 +24,27 @@ from prefect.settings import PREFECT_FLOWS_HEARTBEAT_FREQUENCY, temporary_settin
 from flows import run_orders
 from schemas.base import BrokenOff
 from schemas.calibration import Calibration
+from schemas.certificate_orders import (
+    AmendOrder,
+    CertifyOrder,
+    CheckOrder,
+    IssueOrder,
+    ProduceOrder,
+    WithdrawOrder,
+)
 from schemas.history import Reprocessing
 from schemas.next_recording import NextRecording
 from schemas.orders import (
     AcquireOrder,
-    AmendOrder,
     ApplyOrder,
     CalibrateOrder,
-    CertifyOrder,
-    CheckOrder,
     ExplainOrder,
-    IssueOrder,
     NextOrder,
     OrderModel,
-    ProduceOrder,
     RemindOrder,
     ReprocessOrder,
     ReviewOrder,
     SimulateOrder,
-    WithdrawOrder,
 )
 from schemas.recall import Recalled
 from tasks.conformity.limits import verdict_title

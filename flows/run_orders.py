@@ -10,21 +10,23 @@ from typing import TYPE_CHECKING
 from flows import refix_prompt
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
-from schemas.orders import (
-    AcquireOrder,
+from schemas.certificate_orders import (
     AmendOrder,
-    ApplyOrder,
-    CalibrateOrder,
     CertifyOrder,
     CheckOrder,
-    ExplainOrder,
     IssueOrder,
+    WithdrawOrder,
+)
+from schemas.orders import (
+    AcquireOrder,
+    ApplyOrder,
+    CalibrateOrder,
+    ExplainOrder,
     NextOrder,
     OrderModel,
     ReprocessOrder,
     ReviewOrder,
     SimulateOrder,
-    WithdrawOrder,
 )
 from schemas.procedure import Procedure
 from schemas.station import StationFile

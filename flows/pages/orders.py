@@ -15,14 +15,8 @@ from pathlib import Path
 from flows import run_orders
 from schemas.access import MAY, Action, Visitor
 from schemas.base import Unusable
-from schemas.orders import (
-    AcquireOrder,
-    CheckOrder,
-    IssueOrder,
-    ReprocessOrder,
-    WithdrawOrder,
-    order_of,
-)
+from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
+from schemas.orders import AcquireOrder, ReprocessOrder, order_of
 from schemas.pages.do import GivenOrder, OrderState
 from storage.catalogue import database, trail
 from storage.catalogue.listing import find

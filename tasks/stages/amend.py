@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 
 from schemas.certificate import Certificate, Replaced
-from schemas.orders import AmendOrder, Estimation
+from schemas.certificate_orders import AmendOrder
+from schemas.orders import Estimation
 from storage.catalogue.certificates import entry_of
 from storage.home import Home
 from tasks.stages.certificate_inputs import CertificateInputs, read_inputs

@@ -9,8 +9,8 @@ from pydantic import BaseModel, ValidationError
 
 from schemas.base import Unusable, first_fault
 from schemas.certificate import Laboratory, Order
+from schemas.certificate_orders import CertificateOptions
 from schemas.equipment import MeasurementStandard
-from schemas.orders import CertificateOptions
 from schemas.recording import Unit
 from schemas.tolerance import Tolerance
 from storage import settings

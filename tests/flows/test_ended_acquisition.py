@@ -18,7 +18,7 @@ ACQUIRE = """
 import signal, sys
 from flows import run_orders
 from schemas.base import BrokenOff
-from schemas.orders import AcquireOrder
+from schemas.orders import (AcquireOrder)
 for ignored in (signal.SIGHUP, signal.SIGQUIT):
     signal.signal(ignored, signal.SIG_DFL)
 try:

@@ -222,7 +222,7 @@ RETRIED = """
 import sqlite3, sys
 from pathlib import Path
 from flows.carry_out import as_flow_run
-from schemas.orders import CalibrateOrder
+from schemas.orders import (CalibrateOrder)
 from storage.catalogue import database
 from storage.catalogue.connection import Busy
 from storage.home import home

@@ -5,7 +5,8 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.orders import CalibrateOrder, CertifyOrder, ProduceOrder, order_of
+from schemas.certificate_orders import CertifyOrder, ProduceOrder
+from schemas.orders import CalibrateOrder, order_of
 
 
 def test_terms_as_text_are_names_each_once() -> None:

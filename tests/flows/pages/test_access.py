@@ -1,7 +1,6 @@
 """Who is let in, and what is refused."""
 
 from pathlib import Path
-from threading import Thread
 
 import httpx
 import pytest
@@ -9,12 +8,13 @@ from flask.testing import FlaskClient
 
 from flows.pages import passwords
 from flows.pages.app import make_app
-from flows.pages.serve import listening, serve
+from flows.pages.serve import serve
 from schemas.access import MAY, ROLES, Visitor
 from schemas.base import Unusable
 from storage.catalogue import trail, users
 from storage.catalogue.connection import Busy
 from storage.home import Home
+from tests.pages_server import served
 
 PASSWORD = "correct horse battery"
 HASH = passwords.hashed(PASSWORD)
@@ -134,12 +134,10 @@ def test_pages_without_users_are_served_on_this_machine_alone(tmp_path: Path) ->
 
 
 def test_pages_of_this_machine_are_not_read_under_another_hosts_name(tmp_path: Path) -> None:
-    server = listening(Home(tmp_path), "127.0.0.1", 0)
-    Thread(target=server.run, daemon=True).start()
-    address = f"http://127.0.0.1:{server.effective_port}/api/v1/runs"
-    assert httpx.get(address).status_code == 200
-    assert httpx.get(address, headers={"Host": "elsewhere.example"}).status_code == 400
-    server.close()
+    with served(Home(tmp_path)) as address:
+        asked = f"{address}/api/v1/runs"
+        assert httpx.get(asked).status_code == 200
+        assert httpx.get(asked, headers={"Host": "elsewhere.example"}).status_code == 400
 
 
 def test_a_password_is_kept_as_an_argon2_hash(home: Home) -> None:

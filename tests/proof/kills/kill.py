@@ -28,7 +28,7 @@ Moments = tuple[float, float]
 ACQUIRE = """
 import sys
 from flows import run_orders
-from schemas.orders import AcquireOrder
+from schemas.orders import (AcquireOrder)
 run_orders.acquire(AcquireOrder(station=sys.argv[1], procedure=sys.argv[2], attended=False))
 """
 

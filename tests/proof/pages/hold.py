@@ -6,19 +6,17 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
 
 import httpx
 import typer
 
-from flows.pages.serve import listening
 from storage.catalogue import database
 from storage.home import Home
 from tests.drafts import draft
+from tests.pages_server import served
 from tests.postgres import empty_database, serving
 
 PAGE = Path(__file__).parent.parent / "evidence/pages.md"
@@ -59,17 +57,6 @@ class Stopped:
     json: int
     frame: int
     back_s: float
-
-
-@contextmanager
-def served(home: Home) -> Iterator[str]:
-    """The pages of a home, at an address of their own."""
-    server = listening(home, "127.0.0.1", 0)
-    Thread(target=server.run, daemon=True).start()
-    try:
-        yield f"http://127.0.0.1:{server.effective_port}"
-    finally:
-        server.close()
 
 
 def fuzz(address: str, count: int, seed: int) -> Fuzzed:

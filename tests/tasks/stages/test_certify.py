@@ -21,6 +21,7 @@ from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify, due_date
 from tasks.stages.estimate import estimate
 from tasks.validation import record
+from tasks.validation.fingerprint import fingerprint
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 STANDARD = {"name": "Table", "name_zh": "台", "serial": "1", "accuracy": "1″", "certificate": "C",
@@ -157,9 +158,10 @@ def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, vali
     given[2].path.joinpath("validation.json").write_text(validated.model_dump_json(), "utf-8")
     with_it = certify(*given, Inputs(tolerance=tolerance())).certificate
     assert not any("mimucal validate" in reason for reason in with_it.decision.reasons)
+    code = fingerprint("jjf2003")
     assert with_it.validation == (
-        "Estimation validated by the record of 2026-11-21, test: 9 of 9 items",
-        "估计方法经验证，记录 2026-11-21, test：9 项中 9 项通过",
+        f"Estimation validated by the record of 2026-11-21 ({code}): 9 of 9 items",
+        f"估计方法经验证，记录 2026-11-21 ({code})：9 项中 9 项通过",
     )
 
 

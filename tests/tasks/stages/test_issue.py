@@ -11,9 +11,9 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import Laboratory, Order, Replaced
+from schemas.certificate_orders import AmendOrder
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
-from schemas.orders import AmendOrder
 from schemas.text import Remark
 from storage.catalogue import certificates, database, listing, results, tables, trail
 from storage.home import Home

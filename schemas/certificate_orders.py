@@ -1,0 +1,81 @@
+"""Orders of certificates: drafted, checked, issued, amended, withdrawn (see `orders`)."""
+
+from datetime import date
+from typing import Annotated
+
+from pydantic import Field
+
+from schemas.orders import AcquireOrder, CalibrateOrder, OrderModel
+
+Person = Annotated[str, Field(min_length=1, pattern=r"\S")]
+
+
+class CertificateOptions(OrderModel):
+    """What a certificate needs beside the result; null leaves it to the home.
+
+    tolerance, laboratory and client_order are files; client_order says who ordered the
+    calibration (`mimu-order/1`). calibrated_on: for a recording that does not say when it was
+    made. as_found: the run (an id, or the path of a recording) of the unit before it was adjusted,
+    whose results stand on the certificate beside these. budget: whether the certificate prints
+    the uncertainty budgets. invalid_run: whether an invalid run is reported all the same. by: who
+    drafts it; null is the operator that the laboratory's file names.
+    """
+
+    tolerance: str | None = None
+    laboratory: str | None = None
+    client_order: str | None = None
+    calibrated_on: date | None = None
+    as_found: str | None = None
+    budget: bool = False
+    invalid_run: bool = False
+    by: str | None = None
+
+
+class CertifyOrder(CalibrateOrder, CertificateOptions):
+    """The result, the verdict and the certificate of a run."""
+
+
+class ProduceOrder(AcquireOrder, CertificateOptions):
+    """A run from a station, and its certificate."""
+
+    def certify(self, run: str) -> CertifyOrder:
+        """The order of the certificate, once the run is there."""
+        shared = CertificateOptions.model_fields
+        return CertifyOrder(run=run, **{name: getattr(self, name) for name in shared})
+
+
+class StepOrder(OrderModel):
+    """What a person does with a certificate: a number, or the key of a draft."""
+
+    certificate: str
+    by: Person
+
+
+class CheckOrder(StepOrder):
+    """A draft was checked."""
+
+    reason: str | None = None
+
+
+class IssueOrder(StepOrder):
+    """A checked certificate is issued, and gets its number."""
+
+    reason: str | None = None
+
+
+class WithdrawOrder(StepOrder):
+    """An issued certificate is withdrawn."""
+
+    why: str = Field(min_length=1)
+
+
+class AmendOrder(StepOrder, CertificateOptions):
+    """A draft that is to replace an issued certificate.
+
+    run: on which it stands, that of the certificate unless it is given. What the options leave out
+    is as it was on the certificate; limits are those of the home.
+    """
+
+    by: Person
+    why: str = Field(min_length=1)
+    run: str | None = None
