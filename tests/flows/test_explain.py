@@ -283,7 +283,7 @@ def asked_once(answers: dict[str, Explanation], monkeypatch) -> None:
             answers[recording.digest] = as_it_is(recording, **more)
         return answers[recording.digest]
 
-    monkeypatch.setitem(sys.modules, "tasks.explain.explain", SimpleNamespace(explain=explain))
+    monkeypatch.setattr("tasks.explain.explain.explain", explain)
 
 
 def true_rate_sensitivity(folder: Path) -> dict[str, float]:
