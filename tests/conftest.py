@@ -21,8 +21,12 @@ from schemas.validation import (
     ValidationRecord,
 )
 from storage.formats.folder import read_folder
+from storage.home import Home
 from tasks.specifications.items import ITEMS
 from tasks.validation.fingerprint import fingerprint
+from tests.proof.line.draw import Line, draw_line
+from tests.proof.line.recorded import Recorded
+from tests.proof.line.store import fill
 from tests.shared import ABSENT, shared_path
 
 settings.register_profile("unhurried", deadline=None)  # machines are busy; pytest limits tests
@@ -181,3 +185,11 @@ def ideal_run() -> Callable[..., Recording]:
         return Recording(manifest, Stream(times, columns), environment=environment, digest="0" * 64)
 
     return build
+
+
+@pytest.fixture(scope="session")
+def line_store(tmp_path_factory: pytest.TempPathFactory) -> tuple[Home, Line]:
+    """The store of a line of two units with sixty runs over three years; four have recordings."""
+    home, line = Home(tmp_path_factory.mktemp("line") / "home"), draw_line(3, 60, 2)
+    fill(home, line, Recorded(4), lambda done, of: None)
+    return home, line

@@ -14,8 +14,11 @@ from statistics import median, quantiles
 from typing import TYPE_CHECKING
 
 from storage.home import Home
-from tests.bench.many_runs import many_runs
 from tests.bench.measure import RUNS, Figure, Section
+from tests.proof.line.draw import draw_line
+from tests.proof.line.hold import UNITS
+from tests.proof.line.recorded import Recorded
+from tests.proof.line.store import fill
 from tests.proof.pages.hold import served
 
 if TYPE_CHECKING:
@@ -23,8 +26,9 @@ if TYPE_CHECKING:
 
 PAINT_S, FILTER_S, PEOPLE_S = 1.0, 0.5, 1.0  # asked
 GRID_PAUSE_S = 0.5  # for which the grid itself waits for a further letter
+SEED, COUNT = 1, 10_000
 PEOPLE, LOOKS, LOOK_S = 20, 10, 1.0
-PATHS = ("/api/v1/runs?station=T3", "/api/v1/runs?verdict=fail&sort=due", "/api/v1/line",
+PATHS = ("/api/v1/runs?station=ST-03", "/api/v1/runs?verdict=fail&sort=due", "/api/v1/line",
          "/api/v1/runs?validity=invalid", "/runs")  # fmt: skip
 FIRST_SEEN = {"/runs": ".ag-cell a", "/line": "#page h3", "/do": "#page h3"}
 OPTIONS = ["--no-sandbox", "--disable-gpu", "--no-proxy-server", "--disable-dev-shm-usage"]
@@ -33,8 +37,8 @@ OPTIONS = ["--no-sandbox", "--disable-gpu", "--no-proxy-server", "--disable-dev-
 def pages() -> Section:
     """What is asked is the first line; each other one is to be no more than its share of it."""
     with tempfile.TemporaryDirectory() as name:
-        home = Home(Path(name))
-        many_runs(home)
+        home = Home(Path(name) / "line")
+        fill(home, draw_line(SEED, COUNT, UNITS), Recorded(0), lambda *_: None)
         with served(home) as address:
             figures = [*_in_browser(address), _people(address)]
     return Section(
@@ -85,9 +89,9 @@ def _filter(page: "Page", url: str) -> Figure:
     times = []
     for number in range(RUNS):
         began = time.perf_counter()
-        page.fill("[aria-colindex='5'] input[type=text] >> visible=true", f"V0010{number}")
+        page.fill("[aria-colindex='5'] input[type=text] >> visible=true", f"SN010{number}")
         page.wait_for_selector("#runs-count:text-is('50 runs')")
-        page.wait_for_selector(f".ag-cell:has-text('V0010{number}')")
+        page.wait_for_selector(f".ag-cell:has-text('SN010{number}')")
         times.append(time.perf_counter() - began - GRID_PAUSE_S)
     return Figure("a filter of the runs", median(times), asked=FILTER_S / PAINT_S)
 

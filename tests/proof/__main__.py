@@ -1,6 +1,7 @@
 """`python -m tests.proof`: the sealed trial from the command line (`make prove`)."""
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -12,6 +13,7 @@ from tests.proof.fleets.hold import run_fleets
 from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
+from tests.proof.line.hold import run_line
 from tests.proof.pages.hold import run_pages
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
@@ -110,6 +112,10 @@ def main(
             metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
         ),
     ] = None,
+    line: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, help="Nothing but the store of a line with N runs."),
+    ] = None,
     write: Annotated[
         bool,
         typer.Option(
@@ -128,7 +134,7 @@ def main(
     """
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
-        (run_history, history),
+        (run_history, history), (partial(run_line, seed), line),
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
