@@ -1,0 +1,57 @@
+"""Station against station: what each reads beside the others, by units that were run on several."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FEWEST = 2  # units, for a deviation between them
+K = 2.0
+
+
+@dataclass(frozen=True)
+class Compared:
+    """What each of s stations reads beside the mean of all of them.
+
+    difference, U: (s,) in the values' unit, k = 2; NaN for a station that no unit ties to the
+    others, U where fewer than two units tie it. pairs: (s,) how many pairs of runs it stands on.
+    """
+
+    difference: np.ndarray
+    U: np.ndarray
+    pairs: np.ndarray
+
+
+def against_each_other(
+    unit: np.ndarray, station: np.ndarray, values: np.ndarray, adjusted: np.ndarray, stations: int
+) -> Compared:
+    """The stations' differences by least squares of the steps between a unit's successive runs.
+
+    All (n,), in the order of time. unit, station: numbers. adjusted: bool, whether a run's unit was
+    adjusted since its run before: that step says nothing. Steps take off what each unit is and
+    nearly all of its drift; U is of the scatter of the steps between units (covariance clustered by
+    units: A. C. Cameron, D. L. Miller, J. Human Resources 50 (2015) 317), so that drift and runs
+    that two steps share are in it.
+    """
+    order = np.argsort(unit, kind="stable")
+    before, after = order[:-1], order[1:]
+    is_step = (unit[before] == unit[after]) & ~adjusted[after]
+    is_step &= np.isfinite(values[before]) & np.isfinite(values[after])
+    before, after = before[is_step], after[is_step]
+    design = np.zeros((len(after), stations))
+    rows = np.arange(len(after))
+    np.add.at(design, (rows, station[after]), 1.0)
+    np.add.at(design, (rows, station[before]), -1.0)
+    tied = np.abs(design).sum(axis=0)
+    inverse = np.linalg.pinv(design.T @ design, rcond=1e-9, hermitian=True)
+    step = values[after] - values[before]
+    found = inverse @ (design.T @ step)
+    clusters = np.zeros((int(unit.max(initial=-1)) + 1, stations))
+    np.add.at(clusters, unit[after], design * (step - design @ found)[:, None])
+    count = len(np.unique(unit[after]))
+    scale = count / (count - 1.0) if count >= FEWEST else np.nan
+    covariance = scale * inverse @ (clusters.T @ clusters) @ inverse
+    expanded = K * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    known = tied > 0
+    return Compared(
+        np.where(known, found, np.nan), np.where(known, expanded, np.nan), tied.astype(int)
+    )

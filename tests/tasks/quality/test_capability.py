@@ -1,0 +1,77 @@
+"""Capability indices, by the definitions of the handbook and by simulation."""
+
+import numpy as np
+import pytest
+
+from tasks.quality.capability import capability, dof_within, sigma_within
+
+RNG = np.random.default_rng(4)
+
+
+def stretched(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
+    """The values at exactly this mean and standard deviation."""
+    return np.asarray(mean + sd * (values - values.mean()) / values.std(ddof=1))
+
+
+def test_performance_is_that_of_the_handbooks_example() -> None:
+    # NIST/SEMATECH e-Handbook, 6.1.6: limits 8 and 20, mean 16, sigma 2: Cp 1.0, Cpk 0.6667
+    found = capability(stretched(RNG.standard_normal(50), 16.0, 2.0), 8.0, 20.0)
+    assert found.pp.value == pytest.approx(1.0)
+    assert found.ppk.value == pytest.approx(2.0 / 3.0)
+    upper = capability(stretched(RNG.standard_normal(50), 16.0, 2.0), None, 20.0)
+    assert upper.ppk.value == pytest.approx(0.6667, abs=1e-4)
+    assert capability(stretched(RNG.standard_normal(50), 16.0, 2.0), 8.0, None).ppk.value == (
+        pytest.approx(1.3333, abs=1e-4)
+    )
+
+
+def test_intervals_are_those_of_montgomery() -> None:
+    # Introduction to Statistical Quality Control, example 8.4: limits 38 and 62, s = 1.75, n = 20
+    values = stretched(RNG.standard_normal(20), 50.0, 1.75)
+    assert capability(values, 38.0, 62.0).pp.value == pytest.approx(2.286, abs=1e-3)
+    pp = capability(values, 38.0, 62.0).pp
+    assert (pp.low, pp.high) == pytest.approx((1.57, 3.01), abs=0.01)
+    # by hand: 1.33 (1 ± 1.96 √(1/(9·20·1.33²) + 1/(2·19)))
+    ppk = capability(stretched(values, 0.0, 1.0), -1e3, 3.99).ppk
+    assert (ppk.low, ppk.high) == pytest.approx((0.883, 1.777), abs=2e-3)
+
+
+def test_one_sided_limits_have_no_two_sided_index() -> None:
+    found = capability(RNG.standard_normal(30), None, 3.0)
+    assert found.cp.value is None
+    assert found.pp.value is None
+    assert found.cpk.value is not None
+    assert capability(RNG.standard_normal(30), None, None).cpk.value is None
+
+
+def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability() -> None:
+    values = np.concatenate([RNG.standard_normal(200), 6.0 + RNG.standard_normal(200)])
+    found = capability(values, -10.0, 16.0)
+    assert found.cp.value == pytest.approx(26.0 / 6.0, rel=0.1)
+    assert found.pp.value == pytest.approx(26.0 / 6.0 / np.sqrt(10.0), rel=0.1)
+
+
+@pytest.mark.parametrize("n", [10, 60])
+def test_moving_ranges_have_the_degrees_of_freedom_that_are_counted(n: int) -> None:
+    draws = np.array([sigma_within(row) for row in RNG.standard_normal((4000, n))])
+    assert draws.mean() == pytest.approx(1.0, abs=0.01)
+    assert 1.0 / (2.0 * draws.var()) == pytest.approx(dof_within(n), rel=0.1)
+
+
+@pytest.mark.parametrize("n", [25, 100])
+def test_intervals_hold_the_index_as_often_as_stated(n: int) -> None:
+    held = {"cp": 0, "cpk": 0, "pp": 0, "ppk": 0}
+    truth = {"cp": 4.0 / 3.0, "cpk": 1.0, "pp": 4.0 / 3.0, "ppk": 1.0}
+    for row in np.random.default_rng(n).standard_normal((600, n)):
+        found = capability(row, -5.0, 3.0)
+        for name, true in truth.items():
+            index = getattr(found, name)
+            held[name] += index.low <= true <= index.high
+    for name, count in held.items():
+        assert 0.92 <= count / 600 <= 0.98, name
+
+
+def test_one_value_or_none_has_no_index() -> None:
+    assert capability(np.array([]), -1.0, 1.0).mean is None
+    assert capability(np.array([0.5]), -1.0, 1.0).ppk.value is None
+    assert capability(np.zeros(5), -1.0, 1.0).cp.value is None

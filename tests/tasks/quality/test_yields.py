@@ -1,0 +1,58 @@
+"""First-pass yield: its interval, and which runs count."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import binomtest
+
+from tasks.quality.retests import RETEST_DAYS, first_runs
+from tasks.quality.yields import wilson, yields
+
+# R. G. Newcombe, Statistics in Medicine 17 (1998) 857, table I, method 3
+NEWCOMBE = {
+    (81, 263): (0.2553, 0.3662), (15, 148): (0.0624, 0.1605), (0, 20): (0.0, 0.1611),
+    (1, 29): (0.0061, 0.1718),
+}  # fmt: skip
+
+
+def test_intervals_are_those_that_newcombe_prints() -> None:
+    passed, of = np.array(list(NEWCOMBE)).T
+    low, high = wilson(passed, of)
+    printed = np.array(list(NEWCOMBE.values()))
+    assert low == pytest.approx(printed[:, 0], abs=5e-5)
+    assert high == pytest.approx(printed[:, 1], abs=5e-5)
+
+
+def test_intervals_are_those_of_scipy_at_any_level() -> None:
+    for passed, of, level in ((3, 7, 0.9), (7, 7, 0.95), (500, 1000, 0.99)):
+        known = binomtest(passed, of).proportion_ci(level, method="wilson")
+        low, high = wilson(np.array([passed]), np.array([of]), level)
+        assert (low[0], high[0]) == pytest.approx((known.low, known.high))
+
+
+def test_nothing_has_no_interval() -> None:
+    low, high = wilson(np.array([0]), np.array([0]))
+    assert np.isnan([low[0], high[0]]).all()
+
+
+def test_yield_of_each_group() -> None:
+    runs = pd.DataFrame({"station": ["b", "a", "b", "b"], "passed": [True, False, False, True]})
+    table = yields(runs, "station")
+    assert table.index.tolist() == ["a", "b"]
+    assert table["passed"].tolist() == [0, 2]
+    assert table["of"].tolist() == [1, 3]
+    assert table.loc["b", "share"] == pytest.approx(2 / 3)
+    assert (table["low"] <= table["share"]).all()
+    assert (table["share"] <= table["high"]).all()
+
+
+def test_a_run_soon_after_one_of_the_same_unit_is_a_retest() -> None:
+    days = [0, 1, 1 + RETEST_DAYS, 30, 30, 0]
+    runs = pd.DataFrame({
+        "unit": [1, 1, 1, 1, 1, 2],
+        "day": pd.Timestamp("2026-01-01") + pd.to_timedelta(days, unit="D"),
+        "order": [0, 1, 2, 4, 3, 5],
+    })  # fmt: skip
+    assert first_runs(runs).tolist() == [True, False, False, False, True, True]
+    shuffled = runs.sample(frac=1.0, random_state=1)
+    assert first_runs(shuffled).sort_index().tolist() == first_runs(runs).tolist()
