@@ -1,4 +1,6 @@
-"""What an earlier version kept gets what the catalogue now says of every run and every result."""
+"""What an earlier version kept gets what the catalogue now says of runs, results, certificates."""
+
+from contextlib import suppress
 
 import sqlalchemy as sql
 
@@ -62,6 +64,22 @@ def complete_results(home: Home) -> None:
                     summaries.add(connection, row.id, calibration_of(row), row.made_at)
                 except Unusable:
                     continue
+
+
+def complete_certificates(home: Home) -> None:
+    """Adds the rows of what certificates decide (`summaries`) where they are not there yet.
+
+    A certificate whose record cannot be read stays as it is.
+    """
+    table = tables.certificates
+    waiting = database.rows(home, sql.select(table.c.number).where(table.c.limits.is_(None)))
+    for number in (row.number for row in waiting):
+        with suppress(Unusable):
+            decision = certificates.find(number, home).decision
+            with database.changing(home) as connection:
+                summaries.add_decision(connection, number, decision)
+                counted = sql.update(table).where(table.c.number == number)
+                connection.execute(counted.values(limits=len(decision.limits)))
 
 
 def _manifest(run: Run, home: Home) -> Manifest:

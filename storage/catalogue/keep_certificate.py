@@ -14,7 +14,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import NUMBER, Certificate, State
-from storage.catalogue import database, lineage, tables
+from storage.catalogue import database, lineage, summaries, tables
 from storage.catalogue.certificates import Entry, standards_of
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
@@ -124,9 +124,11 @@ def add(
             kept_at=datetime.now(UTC),
             supersedes=replaces and replaces.number,
             why=replaces and replaces.why,
+            limits=len(certificate.decision.limits),
             **files,
         )
     )
+    summaries.add_decision(connection, certificate.number, certificate.decision)
     run, standards = certificate.calibration.run, standards_of(certificate)
     lineage.add_equipment(connection, run, certificate.number, standards)
     return [files[name] for name in ("pdf", "dcc", "record")]
@@ -136,6 +138,8 @@ def remove(connection: sql.Connection, entry: Entry) -> None:
     """Takes a draft out of the register; its files stay until the transaction has ended well."""
     named = tables.equipment.c.document == entry.number
     connection.execute(sql.delete(tables.equipment).where(named))
+    decided = tables.decisions.c.certificate == entry.number
+    connection.execute(sql.delete(tables.decisions).where(decided))
     connection.execute(sql.delete(TABLE).where(TABLE.c.number == entry.number))
 
 

@@ -1,4 +1,4 @@
-"""What every result says, as rows: questions over many runs open no document.
+"""What every result and certificate says, as rows: questions over many runs open no document.
 
 They are made of the documents alone, and can be made again from them.
 """
@@ -9,6 +9,7 @@ from typing import Any
 import sqlalchemy as sql
 
 from schemas.calibration import Calibration
+from schemas.decision import Decision
 from storage.catalogue import database, tables
 
 
@@ -54,4 +55,19 @@ def segments_of(calibration: Calibration) -> list[dict[str, Any]]:
         | {f"mean_{name}": segment.mean.get(name) for name in tables.CHANNELS}
         | {f"deviation_{name}": segment.deviation.get(name) for name in tables.CHANNELS}
         for number, segment in enumerate(calibration.segments)
+    ]
+
+
+def add_decision(connection: sql.Connection, certificate: str, decision: Decision) -> None:
+    """Adds the rows of what a certificate decides; those that are there stay."""
+    rows = [{"certificate": certificate} | row for row in decisions_of(decision)]
+    database.add_all_new(connection, tables.decisions, rows)
+
+
+def decisions_of(decision: Decision) -> list[dict[str, Any]]:
+    """A row for each limit on each element, in the order of the record."""
+    names = ("item", "element", "applied_to", "lower", "upper", "verdict")
+    return [
+        {"number": number} | {name: getattr(limit, name) for name in names}
+        for number, limit in enumerate(decision.limits)
     ]

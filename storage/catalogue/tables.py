@@ -190,7 +190,38 @@ certificates = (
         *(sql.Column(name, sql.Text) for name in ("dcc", "dcc_sha256")),
         sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
         sql.Column("why", sql.Text),
+        sql.Column(
+            "limits", sql.Integer
+        ),  # rows of `decisions`; null: not yet read from the record
     )
+)
+
+decisions = sql.Table(  # each limit that a certificate decides on, as its record has it
+    "decisions",
+    metadata,
+    _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    *_texts("item", "element", "applied_to"),
+    *(sql.Column(name, sql.Float) for name in ("lower", "upper")),
+    _column("verdict", sql.Text),
+)
+
+explained = sql.Table(  # the last answer of `explain` to a run, in brief
+    "explained",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), primary_key=True),
+    _column("at", Utc),
+    *_texts("code_version", "verdict"),
+)
+
+findings = sql.Table(  # of that answer; `parameters` and `others` (names not told apart): JSON
+    "findings",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("explained.run"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    _column("effect", sql.Text, index=True),
+    *(_column(name, sql.Float) for name in ("share", "delta_bic")),
+    *_texts("parameters", "others"),
 )
 
 reminders = sql.Table(  # `days`: after the due date, negative before it; sent_at null: not yet

@@ -121,4 +121,5 @@ def row_of(certificate: Certificate, run: LineRun, result: str, unit: int) -> di
         "issued_on": certificate.issued_on, "due": certificate.due,
         "kept_at": run.at + timedelta(hours=3), "pdf": "", "pdf_sha256": "", "record": record,
         "record_sha256": hashlib.sha256(content).hexdigest(),
+        "limits": len(certificate.decision.limits),
     }  # fmt: skip

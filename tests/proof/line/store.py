@@ -69,7 +69,15 @@ def _keep(home: Home, unit: LineUnit, made: list[LineRun], numbers: _Numbers) ->
     """All of a unit in one transaction; what the recorded runs have already stays."""
     rows: Rows = {
         name: []
-        for name in ("runs", "results", "elements", "outcomes", "equipment", "certificates")
+        for name in (
+            "runs",
+            "results",
+            "elements",
+            "outcomes",
+            "equipment",
+            "certificates",
+            "decisions",
+        )
     }
     with database.changing(home) as connection:
         for run in made:
@@ -122,6 +130,9 @@ def _add(
         issued = numbers.next(run.at.year) if run.is_last else f"draft-{calibration.run[:8]}"
         certificate = certificate_of(unit, run, manifest, issued)
         rows["certificates"].append(row_of(certificate, run, result, key))
+        rows["decisions"] += [
+            {"certificate": issued} | row for row in summaries.decisions_of(run.decision)
+        ]
         text = certificate.model_dump_json()
         (home.certificates / f"{issued}.json").write_text(text, encoding="utf-8")
 
