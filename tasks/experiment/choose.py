@@ -14,15 +14,17 @@ from schemas.recording import Manifest
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.blocks import Block, Step, blocks_of
 from tasks.experiment.separation import (
-    ENOUGH,
     FINE_HZ,
     Separation,
     UnitNoise,
+    enough,
     left_by_real_fit,
     probability_right,
 )
 from tasks.experiment.track import planned_recording
+from tasks.explain.evidence.shares import WEAK
 from tasks.explain.groups.compare import HOLDS
+from tasks.explain.groups.linear_forms import DISTINGUISHABLE
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.model import Model
@@ -32,6 +34,7 @@ from tasks.words import message, statement
 SPARE = 0.9  # of the blocks: fewer are tried where so many would be enough
 REPEATS = 25  # of one block
 SETTLE_S = 0.1
+PRICE = 4.0  # chi-squared of each parameter: ln(1 + n) with some fifty stretches that tell of it
 ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
 NOTHING = ""  # the standard's model with none of the competing effects
 
@@ -41,22 +44,23 @@ Pair = tuple[str, str]
 @dataclass(frozen=True)
 class Choice:
     """A procedure, min that it takes, and the chi-squared by which it is expected to show that the
-    models of the pair that is told apart worst differ.
+    models of the pair that is told apart worst differ. bound: that decides without noise.
     """
 
     procedure: Procedure
     minutes: float
     left: float
+    bound: float
 
     @property
     def probability(self) -> float:
         """Of one name, the right one."""
-        return probability_right(self.left)
+        return probability_right(self.left, self.bound)
 
     @property
     def is_enough(self) -> bool:
         """Whether it decides."""
-        return self.left >= ENOUGH
+        return self.left >= enough(self.bound)
 
 
 @dataclass(frozen=True)
@@ -84,12 +88,25 @@ class Experiment:
             if truth != NOTHING and HOLDS.get(truth) != other
         )
 
+    @property
+    def bound(self) -> float:
+        """Chi-squared that names one alone: a pair's difference; of one effect what makes it no
+        weak one, with the price of its parameters, which may be no clear ones each by itself.
+        """
+        if NOTHING not in self.models:
+            return DISTINGUISHABLE
+        (name,) = (name for name in self.models if name != NOTHING)
+        model = self.models[name]
+        own = [place for key, place in model.places.items() if key[0] == name]
+        count = sum(place.stop - place.start for place in own)
+        return DISTINGUISHABLE if count == 1 else WEAK + PRICE * count
+
     def shortest(self, minutes: float) -> Choice:
         """Blocks added one by one, each time the one that shows most for its time, until the whole
         is enough or no time is left; linear forms choose, real fits judge.
         """
         chosen: list[_Measured] = []
-        needed = ENOUGH
+        asked = needed = enough(self.bound)
         while True:
             more = self._extended(chosen, needed, minutes)
             choice = self._judged(more or self._measured[:1])
@@ -97,16 +114,17 @@ class Experiment:
                 return self._shortened(more, choice)
             if len(more) == len(chosen):
                 return choice
-            chosen, needed = more, 1.05 * needed * max(ENOUGH / max(choice.left, 1.0), 1.0)
+            chosen, needed = more, 1.05 * needed * max(asked / max(choice.left, 1.0), 1.0)
 
     def _shortened(self, chosen: Sequence["_Measured"], choice: Choice) -> Choice:
         """With as few of the blocks as real fits, which show more than linear ones, need."""
-        share = ENOUGH / choice.left
+        asked = enough(self.bound)
+        share = asked / choice.left
         while share < SPARE:
             fewer = self._judged(chosen[: max(1, ceil(len(chosen) * share / SPARE))])
             if fewer.is_enough:
                 return fewer
-            share *= ENOUGH / max(fewer.left, 1.0)
+            share *= asked / max(fewer.left, 1.0)
         return choice
 
     def left_by(self, blocks: Blocks, noises: Sequence[Noise]) -> float:
@@ -157,7 +175,7 @@ class Experiment:
                 if first == truth
             ]
         seconds = procedure.warm_up_s + sum(each.planned_s for each in plan(procedure))
-        return Choice(procedure, seconds / 60.0, max(min(shown), 0.0))
+        return Choice(procedure, seconds / 60.0, max(min(shown), 0.0), self.bound)
 
     @cached_property
     def _measured(self) -> tuple["_Measured", ...]:

@@ -7,11 +7,13 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.experiment.choose import NOTHING
+from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
 from tasks.explain.groups.families import DELAYING, GYROS_ALONE
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.search.refit import fitted
 from tasks.model.model import Model
 
 COVERAGE = 2.0  # standard uncertainties in U
@@ -44,7 +46,7 @@ def open_question(
     if len(names) > 1 and GYROS_ALONE not in names and set(names) <= set(DELAYING):
         others.append(GYROS_ALONE)  # triads may be late unlike each other, whatever makes them late
     fits = {name: fitted_effects(recording, [name, *others]) for name in names}
-    models = {name: _sized(fit.model, name) for name, fit in fits.items()}
+    models = {name: _sized(fit, name) for name, fit in fits.items()}
     first = fits[names[0]]
     if len(names) == 1:
         keys = {key for key in first.model.places if key[0] == names[0]}
@@ -64,15 +66,24 @@ def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
             yield (finding.refusal.name,)
 
 
-def _sized(model: Model, name: str) -> Model:
-    """With the effect as large as it may well be: no parameter smaller than its U."""
-    values = model.values.copy()
-    for key, place in model.places.items():
-        if key[0] == name:
-            U = COVERAGE * model.u[place]
-            sign = np.where(values[place] < 0.0, -1.0, 1.0)
-            values[place] = sign * np.maximum(np.abs(values[place]), U)
-    return replace(model, values=values)
+def _sized(fit: FittedSelection, name: str) -> Model:
+    """With what the recording determines of the effect; where that is nothing, with the clearest
+    of its parameters as large as its U.
+    """
+    model = fit.model
+    own = [p for key, place in model.places.items() if key[0] == name for p in _range(place)]
+    loose = undetermined(model, [set(own)], np.ones(len(model.values)))
+    sized = fitted(model.held_at_zero(loose), fit.blocks, fit.noises)
+    values = sized.values.copy()
+    for p in own:
+        if not loose[p]:
+            least = COVERAGE * sized.u[p]
+            values[p] = np.copysign(max(abs(values[p]), least), values[p])
+    return replace(sized, values=values, free=model.free)
+
+
+def _range(place: slice) -> range:
+    return range(place.start, place.stop)
 
 
 def _named_alone(explanation: Explanation) -> list[str]:

@@ -12,7 +12,6 @@ from scipy.stats import norm
 
 from schemas.recording import Recording, Stream
 from tasks.explain.channels import CHANNELS
-from tasks.explain.groups.linear_forms import DISTINGUISHABLE
 from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
@@ -25,7 +24,7 @@ from tasks.motion.samples import sample_interval
 
 FINE_HZ = 1000.0  # of a motion that is planned
 QUIET = 1e-4  # rad/s, m/s²: so that noise is told of something
-ENOUGH = 54.5  # chi-squared by which 95 of 100 recordings name the true one alone
+PROBABILITY = 0.95  # of one name, the right one, from which a recording decides
 
 
 @dataclass(frozen=True)
@@ -125,8 +124,16 @@ def left_by_real_fit(model: Model, observed: Blocks, noises: Sequence[Noise]) ->
     return equations_of([], misfit, observed, noises).normal()[2]
 
 
-def probability_right(left: float) -> float:
-    """That a recording, whose noise moves the difference by 2·√χ², names the true one alone."""
+def probability_right(left: float, bound: float) -> float:
+    """That a recording, whose noise moves the difference by 2·√χ², shows more than the bound from
+    which the true one is named alone.
+    """
     if left <= 0.0:
         return 0.0
-    return float(norm.cdf((left - DISTINGUISHABLE) / (2.0 * np.sqrt(left))))
+    return float(norm.cdf((left - bound) / (2.0 * np.sqrt(left))))
+
+
+def enough(bound: float) -> float:
+    """Chi-squared from which that has PROBABILITY."""
+    margin = float(norm.ppf(PROBABILITY))
+    return (margin + float(np.sqrt(margin**2 + bound))) ** 2

@@ -109,7 +109,8 @@ def test_produce_and_apply_are_flows_whose_stages_and_artifacts_the_server_shows
     home, (station_file, procedure) = own_home, papers
     order = (
         "from flows.carry_out import as_flow_run\n"
-        "from schemas.orders import ApplyOrder, ProduceOrder\n"
+        "from schemas.certificate_orders import ProduceOrder\n"
+        "from schemas.orders import ApplyOrder\n"
         f"order = ProduceOrder(station={str(station_file)!r}, procedure={str(procedure)!r})\n"
         "(issued,) = as_flow_run('produce', order)\n"
         "print('VERDICT', issued.certificate.decision.verdict)\n"
@@ -222,7 +223,7 @@ RETRIED = """
 import sqlite3, sys
 from pathlib import Path
 from flows.carry_out import as_flow_run
-from schemas.orders import (CalibrateOrder)
+from schemas.orders import CalibrateOrder
 from storage.catalogue import database
 from storage.catalogue.connection import Busy
 from storage.home import home
@@ -259,7 +260,7 @@ def test_the_steps_of_a_certificate_are_flow_runs_where_a_server_is_named(
     key = draft(Home(own_home)).certificate.number
     steps = (
         "from flows.carry_out import carry_out\n"
-        "from schemas.orders import CheckOrder, IssueOrder\n"
+        "from schemas.certificate_orders import CheckOrder, IssueOrder\n"
         f"key = {key!r}\n"
         "print(carry_out('check', CheckOrder(certificate=key, by='Li'), key).state)\n"
         "print(carry_out('issue', IssueOrder(certificate=key, by='Zhao'), key).state)\n" + ARTIFACTS

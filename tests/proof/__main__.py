@@ -14,6 +14,7 @@ from tests.proof.fuzz.hold import run_fuzz
 from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
 from tests.proof.line.hold import run_line
+from tests.proof.next.hold import run_next
 from tests.proof.pages.hold import run_pages
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
@@ -100,6 +101,12 @@ def main(
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but N fleets of many runs each."),
     ] = None,
+    next_: Annotated[
+        int | None,
+        typer.Option(
+            "--next", metavar="N", min=1, help="Nothing but N open cases and what decides them."
+        ),
+    ] = None,
     issue: Annotated[
         int | None,
         typer.Option(
@@ -120,8 +127,8 @@ def main(
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --issue, --pages, --throughput: into the "
-            "evidence.",
+            help="With --faults, --fleets, --fuzz, --issue, --next, --pages, --throughput: into "
+            "the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -138,7 +145,7 @@ def main(
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
-        (run_pages, pages),
+        (run_pages, pages), (run_next, next_),
     )  # fmt: skip
     try:
         for run, count in only:

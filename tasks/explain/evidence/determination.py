@@ -1,6 +1,6 @@
 """Which parameters of the findings the recording determines, and the model of these alone."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -63,23 +63,29 @@ def _own(evidence: Evidence, number: int) -> list[int]:
 def _undetermined(
     evidence: Evidence, scrutinies: Mapping[int, Scrutiny], wider: np.ndarray
 ) -> np.ndarray:
+    """(p,) bool: parameters of the findings that the recording does not determine."""
+    owned = [set(_own(evidence, n)) for n in scrutinies if not evidence.groups[n].random]
+    return undetermined(evidence.fit.model, owned, wider)
+
+
+def undetermined(model: Model, owned: Sequence[set[int]], wider: np.ndarray) -> np.ndarray:
     """(p,) bool: parameters no larger than their U once those less clear are nothing.
 
     One by one, the least clear first, since what makes up for it becomes clearer: of effects that
-    make up for each other one stays, and the last parameter of a finding does.
+    make up for each other one stays, and the last parameter of each does. owned: the places of each
+    effect's parameters. wider: (p,) by which each u is larger than the fit's.
     """
-    model = evidence.fit.model
     values, covariance = model.values.copy(), model.covariance.copy()
-    owned = [set(_own(evidence, n)) for n in scrutinies if not evidence.groups[n].random]
+    left = [set(own) for own in owned]
     loose = np.zeros(len(values), bool)
     while True:
         u = wider * np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        tried = [p for own in owned if len(own) > 1 for p in own if u[p] > 0.0]
+        tried = [p for own in left if len(own) > 1 for p in own if u[p] > 0.0]
         least = min(tried, key=lambda p: abs(values[p]) / u[p], default=None)
         if least is None or abs(values[least]) > COVERAGE * u[least]:
             return loose
         loose[least] = True
-        for own in owned:
+        for own in left:
             own.discard(least)
         gain = covariance[:, least] / covariance[least, least]
         values = values - gain * values[least]

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 Grade = Literal["consumer", "industrial", "tactical"]
 Procedure = Literal[
-    "three_axis", "single_axis", "six_orientations", "one_axis", "rests", "ahrs"
+    "three_axis", "single_axis", "six_orientations", "one_axis", "rests", "ahrs", "given"
 ]  # fmt: skip
 Order = Literal["rising", "alternating", "shuffled"]
 Climate = Literal["room", "cycling"]
@@ -55,6 +55,7 @@ class Case(Data):
     temperature_recorded: bool = True
     site_told: bool = True
     effects: tuple[EffectCall, ...] = ()
+    given: Mapping[str, Any] | None = None
 
     def only(self, *names: str) -> "Case":
         """The same case with these effects alone."""

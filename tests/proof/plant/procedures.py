@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.procedure import Procedure
 from tests.proof.plant.case import Case
+from tests.proof.plant.given import plan_of_procedure
 from tests.proof.plant.legs import Leg
 from tests.proof.plant.plan import Plan, TableShape
 from tests.proof.plant.rotations import about, product
@@ -28,6 +30,8 @@ def plan_of(case: Case) -> Plan:
             return _single_axis(case)
         case "ahrs":
             return _ahrs(case)
+        case "given":
+            return plan_of_procedure(Procedure.model_validate(case.given), THREE)
         case "rests":
             blocks = [_positions(case)]
         case "one_axis":

@@ -8,7 +8,7 @@ from schemas.recording import Recording
 from tasks.experiment.abilities import Abilities
 from tasks.experiment.choose import NOTHING, Experiment
 from tasks.experiment.open_question import open_question
-from tasks.experiment.separation import ENOUGH, UnitNoise, probability_right
+from tasks.experiment.separation import UnitNoise, enough, probability_right
 from tests.proof.plant.case import Case
 from tests.proof.plant.simulate import simulate
 
@@ -31,7 +31,7 @@ def experiment(*effects: str) -> Experiment:
 
 
 def test_what_is_promised_grows_with_the_difference_and_is_right_where_it_is_enough() -> None:
-    chances = [probability_right(left) for left in (0.0, 10.0, 30.0, ENOUGH, 200.0)]
+    chances = [probability_right(left, 30.0) for left in (0.0, 10.0, 30.0, enough(30.0), 200.0)]
     assert chances == sorted(chances)
     assert chances[0] == 0.0
     assert chances[3] == pytest.approx(0.95, abs=0.005)
@@ -50,4 +50,4 @@ def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
     choice = made.shortest(15.0)
     assert choice.is_enough
     assert 0.0 < choice.minutes <= 15.0
-    assert choice.left >= ENOUGH
+    assert choice.left >= enough(choice.bound)

@@ -1,0 +1,1 @@
+"""Sealed cases that `explain` leaves open, and what `next` proposes for them."""

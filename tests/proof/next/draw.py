@@ -1,0 +1,40 @@
+"""Which recordings may leave something open: drawn from a seed, nothing chosen by hand."""
+
+import numpy as np
+
+from tests.proof.plant.case import Case, EffectCall
+from tests.proof.plant.hearing import hear
+from tests.proof.plant.visibility import at_visibility
+
+EFFECTS = (
+    "time_offset", "bandwidth", "gyro_angular_acceleration", "lever_arm", "size_effect",
+    "gyro_scale_nonlinearity", "gyro_scale_asymmetry", "gyro_g2_sensitivity",
+    "gyro_scale_g_dependence", "accel_nonlinearity", "structural_compliance", "axis_wobble",
+)  # fmt: skip
+VISIBLE = (6.0, 40.0)  # z in the first recording, from and to
+RATES_HZ = (50, 100)
+RATES_DEG_S = ((30.0, 120.0), (40.0, 100.0, 200.0), (20.0, 150.0))
+
+
+def draw(seed: int, number: int) -> tuple[Case, str]:
+    """A short recording of the specification's sequence, and the effect that it has."""
+    rng = np.random.default_rng([seed, number, 175])
+    low, high = np.log(VISIBLE)
+    while True:
+        name = str(rng.choice(EFFECTS))
+        case = Case(
+            seed=int(rng.integers(1, 1_000_000)),
+            grade=str(rng.choice(["consumer", "industrial"])),  # type: ignore[arg-type]
+            procedure="three_axis",
+            rate_hz=int(rng.choice(RATES_HZ)),
+            rates_deg_s=RATES_DEG_S[int(rng.integers(len(RATES_DEG_S)))],
+            dwell_s=5.0,
+            effects=(EffectCall(name=name),),
+        )
+        try:
+            heard = hear(at_visibility(case, name, float(np.exp(rng.uniform(low, high)))))
+        except ValueError:  # the procedure does not show it
+            continue
+        # by its parameters, so that the unit has the same in another run
+        call = EffectCall(name=name, parameters=dict(heard.effects[0].parameters))
+        return case.model_copy(update={"effects": (call,)}), name

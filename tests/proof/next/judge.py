@@ -1,0 +1,141 @@
+"""One case: what `explain` leaves open, what `next` proposes, and what the proposal then shows."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from schemas.base import Frozen, Unusable
+from schemas.next_recording import NextRecording
+from schemas.orders import NextOrder
+from schemas.procedure import Procedure
+from schemas.recording import Recording
+from storage import settings
+from storage.catalogue import runs
+from storage.home import Home
+from tasks.experiment.open_question import open_question
+from tasks.experiment.separation import left_by_real_fit
+from tasks.explain.explain import explain
+from tasks.stages.next_recording import next_recording
+from tests.proof.next.draw import draw
+from tests.proof.plant.case import Case
+from tests.proof.plant.simulate import simulate
+
+MINUTES = 15.0
+SEED_AFTER = 1_000_003  # added to the case's: the proposed run has noise of its own
+
+
+class Answer(Frozen):
+    """A case that was played to its end.
+
+    effect: the truth. opened: the effects that are open after the first recording, none where
+    `explain` names everything by itself. predicted, repeated: chi-squared expected of the proposal,
+    and of the first recording once more; minutes, base_minutes: that they take. found: the names of
+    each finding of the proposed recording, with those that it cannot tell from it. achieved:
+    chi-squared by which it tells the truth from the nearest other; None without a recording or
+    where the truth is not among them. refusal: why `next` proposes nothing.
+    """
+
+    number: int
+    effect: str
+    opened: tuple[str, ...] = ()
+    predicted: float | None = None
+    probability: float | None = None
+    minutes: float | None = None
+    base_minutes: float | None = None
+    repeated: float | None = None
+    found: tuple[tuple[str, ...], ...] = ()
+    achieved: float | None = None
+    refusal: str | None = None
+
+    @property
+    def is_proposed(self) -> bool:
+        return self.minutes is not None
+
+    @property
+    def per_minute(self) -> float | None:
+        """Chi-squared per minute of the proposal, in that of the first recording once more."""
+        if not (self.minutes and self.base_minutes and self.repeated and self.predicted):
+            return None
+        return (self.predicted / self.minutes) / (self.repeated / self.base_minutes)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether the truth is named, alone and with no other name beside it."""
+        return self.found == ((self.effect,),)
+
+    @property
+    def is_wrong(self) -> bool:
+        """Whether a name is said that the recording does not have."""
+        return any(self.effect not in names for names in self.found)
+
+
+def played(seed: int, number: int) -> Answer:
+    """The case of a seed, from its first recording to the explanation of the proposed one."""
+    case, effect = draw(seed, number)
+    recording = simulate(case).recording
+    try:
+        question = open_question(recording)
+    except Unusable as error:
+        return Answer(number=number, effect=effect, refusal=str(error))
+    if question is None:
+        return Answer(number=number, effect=effect)
+    with TemporaryDirectory() as folder:
+        return _decided(number, effect, case, recording, Path(folder))
+
+
+def _decided(number: int, effect: str, case: Case, recording: Recording, folder: Path) -> Answer:
+    home, out = Home(folder / "home"), folder / "next.json"
+    run, _ = runs.add(recording, home)
+    order = NextOrder(runs=(run.id,), minutes=MINUTES, out=str(out))
+    try:
+        answer = next_recording([run], home, order)
+    except Unusable as error:
+        return Answer(number=number, effect=effect, refusal=str(error))
+    said = Answer(
+        number=number, effect=effect, opened=answer.decides,
+        predicted=answer.predicted.delta_chi2, probability=answer.predicted.probability_right,
+        minutes=answer.minutes, base_minutes=answer.repeat_of_base.minutes,
+        repeated=answer.repeat_of_base.delta_chi2,
+    )  # fmt: skip
+    if answer.procedure is None:
+        return said.model_copy(update={"refusal": answer.statement.en})
+    return said.model_copy(update=_after(effect, case, answer, settings.read(out, Procedure)))
+
+
+def _after(
+    effect: str, case: Case, answer: NextRecording, procedure: Procedure
+) -> dict[str, object]:
+    """What the unit shows when the proposal is carried out."""
+    proposed = case.model_copy(
+        update={
+            "seed": case.seed + SEED_AFTER,
+            "unit_seed": case.seed,
+            "procedure": "given",
+            "given": procedure.model_dump(mode="json"),
+        }
+    )
+    recording = simulate(proposed).recording
+    findings = explain(recording).findings
+    found = tuple(
+        tuple(sorted({one.effect, *one.group, *one.indistinguishable}))
+        for one in findings
+        if one.effect != "unnamed"
+    )
+    return {"found": found, "achieved": _achieved(effect, recording, answer.decides)}
+
+
+def _achieved(effect: str, recording: Recording, names: Sequence[str]) -> float | None:
+    """Chi-squared by which the nearest other fits worse than the truth; None without the truth."""
+    if effect not in names:
+        return None
+    try:
+        question = open_question(recording, names)
+    except Unusable:
+        return None
+    if question is None:
+        return None
+    blocks, noises = question.fit.blocks, question.fit.noises
+    left = {
+        name: left_by_real_fit(model, blocks, noises) for name, model in question.models.items()
+    }
+    return min(value for name, value in left.items() if name != effect) - left[effect]

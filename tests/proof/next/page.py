@@ -1,0 +1,85 @@
+"""The page of evidence about proposed recordings."""
+
+from collections.abc import Callable, Sequence
+
+from tasks.version import code_version
+from tests.proof.next.judge import MINUTES, Answer
+
+FACTOR = 2.0  # of the evidence achieved beside that predicted
+TEXT = """# The recording that decides
+
+`make prove ARGS="--next {count} --seed {seed}"`, {version}. Cases are drawn from the seed until so
+many of them stay open: a short sequence of the specification (five minutes, of consumer and
+industrial grade) of a unit with one effect, which `explain` suspects only, or cannot tell from
+another. `next` proposes a recording of at most {minutes:g} min; the plant carries its procedure
+out on the same unit with noise of its own; `explain` gets that recording alone. The plant shares
+no code with what explains and proposes. {looked}
+
+| | asked | cases | |
+|---|--:|--:|--:|
+{figures}
+
+`explain` named the effect by itself, or saw nothing, in {closed} cases more. Nothing is proposed
+where no recording of the station decides: its encoders tell a corner of the rate no finer than
+their samples are apart, so that a delay and a low-pass differ in nothing that is known.
+
+Per minute of the station the proposed recording shows {per_minute:.1f} times the chi-squared
+between the competing models that repeating the whole sequence would (median).
+
+| | effect | open | χ² predicted | achieved | min | base: χ² | min | after it |
+|--:|---|---|--:|--:|--:|--:|--:|---|
+{cases}
+"""
+LOOKED = "The cases of seed 1 were looked at while `next` was made; those of others are unseen."
+
+
+def page(seed: int, answers: Sequence[Answer]) -> str:
+    """The page of all cases that were drawn."""
+    opened = [one for one in answers if one.opened]
+    ratios = sorted(one.per_minute for one in opened if one.per_minute is not None)
+    return TEXT.format(
+        count=len(opened), seed=seed, version=code_version(), minutes=MINUTES, looked=LOOKED,
+        figures=_figures(opened), closed=len(answers) - len(opened),
+        per_minute=ratios[len(ratios) // 2] if ratios else 0.0,
+        cases="\n".join(map(_row, opened)),
+    )  # fmt: skip
+
+
+def _figures(opened: Sequence[Answer]) -> str:
+    proposed = [one for one in opened if one.is_proposed]
+    told = [one for one in proposed if one.achieved is not None]
+    pairs = [one for one in proposed if len(one.opened) > 1]
+    single = [one for one in proposed if len(one.opened) == 1]
+    return "\n".join([
+        _line("a recording is proposed", "", opened, lambda one: one.is_proposed),
+        _line("the right single name after it", "95 %", proposed, lambda one: one.is_right),
+        _line("the same, of several that were open", "", pairs, lambda one: one.is_right),
+        _line("the same, of one that was suspected", "", single, lambda one: one.is_right),
+        _line("a wrong name after it", "", proposed, lambda one: one.is_wrong),
+        _line(f"evidence within a factor {FACTOR:g}", "90 %", told, _near),
+    ])  # fmt: skip
+
+
+def _near(one: Answer) -> bool:
+    ratio = (one.achieved or 0.0) / (one.predicted or 1.0)
+    return 1.0 / FACTOR <= ratio <= FACTOR
+
+
+def _line(what: str, asked: str, some: Sequence[Answer], holds: Callable[[Answer], bool]) -> str:
+    count = sum(map(holds, some))
+    share = f"{100.0 * count / len(some):.0f} % ({count} of {len(some)})" if some else "–"
+    return f"| {what} | {asked} | {len(some)} | {share} |"
+
+
+def _row(one: Answer) -> str:
+    after = "; ".join(" or ".join(names) for names in one.found) or "no name"
+    cells = [
+        str(one.number), one.effect, " or ".join(one.opened), _number(one.predicted, 0),
+        _number(one.achieved, 0), _number(one.minutes, 1), _number(one.repeated, 0),
+        _number(one.base_minutes, 1), after if one.is_proposed else "not proposed",
+    ]  # fmt: skip
+    return f"| {' | '.join(cells)} |"
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "" if value is None else f"{value:.{digits}f}"
