@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 SETUP := .venv/.done
 
-.PHONY: setup demo test bench validate prove lock clean
+.PHONY: setup demo test bench validate prove rehearsal lock clean
 
 setup: $(SETUP)
 
@@ -27,6 +27,10 @@ validate: setup
 # Hold the sealed trial: make prove ARGS="--seed 2026 --real ../shared/data/real".
 prove: setup
 	@$(BIN)/python -m tests.proof $(ARGS)
+
+# What `make prove` does, in small: tests of the proof that take longer than `make test` may.
+rehearsal: setup
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 -m rehearsal tests/proof/tests
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

@@ -39,7 +39,7 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
         monkeypatch.setattr(open_question, "open_question", lambda *_: question)
         monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
         monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: None)
-        monkeypatch.setattr(Experiment, "shortest", lambda *_: Choice(PROCEDURE, 1.5, left))
+        monkeypatch.setattr(Experiment, "shortest", lambda *_: Choice(PROCEDURE, 1.5, left, 30.0))
         monkeypatch.setattr(Experiment, "left_by", lambda *_: 2.0)
 
     return answer

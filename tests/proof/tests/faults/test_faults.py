@@ -67,6 +67,7 @@ def test_the_page_counts_how_runs_ended_and_lists_what_must_not_be() -> None:
     assert told.endswith("- spike@12.5: the table still turns\n")
 
 
+@pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_a_run_on_a_slow_disk_is_whole() -> None:
     fault, procedure = StationFault("slow_disk", 20.0), run.procedure_of("slow_disk")

@@ -26,6 +26,7 @@ def on_postgres(home: Home, monkeypatch: pytest.MonkeyPatch) -> Iterator[Home]:
         yield home
 
 
+@pytest.mark.rehearsal
 def test_four_processes_issue_without_gap_and_without_double_on_postgresql(
     on_postgres: Home,
 ) -> None:
@@ -37,6 +38,7 @@ def test_four_processes_issue_without_gap_and_without_double_on_sqlite(home: Hom
     assert issue_at_once(home, checked_drafts(home, 8), processes=4).faults == ()
 
 
+@pytest.mark.rehearsal
 def test_an_issue_that_is_killed_is_whole_or_did_not_happen(home: Home) -> None:
     killed = kill_issues(home, kills=10, seed=1)
     assert killed.faults == ()

@@ -59,6 +59,7 @@ def test_what_is_not_as_it_was_sent_is_noticed(
     assert any(fault in each for each in verdict.faults)
 
 
+@pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_a_killed_acquisition_keeps_what_was_sent(tmp_path: Path) -> None:
     verdict = kill(2, tmp_path / "killed")

@@ -54,6 +54,7 @@ def test_the_page_says_how_many_hold_and_has_a_row_for_each() -> None:
     assert "| 2 | 0.5 | 0 | 18 | valid | 1.20 | accel_bias.z |" in as_markdown(found)
 
 
+@pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_a_run_that_was_killed_and_went_on_has_the_values_of_a_whole_one(tmp_path: Path) -> None:
     (one,) = hold(tmp_path, 1, short_procedure(3.0, "x"), lambda done, count: None)

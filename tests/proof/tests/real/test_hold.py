@@ -31,6 +31,7 @@ def test_recording_that_was_written_is_read_again(shaft: Recording, tmp_path: Pa
     assert (again.imu.t == shaft.imu.t).all()
 
 
+@pytest.mark.rehearsal
 def test_recordings_are_explained_by_number(tmp_path: Path, shared_real: Path) -> None:
     mems = read_folder(shared_real / "adi_mems_two_position")
     answers = explained({"mems": mems}, tmp_path, lambda done, of: None)
@@ -84,6 +85,7 @@ def test_page_and_tables_say_the_same_in_both_languages(results: Results) -> Non
         assert words in plain
 
 
+@pytest.mark.rehearsal
 def test_command_writes_what_was_held(
     shared_real: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

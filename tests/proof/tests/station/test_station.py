@@ -36,6 +36,7 @@ def test_eighty_hold_every_condition_with_both_procedures() -> None:
     assert 60.0 < max(corners) <= CORNERS_HZ[1]
 
 
+@pytest.mark.rehearsal
 def test_stamps_are_late_by_the_delay() -> None:
     late, plain = (recording_of(Case(2, "jjf1536", False, has)) for has in (True, False))
     shift = late.imu.t - plain.imu.t
@@ -67,6 +68,7 @@ def test_what_is_not_told_is_not_right() -> None:
     assert scored(Case(1, "jjf2003", False, False)).is_right
 
 
+@pytest.mark.rehearsal
 @pytest.mark.timeout(120)
 def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_lost() -> None:
     loaded = replace(LOW_PASS, is_loaded=True)
@@ -77,6 +79,7 @@ def test_a_low_pass_is_told_without_a_wrong_name_though_encoder_samples_were_los
     assert score(loaded, answer).is_right
 
 
+@pytest.mark.rehearsal
 @pytest.mark.timeout(120)
 def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
     late = Case(4, "jjf1536", True, True)
@@ -85,6 +88,7 @@ def test_the_delay_of_an_ahrs_is_told_by_its_angles() -> None:
     assert told.is_right
 
 
+@pytest.mark.rehearsal
 @pytest.mark.timeout(120)
 def test_of_an_ahrs_without_a_delay_none_is_told() -> None:
     clean = Case(2, "jjf1536", False, False)

@@ -5,6 +5,7 @@ import pytest
 from tests.proof.throughput.hold import hold
 
 
+@pytest.mark.rehearsal
 @pytest.mark.real_time
 def test_no_frame_of_a_fast_unit_is_lost():
     held = hold(1, 5000.0, 2.0)

@@ -35,6 +35,7 @@ def test_what_was_named_is_taken_off_and_the_certificate_comes_nearer(
     assert cost.after < 0.2 * cost.before
 
 
+@pytest.mark.rehearsal
 def test_what_is_unnamed_stays_on_the_readings(
     turned_by_earth: tuple[Recording, Recording, Explanation],
 ) -> None:

@@ -27,6 +27,7 @@ def test_what_explains_holds_no_code_of_the_plant() -> None:
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.rehearsal
 def test_trial_is_held_and_leaves_its_evidence(
     two_cases: list[Drawn], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

@@ -62,6 +62,7 @@ def test_seals_have_a_seal_of_their_own(sealed: Path) -> None:
     assert set_seals(sealed) != before
 
 
+@pytest.mark.rehearsal
 def test_effect_that_the_procedure_cannot_have_is_played_on_three_axes() -> None:
     square = EffectCall(name="axis_nonorthogonality")
     case = Case(seed=3, procedure="single_axis", dwell_s=5.0, effects=(square,))

@@ -50,6 +50,7 @@ def test_changed_truth_is_refused(sealed_rough: Path, engine: Engines) -> None:
         score_rough(sealed_rough, answers)
 
 
+@pytest.mark.rehearsal
 def test_two_engines_stand_beside_one_another_on_the_same_recordings(
     two_rough: list[RoughDrawn], engine: Engines, finding: Finds, tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
