@@ -11,8 +11,10 @@ from tasks.words import Message
 Cell = str | Component | None
 
 
-def table(headings: Sequence[Message], rows: Sequence[Sequence[Cell]], view: View) -> Component:
-    """A plain table; what is missing is a dash."""
+def table(
+    headings: Sequence[Message], rows: Sequence[Sequence[Cell]], view: View, min_width: int = 600
+) -> Component:
+    """A plain table; what is missing is a dash. min_width: px, below which it scrolls."""
     head = dmc.TableThead(dmc.TableTr([dmc.TableTh(view.say(each)) for each in headings]))
     body = [
         dmc.TableTr([dmc.TableTd("–" if cell is None else cell, maw=480) for cell in row])
@@ -21,7 +23,7 @@ def table(headings: Sequence[Message], rows: Sequence[Sequence[Cell]], view: Vie
     shown = dmc.Table(
         [head, dmc.TableTbody(body)], striped=True, withTableBorder=True, verticalSpacing=4
     )
-    return dmc.TableScrollContainer(shown, minWidth=600)
+    return dmc.TableScrollContainer(shown, minWidth=min_width)
 
 
 def facts(pairs: Sequence[tuple[Message, Cell]], view: View) -> Component:

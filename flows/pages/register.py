@@ -1,7 +1,15 @@
 """The pages, in the order in which the navigation shows them."""
 
-from flows.pages import budget, do, line, run, runs, signals
+from flows.pages import budget, do, line, quality, run, runs, signals
 from flows.pages.page import Page
 
-PAGES: tuple[Page, ...] = (line.PAGE, runs.PAGE, run.PAGE, signals.PAGE, budget.PAGE, do.PAGE)
+PAGES: tuple[Page, ...] = (
+    line.PAGE,
+    runs.PAGE,
+    run.PAGE,
+    signals.PAGE,
+    budget.PAGE,
+    quality.PAGE,
+    do.PAGE,
+)
 FIRST = PAGES[0]  # what the bare address shows

@@ -1,5 +1,6 @@
 """`mimucal dashboard`: the pages, served until Ctrl-C."""
 
+import gc
 import logging
 from ipaddress import ip_address
 from typing import Any
@@ -30,6 +31,7 @@ def listening(home: Home, host: str, port: int) -> Any:
 
     _check_reach(home, host)
     app = make_app(home).server
+    gc.freeze()  # what was imported lives to the end: no collection walks over it again
     pages = settings.pages(home)
     if _is_here(host) and pages.proxy is None and not pages.https:
         # A page of another host whose name leads here must not read what is open on this machine.

@@ -1,5 +1,6 @@
 """First-pass yield: the share of first runs that passed, with its interval."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,7 +34,18 @@ def yields(runs: "pd.DataFrame", by: str) -> "pd.DataFrame":
     runs: a row for each first run that was decided on, with the column `passed` (bool) and that of
     `by`. Gives a row for each group in its order: passed, of, share, low, high.
     """
-    grouped = runs.groupby(by, sort=True)["passed"]
-    table = grouped.agg(["sum", "size"]).rename(columns={"sum": "passed", "size": "of"})
-    low, high = wilson(table["passed"].to_numpy(), table["of"].to_numpy())
-    return table.assign(share=table["passed"] / table["of"], low=low, high=high)
+    table = runs.groupby(by, sort=True)["passed"].agg(["sum", "size"])
+    return shares(table["sum"].tolist(), table["size"].tolist(), table.index)
+
+
+def shares(
+    passed: Sequence[int], of: Sequence[int], names: "Sequence[str] | pd.Index[str]"
+) -> "pd.DataFrame":
+    """The same of groups that were counted already: so many of so many passed."""
+    import pandas as pd
+
+    counted = np.array(passed, int), np.array(of, int)
+    low, high = wilson(*counted)
+    columns = {"passed": counted[0], "of": counted[1]}
+    share = columns["passed"] / columns["of"]
+    return pd.DataFrame(columns | {"share": share, "low": low, "high": high}, index=pd.Index(names))

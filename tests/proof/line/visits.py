@@ -60,7 +60,7 @@ def runs_of(
     """A unit's runs from the oldest, as many as each unit of the line has."""
     rng = np.random.default_rng([line.seed, 62, unit.number])
     count = line.runs // len(line.units) + (unit.number < line.runs % len(line.units))
-    pause = YEARS * YEAR_D * float(rng.uniform(0.72, 0.92)) / max(1, count)
+    pause = YEARS * YEAR_D * float(rng.uniform(0.86, 0.97)) / max(1, count)
     day, state, visit, made = float(rng.uniform(0.0, pause)), _State(1.0, 0.0), 0, 0
     while made < count:
         station = int(rng.integers(STATIONS))

@@ -1,0 +1,200 @@
+"""The quality of a selection of runs: the catalogue by way of tasks/quality."""
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from flows.pages.quality_element import of_element
+from schemas.base import Unusable
+from schemas.pages.quality import (
+    Choices,
+    Counted,
+    ItemChoice,
+    QualityQuestion,
+    QualityShown,
+    Yield,
+)
+from storage.catalogue import line_history
+from storage.home import Home
+from tasks.quality.retests import RETEST_DAYS, first_runs
+from tasks.quality.yields import shares, yields
+from tasks.specifications.items import ITEMS, item_title, symbol
+from tasks.words import statement
+
+Runs = pd.DataFrame
+COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in_at", "validity",
+           "missing", "verdict", "purpose")  # fmt: skip
+ORDER = list(ITEMS)
+
+
+def data(question: QualityQuestion, home: Home) -> QualityShown:
+    """Yields of the selection, and capability, chart and stations of an element of it.
+
+    Raises Unusable for a model, item or element that the catalogue does not have.
+    """
+    runs = runs_of(home)
+    choices = _choices(runs, question, home)
+    model = question.model or next(iter(choices.models), None)
+    chosen = _element(choices, question)
+    asked = _within(runs, question)
+    of_model = asked[asked["model"] == model] if model else asked
+    if question.serial is not None:
+        of_model = of_model[of_model["serial"] == question.serial]
+    counted = _decided(of_model)
+    item, element = (chosen[0].item, chosen[1]) if chosen else (None, None)
+    shown = {}
+    if model and item and element:
+        shown = of_element(runs, of_model, question, (model, item, element), choices, home)
+    return QualityShown(
+        choices=choices, model=model, item=item, element=element,
+        title=statement(item_title(item)) if item else None,
+        symbol=symbol(item, element) if item and element else "",
+        unit=chosen[0].unit if chosen else "", retest_days=RETEST_DAYS, counted=_counted(of_model),
+        total=next(iter(_yields(counted.assign(all="all"), "all")), None),
+        by_item=_by_item(of_model, model, home),
+        by_model=_yields(_decided(asked), "model"),
+        by_station=_yields(_decided(_of(runs, question, model)), "station"),
+        by_week=_yields(counted.assign(week=counted["day"].dt.strftime("%G-W%V")), "week"),
+        **{"capability": None, "chart": None, "stations": (), **shown},
+    )  # fmt: skip
+
+
+def runs_of(home: Home) -> Runs:
+    """Every run in the order of time: who, where, on which day, how it ended, and whether it was
+    the first of its unit's visit.
+
+    passed: it is valid, no element is missing, and its certificate passes it. adjusted: its unit
+    was, since its run before.
+    """
+    table = pd.DataFrame.from_records(line_history.ended(home), columns=list(COLUMNS))
+    day = pd.to_datetime(table["recorded_on"])
+    taken = pd.to_datetime(table["taken_in_at"], utc=True).dt.tz_localize(None).dt.normalize()
+    table["day"] = day.fillna(taken)
+    table["order"] = np.arange(len(table))
+    table = table.sort_values(["day", "order"], kind="stable").reset_index(drop=True)
+    table["adjusted"] = table["purpose"].str.contains(line_history.AS_LEFT, regex=False).eq(True)
+    table["valid"] = table["validity"].isin(["valid", "remarks"])
+    table["passed"] = table["valid"] & (table["missing"] == 0) & (table["verdict"] == "pass")
+    table["first"] = first_runs(table)
+    return table
+
+
+def _within(runs: Runs, question: QualityQuestion) -> Runs:
+    """The runs at the station and in the time that are asked for."""
+    which = np.ones(len(runs), bool)
+    if question.station is not None:
+        which &= (runs["station"] == question.station).to_numpy()
+    return runs[which & _in_time(runs, question)]
+
+
+def _of(runs: Runs, question: QualityQuestion, model: str | None) -> Runs:
+    """The runs of the model in that time at all stations."""
+    return runs[_in_time(runs, question) & (runs["model"] == model).to_numpy()]
+
+
+def _in_time(runs: Runs, question: QualityQuestion) -> Any:
+    which = np.ones(len(runs), bool)
+    if question.since is not None:
+        which &= (runs["day"] >= pd.Timestamp(question.since)).to_numpy()
+    if question.until is not None:
+        which &= (runs["day"] <= pd.Timestamp(question.until)).to_numpy()
+    return which
+
+
+def _decided(runs: Runs) -> Runs:
+    """First runs that count: those with a certificate or draft, and those that are invalid."""
+    has_ended = runs["verdict"].notna() | (runs["validity"] == "invalid")
+    return runs[runs["first"] & has_ended]
+
+
+def _counted(runs: Runs) -> Counted:
+    first = runs[runs["first"]]
+    undecided = first["verdict"].isna() & (first["validity"] != "invalid")
+    return Counted(
+        runs=len(runs), retests=len(runs) - len(first), first=len(first),
+        undecided=int(undecided.sum()), invalid=int((first["validity"] == "invalid").sum()),
+    )  # fmt: skip
+
+
+def _yields(runs: Runs, by: str) -> tuple[Yield, ...]:
+    return _listed(yields(runs, by))
+
+
+def _listed(table: pd.DataFrame) -> tuple[Yield, ...]:
+    return tuple(
+        Yield.model_validate({"name": str(name), **row})
+        for name, row in table.to_dict("index").items()
+    )
+
+
+def _by_item(runs: Runs, model: str | None, home: Home) -> tuple[Yield, ...]:
+    """An item passes a run whose certificate passes all of its limited elements, if it is valid."""
+    if model is None:
+        return ()
+    decided = _decided(runs)
+    is_valid = dict(zip(decided["run"], decided["valid"], strict=True))
+    passed, of = Counter[str](), Counter[str]()
+    certified = set()
+    for run, item, not_passed in line_history.decided_items(model, home):
+        if run in is_valid:
+            certified.add(run)
+            of[item] += 1
+            passed[item] += is_valid[run] and not not_passed
+    invalid = sum(not valid for run, valid in is_valid.items() if run not in certified)
+    items = sorted(of, key=_place)
+    table = shares([passed[item] for item in items], [of[item] + invalid for item in items], items)
+    return _listed(table)
+
+
+def _place(item: str) -> tuple[int, str]:
+    """The place of an item in the specifications' order."""
+    return (ORDER.index(item) if item in ORDER else len(ORDER)), item
+
+
+def _choices(runs: Runs, question: QualityQuestion, home: Home) -> Choices:
+    models = sorted(runs["model"].unique())
+    model = _known(question.model, models, "model") or next(iter(models), None)
+    of_model = runs[runs["model"] == model]
+    serials, stations = (
+        sorted(of_model["serial"].unique()),
+        sorted(runs["station"].dropna().unique()),
+    )
+    _known(question.serial, serials, f"unit of model {model}")
+    _known(question.station, stations, "station")
+    return Choices(
+        models=tuple(models), items=_items(model, home) if model else (), stations=tuple(stations),
+        serials=tuple(serials),
+    )  # fmt: skip
+
+
+def _items(model: str, home: Home) -> tuple[ItemChoice, ...]:
+    found: dict[str, list[str]] = {}
+    units: dict[str, str] = {}
+    for item, element, unit in line_history.items(model, home):
+        found.setdefault(item, []).append(element)
+        units[item] = unit
+    return tuple(
+        ItemChoice(item=item, title=statement(item_title(item)), unit=units[item],
+                   elements=tuple(found[item]))
+        for item in sorted(found, key=_place)
+    )  # fmt: skip
+
+
+def _element(choices: Choices, question: QualityQuestion) -> tuple[ItemChoice, str] | None:
+    """The item and its element that are asked for, else the first; None without any result."""
+    _known(question.item, [each.item for each in choices.items], "item")
+    item = next((i for i in choices.items if question.item in (None, i.item)), None)
+    if item is None:
+        return None
+    element = _known(question.element, item.elements, f"element of {item.item}")
+    return item, element or item.elements[0]
+
+
+def _known(asked: str | None, known: Sequence[str], what: str) -> str | None:
+    if asked is not None and asked not in known:
+        listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+        raise Unusable(f"there is no {what} {asked!r}; there are {listed or 'none'}")
+    return asked

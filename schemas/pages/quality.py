@@ -1,0 +1,170 @@
+"""What many runs say of a line: yield, capability, control chart, station against station."""
+
+from datetime import date
+from typing import Literal
+
+from pydantic import Field
+
+from schemas.base import Finite, Frozen
+from schemas.text import Statement
+
+Plotted = Literal["value", "change"]
+Cause = Literal["adjusted", "station", "equipment"]
+Name = Field(default=None, max_length=200)
+
+
+class QualityQuestion(Frozen):
+    """Of which runs, and of which element. Null: all of them; of model and element: the first one.
+
+    plot: what the control chart shows, values or their changes since the unit's run before.
+    """
+
+    model: str | None = Name
+    item: str | None = Name
+    element: str | None = Name
+    station: str | None = Name
+    serial: str | None = Name
+    since: date | None = None
+    until: date | None = None
+    plot: Plotted = "value"
+
+
+class ItemChoice(Frozen):
+    """An item with its elements, as the newest result of the model has them."""
+
+    item: str
+    title: Statement
+    unit: str
+    elements: tuple[str, ...]
+
+
+class Choices(Frozen):
+    """What may be asked for. serials: of the model that is chosen."""
+
+    models: tuple[str, ...]
+    items: tuple[ItemChoice, ...]
+    stations: tuple[str, ...]
+    serials: tuple[str, ...]
+
+
+class Yield(Frozen):
+    """How many of how many first runs passed, with the 95 % interval of their share."""
+
+    name: str
+    passed: int
+    of: int
+    share: Finite
+    low: Finite
+    high: Finite
+
+
+class Counted(Frozen):
+    """The runs of the selection. retests: not counted in any yield. first: the others; undecided:
+    of these the valid ones without a certificate or draft, which are not counted either.
+    """
+
+    runs: int
+    retests: int
+    first: int
+    undecided: int
+    invalid: int
+
+
+class IndexShown(Frozen):
+    """An index of capability with its 95 % interval; null where limits or values give none."""
+
+    value: Finite | None
+    low: Finite | None = None
+    high: Finite | None = None
+
+
+class CapabilityShown(Frozen):
+    """Of the values of valid first runs. mean, within, overall: in the element's unit.
+
+    lower, upper: the limits of the newest certificate; limits_vary: whether others printed others.
+    margin_median, margin_95: share of the margin to the nearer limit that U takes, of half and of
+    95 % of the values at most; null where it is infinite. over: values less than U within a limit,
+    or outside of it.
+    """
+
+    n: int
+    lower: Finite | None
+    upper: Finite | None
+    limits_vary: bool
+    mean: Finite | None
+    within: Finite | None
+    overall: Finite | None
+    cp: IndexShown
+    cpk: IndexShown
+    pp: IndexShown
+    ppk: IndexShown
+    margin_median: Finite | None
+    margin_95: Finite | None
+    over: int
+
+
+class Plot(Frozen):
+    """A run on the control chart. broken: the rules of Nelson that it breaks, 1 to 8."""
+
+    run: str
+    day: date
+    serial: str
+    station: str
+    value: Finite
+    range: Finite | None
+    broken: tuple[int, ...] = ()
+
+
+class Event(Frozen):
+    """What may have caused a change: of a unit at a run, or of the station's equipment."""
+
+    day: date
+    cause: Cause
+    name: str
+
+
+class ChartShown(Frozen):
+    """Individual values and moving ranges in the order of time. lower, upper: three sigma."""
+
+    plotted: Plotted
+    centre: Finite
+    sigma: Finite
+    lower: Finite
+    upper: Finite
+    mean_range: Finite
+    range_limit: Finite
+    points: tuple[Plot, ...]
+    events: tuple[Event, ...] = ()
+
+
+class StationShown(Frozen):
+    """What a station reads beside the mean of all, by units that were run on several. U: k = 2."""
+
+    station: str
+    difference: Finite | None
+    U: Finite | None
+    runs: int
+
+
+class QualityShown(Frozen):
+    """The quality of a selection. item, element: of capability, chart and stations; null where no
+    run has a result. Yields by model are those of all models at the station and in the time.
+    """
+
+    choices: Choices
+    model: str | None
+    item: str | None
+    element: str | None
+    title: Statement | None
+    symbol: str
+    unit: str
+    retest_days: int
+    counted: Counted
+    total: Yield | None
+    by_item: tuple[Yield, ...]
+    by_model: tuple[Yield, ...]
+    by_station: tuple[Yield, ...]
+    by_week: tuple[Yield, ...]
+    capability: CapabilityShown | None
+    chart: ChartShown | None
+    stations: tuple[StationShown, ...]

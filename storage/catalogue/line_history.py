@@ -1,0 +1,115 @@
+"""What the catalogue says of many runs at once: how each ended, values, limits, renewals.
+
+Of a run count the result made last and the certificate kept last, as in `run_list`.
+"""
+
+from datetime import date
+from typing import Any
+
+import sqlalchemy as sql
+
+from storage.catalogue import database, tables
+from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
+from storage.catalogue.run_list import LAST_CERTIFICATE, LAST_RESULT
+from storage.home import Home
+
+RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c
+PAPER, DECIDED, ELEMENT = tables.certificates.c, tables.decisions.c, tables.elements.c
+AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted before the run
+Rows = list[tuple[Any, ...]]  # in the order of the fields that are named
+
+
+def ended(home: Home) -> Rows:
+    """Every run in the order of import: id, unit, model, serial, station, recorded_on, taken_in_at
+    (where nothing says when it was recorded), validity (null: no result), missing, verdict (null:
+    no certificate) and purpose.
+    """
+    complete_runs(home)
+    complete_results(home)
+    joined = (
+        tables.runs.join(tables.units)
+        .outerjoin(tables.outcomes, MADE.result == LAST_RESULT)
+        .outerjoin(tables.certificates, PAPER.number == LAST_CERTIFICATE)
+    )
+    asked = sql.select(
+        RUN.id, RUN.unit, UNIT.model, UNIT.serial, RUN.station, RUN.recorded_on,
+        sql.case((RUN.recorded_on.is_(None), RUN.taken_in_at)).label("taken_in_at"),
+        MADE.verdict.label("validity"), MADE.missing,
+        PAPER.verdict, PAPER.purpose,
+    ).select_from(joined)  # fmt: skip
+    return _plain(home, asked.order_by(RUN.taken_in_at, RUN.id))
+
+
+def values(model: str, item: str, element: str, home: Home) -> Rows:
+    """run, value and expanded of an element in the runs of a model."""
+    joined = tables.runs.join(tables.units).join(tables.outcomes, MADE.result == LAST_RESULT)
+    of_element = (ELEMENT.result == MADE.result, ELEMENT.item == item, ELEMENT.element == element)
+    asked = (
+        sql.select(RUN.id.label("run"), ELEMENT.value, ELEMENT.expanded)
+        .select_from(joined.join(tables.elements, sql.and_(*of_element)))
+        .where(UNIT.model == model)
+    )
+    return _plain(home, asked)
+
+
+def items(model: str, home: Home) -> Rows:
+    """item, element and unit, in the order of the result of a model that was made last."""
+    newest = (
+        sql.select(MADE.result)
+        .select_from(tables.outcomes.join(tables.runs).join(tables.units))
+        .where(UNIT.model == model)
+        .order_by(MADE.made_at.desc(), MADE.result)
+        .limit(1)
+        .scalar_subquery()
+    )
+    asked = sql.select(ELEMENT.item, ELEMENT.element, ELEMENT.unit)
+    return _plain(home, asked.where(ELEMENT.result == newest))
+
+
+def decided_items(model: str, home: Home) -> Rows:
+    """run, item, and in how many of its elements the run's certificate does not pass it."""
+    complete_certificates(home)
+    not_passed = sql.func.sum(sql.case((DECIDED.verdict == "pass", 0), else_=1))
+    asked = (
+        sql.select(PAPER.run, DECIDED.item, not_passed.label("not_passed"))
+        .select_from(_papers().join(tables.decisions, DECIDED.certificate == PAPER.number))
+        .where(UNIT.model == model)
+        .group_by(PAPER.run, DECIDED.item)
+    )
+    return _plain(home, asked)
+
+
+def limits(model: str, item: str, element: str, home: Home) -> Rows:
+    """run, lower and upper that certificates put on the value of an element, the newest last."""
+    of_element = (DECIDED.item == item, DECIDED.element == element, DECIDED.applied_to == "value")
+    asked = (
+        sql.select(PAPER.run, DECIDED.lower, DECIDED.upper)
+        .select_from(_papers().join(tables.decisions, DECIDED.certificate == PAPER.number))
+        .where(UNIT.model == model, *of_element)
+        .order_by(PAPER.kept_at)
+    )
+    return _plain(home, asked)
+
+
+def renewals(station: str, home: Home) -> list[tuple[date, str]]:
+    """When each standard that was used at a station was calibrated, with its serial number."""
+    used, standard = tables.equipment.c, tables.standards.c
+    there = (
+        sql.select(used.serial).join_from(tables.equipment, tables.runs).where(
+            RUN.station == station, used.serial != ""
+        ).distinct()
+    )  # fmt: skip
+    asked = sql.select(standard.calibrated_on, standard.serial).where(
+        standard.serial.in_(there), standard.calibrated_on.is_not(None)
+    )
+    return [(row.calibrated_on, row.serial) for row in database.rows(home, asked)]
+
+
+def _plain(home: Home, asked: sql.Select[Any]) -> Rows:
+    return [tuple(row) for row in database.rows(home, asked)]
+
+
+def _papers() -> sql.FromClause:
+    """Runs with their units and the certificate kept last."""
+    joined = tables.runs.join(tables.units)
+    return joined.join(tables.certificates, PAPER.number == LAST_CERTIFICATE)

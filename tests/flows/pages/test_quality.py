@@ -1,0 +1,152 @@
+"""The quality page: its numbers are the catalogue's, counted here a second time by hand."""
+
+import json
+from datetime import date, timedelta
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flows.pages.page import View
+from flows.pages.quality import PAGE
+from flows.pages.quality_data import data
+from schemas.base import Unusable
+from schemas.pages.quality import QualityQuestion, QualityShown
+from storage import dataframes
+from storage.catalogue import results
+from storage.home import Home
+from tests.drafts import draft
+from tests.proof.line.draw import Line
+
+ELEMENT = {"item": "accel_rate_sensitivity", "element": "yz"}
+OF = QualityQuestion(model="MX-110", **ELEMENT)
+
+
+@pytest.fixture(scope="module")
+def home(line_store: tuple[Home, Line]) -> Home:
+    return line_store[0]
+
+
+@pytest.fixture(scope="module")
+def shown(home: Home) -> QualityShown:
+    return data(OF, home)
+
+
+def visits(home: Home, model: str) -> tuple[list[str], set[str]]:
+    """First runs that count, and those of them that passed, by their ids."""
+    runs = dataframes.runs(home).sort_values("taken_in_at")
+    papers = dataframes.certificates(home).set_index("run")["verdict"].to_dict()
+    valid = dataframes.results(home)
+    whole = {run: group["value"].notna().all() for run, group in valid.groupby("run")}
+    counted, passed, last = [], set(), None
+    for row in runs[runs["model"] == model].itertuples():
+        first = last is None or row.recorded_on - last > timedelta(days=7)
+        last = row.recorded_on
+        invalid = row.id not in papers and row.id in _invalid(home)
+        if first and (row.id in papers or invalid):
+            counted.append(row.id)
+            if papers.get(row.id) == "pass" and whole[row.id]:
+                passed.add(row.id)
+    return counted, passed
+
+
+def _invalid(home: Home) -> set[str]:
+    return {r.run for r in results.all_results(home) if r.calibration.validity.verdict == "invalid"}
+
+
+def test_yields_are_those_of_the_catalogue(home: Home, shown: QualityShown) -> None:
+    counted, passed = visits(home, "MX-110")
+    assert shown.total is not None
+    assert (shown.total.passed, shown.total.of) == (len(passed), len(counted))
+    assert shown.counted.runs == 30
+    assert shown.counted.first + shown.counted.retests == 30
+    for part in (shown.by_station, shown.by_week):
+        assert sum(each.of for each in part) == len(counted)
+        assert sum(each.passed for each in part) == len(passed)
+    assert {each.of for each in shown.by_item} == {len(counted)}
+    assert all(each.passed >= len(passed) for each in shown.by_item)
+    assert [each.name for each in shown.by_model] == ["MX-110", "MX-120"]
+
+
+def test_capability_is_that_of_the_values_of_first_runs(home: Home, shown: QualityShown) -> None:
+    values = dataframes.results(home)
+    of = values[(values["item"] == ELEMENT["item"]) & (values["element"] == ELEMENT["element"])]
+    assert shown.chart is not None
+    charted = {point.run: point.value for point in shown.chart.points}
+    table = of.set_index("run")["value"].to_dict()
+    assert charted == pytest.approx({run: table[run] for run in charted})
+    assert set(of[of["model"] == "MX-110"]["run"]) - set(charted) <= _invalid(home)
+    found = shown.capability
+    assert found is not None
+    assert (found.lower, found.upper) == (-0.0014, 0.0014)
+    assert found.overall is not None
+    assert found.pp.value == pytest.approx(0.0028 / 6 / found.overall)
+    assert found.n <= shown.counted.first - shown.counted.invalid
+    assert found.margin_median is not None
+    assert 0.05 < found.margin_median < 1.0
+
+
+def test_a_selection_is_of_its_station_and_time(home: Home, shown: QualityShown) -> None:
+    assert shown.chart is not None
+    middle = sorted(point.day for point in shown.chart.points)[len(shown.chart.points) // 2]
+    station = shown.chart.points[0].station
+    question = OF.model_copy(update={"station": station, "until": middle})
+    part = data(question, home)
+    assert part.chart is not None
+    wanted = [p.run for p in shown.chart.points if p.station == station and p.day <= middle]
+    assert [point.run for point in part.chart.points] == wanted
+    assert [each.name for each in part.by_model if each.name == "MX-110"] == ["MX-110"]
+    others = data(OF.model_copy(update={"until": middle}), home)
+    assert part.stations == others.stations  # a station is compared with all others
+
+
+def test_changes_leave_out_what_a_unit_is_by_itself(home: Home, shown: QualityShown) -> None:
+    changed = data(OF.model_copy(update={"plot": "change"}), home).chart
+    assert changed is not None
+    assert shown.chart is not None
+    values = {point.run: point.value for point in shown.chart.points}
+    runs = [point.run for point in shown.chart.points]  # one unit: successive runs
+    steps = dict(zip(runs[1:], np.diff([values[run] for run in runs]), strict=True))
+    for point in changed.points:
+        assert point.value == pytest.approx(steps[point.run])
+
+
+def test_causes_are_those_of_the_register_and_of_the_unit(home: Home) -> None:
+    station = data(OF, home).choices.stations[0]
+    there = data(OF.model_copy(update={"station": station}), home).chart
+    assert there is not None
+    assert {each.cause for each in there.events} <= {"adjusted", "equipment"}
+    assert {e.name for e in there.events if e.cause == "equipment"} == {f"TT-{station}"}
+    unit = data(OF.model_copy(update={"serial": "SN0000"}), home).chart
+    assert unit is not None
+    moves = [each for each in unit.events if each.cause == "station"]
+    stations = [point.station for point in unit.points]
+    assert len(moves) == sum(a != b for a, b in pairwise(stations))
+
+
+@pytest.mark.parametrize("asked", [
+    {"model": "none"}, {"item": "none"}, {"element": "none"}, {"station": "none"},
+    {"serial": "none"},
+])  # fmt: skip
+def test_what_the_catalogue_does_not_have_is_said(home: Home, asked: dict[str, str]) -> None:
+    with pytest.raises(Unusable, match=r"there is no .* 'none'; there are"):
+        data(QualityQuestion(**asked), home)
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: str) -> None:
+    view = View(language)
+    question = OF.model_copy(update={"since": date(2100, 1, 1)})
+    for asked in (OF, question, OF.model_copy(update={"plot": "change", "station": "ST-01"})):
+        found = data(asked, home)
+        json.loads(found.model_dump_json(), parse_constant=pytest.fail)
+        assert PAGE.layout(found, view, asked).to_plotly_json()
+    empty = data(QualityQuestion(), Home(tmp_path / "none"))
+    assert empty.model is None
+    assert PAGE.layout(empty, view, QualityQuestion()).to_plotly_json()
+    draft(Home(tmp_path / "one"), "V1")
+    single = data(QualityQuestion(), Home(tmp_path / "one"))
+    assert single.total is not None
+    assert (single.total.passed, single.total.of) == (1, 1)
+    assert PAGE.layout(single, view, QualityQuestion()).to_plotly_json()
