@@ -30,7 +30,10 @@ def screened(pool: Pool, windows: Sequence[LevelWindows]) -> list[Screened]:
     """The effects that gain more than chance would, the most first."""
     tried = len(pool.effects) * sum(len(level.windows) for level in windows)
     found = (_of_effect(pool, effect, windows, tried) for effect in pool.effects)
-    return sorted((one for one in found if one is not None), key=lambda one: one.p_value)
+    # By the gain as well: of strong effects every p value is zero.
+    return sorted(
+        (one for one in found if one is not None), key=lambda one: (one.p_value, -one.gain)
+    )
 
 
 def _of_effect(

@@ -13,17 +13,20 @@ from tasks.review.carriers import (
     carried,
     change_of,
     refined,
+    scored,
     tried_of,
     with_both_ends,
 )
+from tasks.review.mixed import spreads
 from tasks.review.own_values import stands_out
 from tasks.review.pool import Pool
-from tasks.review.screening import WORTH, screened
+from tasks.review.screening import WORTH, Screened, screened
 from tasks.review.windows import all_windows, rows_of
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6
 CLOSELY = 16  # effects that are looked at closely
+FORM = 0.1  # relative: how well the linear form of a strong effect is known
 
 
 @dataclass(frozen=True)
@@ -80,15 +83,37 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
         key=lambda each: -each.score,
     )
     best = _smallest(pool, finer)
+    carriers, alike = _carriers(finer, best), INDISTINGUISHABLE
+    if FORM**2 * best.gain > alike:
+        alike = FORM**2 * best.gain
+        finer = [best, *(_at_window_of(best, pool, one, tried) for one in worth)]
+        best = _simplest(finer, alike)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
         Found(
-            best, values, covariance, since, until, pool, _carriers(finer, best),
-            _names(finer, best),
+            best, values, covariance, since, until, pool, carriers, _names(finer, best, alike),
         ),
         best.p_value,
     )  # fmt: skip
+
+
+def _at_window_of(best: Carried, pool: Pool, one: Screened, tried: int) -> Carried:
+    """Another effect in the window of the best, beside the same spread."""
+    rows = rows_of(pool, best.window)
+    sigma, tau = best.spread.sigma, best.spread.tau
+    spread, _ = next(iter(spreads(one.evidence, (sigma,), (tau,), rows[None])))
+    gain = 2.0 * float(spread.gains(rows[None])[0])
+    return scored(pool, one.effect, one.evidence, best.window, spread, gain, gain, tried)
+
+
+def _simplest(finer: Sequence[Carried], alike: float) -> Carried:
+    """Of strong effects whose scores differ by less than their linear forms are known, that of
+    fewest parameters.
+    """
+    top = max(each.score for each in finer)
+    close = sorted((e for e in finer if e.score > top - alike), key=lambda each: -each.score)
+    return min(close, key=lambda each: each.evidence.size + len(each.effect.term.at))
 
 
 def _smallest(pool: Pool, finer: Sequence[Carried]) -> Carried:
@@ -112,11 +137,11 @@ def _carriers(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:
     return tuple(found.values())
 
 
-def _names(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:
+def _names(finer: Sequence[Carried], best: Carried, alike: float) -> tuple[Carried, ...]:
     """Other names that are as likely, the best of each."""
     found: dict[str, Carried] = {}
     for each in finer:
-        if each.effect.name != best.effect.name and each.score > best.score - INDISTINGUISHABLE:
+        if each.effect.name != best.effect.name and each.score > best.score - alike:
             found.setdefault(each.effect.name, each)
     return tuple(found.values())
 

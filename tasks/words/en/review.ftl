@@ -12,7 +12,10 @@ review-summary = { $count ->
        *[other] { $count } effects that
     } the runs have in common: { $findings }
 review-nothing = { $runs } runs of { $units } units on { $stations } stations have nothing in common that chance, or a spread between units, would not show as well ({ $p }, corrected for all that was tried; 1 clean fleet in 100 would raise a false alarm)
-review-evidence = { $runs } runs add up to χ² = { $gain }; in a single one it is { $z } times its own standard deviation (median), and { $shown } of them lean towards it
+review-evidence = { $runs ->
+        [one] One run has
+       *[other] { $runs } runs add up to
+    } χ² = { $gain }; in a single one it is { $z } times its own standard deviation (median), and { $shown } of them lean towards it
 review-sizes = { $sizes }
 review-changed =
     .since = it is there since run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)

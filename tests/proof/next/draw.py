@@ -13,7 +13,7 @@ EFFECTS = (
 )  # fmt: skip
 DELAYS = ("time_offset", "bandwidth", "gyro_angular_acceleration")  # hardly ever told apart
 OF_DELAYS = 0.05  # of all that is drawn: they stay open far oftener than the others
-VISIBLE = (5.5, 15.0)  # z in the first recording, from and to
+VISIBLE = (5.5, 30.0)  # z in the first recording, from and to
 RATES_HZ = (50, 100)
 RATES_DEG_S = ((30.0, 120.0), (40.0, 100.0, 200.0), (20.0, 150.0))
 
