@@ -19,6 +19,12 @@ DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 StepName = Literal["draft", "check", "issue"]
+PrintedIn = Literal["zh", "en", "both"]
+PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first
+    "zh": ("zh",),
+    "en": ("en",),
+    "both": ("zh", "en"),
+}
 # Conditions of a specification without which no unit passes, unless the client waives them.
 ConditionName = Literal["largest_rate", "environment"]
 
@@ -49,7 +55,8 @@ class Laboratory(Frozen):
     latitude_deg: of its own place, against which that of each recording is held. number_scheme:
     how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
     whether who drafts, who checks and who issues a certificate have to be three persons.
-    signing: the key that signs what is issued; no record of a certificate tells where it lies.
+    language: in which its certificates are printed. signing: the key that signs what is issued; no
+    record of a certificate tells where it lies.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -62,6 +69,7 @@ class Laboratory(Frozen):
     certificate_prefix: str = DEFAULT_PREFIX
     number_scheme: str = DEFAULT_SCHEME
     separate_persons: bool = True
+    language: PrintedIn = "both"
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
@@ -104,7 +112,7 @@ class Order(Frozen):
     statement of conformity is asked for; without one the unit is calibrated and nothing decided.
     waived_conditions: those that need not be met or checked for a pass. configuration: of the unit,
     beside what the recording's manifest says of it. place: where it is calibrated, if that is not
-    the laboratory's own place.
+    the laboratory's own place. language: of the certificate, if not the laboratory's.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -118,6 +126,7 @@ class Order(Frozen):
     configuration: Configuration = Configuration()
     place: str | None = None
     place_zh: str | None = None
+    language: PrintedIn | None = None
 
     @property
     def agrees_on_recalibration(self) -> bool:
@@ -184,6 +193,13 @@ class Certificate(Frozen):
         """How the unit was set up, by the manifest and the order."""
         ordered = self.order.configuration if self.order else None
         return configuration_of(self.manifest.unit, ordered)
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """In which it is printed, the large one first: as the order says, else the laboratory."""
+        ordered = self.order.language if self.order else None
+        usual = self.laboratory.language if self.laboratory else "both"
+        return PRINTED_IN[ordered or usual]
 
     @property
     def purpose(self) -> str:

@@ -1,11 +1,10 @@
 """The three faces of a certificate: PDF, DCC and record, made of the record and nothing else."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from schemas.certificate import Certificate
 from tasks.certificate.dcc import dcc_of, record_of
-from tasks.certificate.pdf import LANGUAGES, render
+from tasks.certificate.pdf import render
 from tasks.certificate.sign import Signing, sign_pdf
 from tasks.certificate.sign_xml import sign_xml
 
@@ -19,16 +18,14 @@ class Faces:
     record: bytes
 
 
-def faces_of(
-    certificate: Certificate, signing: Signing | None, languages: Sequence[str] = LANGUAGES
-) -> Faces:
+def faces_of(certificate: Certificate, signing: Signing | None) -> Faces:
     """The faces of a certificate, signed where there is a key to sign with.
 
-    The DCC holds the record, and the PDF holds the DCC.
+    The DCC holds the record, and the PDF, in the languages of the record, holds the DCC.
     """
     record, dcc = record_of(certificate), dcc_of(certificate)
     if signing is None:
-        return Faces(render(certificate, languages, dcc), dcc, record)
+        return Faces(render(certificate, dcc=dcc), dcc, record)
     dcc = sign_xml(dcc, signing)
-    pdf = sign_pdf(render(certificate, languages, dcc, signed=True), signing)
+    pdf = sign_pdf(render(certificate, dcc=dcc, signed=True), signing)
     return Faces(pdf, dcc, record)

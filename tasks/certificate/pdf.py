@@ -15,20 +15,20 @@ from tasks.certificate.dcc import dcc_of, record_of
 from tasks.words import identifiers, message
 
 TEMPLATE = Path(__file__).with_name("certificate.typ")
-LANGUAGES = ("zh", "en")  # the large one first
 LABEL = "certificate-label-"
 PAGE = {"here": "<here>", "last": "<last>"}  # known to the typesetter alone
 
 
 def render(
     certificate: Certificate,
-    languages: Sequence[str] = LANGUAGES,
+    languages: Sequence[str] | None = None,
     dcc: bytes | None = None,
     signed: bool = False,
 ) -> bytes:
     """The PDF of a certificate; the same certificate gives the same bytes.
 
-    languages: one or several, each with a catalogue; the first is set large. dcc: what is
+    languages: one or several, each with a catalogue, the first set large; those of the record
+    where none are given. dcc: what is
     attached, unless it is the DCC without a signature. signed: whether the PDF is going to be,
     so that nobody signs it by hand.
     Raises Unusable where a text has a character that none of the fonts can show.
@@ -36,6 +36,7 @@ def render(
     import pylopdf_fonts_zh_cn
     import typst
 
+    languages = languages or certificate.languages
     printed = {
         "languages": tuple(languages),
         "labels": {

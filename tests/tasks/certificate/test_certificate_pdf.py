@@ -29,7 +29,9 @@ from schemas.certificate import Certificate, Party
 from schemas.equipment import MeasurementStandard
 from schemas.text import Remark
 from schemas.tolerance import Limit
+from tasks.certificate.faces import faces_of
 from tasks.certificate.pdf import render
+from tasks.certificate.verify_file import verify_file
 from tasks.conformity import decide
 from tasks.words import catalogue
 
@@ -310,6 +312,30 @@ def test_a_certificate_is_set_in_any_languages_that_have_catalogues(
     assert ("CalibrationCertificate" in text) == ("en" in languages)
     assert ("校准证书" in text) == ("zh" in languages)
     assert_nothing_is_clipped(render(made, languages))
+
+
+@pytest.mark.parametrize(
+    ("usual", "ordered", "large", "absent"),
+    [
+        ("en", None, "CalibrationCertificate", "校准证书"),
+        ("en", "zh", "校准证书", "CalibrationCertificate"),
+        ("zh", "both", "校准证书", None),
+    ],
+)
+def test_the_languages_are_the_orders_else_the_laboratorys_and_verify_makes_the_same_pdf(
+    tmp_path: Path, usual: str, ordered: str | None, large: str, absent: str | None
+) -> None:
+    made = certificate(
+        laboratory=laboratory(language=usual),
+        order=order().model_copy(update={"language": ordered}),
+    )
+    pdf = faces_of(made, None).pdf
+    text = "".join(pages(pdf))
+    assert large in text
+    assert absent is None or absent not in text
+    file = tmp_path / "MIMU-2026-0042.pdf"
+    file.write_bytes(pdf)
+    assert not verify_file(file).faults
 
 
 def with_budgets_and_limits() -> Certificate:
