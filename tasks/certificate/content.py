@@ -21,6 +21,7 @@ from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.results import PrintedSection, sections
+from tasks.certificate.settings import settings
 from tasks.certificate.statements import (
     ReadingRow,
     basis,
@@ -34,7 +35,7 @@ from tasks.conformity.deviations import deviations
 from tasks.conformity.reasons import conditional
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.specifications.specification import Specification
-from tasks.words import Message, Sayable, message, say
+from tasks.words import Message, Sayable, clauses, message, say
 from tasks.words.rounding import MINUS, as_given
 from tasks.words.typography import typeset
 
@@ -214,7 +215,7 @@ def _trace(certificate: Certificate) -> tuple[Field, ...]:
     """Where the result comes from, so that it can be made again."""
     calibration, station = certificate.calibration, certificate.manifest.station
     gravity, latitude = station.gravity_m_s2, station.latitude_deg
-    settings = "; ".join(f"{name} = {value}" for name, value in calibration.settings.items())
+    made_with = tuple(setting.printed for setting in settings(calibration))
     return (
         field("recording", given(calibration.recording_id)),
         field("run", given(calibration.run)),
@@ -222,7 +223,7 @@ def _trace(certificate: Certificate) -> tuple[Field, ...]:
         field("method", message(f"certificate-method.{calibration.method}")),
         field("procedure", given(calibration.procedure)),
         field("code-version", given(calibration.code_version)),
-        field("settings", given(settings)),
+        field("settings", clauses(made_with) if made_with else NOT_GIVEN),
         field("station", given(station.id)),
         field("gravity", given(None if gravity is None else f"{as_given(gravity)} m/s²")),
         field("latitude", given(None if latitude is None else f"{as_given(latitude)}°")),

@@ -48,10 +48,15 @@ def half_width(line: BudgetInput) -> str | None:
     """The half-width of a limit with its unit, angles in arcseconds and the latitude in degrees."""
     if line.half_width is None:
         return None
-    if line.unit != "rad":
-        return quantity_text(plain(line.half_width, 6), line.unit)
-    degrees = math.degrees(line.half_width)
-    return f"{degrees:g}°" if line.symbol == LATITUDE.symbol else f"{3600 * degrees:g}″"
+    return size(line.half_width, line.unit, line.symbol == LATITUDE.symbol)
+
+
+def size(half_width: float, unit: str, is_latitude: bool) -> str:
+    """A half-width with its unit."""
+    if unit != "rad":
+        return quantity_text(plain(half_width, 6), unit)
+    degrees = math.degrees(half_width)
+    return f"{degrees:g}°" if is_latitude else f"{3600 * degrees:g}″"
 
 
 def accuracy(standard: MeasurementStandard) -> Sayable:

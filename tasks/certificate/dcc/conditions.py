@@ -9,23 +9,23 @@ from tasks.certificate.dcc.quantities import plain_quantity, text_quantity, with
 from tasks.certificate.dcc.units import UNITS, DsiUnit
 from tasks.certificate.dcc.xml import Element, dcc, described, named, plain
 from tasks.certificate.fields import given
+from tasks.certificate.settings import Setting, settings
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.words import Sayable, message
 from tasks.words.rounding import as_given
 
 UNCERTAINTY = "JJF 1059.1-2012"
-SUFFIXES = {"_m_s2": "m/s2", "_deg_s": "deg/s", "_deg": "deg", "_m": "m", "_s": "s"}
 
 
 def methods(calibration: Calibration) -> Iterator[Element]:
     """The specification and the settings with which it was followed; the uncertainty."""
     specification = SPECIFICATIONS[calibration.method]
-    settings = [_setting(name, value) for name, value in calibration.settings.items()]
+    quantities = [_quantity(setting) for setting in settings(calibration)]
     yield dcc.usedMethod(
         named(message(f"certificate-method.{calibration.method}")),
         described(given(calibration.procedure)),
         plain("norm", specification.standard),
-        *([dcc.usedMethodQuantities(*settings)] if settings else []),
+        *([dcc.usedMethodQuantities(*quantities)] if quantities else []),
     )
     yield dcc.usedMethod(
         named(message("certificate-label-uncertainty")),
@@ -34,12 +34,11 @@ def methods(calibration: Calibration) -> Iterator[Element]:
     )
 
 
-def _setting(name: str, value: float | str | None) -> Element:
+def _quantity(setting: Setting) -> Element:
     tag = "usedMethodQuantity"
-    if isinstance(value, int | float):
-        unit = next((u for suffix, u in SUFFIXES.items() if name.endswith(suffix)), "1")
-        return plain_quantity(given(name), Decimal(repr(value)), UNITS[unit], tag)
-    return text_quantity(given(name), given(value), tag)
+    if setting.number is None:
+        return text_quantity(setting.name, setting.value, tag)
+    return plain_quantity(setting.name, Decimal(repr(setting.number)), UNITS[setting.unit], tag)
 
 
 def influences(

@@ -258,3 +258,29 @@ def test_every_sentence_is_there_in_two_languages() -> None:
     for zh, en in (*made["uncertainty"], *made["remarks"], *made["statement"]):
         assert any("\u4e00" <= c <= "\u9fff" for c in zh)
         assert not any("\u4e00" <= c <= "\u9fff" for c in en)
+
+
+def test_settings_are_called_by_their_names_in_every_language_and_have_units() -> None:
+    made = certificate(
+        calibration(
+            settings={
+                "gravity_m_s2": 9.8015,
+                "latitude_deg": None,
+                "uncertainty": "GUM",
+                "limits": "JJF 2003-2022, Table 1",
+                "limit of position": "2.4e-05 (certificate 2026-123)",
+                "effective bits": "12 (the example's)",
+            }
+        )
+    )
+    (said,) = [each.value for each in content(made).trace if each.label[1] == "Settings"]
+    assert said == (
+        "所用重力加速度：9.8015 m/s²；所用纬度：未提供；不确定度：GUM 法，A 类与 B 类合成；"
+        "校准装置的极限：JJF 2003—2022，表 1；"
+        "实验室给出的极限，角位置定位精度：±4.95036″ (certificate 2026-123)；"
+        "有效位数：12（取规范示例值）",
+        "gravity used: 9.8015 m/s²; latitude used: not given; uncertainty: GUM, type A and B "
+        "combined; limits of the equipment: JJF 2003-2022, Table 1; limit of the laboratory's, "
+        "angular positioning: ±4.95036″ (certificate 2026-123); "
+        "effective bits: 12 (as in the specification's example)",
+    )

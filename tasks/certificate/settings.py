@@ -1,0 +1,67 @@
+"""The settings of a calibration, by what they are called, with their units."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from schemas.calibration import Calibration
+from tasks.certificate.equipment import size
+from tasks.certificate.fields import NOT_GIVEN, first_known, given, literal, slug
+from tasks.words import Message, Sayable, message
+from tasks.words.rounding import as_given
+from tasks.words.typography import clause
+from tasks.words.units import quantity_text
+
+UNITS = {"gravity_m_s2": "m/s2", "latitude_deg": "deg"}
+LIMIT = "limit of "
+LIMIT_UNITS = {"rate": "1", "ripple": "1", "gravity": "m/s2"}  # of the others: rad
+BY_EXAMPLE = " (the example's)"
+OF_UNIT = " (the unit's)"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One setting: its name, its value as printed; number and unit where it is a number."""
+
+    name: Sayable
+    value: Sayable
+    number: float | None = None
+    unit: str = "1"
+
+    @property
+    def printed(self) -> Message:
+        """Name and value."""
+        return message("certificate-setting-with", name=self.name, value=self.value)
+
+
+def settings(calibration: Calibration) -> Iterator[Setting]:
+    """Every setting that the calibration was made with."""
+    for name, value in calibration.settings.items():
+        if isinstance(value, int | float):
+            unit = UNITS.get(name, "1")
+            shown = given(quantity_text(as_given(value), unit))
+            yield Setting(_name(name), shown, value, unit)
+        else:
+            yield Setting(_name(name), _printed_value(name, value))
+
+
+def _name(name: str) -> Sayable:
+    if name.startswith(LIMIT):
+        limit = first_known(f"uncertainty-{name.removeprefix(LIMIT)}")
+        return message("certificate-setting-limit", limit=limit or given(name))
+    return first_known(f"certificate-setting.{slug(name)}") or given(name)
+
+
+def _printed_value(name: str, value: str | None) -> Sayable:
+    if value is None:
+        return NOT_GIVEN
+    for ending, origin in ((BY_EXAMPLE, "by-example"), (OF_UNIT, "of-unit")):
+        if value.endswith(ending):
+            number = literal(value.removesuffix(ending))
+            return message(f"certificate-setting-{origin}", number=number)
+    if name.startswith(LIMIT):
+        limit = name.removeprefix(LIMIT)
+        number, _, source = value.partition(" ")
+        shown = size(float(number), LIMIT_UNITS.get(limit, "rad"), limit == "latitude")
+        return given(f"±{shown} {source}")
+    kind = first_known(f"certificate-kind.{slug(value)}") if name == "uncertainty" else None
+    return kind or (clause(value) if value.startswith("JJF") else given(value))
