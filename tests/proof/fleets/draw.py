@@ -28,7 +28,7 @@ OF_SITES = ("earth_rotation", "time_offset", "supply_sensitivity")
 SPREADING = ("size_effect", "gyro_scale_nonlinearity", "accel_nonlinearity", "gyro_g2_sensitivity")
 SPREAD_Z = 1.5  # of the spread between units in one run
 LATITUDES, HEADINGS = (39.9, 22.5), (0.0, 37.0, 90.0, -120.0, 180.0, 61.0)
-LONG_FLEET, LONGEST, USUAL = 0.03, 400, 80  # share of fleets with up to 400 runs
+LONG_FLEET, LONGEST, USUAL = 0.12, 400, 80  # share of fleets with up to 400 runs
 
 
 class FleetRun(Data):
