@@ -35,6 +35,11 @@ class Evidence:
         return int(self.score.shape[1])
 
     @cached_property
+    def flat(self) -> np.ndarray:
+        """(runs, m + m²) score and information side by side."""
+        return np.concatenate([self.score, self.information.reshape(len(self.score), -1)], axis=1)
+
+    @cached_property
     def by_unit(self) -> np.ndarray:
         """(runs,) the runs in the order of their units."""
         return np.argsort(self.unit, kind="stable")
@@ -54,7 +59,8 @@ def at_unit_information(score: np.ndarray, information: np.ndarray, unit: np.nda
     values, vectors = np.linalg.eigh(mean * scale[:, None] * scale)
     kept = values > DETERMINED
     back = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
-    return Evidence(score @ back, back.T @ information @ back, back, unit)
+    turned = information.reshape(len(score), -1) @ np.kron(back, back)  # of all runs at once
+    return Evidence(score @ back, turned.reshape(len(score), *[back.shape[1]] * 2), back, unit)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from schemas.review import LEVELS, Layout, Level, RunStatistics
-from tasks.review.hypotheses import Effect, TermIdentity, effects_of, members_of, starts_of
+from tasks.review.hypotheses import (
+    Effect,
+    TermIdentity,
+    effects_of,
+    identity,
+    members_of,
+    starts_of,
+)
 from tasks.review.statistics import STEP
 
 
@@ -26,11 +33,16 @@ class ReviewedRun:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs of one layout. rows: (k,) their numbers in the pool. Arrays as in `RunStatistics`."""
+    """Runs of one layout. rows: (k,) their numbers in the pool. Arrays as in `RunStatistics`.
+
+    correlation: of each run its own, which only what is found needs whole. within: (k, …) what a
+    search needs of them, the parameters of each term with each other, term after term.
+    """
 
     layout: Layout
     rows: np.ndarray
-    correlation: np.ndarray
+    correlation: tuple[np.ndarray, ...]
+    within: np.ndarray
     right: np.ndarray
     scale: np.ndarray
 
@@ -43,6 +55,27 @@ class Group:
     def inverse(self) -> np.ndarray:
         """(k, p) of the scale; zero where the run says nothing."""
         return np.divide(1.0, self.scale, out=np.zeros_like(self.scale), where=self.scale > 0)
+
+    @cached_property
+    def blocks(self) -> Mapping[TermIdentity, slice]:
+        """Where each term's parameters stand in `within`."""
+        sizes = [len(term.parameters) ** 2 for term in self.layout.terms]
+        ends = np.cumsum(sizes).tolist()
+        return {
+            identity(term): slice(end - size, end)
+            for term, size, end in zip(self.layout.terms, sizes, ends, strict=True)
+        }
+
+    def evidence(self, effect: Effect) -> tuple[np.ndarray, np.ndarray]:
+        """Score (k, m) and information (k, m, m) of an effect that the layout has, SI."""
+        count, own = len(effect.term.parameters), np.array(effect.own)
+        block = self.within[:, self.blocks[identity(effect.term)]]
+        correlation = block[:, (own[:, None] * count + own).ravel()] / STEP
+        start = self.starts[identity(effect.term)]
+        inverse = self.inverse[:, start : start + count][:, own]
+        score = self.right[:, start : start + count][:, own] * inverse
+        size = (-1, len(own), len(own))
+        return score, correlation.reshape(size) * inverse[:, :, None] * inverse[:, None, :]
 
 
 @dataclass(frozen=True)
@@ -71,14 +104,8 @@ class Pool:
             np.zeros((len(self.runs), size, size)),
         )
         for group in self.groups:
-            members = members_of(effect, group.starts)
-            if members is None:
-                continue
-            own = np.array(members)
-            inverse = group.inverse[:, own]
-            score[group.rows] = group.right[:, own] * inverse
-            correlation = group.correlation[:, _places(own, own, group.right.shape[1])] / STEP
-            information[group.rows] = correlation * inverse[:, :, None] * inverse[:, None, :]
+            if members_of(effect, group.starts) is not None:
+                score[group.rows], information[group.rows] = group.evidence(effect)
         return score, information
 
     def less(self, effect: Effect, values: np.ndarray, rows: np.ndarray) -> "Pool":
@@ -90,10 +117,11 @@ class Pool:
                 groups.append(group)
                 continue
             own, count = np.array(members), group.right.shape[1]
-            at_unit = values * group.inverse[:, own]
-            crossed = group.correlation[:, _places(np.arange(count), own, count)] / STEP
-            taken = np.einsum("rpm,rm->rp", crossed, at_unit) * rows[group.rows][:, None]
-            groups.append(replace(group, right=group.right - taken))
+            at_unit = values * group.inverse[:, own] / STEP
+            places, right = _places(np.arange(count), own, count), group.right.copy()
+            for k in np.flatnonzero(rows[group.rows]):
+                right[k] -= group.correlation[k][places] @ at_unit[k]
+            groups.append(replace(group, right=right))
         return replace(self, groups=tuple(groups))
 
 
@@ -104,14 +132,7 @@ def pooled(runs: Sequence[tuple[ReviewedRun, RunStatistics]]) -> Pool:
     for row, (_, statistics) in enumerate(ordered):
         by_layout.setdefault(statistics.layout_key, []).append(row)
     groups = tuple(
-        Group(
-            ordered[rows[0]][1].layout,
-            np.array(rows),
-            np.stack([ordered[r][1].correlation for r in rows]),
-            np.stack([ordered[r][1].right for r in rows]).astype(float),
-            np.stack([ordered[r][1].scale for r in rows]).astype(float),
-        )
-        for rows in by_layout.values()
+        _group(np.array(rows), [ordered[r][1] for r in rows]) for rows in by_layout.values()
     )
     who = tuple(run for run, _ in ordered)
     names = {
@@ -120,6 +141,24 @@ def pooled(runs: Sequence[tuple[ReviewedRun, RunStatistics]]) -> Pool:
     }
     carrier = {level: _numbers(who, level, names[level]) for level in LEVELS}
     return Pool(who, groups, carrier, names, effects_of(group.layout for group in groups))
+
+
+def _group(rows: np.ndarray, some: Sequence[RunStatistics]) -> Group:
+    layout, places, start = some[0].layout, list[np.ndarray](), 0
+    count = len(some[0].right)
+    for term in layout.terms:
+        own = np.arange(start, start + len(term.parameters))
+        places.append(_places(own, own, count).ravel())
+        start += len(own)
+    picked = np.concatenate([np.zeros(0, int), *places])
+    return Group(
+        layout,
+        rows,
+        tuple(each.correlation for each in some),
+        np.stack([each.correlation[picked] for each in some]),
+        np.stack([each.right for each in some]).astype(float),
+        np.stack([each.scale for each in some]).astype(float),
+    )
 
 
 def _numbers(runs: Sequence[ReviewedRun], level: Level, names: Sequence[str]) -> np.ndarray:

@@ -70,10 +70,10 @@ def _best_of_level(evidence: Evidence, level: LevelWindows) -> Iterator[tuple[fl
 
 def window_gains(evidence: Evidence, level: LevelWindows) -> np.ndarray:
     """(w,) chi-squared that a common value gains in each window, without any spread."""
-    score = _cumulative(evidence.score[level.order])
-    information = _cumulative(evidence.information[level.order])
-    right = score[level.high] - score[level.low]
-    values = solved(information[level.high] - information[level.low], right)
+    total = _cumulative(level.pieces @ evidence.flat)
+    sums, m = total[level.high] - total[level.low], evidence.size
+    right, information = sums[:, :m], sums[:, m:].reshape(-1, m, m)
+    values = solved(information, right)
     return np.asarray((right * values).sum(axis=1))
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from schemas.review import LEVELS, Level
 from tasks.review.pool import Pool
@@ -36,10 +37,11 @@ class Window:
 class LevelWindows:
     """All windows of one level.
 
-    order: (k,) runs of the pool by carrier and time. low, high: (w,) of each window within them.
+    pieces: (k, runs) 1 where a run of the pool is in one of the pieces of time of a carrier that
+    windows are made of. low, high: (w,) first piece of each window, and the one after its last.
     """
 
-    order: np.ndarray
+    pieces: csr_array
     low: np.ndarray
     high: np.ndarray
     windows: tuple[Window, ...]
@@ -77,8 +79,18 @@ def all_windows(pool: Pool) -> tuple[LevelWindows, ...]:
         at = np.array(starts, int)
         low = at + np.array([w.first for w in windows], int)
         high = at + np.array([w.last for w in windows], int)
-        found.append(LevelWindows(np.array(order, int), low, high, tuple(windows)))
+        found.append(_of_level(np.array(order, int), low, high, tuple(windows), len(pool.runs)))
     return tuple(found)
+
+
+def _of_level(
+    order: np.ndarray, low: np.ndarray, high: np.ndarray, windows: tuple[Window, ...], runs: int
+) -> LevelWindows:
+    """order: (k,) runs by carrier and time. low, high: (w,) of each window within them."""
+    edges = np.unique(np.concatenate([low, high]))
+    piece = np.searchsorted(edges, np.arange(len(order)), side="right") - 1
+    pieces = csr_array((np.ones(len(order)), (piece, order)), (max(0, len(edges) - 1), runs))
+    return LevelWindows(pieces, np.searchsorted(edges, low), np.searchsorted(edges, high), windows)
 
 
 def _spans(count: int, most: int) -> Iterator[tuple[int, int]]:
