@@ -264,6 +264,7 @@ def test_a_draft_that_amends_is_not_replaced_by_one_that_does_not(home: Home) ->
 def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home: Home) -> None:
     key = draft(home).certificate.number
     with database.changing(home) as connection:
+        connection.execute(sql.delete(tables.decisions))
         connection.execute(sql.update(tables.certificates).values(number="LAB-1", purpose=None))
     assert "drafted by an earlier version" in refusal(check, "LAB-1", home, "Li")
     draft(home)
