@@ -2,9 +2,9 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import permutations
+from itertools import product
 from math import ceil
 
 import numpy as np
@@ -36,6 +36,7 @@ REPEATS = 25  # of one block
 SETTLE_S = 0.1
 PRICE = 4.0  # chi-squared of each parameter: ln(1 + n) with some fifty stretches that tell of it
 ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
+LITTLE = 0.02  # share of what should be shown: by no more than its inverse more is tried at once
 NOTHING = ""  # the standard's model with none of the competing effects
 
 Pair = tuple[str, str]
@@ -44,7 +45,7 @@ Pair = tuple[str, str]
 @dataclass(frozen=True)
 class Choice:
     """A procedure, min that it takes, and the chi-squared by which it is expected to show that the
-    models of the pair that is told apart worst differ. bound: that decides without noise.
+    models of the pair that is told apart worst differ. bound: that decides if there is no noise.
     """
 
     procedure: Procedure
@@ -58,17 +59,23 @@ class Choice:
         return probability_right(self.left, self.bound)
 
     @property
+    def share(self) -> float:
+        """Of what it should show; from one on it decides."""
+        return self.left / enough(self.bound)
+
+    @property
     def is_enough(self) -> bool:
         """Whether it decides."""
-        return self.left >= enough(self.bound)
+        return self.share >= 1.0
 
 
 @dataclass(frozen=True)
 class Experiment:
     """Competing models by name, the unit's noise, and what the station can do with it.
 
-    like: manifest of the unit's recording, with the station's part. name: of the procedure. base:
-    the procedure whose warm-up, settling, rates of moves and room it keeps, if there is one.
+    rivals: what else would fit a recording of one of them, and is not suspected itself. like:
+    manifest of the unit's recording, with the station's part. name: of the procedure. base: the
+    procedure whose warm-up, settling, rates of moves and room it keeps, if there is one.
     """
 
     models: Mapping[str, Model]
@@ -77,28 +84,31 @@ class Experiment:
     like: Manifest
     name: str
     base: Procedure | None = None
+    rivals: Mapping[str, Model] = field(default_factory=dict)
+
+    @property
+    def every(self) -> Mapping[str, Model]:
+        """The models that compete, and their rivals."""
+        return {**self.models, **self.rivals}
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
         """True and other models; none with another that holds it, which fits whatever it does."""
-        every = permutations(self.models, 2)
         return tuple(
             (truth, other)
-            for truth, other in every
-            if truth != NOTHING and HOLDS.get(truth) != other
+            for truth, other in product(self.models, self.every)
+            if truth not in (NOTHING, other) and HOLDS.get(truth) != other
         )
 
-    @property
-    def bound(self) -> float:
-        """Chi-squared that names one alone: a pair's difference; of one effect what makes it no
-        weak one, with the price of its parameters, which may be no clear ones each by itself.
+    def bound(self, pair: Pair) -> float:
+        """Chi-squared that names the true one alone: a pair's difference; beside nothing what makes
+        it no weak one, with the price of its parameters, which may be no clear ones by themselves.
         """
-        if NOTHING not in self.models:
+        truth, other = pair
+        if other != NOTHING:
             return DISTINGUISHABLE
-        (name,) = (name for name in self.models if name != NOTHING)
-        model = self.models[name]
-        own = [place for key, place in model.places.items() if key[0] == name]
-        count = sum(place.stop - place.start for place in own)
+        places = self.models[truth].places
+        count = sum(own.stop - own.start for key, own in places.items() if key[0] == truth)
         return DISTINGUISHABLE if count == 1 else WEAK + PRICE * count
 
     def shortest(self, minutes: float) -> Choice:
@@ -106,7 +116,7 @@ class Experiment:
         is enough or no time is left; linear forms choose, real fits judge.
         """
         chosen: list[_Measured] = []
-        asked = needed = enough(self.bound)
+        needed = 1.0
         while True:
             more = self._extended(chosen, needed, minutes)
             choice = self._judged(more or self._measured[:1])
@@ -114,25 +124,27 @@ class Experiment:
                 return self._shortened(more, choice)
             if len(more) == len(chosen):
                 return choice
-            chosen, needed = more, 1.05 * needed * max(asked / max(choice.left, 1.0), 1.0)
+            chosen, needed = more, 1.05 * needed * max(1.0 / max(choice.share, LITTLE), 1.0)
 
     def _shortened(self, chosen: Sequence["_Measured"], choice: Choice) -> Choice:
         """With as few of the blocks as real fits, which show more than linear ones, need."""
-        asked = enough(self.bound)
-        share = asked / choice.left
+        share = 1.0 / choice.share
         while share < SPARE:
             fewer = self._judged(chosen[: max(1, ceil(len(chosen) * share / SPARE))])
             if fewer.is_enough:
                 return fewer
-            share *= asked / max(fewer.left, 1.0)
+            share *= 1.0 / max(fewer.share, LITTLE)
         return choice
 
     def left_by(self, blocks: Blocks, noises: Sequence[Noise]) -> float:
         """Chi-squared by which a motion, as blocks tell it, tells the worst pair apart."""
-        return min(
-            left_by_real_fit(self.models[other], self._reading(blocks, truth), noises)
+        left = {
+            (truth, other): left_by_real_fit(
+                self.every[other], self._reading(blocks, truth), noises
+            )
             for truth, other in self.pairs
-        )
+        }
+        return left[min(left, key=lambda pair: left[pair] / self.bound(pair))]
 
     def _reading(self, blocks: Blocks, truth: str) -> Blocks:
         prediction = self.models[truth].prediction(blocks.motion)
@@ -146,7 +158,7 @@ class Experiment:
         so_far: dict[Pair, Separation] = {}
         for one in more:
             so_far = _sum(so_far, one.separations)
-        while _least(so_far) < needed:
+        while self._share(so_far) < needed:
             used = Counter(one.block.name for one in more)
             left_s = 60.0 * minutes - sum(one.seconds for one in more)
             open_ = [one for one in self._measured
@@ -154,28 +166,39 @@ class Experiment:
             if not open_:
                 break
             sums = [_sum(so_far, one.separations) for one in open_]
-            worth = [(_least(s) - _least(so_far)) / one.seconds
+            worth = [(self._share(s) - self._share(so_far)) / one.seconds
                      for s, one in zip(sums, open_, strict=True)]  # fmt: skip
             best = max(range(len(open_)), key=worth.__getitem__)
             more.append(open_[best])
             so_far = sums[best]
         return more
 
+    def _share(self, so_far: Mapping[Pair, Separation]) -> float:
+        """Of what should be shown of the pair that is told apart worst: by how much more the other
+        leaves than the true one."""
+        left = {pair: one.left for pair, one in so_far.items()}
+        beyond = (
+            (left[pair] - left[pair[0], pair[0]]) / enough(self.bound(pair))
+            for pair in left
+            if pair[0] != pair[1]
+        )
+        return max(min(beyond, default=0.0), 0.0)
+
     def _judged(self, chosen: Sequence["_Measured"]) -> Choice:
         procedure = self._procedure(_steps([one.block for one in chosen]))
         planned = planned_recording(procedure, self.like, FINE_HZ)
-        shown = []
+        shown: dict[Pair, float] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
             observed = self.noise.observed(planned, self.models[truth])
             noises = self.noise.at(observed)
             own = left_by_real_fit(self.models[truth], observed, noises)
-            shown += [
-                left_by_real_fit(self.models[other], observed, noises) - own
-                for first, other in self.pairs
-                if first == truth
-            ]
+            for first, other in self.pairs:
+                if first == truth:
+                    left = left_by_real_fit(self.every[other], observed, noises) - own
+                    shown[first, other] = max(left, 0.0)
         seconds = procedure.warm_up_s + sum(each.planned_s for each in plan(procedure))
-        return Choice(procedure, seconds / 60.0, max(min(shown), 0.0), self.bound)
+        worst = min(shown, key=lambda pair: shown[pair] / enough(self.bound(pair)))
+        return Choice(procedure, seconds / 60.0, shown[worst], self.bound(worst))
 
     @cached_property
     def _measured(self) -> tuple["_Measured", ...]:
@@ -193,7 +216,7 @@ class Experiment:
             second = observed.weight * (observed.t > begins)[:, None]
             observed, noises = replace(observed, weight=second), self.noise.at(observed)
             for name in (truth, *(other for first, other in self.pairs if first == truth)):
-                found[truth, name] = Separation.of(self.models[name], observed, noises)
+                found[truth, name] = Separation.of(self.every[name], observed, noises)
         return _Measured(block, ends - begins, found)
 
     def _procedure(self, steps: Sequence[Step]) -> Procedure:
@@ -218,13 +241,6 @@ class _Measured:
     block: Block
     seconds: float
     separations: Mapping[Pair, Separation]
-
-
-def _least(so_far: Mapping[Pair, Separation]) -> float:
-    """Chi-squared of the pair that is told apart worst: what the other leaves beyond the true."""
-    left = {pair: one.left for pair, one in so_far.items()}
-    beyond = (left[pair] - left[pair[0], pair[0]] for pair in left if pair[0] != pair[1])
-    return max(min(beyond, default=0.0), 0.0)
 
 
 def _sum(

@@ -10,6 +10,7 @@ from tasks.experiment.choose import NOTHING
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
+from tasks.explain.groups.compare import HOLDS
 from tasks.explain.groups.families import DELAYING, GYROS_ALONE
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
@@ -17,18 +18,19 @@ from tasks.explain.search.refit import fitted
 from tasks.model.model import Model
 
 COVERAGE = 2.0  # standard uncertainties in U
-SUSPECTED = ("undetermined", "overshadowed", "incomplete", "reference_noise")
+SUSPECTED = ("undetermined", "channel_worse", "overshadowed", "incomplete", "reference_noise")
 
 
 @dataclass(frozen=True)
 class OpenQuestion:
     """names: of the competing effects; one alone competes with none. models: of each, fitted to the
-    recording with everything else that was named. fit: of the first.
+    recording with everything else that was named, which the others are. fit: of the first.
     """
 
     names: tuple[str, ...]
     models: Mapping[str, Model]
     fit: FittedSelection
+    others: tuple[str, ...] = ()
 
 
 def open_question(
@@ -46,12 +48,13 @@ def open_question(
     if len(names) > 1 and GYROS_ALONE not in names and set(names) <= set(DELAYING):
         others.append(GYROS_ALONE)  # triads may be late unlike each other, whatever makes them late
     fits = {name: fitted_effects(recording, [name, *others]) for name in names}
-    models = {name: _sized(fit, name) for name, fit in fits.items()}
+    models = {name: fit.model for name, fit in fits.items()}
     first = fits[names[0]]
     if len(names) == 1:
+        models = {names[0]: _sized(first, names[0])}
         keys = {key for key in first.model.places if key[0] == names[0]}
         models[NOTHING] = models[names[0]].without(keys)
-    return OpenQuestion(names, models, first)
+    return OpenQuestion(names, models, first, tuple(others))
 
 
 def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
@@ -63,12 +66,14 @@ def _open(explanation: Explanation) -> Iterator[tuple[str, ...]]:
             yield (finding.effect, *finding.indistinguishable)
     for finding in findings:
         if finding.refusal is not None and finding.refusal.kind in SUSPECTED:
-            yield (finding.refusal.name,)
+            name = finding.refusal.name
+            yield (name, HOLDS[name]) if name in HOLDS else (name,)
 
 
 def _sized(fit: FittedSelection, name: str) -> Model:
     """With what the recording determines of the effect; where that is nothing, with the clearest
-    of its parameters as large as its U.
+    of its parameters as large as its U. Of several that compete nobody knows what of each is there:
+    by what they differ is what the recording does not show.
     """
     model = fit.model
     own = [p for key, place in model.places.items() if key[0] == name for p in _range(place)]

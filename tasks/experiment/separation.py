@@ -69,6 +69,21 @@ class UnitNoise:
         )  # fmt: skip
         return block_means(full, self.rate, fewest=1)
 
+    def recording(self, fine: Recording, truth: Model) -> Recording:
+        """What a unit of the true model may record on a motion that was planned, with white noise
+        as it has it at rest. fine: told at FINE_HZ.
+        """
+        readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
+        unit = readings[:: self.every[0]]
+        deviation = np.sqrt(self.full.rest_variance)
+        noisy = unit + np.random.default_rng(0).normal(size=unit.shape) * deviation
+        columns = dict(zip(CHANNELS, noisy.T.copy(), strict=True))
+        return replace(
+            fine,
+            imu=Stream(fine.imu.t[:: self.every[0]], columns),
+            table=fine.table and fine.table.at(slice(None, None, self.every[1])),
+        )
+
     def _as_usual(self, full: FullRate) -> FullRate:
         """With what the unit's recording has besides, as it was there on average: no table moves
         a temperature.

@@ -1,6 +1,7 @@
 """Stage: the shortest recording that would decide what `explain` left open."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +18,8 @@ from storage.home import Home
 from tasks.explain.progress import Progress, silent, tell
 from tasks.stages.stage import stage
 from tasks.words import Message, clauses, message, statement
+
+REHEARSALS = 2  # of a procedure: each may show what else fits it
 
 if TYPE_CHECKING:
     from tasks.experiment.abilities import Abilities
@@ -71,7 +74,7 @@ def _abilities(recording: Recording, station: StationFile | None) -> "Abilities"
 def _answer(
     experiment: "Experiment", question: "OpenQuestion", recording: Recording, order: NextOrder
 ) -> NextRecording:
-    choice = experiment.shortest(order.minutes)
+    choice = _apart_from_rivals(experiment, question, order.minutes)
     repeated = experiment.left_by(question.fit.blocks, question.fit.noises)
     minutes = float(recording.imu.t[-1] - recording.imu.t[0]) / 60.0
     path = _written(choice, order, question) if choice.is_enough else None
@@ -86,6 +89,25 @@ def _answer(
         repeat_of_base=RepeatOfBase(minutes=minutes, delta_chi2=repeated),
         statement=statement(_sentence(question, choice, repeated, minutes, order)),
     )
+
+
+def _apart_from_rivals(
+    experiment: "Experiment", question: "OpenQuestion", minutes: float
+) -> "Choice":
+    """The shortest; for one suspected effect again, where others would fit that recording too."""
+    from tasks.experiment.rehearsal import rivals_of
+
+    choice = experiment.shortest(minutes)
+    if len(question.names) > 1:
+        return choice
+    for _ in range(REHEARSALS):
+        found = rivals_of(choice, experiment, question.names[0], question.others)
+        new = {name: model for name, model in found.items() if name not in experiment.rivals}
+        if not choice.is_enough or not new:
+            break
+        experiment = replace(experiment, rivals={**experiment.rivals, **new})
+        choice = experiment.shortest(minutes)
+    return choice
 
 
 def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Path:

@@ -1,0 +1,40 @@
+"""A proposed recording explained before anything moves: what else would be named in it."""
+
+from collections.abc import Mapping, Sequence
+
+from schemas.base import Unusable
+from schemas.recording import Recording
+from tasks.experiment.choose import Choice, Experiment
+from tasks.experiment.separation import FINE_HZ
+from tasks.experiment.track import planned_recording
+from tasks.explain.explain import explain, fitted_effects
+from tasks.explain.explanation import UNNAMED
+from tasks.model.model import Model
+
+
+def rivals_of(
+    choice: Choice, experiment: Experiment, name: str, others: Sequence[str]
+) -> Mapping[str, Model]:
+    """What `explain` cannot tell from an effect in the proposed recording, or puts in its place,
+    each fitted to it with the effects that are there anyhow.
+    """
+    planned = planned_recording(choice.procedure, experiment.like, FINE_HZ)
+    rehearsed = experiment.noise.recording(planned, experiment.models[name])
+    found: dict[str, Model] = {}
+    for rival in _names_beside(name, rehearsed, others):
+        try:
+            found[rival] = fitted_effects(rehearsed, [rival, *others]).model
+        except Unusable:
+            continue  # it does not show that one by itself
+    return found
+
+
+def _names_beside(name: str, rehearsed: Recording, others: Sequence[str]) -> list[str]:
+    findings = [
+        {one.effect, *one.group, *one.indistinguishable} - {UNNAMED, *others}
+        for one in explain(rehearsed).findings
+    ]
+    own = next((names for names in findings if name in names), None)
+    if own is None:
+        own = next((names for names in findings if names), set())
+    return sorted(own - {name})
