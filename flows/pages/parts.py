@@ -1,8 +1,10 @@
 """Parts that several pages are made of."""
 
 from collections.abc import Sequence
+from urllib.parse import urlencode
 
 import dash_mantine_components as dmc
+from dash import dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
@@ -24,6 +26,11 @@ def table(
         [head, dmc.TableTbody(body)], striped=True, withTableBorder=True, verticalSpacing=4
     )
     return dmc.TableScrollContainer(shown, minWidth=min_width)
+
+
+def link(text: str, path: str, **fields: str) -> Component:
+    """A link to a page with the fields of its question."""
+    return dcc.Link(text, href=f"{path}?{urlencode(fields)}")
 
 
 def facts(pairs: Sequence[tuple[Message, Cell]], view: View) -> Component:

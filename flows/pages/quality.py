@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import Page, View
 from flows.pages.parts import facts, table
+from flows.pages.pictures import picture
 from flows.pages.quality_choices import callbacks, choices
 from flows.pages.quality_data import data
-from flows.pages.quality_pictures import Figure, chart_figure, stations_figure, weeks_figure
+from flows.pages.quality_pictures import chart_figure, stations_figure, weeks_figure
 from flows.pages.states import StepState, badge
 from schemas.pages.quality import (
     CapabilityShown,
@@ -27,8 +27,6 @@ from tasks.words import message
 from tasks.words.quantities import plain, quantities
 from tasks.words.rounding import MINUS, USUAL_K
 from tasks.words.units import unit_text
-
-GRAPH: Any = {"displaylogo": False, "responsive": True}
 
 
 def layout(shown: QualityShown, view: View, question: QualityQuestion) -> Component:
@@ -80,17 +78,9 @@ def _yields(shown: QualityShown, view: View) -> Component:
     ]
     tables = [_yield_table("by-item", [*total, *by_item], view), dmc.Stack(others)]
     return dmc.Stack([
-        _picture("weeks", weeks_figure(shown, view)),
+        picture("quality-weeks", weeks_figure(shown, view)),
         dmc.SimpleGrid(tables, cols={"base": 1, "md": 2}, spacing="md"),
     ])  # fmt: skip
-
-
-def _picture(name: str, figure: Figure) -> Component:
-    """A picture that is drawn once the text stands, in a place of its height."""
-    graph = dcc.Graph(id=f"quality-{name}", figure=figure, config=GRAPH)
-    kept = dcc.Store(id={"type": "quality-kept", "name": name}, data=graph.to_plotly_json())
-    place = dmc.Box(id={"type": "quality-picture", "name": name}, mih=figure["layout"]["height"])
-    return dmc.Box([kept, place])
 
 
 def _of(shown: QualityShown) -> list[Yield]:
@@ -166,7 +156,7 @@ def _chart(chart: ChartShown, shown: QualityShown, view: View) -> list[Component
     about = message(f"pages-quality-about.chart-{chart.plotted}", count=len(chart.points))
     return [
         dmc.Text(view.say(about), size="sm", c="dimmed"),
-        _picture("chart", chart_figure(chart, shown, view)),
+        picture("quality-chart", chart_figure(chart, shown, view)),
         table(headings, rules, view, min_width=320),
     ]
 
@@ -179,7 +169,7 @@ def _stations(stations: Sequence[StationShown], shown: QualityShown, view: View)
     return dmc.Stack([
         dmc.Text(view.say(message("pages-quality-about.stations")), size="sm", c="dimmed"),
         dmc.SimpleGrid(
-            [_picture("stations", figure),
+            [picture("quality-stations", figure),
              table(headings, rows, view, min_width=320)],
             cols={"base": 1, "lg": 2},
         ),

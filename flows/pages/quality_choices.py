@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import dash_mantine_components as dmc
-from dash import MATCH, ClientsideFunction, Dash, Input, Output, State, dcc
+from dash import ClientsideFunction, Dash, Input, Output, State, dcc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
@@ -65,11 +65,6 @@ def callbacks(app: Dash, _: Home) -> None:
         *(Input(f"quality-{name}", "value") for name in ASKED),
         State("quality-asked", "data"),
         prevent_initial_call=True,
-    )
-    app.clientside_callback(
-        ClientsideFunction("quality", "show"),
-        Output({"type": "quality-picture", "name": MATCH}, "children"),
-        Input({"type": "quality-kept", "name": MATCH}, "data"),
     )
     app.clientside_callback(
         ClientsideFunction("quality", "open"),

@@ -18,6 +18,7 @@ from schemas.pages.quality import (
     Yield,
 )
 from storage.catalogue import line_history
+from storage.catalogue.certificates import AS_LEFT
 from storage.home import Home
 from tasks.quality.retests import RETEST_DAYS, first_runs
 from tasks.quality.yields import shares, yields
@@ -75,7 +76,7 @@ def runs_of(home: Home) -> Runs:
     table["day"] = day.fillna(taken)
     table["order"] = np.arange(len(table))
     table = table.sort_values(["day", "order"], kind="stable").reset_index(drop=True)
-    table["adjusted"] = table["purpose"].str.contains(line_history.AS_LEFT, regex=False).eq(True)
+    table["adjusted"] = table["purpose"].str.contains(AS_LEFT, regex=False).eq(True)
     table["valid"] = table["validity"].isin(["valid", "remarks"])
     table["passed"] = table["valid"] & (table["missing"] == 0) & (table["verdict"] == "pass")
     table["first"] = first_runs(table)

@@ -1,19 +1,15 @@
 """The pictures of the quality page, as plotly takes them."""
 
 from collections.abc import Sequence
-from typing import Any
-
-import plotly.io
 
 from flows.pages.page import View
+from flows.pages.pictures import BLUE, GREY, ORANGE, RED, Figure, figure
 from schemas.pages.quality import ChartShown, Plot, QualityShown, StationShown
 from tasks.words import message
 from tasks.words.units import unit_text
 
-BLUE, RED, ORANGE, GREY = "#1c7ed6", "#e03131", "#f08c00", "#868e96"
 CAUSES = {"adjusted": "#ae3ec9", "station": "#0ca678", "equipment": ORANGE}
 MANY = 300  # points, whose order no line between them shows any more
-Figure = dict[str, Any]
 
 
 def weeks_figure(shown: QualityShown, view: View) -> Figure:
@@ -33,7 +29,7 @@ def weeks_figure(shown: QualityShown, view: View) -> Figure:
     total = [_level(100 * shown.total.share, BLUE)] if shown.total else []
     axis = {"title": {"text": view.say(message("pages-quality-by-week"))}, "type": "category",
             "nticks": 12}  # fmt: skip
-    return _figure([trace], view, 280, xaxis=axis, shapes=total,
+    return figure([trace], view, 280, xaxis=axis, shapes=total,
                    yaxis={"ticksuffix": " %", "range": [0, 103]})  # fmt: skip
 
 
@@ -59,7 +55,7 @@ def chart_figure(chart: ChartShown, shown: QualityShown, view: View) -> Figure:
     levels = [_level(chart.centre, GREY), _level(chart.lower, RED), _level(chart.upper, RED)]
     levels += [_level(chart.mean_range, GREY, "y2"), _level(chart.range_limit, RED, "y2")]
     unit = "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
-    return _figure(
+    return figure(
         [values, wrong, ranges, *_causes(chart, view)], view, 520, shapes=levels,
         xaxis={"anchor": "y2", "tickformat": "%Y-%m-%d", "nticks": 8},
         yaxis={"domain": [0.36, 1], "exponentformat": "power",
@@ -83,7 +79,7 @@ def stations_figure(stations: Sequence[StationShown], shown: QualityShown, view:
         "hovertemplate": "%{x}: %{y:.4g}<extra></extra>",
     }  # fmt: skip
     unit = "" if shown.unit == "1" else f" ({unit_text(shown.unit)})"
-    return _figure([trace], view, 320, shapes=[_level(0.0, GREY)], xaxis={"type": "category"},
+    return figure([trace], view, 320, shapes=[_level(0.0, GREY)], xaxis={"type": "category"},
                    yaxis={"exponentformat": "power",
             "title": {"text": f"{shown.symbol}{unit}"}})  # fmt: skip
 
@@ -118,9 +114,3 @@ def _level(y: float, color: str, axis: str = "y") -> Figure:
         "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": y, "y1": y,
         "line": {"color": color, "width": 1, "dash": "dot"},
     }  # fmt: skip
-
-
-def _figure(traces: Sequence[Figure], view: View, height: int, **layout: Any) -> Figure:
-    template = plotly.io.templates[view.figure_template].to_plotly_json()
-    usual = {"margin": {"t": 20, "r": 20, "l": 70, "b": 50}, "height": height, "showlegend": False}
-    return {"data": list(traces), "layout": {"template": template, **usual, **layout}}

@@ -1,6 +1,6 @@
 """The pages, in the order in which the navigation shows them."""
 
-from flows.pages import budget, do, line, quality, run, runs, signals
+from flows.pages import budget, do, line, quality, run, runs, signals, unit
 from flows.pages.page import Page
 
 PAGES: tuple[Page, ...] = (
@@ -9,6 +9,7 @@ PAGES: tuple[Page, ...] = (
     run.PAGE,
     signals.PAGE,
     budget.PAGE,
+    unit.PAGE,
     quality.PAGE,
     do.PAGE,
 )

@@ -8,10 +8,10 @@ from dash.development.base_component import Component
 
 from flows.pages import budget, signals
 from flows.pages.page import Page, View, parameters
-from flows.pages.parts import facts, table
+from flows.pages.parts import facts, link, table
 from flows.pages.preferences import view_of_request
 from flows.pages.run_data import data
-from flows.pages.run_lineage import certificates, lineage, log
+from flows.pages.run_lineage import certificate_table, lineage, log
 from flows.pages.states import (
     badge,
     certificate_state,
@@ -35,7 +35,7 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
         "items": _items(shown, view),
         "segments": _segments(shown, view),
         "signals": signals.section(shown.run.id, view),
-        "certificate": certificates(shown, view),
+        "certificate": certificate_table(shown.certificates, view),
         "log": log(shown, view),
         "lineage": lineage(shown, view),
     }
@@ -59,10 +59,11 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
 
 def _facts(shown: RunShown, view: View) -> Component:
     run = shown.run
+    unit = f"{run.manufacturer} {run.model} {run.serial}"
     return facts(
         [
             (message("pages-column-id"), run.id),
-            (message("pages-column-serial"), f"{run.manufacturer} {run.model} {run.serial}"),
+            (message("pages-column-serial"), link(unit, "/unit", id=str(run.unit))),
             (message("pages-column-station"), run.station),
             (message("pages-column-recorded-on"), str(run.recorded_on or f"{run.taken_in_at:%F}")),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),

@@ -53,7 +53,7 @@ def data(question: RunQuestion, home: Home) -> RunShown:
         elements=tuple(_elements(made, _limits(printing, home))) if made else (),
         unavailable=_unavailable(made) if made else {},
         limits_of=printing.number if printing else None,
-        certificates=tuple(map(_certificate, entries)),
+        certificates=tuple(map(certificate_shown, entries)),
         log=_log(manifest),
         settings=made.settings if made else {},
         results=tuple(
@@ -65,7 +65,8 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     )
 
 
-def _certificate(entry: Entry) -> CertificateShown:
+def certificate_shown(entry: Entry) -> CertificateShown:
+    """A line of the register as pages show it."""
     return CertificateShown(**entry.model_dump(include=set(CertificateShown.model_fields)))
 
 

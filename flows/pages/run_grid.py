@@ -39,7 +39,7 @@ WORDED = {  # columns of states: their filter is on the words that are shown
 
 
 def columns(view: View) -> list[dict[str, Any]]:
-    """The columns of the grid; `State` and `RunLink` are renderers in assets/grid.js."""
+    """The columns of the grid; `State` and the links are renderers in assets/grid.js."""
 
     def column(name: str, width: int, kind: str = "Text", **more: Any) -> dict[str, Any]:
         heading = view.say(message(f"pages-column-{name.replace('_', '-')}"))
@@ -56,7 +56,7 @@ def columns(view: View) -> list[dict[str, Any]]:
         column("recorded_on", 140, "Date"),
         column("station", 120),
         column("model", 120),
-        column("serial", 120),
+        column("serial", 120, cellRenderer="UnitLink"),
         state("validity"),
         state("result", filter=False, floatingFilter=False, sortable=False),
         state("verdict"),

@@ -1,30 +1,34 @@
 """Certificates, log and lineage of a run."""
 
+from collections.abc import Sequence
+
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
 from flows.pages.page import View
-from flows.pages.parts import facts, table
+from flows.pages.parts import facts, link, table
 from flows.pages.states import badge, certificate_state
-from schemas.pages.run import RunShown
+from schemas.pages.run import CertificateShown, RunShown
 from tasks.words import message
 
 
-def certificates(shown: RunShown, view: View) -> Component:
-    """Every certificate on which the run stands, with its PDF."""
+def certificate_table(shown: Sequence[CertificateShown], view: View) -> Component:
+    """Certificates, each with its PDF and the run that it stands on."""
+    if not shown:
+        return dmc.Text(view.say(message("pages-certificates-none")))
     names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
     rows = [
         (
             dmc.Anchor(each.number, href=f"/certificate/{each.number}.pdf", refresh=True),
             badge(certificate_state(each.state), view),
             view.say(message(f"conformity-verdict.{each.verdict}")),
-            each.result,
+            link(each.result, "/run", id=each.run),
             str(each.calibrated_on or "–"),
             str(each.issued_on),
-            str(each.due),
+            str(each.due or "–"),
             each.why,
         )
-        for each in shown.certificates
+        for each in shown
     ]
     return table([message(f"pages-certificate-column.{name}") for name in names], rows, view)
 

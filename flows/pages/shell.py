@@ -9,6 +9,7 @@ from dash.development.base_component import Component
 from flask_wtf.csrf import generate_csrf
 from pydantic import ValidationError
 
+from flows.pages import asked, pictures
 from flows.pages.access import fault
 from flows.pages.page import Page, View, parameters
 from flows.pages.preferences import view_of_request
@@ -121,6 +122,8 @@ def add_callbacks(app: Dash, home: Home) -> None:
         Input("theme", "value"),
         prevent_initial_call=True,
     )
+    asked.callbacks(app)
+    pictures.callbacks(app)
     for page in PAGES:
         if page.callbacks is not None:
             page.callbacks(app, home)

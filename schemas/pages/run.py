@@ -67,10 +67,11 @@ class CertificateShown(Frozen):
     number: str
     state: State
     verdict: Verdict
+    run: str
     result: str
     calibrated_on: date | None
     issued_on: date
-    due: date
+    due: date | None
     supersedes: str | None
     why: str | None
 

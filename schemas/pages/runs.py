@@ -62,13 +62,15 @@ class RunsQuestion(Frozen):
 class RunLine(Frozen):
     """A run with the state of its steps; null: that step was not taken.
 
-    result, method, made_at: the result made last; validity: its verdict on the run; missing: how
-    many elements it could not determine. fault: why the last re-processing failed. certificate
-    (a draft's key before its issue), state, verdict, due: of the certificate kept last.
+    unit: the unit's number in the catalogue. result, method, made_at: the result made last;
+    validity: its verdict on the run; missing: how many elements it could not determine. fault: why
+    the last re-processing failed. certificate (a draft's key before its issue), state, verdict,
+    due: of the certificate kept last.
     """
 
     id: str
     recording_id: str
+    unit: int
     manufacturer: str
     model: str
     serial: str

@@ -1,6 +1,7 @@
 """The register of certificates: what it says of each, their records, and when units come back."""
 
 from datetime import date
+from typing import Any
 
 import sqlalchemy as sql
 from pydantic import ValidationError
@@ -11,6 +12,8 @@ from schemas.decision import Verdict
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run
 from storage.home import Home
+
+AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted before the run
 
 
 class Entry(Frozen):
@@ -50,12 +53,15 @@ class Entry(Frozen):
 
 
 class Due(Frozen):
-    """A unit that comes back for recalibration."""
+    """A unit that comes back for recalibration. key: its number in the catalogue."""
 
     unit: str
+    key: int
+    model: str
     certificate: str
     due: date
     state: State
+    record: str
 
 
 def standards_of(certificate: Certificate) -> list[lineage.Used]:
@@ -74,19 +80,33 @@ def register(home: Home) -> list[Entry]:
 
 def of_run(run: Run, home: Home) -> list[Entry]:
     """The certificates on which a run stands, as found or as left."""
-    unit = (run.manufacturer, run.model, run.serial)
-    entries = register(home)
-    of_unit = [e for e in entries if (e.manufacturer, e.model, e.serial) == unit]
-    return [entry for entry in of_unit if run.id in (entry.run, found_of(entry, home))]
+    unit = tables.units.c
+    is_unit = sql.and_(
+        unit.manufacturer == run.manufacturer, unit.model == run.model, unit.serial == run.serial
+    )
+    entries = _register(home, is_unit)
+    return [entry for entry in entries if run.id in (entry.run, found_of(entry, home))]
+
+
+def of_unit(unit: int, home: Home) -> list[Entry]:
+    """The certificates of a unit, by its number in the catalogue."""
+    return _register(home, tables.certificates.c.unit == unit)
 
 
 def found_of(entry: Entry, home: Home) -> str | None:
     """The run as found of a certificate; None for a record that cannot be read, too."""
+    if not may_be_as_left(entry):
+        return None
     try:
         found = record_of(entry, home).as_found
     except Unusable:
         return None
     return found.calibration.run if found else None
+
+
+def may_be_as_left(entry: Entry) -> bool:
+    """Whether a record may hold what was found before an adjustment; its purpose says so."""
+    return entry.purpose is None or AS_LEFT in entry.purpose.split()
 
 
 def find(number: str, home: Home) -> Certificate:
@@ -118,22 +138,36 @@ def record_of(entry: Entry, home: Home) -> Certificate:
 def due(home: Home, until: date) -> list[Due]:
     """Units whose newest issued certificate falls due by a day, the longest overdue first.
 
-    Newest: by the day of calibration (of issue, where that is unknown), then of issue. Neither
-    drafts count nor what was amended or withdrawn, and one without an agreed date is due never.
+    Neither drafts count nor what was amended or withdrawn, and one without an agreed date is due
+    never.
     """
-    newest: dict[tuple[str, str, str], Entry] = {}
-    for entry in sorted(_register(home, tables.certificates.c.state == "issued"), key=_age):
-        newest[entry.manufacturer, entry.model, entry.serial] = entry
     lines = [
-        Due(unit=" ".join(unit), certificate=entry.number, due=entry.due, state=entry.state)
-        for unit, entry in newest.items()
-        if entry.due and entry.due <= until
-    ]
+        Due(
+            unit=f"{row.manufacturer} {row.model} {row.serial}", key=row.unit, model=row.model,
+            certificate=row.number, due=row.due, state=row.state, record=row.record,
+        )
+        for row in newest_issued(home).values()
+        if row.due and row.due <= until
+    ]  # fmt: skip
     return sorted(lines, key=lambda line: (line.due, line.unit))
 
 
-def _age(entry: Entry) -> tuple[date, date]:
-    return entry.calibrated_on or entry.issued_on, entry.issued_on
+def newest_issued(
+    home: Home, which: sql.ColumnElement[bool] | None = None
+) -> dict[int, sql.Row[Any]]:
+    """The newest issued certificate of each unit, by the unit's number in the catalogue.
+
+    Newest: by the day of calibration (of issue, where that is unknown), then of issue. which: a
+    condition on `certificates` and `units`.
+    """
+    paper, unit = tables.certificates.c, tables.units.c
+    age = sql.func.coalesce(paper.calibrated_on, paper.issued_on), paper.issued_on
+    columns = (paper.unit, paper.number, paper.state, paper.verdict, paper.due, paper.record)
+    asked = sql.select(*columns, unit.manufacturer, unit.model, unit.serial).join_from(
+        tables.certificates, tables.units
+    )
+    issued = asked.where(paper.state == "issued", sql.true() if which is None else which)
+    return {row.unit: row for row in database.rows(home, issued.order_by(*age, paper.kept_at))}
 
 
 def _register(home: Home, which: sql.ColumnElement[bool]) -> list[Entry]:

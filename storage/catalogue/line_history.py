@@ -15,7 +15,6 @@ from storage.home import Home
 
 RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c
 PAPER, DECIDED, ELEMENT = tables.certificates.c, tables.decisions.c, tables.elements.c
-AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted before the run
 Rows = list[tuple[Any, ...]]  # in the order of the fields that are named
 
 

@@ -35,6 +35,7 @@ FAULT = _last(tables.reprocessed, "fault", "done_at")
 COLUMNS: dict[str, sql.ColumnElement[Any]] = {
     **{name: RUN[name] for name in ("id", "recording_id", "station", "procedure", "standard")},
     **{name: RUN[name] for name in ("recorded_on", "taken_in_at", "seconds")},
+    "unit": UNIT.id,
     **{name: UNIT[name] for name in ("manufacturer", "model", "serial")},
     **{name: MADE[name] for name in ("result", "method", "made_at", "missing")},
     "validity": MADE.verdict,

@@ -1,5 +1,6 @@
 """Stage: advice on the interval of recalibration of a unit, from its own certificates."""
 
+from collections.abc import Sequence
 from datetime import date
 from itertools import pairwise
 
@@ -14,16 +15,20 @@ from tasks.words import Message, message
 def interval_advice(serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
     """The unit, its agreed interval in days, and the advice on it.
 
-    Counted are the intervals between issued certificates whose day of calibration is known; as
-    found, where the unit was adjusted. What was inconclusive says nothing of its interval.
     Raises Unusable for a serial number without such a certificate, of several products, or
     whose last certificate has no agreed date.
     """
-    entries = [
-        entry
-        for entry in certificates.register(home)
-        if entry.serial == serial and entry.state == "issued" and entry.calibrated_on
-    ]
+    entries = [entry for entry in certificates.register(home) if entry.serial == serial]
+    return advice_by(entries, serial, home)
+
+
+def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, int, IntervalAdvice]:
+    """The same by the certificates of a unit.
+
+    Counted are the intervals between issued certificates whose day of calibration is known; as
+    found, where the unit was adjusted. What was inconclusive says nothing of its interval.
+    """
+    entries = [entry for entry in of_unit if entry.state == "issued" and entry.calibrated_on]
     units = {f"{entry.manufacturer} {entry.model} {entry.serial}" for entry in entries}
     if len(units) != 1:
         found = "there is none" if not units else f"{' and '.join(sorted(units))} have"
@@ -66,5 +71,7 @@ def _day(entry: Entry) -> date:
 
 def _verdict_found(entry: Entry, home: Home) -> str:
     """The verdict on the unit as it came."""
+    if not certificates.may_be_as_left(entry):
+        return entry.verdict
     record = certificates.record_of(entry, home)
     return (record.as_found or record).decision.verdict

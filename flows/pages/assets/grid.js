@@ -5,6 +5,11 @@ window.dashAgGridComponentFunctions = Object.assign(window.dashAgGridComponentFu
         const kind = cell.data[`${cell.colDef.field}_kind`];
         return React.createElement('span', {className: `state state-${kind}`}, cell.value);
     },
+    UnitLink: function (cell) {
+        if (!cell.data) return null;
+        const href = `/unit?id=${encodeURIComponent(cell.data.unit)}`;
+        return React.createElement(window.dash_core_components.Link, {href}, cell.value);
+    },
     RunLink: function (cell) {
         if (!cell.data) return null;
         const href = `/run?id=${encodeURIComponent(cell.value)}`;

@@ -12,10 +12,6 @@ window.dash_clientside = Object.assign({}, window.dash_clientside, {
             const given = Object.entries(chosen).filter(([, value]) => value);
             return '?' + new URLSearchParams(given).toString();
         },
-        // Pictures after the text: numbers are read before plotly has drawn anything.
-        show: function (picture) {
-            return new Promise((resolve) => requestAnimationFrame(() => setTimeout(() => resolve(picture), 100)));
-        },
         open: function (click) {
             const run = click && click.points[0].customdata;
             if (!run) return window.dash_clientside.no_update;

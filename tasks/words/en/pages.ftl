@@ -347,3 +347,69 @@ pages-quality-state =
     .off = more than U
     .within = within U
     .open = not determined
+
+## Unit
+
+pages-unit = Units
+    .about = Every coefficient of a unit over the years, its drift, its certificates and when it is due
+pages-unit-count = { $count ->
+    [one] { $count } unit
+   *[other] { $count } units
+}
+pages-unit-no-result = No run of this unit has a result yet.
+pages-unit-interval = Interval of recalibration
+pages-unit-item = Item
+pages-unit-not-adjusted = No certificate says that the unit was adjusted, so every value is as found.
+pages-unit-drift-about = Weighted least squares over all valid runs; an adjustment moves the level and leaves the slope. U (k = 2) is the larger of what the stated U of the values and what their scatter about the line give.
+pages-unit-column =
+    .serial = Serial number
+    .model = Model
+    .manufacturer = Manufacturer
+    .runs = Runs
+    .last-run = Last run
+    .certificate = Certificate
+    .verdict = Verdict
+    .due = Next due
+pages-unit-limits =
+    .certificate = Bars are U, dotted lines the limits of certificate { $certificate }.
+    .document = Bars are U, dotted lines the limits of { $document }.
+    .none = Bars are U; no certificate and no tolerance file has limits for this unit.
+pages-unit-state =
+    .found = as found
+    .left = as left after an adjustment
+    .invalid = of an invalid run
+pages-unit-heading =
+    .drift = Values and drift
+    .adjustments = As found and as left
+    .certificates = Certificates
+pages-unit-drift =
+    .item = Item
+    .symbol = Symbol
+    .value = Last valid value
+    .limits = Limits
+    .drift = Drift in a year
+    .readings = Values
+    .state = Beside U
+pages-unit-drifts =
+    .yes = drifts
+    .no = within U
+    .open = not determined
+pages-unit-adjustment =
+    .day = Run after the adjustment
+    .symbol = Symbol
+    .found = As found
+    .left = As left
+    .run-found = Run as found
+    .run-left = Run as left
+pages-certificates-none = There is no certificate yet.
+pages-due-state =
+    .none = no date agreed
+    .overdue = { $days ->
+        [one] { $days } day overdue
+       *[other] { $days } days overdue
+    }
+    .in = { $days ->
+        [0] today
+        [one] in { $days } day
+       *[other] in { $days } days
+    }

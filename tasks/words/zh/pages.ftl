@@ -346,3 +346,62 @@ pages-quality-state =
     .off = 超过 U
     .within = 在 U 之内
     .open = 未确定
+
+## 器件
+
+pages-unit = 器件
+    .about = 一台器件历年的各项系数、漂移、证书及下次校准日期
+pages-unit-count = 共 { $count } 台器件
+pages-unit-no-result = 此器件尚无带结果的测量记录。
+pages-unit-interval = 复校间隔
+pages-unit-item = 项目
+pages-unit-not-adjusted = 没有证书表明此器件经过调整，故各值均为调整前（送检状态）的值。
+pages-unit-drift-about = 对全部有效测量作加权最小二乘；调整只改变水平，不改变斜率。U（k = 2）取各值所声明的 U 与其对直线的离散所给出者中较大的一个。
+pages-unit-column =
+    .serial = 编号
+    .model = 型号
+    .manufacturer = 制造商
+    .runs = 测量次数
+    .last-run = 最近测量
+    .certificate = 证书
+    .verdict = 结论
+    .due = 下次校准
+pages-unit-limits =
+    .certificate = 误差棒为 U，点线为证书 { $certificate } 的限值。
+    .document = 误差棒为 U，点线为 { $document } 的限值。
+    .none = 误差棒为 U；没有证书或限值文件给出此器件的限值。
+pages-unit-state =
+    .found = 送检状态
+    .left = 调整后
+    .invalid = 无效测量
+pages-unit-heading =
+    .drift = 数值与漂移
+    .adjustments = 调整前与调整后
+    .certificates = 证书
+pages-unit-drift =
+    .item = 项目
+    .symbol = 符号
+    .value = 最近有效值
+    .limits = 限值
+    .drift = 年漂移
+    .readings = 值数
+    .state = 与 U 相比
+pages-unit-drifts =
+    .yes = 有漂移
+    .no = 在 U 之内
+    .open = 未确定
+pages-unit-adjustment =
+    .day = 调整后首次测量
+    .symbol = 符号
+    .found = 调整前
+    .left = 调整后
+    .run-found = 调整前的测量
+    .run-left = 调整后的测量
+pages-certificates-none = 尚无证书。
+pages-due-state =
+    .none = 未约定日期
+    .overdue = 已逾期 { $days } 天
+    .in = { $days ->
+        [0] 今天
+       *[other] { $days } 天后
+    }

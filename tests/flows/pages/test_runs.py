@@ -21,7 +21,7 @@ from storage.home import Home
 from tests.drafts import draft, recording_of
 
 LINE = RunLine(
-    id="r1", recording_id="run", manufacturer="M", model="U", serial="1", station="T1",
+    id="r1", recording_id="run", unit=1, manufacturer="M", model="U", serial="1", station="T1",
     procedure=None, standard="other", recorded_on=date(2026, 1, 2),
     taken_in_at=datetime(2026, 1, 2, tzinfo=UTC), seconds=3.0, result="c1", method="jjf2003",
     made_at=None, validity="valid", missing=0, fault=None, certificate="A-1", state="issued",

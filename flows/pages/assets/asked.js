@@ -1,0 +1,17 @@
+// A control of a page writes what it asks for into the address, which the server answers.
+window.dash_clientside = Object.assign({}, window.dash_clientside, {
+    asked: {
+        ask: function (values, ids, search) {
+            const asked = new URLSearchParams(search);
+            let changed = false;
+            ids.forEach((id, i) => {
+                const value = String(values[i] ?? '');
+                if (value === id.was) return;
+                changed = true;
+                if (value) asked.set(id.asks, value);
+                else asked.delete(id.asks);
+            });
+            return changed ? '?' + asked.toString() : window.dash_clientside.no_update;
+        },
+    },
+});

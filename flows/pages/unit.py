@@ -1,0 +1,200 @@
+"""Unit: every coefficient of a unit over the years, its drift, certificates and next due."""
+
+from typing import Any
+
+import dash_ag_grid as dag
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.asked import asks
+from flows.pages.due_states import due_state
+from flows.pages.grid import GRID_OPTIONS, locale
+from flows.pages.page import Page, View
+from flows.pages.parts import facts, link, table
+from flows.pages.pictures import picture
+from flows.pages.run_lineage import certificate_table
+from flows.pages.states import StepState, badge
+from flows.pages.unit_data import data
+from flows.pages.unit_pictures import history_figure
+from schemas.pages.unit import DriftShown, ElementHistory, UnitLine, UnitQuestion, UnitShown
+from tasks.conformity.limits import interval_text
+from tasks.words import message
+from tasks.words.quantities import quantity
+from tasks.words.rounding import exact
+from tasks.words.units import unit_text
+
+
+def layout(shown: UnitShown, view: View, question: UnitQuestion) -> Component:
+    """One unit where it is named, else the list."""
+    if shown.unit is None:
+        return _list(shown, view)
+    parts = [_facts(shown.unit, view), _advice(shown, view)]
+    if shown.elements:
+        parts += [_choice(shown, view), *_history(shown, view)]
+    else:
+        parts.append(dmc.Text(view.say(message("pages-unit-no-result"))))
+    return dmc.Stack(
+        [*parts, _heading("certificates", view), certificate_table(shown.certificates, view)]
+    )
+
+
+def _list(shown: UnitShown, view: View) -> Component:
+    names = ("serial", "model", "manufacturer", "runs", "last-run", "certificate", "verdict", "due")
+    columns = [_column(name, view) for name in names]
+    grid = dag.AgGrid(
+        id="units",
+        columnDefs=columns,
+        rowData=[_row(each, view) for each in shown.units],
+        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 100,
+                       "floatingFilter": True, "filter": True},
+        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
+        style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
+    )  # fmt: skip
+    count = message("pages-unit-count", count=shown.total)
+    return dmc.Stack([dmc.Text(view.say(count)), grid], gap="xs")
+
+
+def _column(name: str, view: View) -> dict[str, Any]:
+    kind = {"runs": "agNumberColumnFilter"}.get(name, "agTextColumnFilter")
+    return {
+        "field": name, "headerName": view.say(message(f"pages-unit-column.{name}")), "filter": kind,
+        **({"cellRenderer": "UnitLink"} if name == "serial" else {}),
+        **({"cellRenderer": "State"} if name in ("verdict", "due") else {}),
+    }  # fmt: skip
+
+
+def _row(line: UnitLine, view: View) -> dict[str, Any]:
+    verdict, due = _verdict(line), due_state(line.due)
+    return {
+        "unit": line.id, "serial": line.serial, "model": line.model, "runs": line.runs,
+        "manufacturer": line.manufacturer, "last-run": line.last_run and str(line.last_run),
+        "certificate": line.certificate, "verdict": view.say(verdict.words),
+        "verdict_kind": verdict.kind, "due": str(line.due or "–"), "due_kind": due.kind,
+    }  # fmt: skip
+
+
+def _verdict(line: UnitLine) -> StepState:
+    if line.verdict is None:
+        return StepState(message("pages-verdict-missing"), "none")
+    kinds: Any = {"pass": "good", "fail": "bad", "inconclusive": "open"}
+    return StepState(message(f"conformity-verdict.{line.verdict}"), kinds[line.verdict])
+
+
+def _facts(line: UnitLine, view: View) -> Component:
+    due = due_state(line.due)
+    runs = link(str(line.runs), "/runs", manufacturer=line.manufacturer, model=line.model,
+                serial=line.serial)  # fmt: skip
+    return facts(
+        [
+            (message("pages-unit-column.manufacturer"), line.manufacturer),
+            (message("pages-unit-column.model"), line.model),
+            (message("pages-unit-column.serial"), line.serial),
+            (message("pages-unit-column.runs"), runs),
+            (message("pages-unit-column.last-run"), str(line.last_run or "–")),
+            (message("pages-unit-column.certificate"), line.certificate),
+            (message("pages-unit-column.verdict"), badge(_verdict(line), view)),
+            (
+                message("pages-unit-column.due"),
+                dmc.Group([dmc.Text(str(line.due or "–")), badge(due, view)], gap="xs"),
+            ),
+        ],
+        view,
+    )
+
+
+def _advice(shown: UnitShown, view: View) -> Component:
+    sentence = view.say(shown.advice) if shown.advice else shown.why_no_advice or ""
+    name = dmc.Text(view.say(message("pages-unit-interval")), size="xs", c="dimmed")
+    return dmc.Box([name, dmc.Text(sentence, size="sm")])
+
+
+def _choice(shown: UnitShown, view: View) -> Component:
+    titles = {each.item: view.say(each.title) for each in shown.elements}
+    return dmc.Select(
+        id=asks("item", shown.item), label=view.say(message("pages-unit-item")),
+        data=[{"value": item, "label": title} for item, title in titles.items()],
+        value=shown.item, allowDeselect=False, searchable=True, maw=480,
+    )  # fmt: skip
+
+
+def _history(shown: UnitShown, view: View) -> list[Component]:
+    of_item = [each for each in shown.elements if each.item == shown.item]
+    if shown.limits_of:
+        limits = message("pages-unit-limits.certificate", certificate=shown.limits_of)
+    elif shown.limits_by:
+        limits = message("pages-unit-limits.document", document=shown.limits_by)
+    else:
+        limits = message("pages-unit-limits.none")
+    return [
+        dmc.Text(view.say(limits), size="sm", c="dimmed"),
+        picture("unit-history", history_figure(of_item, view)),
+        _heading("drift", view),
+        dmc.Text(view.say(message("pages-unit-drift-about")), size="sm", c="dimmed"),
+        _drifts(shown, view),
+        _heading("adjustments", view),
+        _adjustments(of_item, view),
+    ]
+
+
+def _heading(name: str, view: View) -> Component:
+    return dmc.Title(view.say(message(f"pages-unit-heading.{name}")), order=3, mt="sm")
+
+
+def _drifts(shown: UnitShown, view: View) -> Component:
+    names = ("item", "symbol", "value", "limits", "drift", "readings", "state")
+    headings = [message(f"pages-unit-drift.{name}") for name in names]
+    return table(headings, [_element(each, view) for each in shown.elements], view)
+
+
+def _element(of: ElementHistory, view: View) -> tuple[Any, ...]:
+    found = of.drift
+    return (
+        view.say(of.title),
+        of.symbol,
+        None if of.value is None else quantity(of.value, of.U, of.unit),
+        _limits(of),
+        found and quantity(found.per_year, found.U, of.unit),
+        found and str(found.readings),
+        badge(_drift_state(found), view),
+    )
+
+
+def _limits(of: ElementHistory) -> str | None:
+    if of.lower is None and of.upper is None:
+        return None
+    lower, upper = (
+        None if edge is None else exact(float(f"{edge:.9g}")) for edge in (of.lower, of.upper)
+    )
+    unit = "" if of.unit == "1" else f" {unit_text(of.unit)}"
+    return interval_text(lower, upper) + unit
+
+
+def _drift_state(found: DriftShown | None) -> StepState:
+    if found is None:
+        return StepState(message("pages-unit-drifts.open"), "none")
+    drifts = abs(found.per_year) > found.U
+    return StepState(message(f"pages-unit-drifts.{'yes' if drifts else 'no'}"),
+                     "open" if drifts else "good")  # fmt: skip
+
+
+def _adjustments(of_item: list[ElementHistory], view: View) -> Component:
+    rows = [
+        (
+            str(each.left.day),
+            element.symbol,
+            each.found.value is not None and quantity(each.found.value, each.found.U, element.unit),
+            each.left.value is not None and quantity(each.left.value, each.left.U, element.unit),
+            link(each.found.run, "/run", id=each.found.run),
+            link(each.left.run, "/run", id=each.left.run),
+        )
+        for element in of_item
+        for each in element.adjustments
+    ]
+    if not rows:
+        return dmc.Text(view.say(message("pages-unit-not-adjusted")), size="sm")
+    names = ("day", "symbol", "found", "left", "run-found", "run-left")
+    headings = [message(f"pages-unit-adjustment.{name}") for name in names]
+    return table(headings, [tuple(cell or None for cell in row) for row in rows], view)
+
+
+PAGE = Page("unit", UnitQuestion, UnitShown, data, layout)
