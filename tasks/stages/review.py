@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from schemas.base import Unusable
-from schemas.orders import ReviewOrder, Selection
+from schemas.orders import ReviewOrder, Selection, order_of
 from schemas.review import Review, Skipped
 from storage.catalogue import runs
 from storage.catalogue.listing import Run
@@ -66,7 +66,8 @@ def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
     """The runs of the order's paths, each once, else of its selection; and what is no recording."""
     if not order.paths:
         fields = ("since", "until", "model", "serial", "station")
-        return select(Selection(**{name: getattr(order, name) for name in fields}), home), []
+        asked = {name: getattr(order, name) for name in fields}
+        return select(order_of(Selection, **asked), home), []
     found, skipped = dict[str, Run](), []
     for path in (path for named in order.paths for path in _recordings(named)):
         try:

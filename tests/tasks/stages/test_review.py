@@ -1,5 +1,6 @@
 """Stage: recordings of a folder are taken in, and their statistics made once and kept."""
 
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -41,3 +42,9 @@ def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> Non
 def test_a_store_without_runs_has_nothing_to_review(tmp_path: Path) -> None:
     with pytest.raises(Unusable, match="2 runs or more, and 0"):
         review_runs(ReviewOrder(), Home(tmp_path), nothing)
+
+
+def test_dates_the_wrong_way_round_are_one_sentence(tmp_path: Path) -> None:
+    order = ReviewOrder(since=date(2027, 1, 1), until=date(2026, 1, 1))
+    with pytest.raises(Unusable, match="--since 2027-01-01 is after --until 2026-01-01"):
+        review_runs(order, Home(tmp_path), nothing)
