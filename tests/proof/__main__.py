@@ -107,6 +107,12 @@ def main(
             "--next", metavar="N", min=1, help="Nothing but N open cases and what decides them."
         ),
     ] = None,
+    next_on_station: Annotated[
+        float | None,
+        typer.Option(
+            metavar="MINUTES", min=1, help="Nothing but what decides on the virtual station."
+        ),
+    ] = None,
     issue: Annotated[
         int | None,
         typer.Option(

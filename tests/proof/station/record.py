@@ -24,7 +24,7 @@ def recording_of(case: Case) -> Recording:
     with TemporaryDirectory() as folder:
         path = Path(folder) / "run.mcap"
         with RawWriter(path) as sink:
-            _station(case).acquire(_shortened(case.procedure), sink)
+            _station(case).acquire(shortened(case.procedure), sink)
         made = read_mcap(path)
     stamps = np.round(made.imu.t + case.delay_s, 9)
     name = f"station_{case.name}"
@@ -38,7 +38,7 @@ def _station(case: Case) -> InMemoryStation:
     return InMemoryStation(case.station, SPEED)
 
 
-def _shortened(name: str) -> Procedure:
+def shortened(name: str) -> Procedure:
     values = procedures.load(name).model_dump()
     steps = [
         step | ({"dwell_s": min(step["dwell_s"], DWELL_S)} if "dwell_s" in step else {})
