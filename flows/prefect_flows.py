@@ -273,6 +273,13 @@ def _show_review(reviewed: Reviewed) -> None:
         ],
         description=review.statement.en,
     )  # fmt: skip
+    create_table_artifact(
+        key="review-touched",
+        table=[
+            {"effect": f.effect, **each.model_dump()} for f in review.findings for each in f.touched
+        ][:MOST_ROWS],
+        description="Elements of certificates that these effects move, in their U",
+    )
 
 
 def _show_items(calibration: Calibration) -> None:

@@ -42,6 +42,7 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     from tasks.review.run import reviewed_runs
     from tasks.review.search import search
     from tasks.stages.statistics import kept_statistics, make_statistics
+    from tasks.stages.touched import with_certificates
 
     out = report_folder(order.out)
     chosen, skipped = _chosen(order, home)
@@ -57,7 +58,9 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
         raise Unusable(_too_few(len(usable), skipped))
     named = reviewed_runs(manifests)
     pool = pooled([(named[run], each) for run, each in usable.items()])
-    review = review_of(pool, *search(pool), skipped)
+    found_together, p_value = search(pool)
+    review = review_of(pool, found_together, p_value, skipped)
+    review = with_certificates(review, found_together, {run.id: run for run in chosen}, home)
     review = review.model_copy(update={"code_version": code_version()})
     return Reviewed(review, () if out is None else (_write(review, out),))
 

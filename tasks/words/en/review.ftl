@@ -23,6 +23,8 @@ review-changed =
 review-deciding-run =
     .unit = these runs do not tell { $unit } from { $station }: a run of the unit on another station would, or one of another unit on this station
     .other = these runs do not tell { $carrier } from { $other }: a run of one of them without the other would
+review-touches = certificates on these runs that print what it moves: { $count } of { $looked }; most of all { $certificate }, { $element } by { $times } U
+review-touches-none = nothing that the certificates on these runs print ({ $looked }) is moved by more than 0.05 U
 review-other-names = as likely here: { $names }
 review-separated-by = what would separate them: { $recording }
 review-site = { $station }: estimated from Earth's rotation in { $runs } runs, as no manifest gives it: latitude { $latitude } north or south, heading { $heading } (k = 2)

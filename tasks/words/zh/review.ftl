@@ -17,6 +17,8 @@ review-changed =
 review-deciding-run =
     .unit = 这些运行无法区分{ $unit }与{ $station }：将该器件置于另一工位，或将另一器件置于该工位运行一次，即可区分
     .other = 这些运行无法区分{ $carrier }与{ $other }：仅涉及其中之一的一次运行即可区分
+review-touches = 依据这些运行的 { $looked } 份证书中有 { $count } 份所载数值受其影响；影响最大的是 { $certificate }：{ $element }改变 { $times } U
+review-touches-none = 依据这些运行的证书（{ $looked } 份）所载数值改变均不超过 0.05 U
 review-other-names = 此处同样可能的是：{ $names }
 review-separated-by = 可将其区分的测试：{ $recording }
 review-site = { $station }：各清单均未给出，由 { $runs } 次运行中的地球自转估计：纬度 { $latitude }（北纬或南纬），航向 { $heading }（k = 2）
