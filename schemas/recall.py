@@ -54,10 +54,12 @@ class RecallFile(Frozen):
 class Recalled(Frozen):
     """A unit that comes back, with the issued certificate whose agreed interval says when.
 
-    client, laboratory: the name in English and in Chinese.
+    key: the unit's number in the catalogue. client, laboratory: the name in English and in Chinese.
     """
 
     unit: str
+    key: int
+    model: str
     certificate: str
     issued_on: date
     due: date

@@ -1,6 +1,6 @@
 """The pages, in the order in which the navigation shows them."""
 
-from flows.pages import budget, do, line, quality, run, runs, signals, unit
+from flows.pages import budget, do, due, line, quality, run, runs, signals, unit
 from flows.pages.page import Page
 
 PAGES: tuple[Page, ...] = (
@@ -10,6 +10,7 @@ PAGES: tuple[Page, ...] = (
     signals.PAGE,
     budget.PAGE,
     unit.PAGE,
+    due.PAGE,
     quality.PAGE,
     do.PAGE,
 )

@@ -1,18 +1,19 @@
 """The register of certificates: what it says of each, their records, and when units come back."""
 
 from datetime import date
-from typing import Any
+from typing import Any, TypeVar
 
 import sqlalchemy as sql
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.certificate import Certificate, State
+from schemas.certificate import Certificate, Laboratory, Order, State
 from schemas.decision import Verdict
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run
 from storage.home import Home
 
+Model = TypeVar("Model", bound=BaseModel)
 AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted before the run
 
 
@@ -50,6 +51,16 @@ class Entry(Frozen):
         """The SHA-256 of each of its files, by the path within the home."""
         kept = {self.pdf: self.pdf_sha256, self.record: self.record_sha256}
         return kept | ({self.dcc: self.dcc_sha256} if self.dcc and self.dcc_sha256 else {})
+
+
+class Terms(BaseModel):
+    """Of the record of a certificate what recalls its unit; the rest is not looked at."""
+
+    model_config = ConfigDict(frozen=True)
+
+    issued_on: date
+    order: Order | None
+    laboratory: Laboratory | None
 
 
 class Due(Frozen):
@@ -124,9 +135,18 @@ def entry_of(number: str, home: Home) -> Entry:
 
 def record_of(entry: Entry, home: Home) -> Certificate:
     """The record that a line of the register names; raises Unusable when it was damaged."""
-    path = home.path / entry.record
+    return _read(entry.record, Certificate, home)
+
+
+def terms_of(due: Due, home: Home) -> Terms:
+    """On what a unit comes back; raises Unusable for a record that was damaged."""
+    return _read(due.record, Terms, home)
+
+
+def _read(record: str, model: type[Model], home: Home) -> Model:
+    path = home.path / record
     try:
-        return Certificate.model_validate_json(path.read_bytes())
+        return model.model_validate_json(path.read_bytes())
     except OSError as error:
         raise Unusable(
             f"{path} cannot be read ({error.strerror}); bring it back from a backup."

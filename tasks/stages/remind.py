@@ -24,15 +24,17 @@ def recalled(home: Home, until: date = date.max) -> list[Recalled]:
     """
     found = []
     for due in certificates.due(home, until):
-        certificate = certificates.find(due.certificate, home)
-        order, laboratory = certificate.order, certificate.laboratory
+        terms = certificates.terms_of(due, home)
+        order, laboratory = terms.order, terms.laboratory
         if order and order.agrees_on_recalibration:
             party = laboratory.party if laboratory else None
             found.append(
                 Recalled(
                     unit=due.unit,
+                    key=due.key,
+                    model=due.model,
                     certificate=due.certificate,
-                    issued_on=certificate.issued_on,
+                    issued_on=terms.issued_on,
                     due=due.due,
                     client=(order.client.name, order.client.name_zh),
                     laboratory=(party.name, party.name_zh) if party else ("", ""),

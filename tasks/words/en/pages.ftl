@@ -413,3 +413,65 @@ pages-due-state =
         [one] in { $days } day
        *[other] in { $days } days
     }
+
+## Due
+
+pages-due = Due
+    .about = When units come back for recalibration, what their clients were told, and the laboratory's own equipment
+pages-due-all = all
+pages-due-counts = { $overdue ->
+    [0] No unit is overdue
+    [one] { $overdue } unit is overdue
+   *[other] { $overdue } units are overdue
+} on { $today }; { $coming ->
+    [0] none falls
+    [one] { $coming } falls
+   *[other] { $coming } fall
+} due within { $days } days. Only units whose order agreed on an interval come back.
+pages-due-overdue = Overdue
+pages-due-within = { $days ->
+    [0] Overdue alone
+   *[other] Within { $days } days
+}
+pages-due-months = Units due in the month
+pages-due-asked =
+    .client = Client
+    .model = Model
+    .within = Time
+pages-due-heading =
+    .units = Units
+    .clients = By client and month
+    .messages = Messages
+    .equipment = Equipment of the laboratory
+pages-due-none =
+    .clients = No client has a unit that is due.
+    .messages = No message was sent yet; `mimucal remind` sends them to the clients of recall.toml.
+    .equipment = The register of equipment is empty; `mimucal equipment add` takes standards in.
+pages-due-column =
+    .name = Unit
+    .client = Client
+    .due = Due
+    .state = State
+    .certificate = Certificate
+    .messages = Messages sent
+pages-due-message =
+    .at = UTC
+    .certificate = Certificate
+    .occasion = Occasion
+    .channel = Client and channel
+    .state = State
+    .tries = Tries
+    .fault = Why it failed
+pages-due-occasion =
+    .before = { $days } days before
+    .after = { $days } days after
+pages-due-sent =
+    .sent = sent
+    .failed = failed, tried again
+    .waiting = on its way
+pages-due-standard =
+    .name = Standard
+    .serial = Serial number
+    .certificate = Certificate
+    .until = Valid until
+    .state = State

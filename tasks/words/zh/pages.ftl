@@ -405,3 +405,57 @@ pages-due-state =
         [0] 今天
        *[other] { $days } 天后
     }
+
+## 到期
+
+pages-due = 到期
+    .about = 器件何时复校、已向客户发出的提醒，以及实验室自身的设备
+pages-due-all = 全部
+pages-due-counts = 截至 { $today }，逾期 { $overdue } 台；{ $days } 天内到期 { $coming } 台。仅包括委托中约定了复校间隔的器件。
+pages-due-overdue = 逾期
+pages-due-within = { $days ->
+    [0] 仅逾期
+   *[other] { $days } 天内
+}
+pages-due-months = 当月到期台数
+pages-due-asked =
+    .client = 客户
+    .model = 型号
+    .within = 时间
+pages-due-heading =
+    .units = 器件
+    .clients = 按客户与月份
+    .messages = 提醒
+    .equipment = 实验室设备
+pages-due-none =
+    .clients = 没有客户的器件到期。
+    .messages = 尚未发出提醒；`mimucal remind` 向 recall.toml 中的客户发送。
+    .equipment = 设备登记为空；用 `mimucal equipment add` 登记标准器。
+pages-due-column =
+    .name = 器件
+    .client = 客户
+    .due = 到期日
+    .state = 状态
+    .certificate = 证书
+    .messages = 已发提醒
+pages-due-message =
+    .at = 时间（UTC）
+    .certificate = 证书
+    .occasion = 时机
+    .channel = 客户与渠道
+    .state = 状态
+    .tries = 尝试次数
+    .fault = 失败原因
+pages-due-occasion =
+    .before = 到期前 { $days } 天
+    .after = 到期后 { $days } 天
+pages-due-sent =
+    .sent = 已发送
+    .failed = 失败，将重试
+    .waiting = 发送中
+pages-due-standard =
+    .name = 标准器
+    .serial = 编号
+    .certificate = 证书
+    .until = 有效期至
+    .state = 状态

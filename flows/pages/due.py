@@ -1,0 +1,188 @@
+"""Due: the calendar of recalibration, messages to clients, and the laboratory's own equipment."""
+
+from typing import Any
+
+import dash_ag_grid as dag
+import dash_mantine_components as dmc
+from dash.development.base_component import Component
+
+from flows.pages.asked import asks
+from flows.pages.due_data import data
+from flows.pages.due_states import due_state
+from flows.pages.grid import GRID_OPTIONS, locale
+from flows.pages.page import Page, View
+from flows.pages.parts import table
+from flows.pages.pictures import BLUE, Figure, figure, picture
+from flows.pages.states import Kind, StepState, badge
+from schemas.pages.due import DueQuestion, DueShown, MessageShown, StandardDue, UnitDue
+from tasks.words import message
+
+HORIZONS = (0, 30, 60, 90, 180, 365)  # days
+MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
+ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
+
+
+def layout(shown: DueShown, view: View, question: DueQuestion) -> Component:
+    """What is asked for; units, clients and months; messages; equipment."""
+    return dmc.Stack(
+        [
+            _choices(shown, view, question),
+            _heading("units", view),
+            *_units(shown, view, question),
+            _heading("clients", view),
+            dmc.SimpleGrid(
+                [_clients(shown, view, question), picture("due-months", _months(shown, view))],
+                cols={"base": 1, "md": 2},
+            ),
+            _heading("messages", view),
+            _messages(shown, view),
+            _heading("equipment", view),
+            _equipment(shown, view),
+        ],
+        gap="sm",
+    )
+
+
+def _heading(name: str, view: View) -> Component:
+    return dmc.Title(view.say(message(f"pages-due-heading.{name}")), order=3, mt="sm")
+
+
+def _none(name: str, view: View) -> Component:
+    return dmc.Text(view.say(message(f"pages-due-none.{name}")), size="sm")
+
+
+def _choices(shown: DueShown, view: View, question: DueQuestion) -> Component:
+    def select(name: str, values: list[Any], value: object, *, needed: bool = False) -> Component:
+        return dmc.Select(
+            id=asks(name, value), label=view.say(message(f"pages-due-asked.{name}")), data=values,
+            value=None if value is None else str(value), searchable=True, clearable=not needed,
+            placeholder="" if needed else view.say(message("pages-due-all")), allowDeselect=False,
+        )  # fmt: skip
+
+    horizons = [
+        {"value": str(days), "label": view.say(message("pages-due-within", days=days))}
+        for days in sorted({*HORIZONS, question.within})
+    ]
+    clients = {name: {"value": name, "label": _client((name, zh), view)}
+               for name, zh in shown.clients}  # fmt: skip
+    controls = [
+        select("client", list(clients.values()), question.client),
+        select("model", list(shown.models), question.model),
+        select("within", horizons, question.within, needed=True),
+    ]
+    return dmc.SimpleGrid(controls, cols={"base": 1, "sm": 3}, spacing="xs")
+
+
+def _client(client: tuple[str, str], view: View) -> str:
+    return client[1] if view.language == "zh" else client[0]
+
+
+def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component]:
+    overdue = sum(each.days < 0 for each in shown.units)
+    counts = message(
+        "pages-due-counts", overdue=overdue, coming=len(shown.units) - overdue,
+        days=question.within, today=str(shown.today),
+    )  # fmt: skip
+    text = dmc.Text(view.say(counts), size="sm")
+    if not shown.units:
+        return [text]
+    grid = dag.AgGrid(
+        id="due-units",
+        columnDefs=[_column(name, view) for name in
+                    ("name", "client", "due", "state", "certificate", "messages")],
+        rowData=[_row(each, shown, view) for each in shown.units],
+        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 110,
+                       "filter": True, "floatingFilter": True},
+        dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
+        style={"height": f"{min(FRAME_PX + ROW_PX * len(shown.units), MOST_PX)}px"},
+    )  # fmt: skip
+    return [text, grid]
+
+
+def _column(name: str, view: View) -> dict[str, Any]:
+    heading = view.say(message(f"pages-due-column.{name}"))
+    of_column: dict[str, dict[str, Any]] = {
+        "name": {"cellRenderer": "UnitLink", "flex": 2},
+        "state": {"cellRenderer": "State", "sortable": False},
+        "messages": {"filter": "agNumberColumnFilter"},
+    }
+    more = of_column.get(name, {})
+    return {"field": name, "headerName": heading, "filter": "agTextColumnFilter", **more}
+
+
+def _row(each: UnitDue, shown: DueShown, view: View) -> dict[str, Any]:
+    state = due_state(each.due, shown.today)
+    return {
+        "unit": each.unit, "name": each.name, "client": _client(each.client, view),
+        "due": str(each.due), "state": view.say(state.words), "state_kind": state.kind,
+        "certificate": each.certificate, "messages": each.messages,
+    }  # fmt: skip
+
+
+def _clients(shown: DueShown, view: View, question: DueQuestion) -> Component:
+    if not shown.by_client:
+        return _none("clients", view)
+    rows = [
+        (_client(each.client, view), str(each.overdue), str(each.coming))
+        for each in shown.by_client
+    ]
+    headings = [
+        message("pages-due-column.client"),
+        message("pages-due-overdue"),
+        message("pages-due-within", days=question.within),
+    ]
+    return table(headings, rows, view, min_width=320)
+
+
+def _months(shown: DueShown, view: View) -> Figure:
+    bars = {
+        "type": "bar", "x": [each.month for each in shown.months],
+        "y": [each.units for each in shown.months], "marker": {"color": BLUE},
+        "hovertemplate": "%{x}: %{y}<extra></extra>",
+    }  # fmt: skip
+    title = view.say(message("pages-due-months"))
+    return figure([bars], view, 260, xaxis={"type": "category", "tickangle": -40},
+                  yaxis={"rangemode": "tozero", "title": {"text": title}},
+                  margin={"t": 10, "r": 10, "l": 55, "b": 60})  # fmt: skip
+
+
+def _messages(shown: DueShown, view: View) -> Component:
+    if not shown.messages:
+        return _none("messages", view)
+    names = ("at", "certificate", "occasion", "channel", "state", "tries", "fault")
+    headings = [message(f"pages-due-message.{name}") for name in names]
+    return table(headings, [_message(each, view) for each in shown.messages], view)
+
+
+def _message(each: MessageShown, view: View) -> tuple[Any, ...]:
+    side = "before" if each.days < 0 else "after"
+    return (
+        f"{each.at:%F %R}",
+        each.certificate,
+        view.say(message(f"pages-due-occasion.{side}", days=abs(each.days))),
+        each.channel,
+        badge(StepState(message(f"pages-due-sent.{each.state}"), MESSAGE_KINDS[each.state]), view),
+        str(each.tries),
+        each.fault,
+    )
+
+
+def _equipment(shown: DueShown, view: View) -> Component:
+    if not shown.equipment:
+        return _none("equipment", view)
+    names = ("name", "serial", "certificate", "until", "state")
+    headings = [message(f"pages-due-standard.{name}") for name in names]
+    return table(headings, [_standard(each, shown, view) for each in shown.equipment], view)
+
+
+def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]:
+    return (
+        each.name_zh if view.language == "zh" else each.name,
+        each.serial,
+        each.certificate,
+        str(each.valid_until or "–"),
+        badge(due_state(each.valid_until, shown.today), view),
+    )
+
+
+PAGE = Page("due", DueQuestion, DueShown, data, layout)
