@@ -1,0 +1,77 @@
+"""Latitude and heading that no manifest tells, recovered from the runs of two stations."""
+
+import numpy as np
+import pytest
+
+from schemas.review import EstimatedSite, RunStatistics
+from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.site import K, sites_of
+from tasks.review.statistics import statistics_of
+from tests.proof.plant.case import Case, EffectCall
+from tests.proof.plant.simulate import simulate
+
+TRUTH = {"ST-01": (39.9, 37.0), "ST-02": (-22.5, -120.0)}  # latitude, heading
+RUNS = 6
+
+Kept = dict[str, list[RunStatistics]]
+
+
+def statistics(station: str, seed: int) -> RunStatistics:
+    """Of a run whose manifest does not tell where it stands."""
+    latitude, heading = TRUTH[station]
+    case = Case(
+        seed=seed, unit_seed=seed % 3, grade="tactical", procedure="rests", rate_hz=20,
+        dwell_s=5.0, latitude_deg=latitude, heading_deg=heading, site_told=False,
+        effects=(EffectCall(name="earth_rotation"),),
+    )  # fmt: skip
+    return statistics_of(simulate(case).recording)
+
+
+@pytest.fixture(scope="module")
+def kept() -> Kept:
+    return {
+        station: [statistics(station, seed) for seed in range(first, first + RUNS)]
+        for first, station in enumerate(TRUTH, start=1)
+    }
+
+
+def estimates(kept: Kept) -> tuple[EstimatedSite, ...]:
+    runs = [
+        (ReviewedRun(f"{station} {k}", f"{k}", {"station": station, "unit": f"{k % 3}"}), each)
+        for station, some in kept.items()
+        for k, each in enumerate(some)
+    ]
+    return sites_of(pooled(runs))
+
+
+def deviations(site: EstimatedSite) -> tuple[float, float]:
+    """Of latitude and heading from the truth, in standard uncertainties."""
+    latitude, heading = TRUTH[site.station]
+    assert site.latitude_deg is not None
+    assert site.latitude_expanded is not None
+    assert site.heading_deg is not None
+    assert site.heading_expanded is not None
+    return (
+        K * (site.latitude_deg - abs(latitude)) / site.latitude_expanded,
+        K * (site.heading_deg - heading) / site.heading_expanded,
+    )
+
+
+def test_each_station_gets_its_own_latitude_and_heading_within_u(kept: Kept) -> None:
+    sites = estimates(kept)
+    assert [site.station for site in sites] == list(TRUTH)
+    for site in sites:
+        assert max(map(abs, deviations(site))) < K
+        assert "estimated from Earth's rotation" in site.statement.en
+        assert f"in {RUNS} runs" in site.statement.en
+
+
+def test_u_covers_the_truth_as_often_as_it_says_and_shrinks_with_runs(kept: Kept) -> None:
+    alone = [site for k in range(RUNS) for site in estimates({s: [r[k]] for s, r in kept.items()})]
+    off = np.array([deviations(site) for site in alone])
+    assert (np.abs(off) < K).mean() >= 0.85
+    assert 0.4 < float(np.sqrt((off**2).mean())) < 1.5
+    for together in estimates(kept):
+        own = [s.heading_expanded for s in alone if s.station == together.station]
+        usual = float(np.median([each for each in own if each is not None]))
+        assert together.heading_expanded == pytest.approx(usual / np.sqrt(RUNS), rel=0.3)
