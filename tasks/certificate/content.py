@@ -24,6 +24,7 @@ from tasks.certificate.results import PrintedSection, sections
 from tasks.certificate.settings import settings
 from tasks.certificate.statements import (
     ReadingRow,
+    RemarkRow,
     basis,
     readings,
     reasons,
@@ -89,7 +90,7 @@ class Content:
     conformity: tuple[Field, ...]
     reasons: tuple[Message, ...]
     readings: tuple[ReadingRow, ...]
-    remarks: tuple[Message, ...]
+    remarks: tuple[RemarkRow, ...]
     budgets: Budgets | None
     trace: tuple[Field, ...]
 
@@ -111,7 +112,7 @@ def content(certificate: Certificate) -> Content:
         front=cover.front(certificate, specification, bool(deviating)),
         verdict=decision.verdict,
         verdict_text=cover.verdict(decision),
-        scope=scope_with_found(certificate, cover.scope(decision, specification)),
+        scope=scope_with_found(certificate, cover.scope(calibration, decision, specification)),
         uncertainty_in_short=uncertainty_in_short(calibration),
         signatures=cover.signatures(certificate),
         statement=basis(calibration, specification, bool(deviating)),

@@ -59,9 +59,20 @@ def front(
         field("specification", message(followed)),
         field("received", day(order.received if order else None)),
         field("calibrated", day(certificate.calibrated_on)),
+        *_replaced(certificate),
         *_place(certificate),
         *_due(certificate),
     )
+
+
+def _replaced(certificate: Certificate) -> Iterator[Field]:
+    """Which certificate it takes the place of, and why (ISO/IEC 17025:2017, 7.8.8)."""
+    if replaced := certificate.replaces:
+        named = message(
+            "certificate-replaced", number=replaced.number,
+            day=replaced.issued_on.isoformat(), why=given(replaced.why),
+        )  # fmt: skip
+        yield field("replaces", named)
 
 
 def _place(certificate: Certificate) -> Iterator[Field]:
@@ -130,8 +141,12 @@ def verdict(decision: Decision) -> Message:
     return verdict_title(decision) if decision.limits else message("certificate-no-statement")
 
 
-def scope(decision: Decision, specification: Specification) -> Message | None:
+def scope(
+    calibration: Calibration, decision: Decision, specification: Specification
+) -> Message | None:
     """How many of the items the verdict speaks of; None where it speaks of none."""
+    if calibration.validity.verdict == "invalid":
+        return message("conformity-invalid-run")
     if not decision.limits:
         return None
     limited = dict.fromkeys(limit.item for limit in decision.limits)

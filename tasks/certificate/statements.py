@@ -21,6 +21,14 @@ from tasks.words.typography import clause
 
 
 @dataclass(frozen=True)
+class RemarkRow:
+    """What the reader has to know, and the segments it is about where it does not name them."""
+
+    text: Message
+    segments: str = ""
+
+
+@dataclass(frozen=True)
 class ReadingRow:
     """How the specification was read where it is wrong or silent: R1, the clause, the reading."""
 
@@ -144,29 +152,26 @@ def readings(calibration: Calibration) -> tuple[ReadingRow, ...]:
     return tuple(rows)
 
 
-def remarks(calibration: Calibration, deviating: tuple[Deviation, ...]) -> tuple[Message, ...]:
+def remarks(calibration: Calibration, deviating: tuple[Deviation, ...]) -> tuple[RemarkRow, ...]:
     """What the reader has to know about this calibration: deviations, then remarks with the
     segments they are about.
     """
     others = (remark for remark in calibration.remarks if remark.code not in NOT_RECORDED)
-    return (*(each.printed for each in deviating), *map(_remark, alike(others)))
+    return (*(RemarkRow(each.printed) for each in deviating), *map(_remark, alike(others)))
 
 
-def _remark(group: list[Remark]) -> Message:
+def _remark(group: list[Remark]) -> RemarkRow:
     """The first of remarks that say the same of several segments, with the names of the others;
     its segments where the sentence does not name them, and what it prevents.
     """
     remark, *others = group
     sentence = quoted(remark.en, remark.zh)
     named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", remark.en) for n in remark.segments)
-    if not all(named):
-        sentence = message(
-            "certificate-remark", remark=sentence, segments=", ".join(remark.segments)
-        )
+    names = dict.fromkeys(() if all(named) else remark.segments)
     if others:
-        names = dict.fromkeys(name for other in others for name in other.segments)
-        sentence = message(
-            "certificate-remark.alike",
-            remark=sentence, count=len(names), segments=", ".join(names),
-        )  # fmt: skip
-    return message("certificate-remark.blocks", remark=sentence) if remark.blocks_pass else sentence
+        more = dict.fromkeys(name for other in others for name in other.segments)
+        sentence = message("certificate-remark.alike", remark=sentence, count=len(more))
+        names |= more
+    if remark.blocks_pass:
+        sentence = message("certificate-remark.blocks", remark=sentence)
+    return RemarkRow(sentence, ", ".join(names))

@@ -15,4 +15,6 @@ def unit_text(unit: str) -> str:
 
 def quantity_text(number: str, unit: str) -> str:
     """A number with its unit as it is printed; a ratio has none."""
+    if unit == "deg":
+        return f"{number}°"
     return number if unit == "1" else f"{number} {unit_text(unit)}"

@@ -16,6 +16,7 @@ from tests.proof.issue.hold import run_issue
 from tests.proof.line.hold import run_line
 from tests.proof.next.hold import run_next
 from tests.proof.pages.hold import run_pages
+from tests.proof.papers.hold import run_papers
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough
@@ -125,6 +126,10 @@ def main(
             metavar="N", min=1, help="Nothing but N random questions to each endpoint of the pages."
         ),
     ] = None,
+    papers: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Nothing but certificates of every kind, to look at."),
+    ] = None,
     line: Annotated[
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but the store of a line with N runs."),
@@ -148,6 +153,7 @@ def main(
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
         (run_history, history), (partial(run_line, seed), line),
+        (partial(run_papers, papers), 1 if papers else None),
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),

@@ -10,6 +10,7 @@ from tasks.certificate.dcc.conformity import verdict
 from tasks.certificate.dcc.units import dsi_unit, gravity_of
 from tasks.certificate.dcc.xml import Element, dcc, described, file, named, plain
 from tasks.certificate.fields import Field, given
+from tasks.certificate.statements import RemarkRow
 from tasks.words import Sayable, clauses, message
 
 RECORD = "mimucal_record"
@@ -45,7 +46,7 @@ def statements(certificate: Certificate, record: bytes) -> Element:
         "as-found": _lines(printed.as_found.fields) if printed.as_found else (),
         "uncertainty": (*in_short, *printed.uncertainty),
         "reasons": printed.reasons,
-        "remarks": printed.remarks,
+        "remarks": [_remark(row) for row in printed.remarks],
         "readings": [
             message("dcc-field", label=clauses((row.short, row.clause)), value=row.text)
             for row in printed.readings
@@ -60,6 +61,12 @@ def statements(certificate: Certificate, record: bytes) -> Element:
         *_units(certificate),
         _record(certificate, record),
     )
+
+
+def _remark(row: RemarkRow) -> Sayable:
+    if not row.segments:
+        return row.text
+    return message("certificate-remark", remark=row.text, segments=row.segments)
 
 
 def _lines(fields: tuple[Field, ...]) -> list[Sayable]:

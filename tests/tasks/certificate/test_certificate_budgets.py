@@ -85,7 +85,7 @@ def test_as_the_example_it_is_said_how_it_was_done(ideal_run) -> None:
     made = calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
     words = text_of(render(printed(made, True)))
     assert "As in Appendix A of the specification" in words
-    assert "effective bits = 12 (the example's)" in words
+    assert "effective bits: 12 (as in the specification's example)" in words
     assert "95 % half width" not in words
 
 

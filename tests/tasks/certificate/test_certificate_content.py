@@ -201,9 +201,9 @@ def test_remarks_that_block_a_pass_say_so() -> None:
     )
     made = content(certificate(calibration(remarks=(remark,))))
     assert made.verdict == "inconclusive"
-    assert made.remarks == (
-        ("温度过高。 [a, b]本条影响判定：不得判为合格。", "Too warm. [a, b] This prevents a pass."),
-    )
+    (row,) = made.remarks
+    assert row.text == ("温度过高。本条影响判定：不得判为合格。", "Too warm. This prevents a pass.")
+    assert row.segments == "a, b"
 
 
 @pytest.mark.parametrize("state", ["draft", "checked"])
@@ -255,7 +255,8 @@ def test_every_sentence_is_there_in_two_languages() -> None:
     made = asdict(content(certificate()))
     chinese = [any("\u4e00" <= c <= "\u9fff" for c in text) for text in texts(made)]
     assert sum(chinese) > 100
-    for zh, en in (*made["uncertainty"], *made["remarks"], *made["statement"]):
+    remarks = [row["text"] for row in made["remarks"]]
+    for zh, en in (*made["uncertainty"], *remarks, *made["statement"]):
         assert any("\u4e00" <= c <= "\u9fff" for c in zh)
         assert not any("\u4e00" <= c <= "\u9fff" for c in en)
 

@@ -18,6 +18,7 @@ from sample_certificate import (
 )
 
 from schemas.calibration import AdoptedTerm, Calibration, SegmentUsed
+from schemas.certificate import Replaced
 from schemas.discrepancy import FoundParameter
 from schemas.recording import Kind, Manifest, Mount, Segment
 from schemas.text import Remark
@@ -85,15 +86,17 @@ def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
     unit = manifest().unit.model_copy(update={"rate_range_deg_s": told})
     made = content(certificate(turned(), manifest=labelled(unit=unit)))
     assert made.conditions.sentences == ()
-    assert said in made.remarks[0][1]
-    assert made.remarks[0][1].startswith("Deviation: ")
+    assert said in made.remarks[0].text[1]
+    assert made.remarks[0].text[1].startswith("Deviation: ")
     assert any("with deviations" in each[1] for each in made.statement)
 
 
 def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing() -> None:
     given = order().model_copy(update={"waived_conditions": ("largest_rate",)})
     made = content(certificate(turned(), order=given))
-    assert made.remarks[0][1].endswith("The client's order waives this condition (largest_rate).")
+    assert (
+        made.remarks[0].text[1].endswith("The client's order waives this condition (largest_rate).")
+    )
     assert any("with deviations" in each[1] for each in made.statement)
 
 
@@ -210,3 +213,20 @@ def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
     given["gyro_cross_coupling"] = fine.model_copy(update={"U": dict.fromkeys(fine.U, 5.4e-6)})
     sections = content(certificate(calibration(items=given))).sections
     assert sections[2].groups[0].exponent == sections[3].groups[0].exponent == -6
+
+
+def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why() -> None:
+    before = Replaced(number="MIMU-2026-0041", issued_on=date(2026, 11, 19), why="wrong address")
+    front = content(certificate(replaces=before)).front
+    (said,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
+    assert said[1] == "MIMU-2026-0041 of 2026-11-19, because: wrong address"
+    assert not [each for each in content(certificate()).front if each.label[0] == "代替证书"]
+
+
+def test_the_first_page_says_that_a_run_is_invalid() -> None:
+    unlike = Remark(code="c", en="Unlike.", zh="不符。", run="invalid")
+    made = content(certificate(calibration(remarks=(unlike,))))
+    assert made.scope == (
+        "本次测量无效：不对被校单元作任何判定",
+        "the run is invalid: nothing is decided on the unit",
+    )

@@ -1,0 +1,1 @@
+"""Certificates of every kind, made to be looked at."""
