@@ -6,6 +6,7 @@ from typing import Literal, Self
 
 from pydantic import AwareDatetime, Field, model_validator
 
+from schemas.appearance import Appearance, Wording
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.configuration import Configuration, configuration_of
@@ -55,8 +56,10 @@ class Laboratory(Frozen):
     latitude_deg: of its own place, against which that of each recording is held. number_scheme:
     how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
     whether who drafts, who checks and who issues a certificate have to be three persons.
-    language: in which its certificates are printed. signing: the key that signs what is issued; no
-    record of a certificate tells where it lies.
+    language: in which its certificates are printed. wording: labels of the certificate in its own
+    words, by their names. logo, seal, template: its files, from the home's folder where they are
+    not absolute; what they hold becomes appearance. signing: the key that signs what is issued.
+    No record of a certificate tells where these files lie.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -73,6 +76,11 @@ class Laboratory(Frozen):
     equipment: tuple[MeasurementStandard, ...] = ()
     limits: dict[LimitName, EquipmentLimit] = Field(default_factory=dict)
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
+    wording: dict[str, Wording] = Field(default_factory=dict)
+    logo: str | None = Field(default=None, exclude=True)
+    seal: str | None = Field(default=None, exclude=True)
+    template: str | None = Field(default=None, exclude=True)
+    appearance: Appearance | None = None
     signing: SigningSettings | None = Field(default=None, exclude=True)
     operator: str | None = None
     checker: str | None = None

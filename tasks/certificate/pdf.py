@@ -8,13 +8,16 @@ from dataclasses import asdict
 from datetime import UTC, datetime, time
 from pathlib import Path
 
+from schemas.appearance import Appearance
 from schemas.base import Unusable
-from schemas.certificate import Certificate
+from schemas.certificate import Certificate, Laboratory
+from schemas.text import Statement
 from tasks.certificate.content import content, in_languages
 from tasks.certificate.dcc import dcc_of, record_of
 from tasks.words import identifiers, message
 
-TEMPLATE = Path(__file__).with_name("certificate.typ")
+LAYOUT = {path.name: path.read_bytes() for path in Path(__file__).parent.glob("*.typ")}
+HOUSE, MAIN = "certificate.typ", "main.typ"  # MAIN: what the typesetter begins with
 LABEL = "certificate-label-"
 PAGE = {"here": "<here>", "last": "<last>"}  # known to the typesetter alone
 
@@ -31,25 +34,28 @@ def render(
     where none are given. dcc: what is
     attached, unless it is the DCC without a signature. signed: whether the PDF is going to be,
     so that nobody signs it by hand.
-    Raises Unusable where a text has a character that none of the fonts can show.
+    Raises Unusable where a text has a character that none of the fonts can show, and where the
+    laboratory's template or pictures cannot be set.
     """
     import pylopdf_fonts_zh_cn
     import typst
 
     languages = languages or certificate.languages
+    laboratory = certificate.laboratory
+    appearance = (laboratory and laboratory.appearance) or Appearance()
     printed = {
         "languages": tuple(languages),
-        "labels": {
-            id_.removeprefix(LABEL): in_languages(message(id_, **PAGE), languages)
-            for id_ in identifiers(LABEL)
-        },
+        "labels": _labels(certificate.laboratory, languages),
+        "pictures": tuple(appearance.pictures),
         **asdict(in_languages(content(certificate), languages)),
         "seal": _seal(certificate, languages, signed),
     }
+    main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
         return typst.compile(
-            TEMPLATE,
+            {**LAYOUT, MAIN: main, **appearance.pictures},
+            root=Path(__file__).parent,
             format="pdf",
             font_paths=[pylopdf_fonts_zh_cn.serif_path().parent],
             ignore_system_fonts=True,
@@ -62,12 +68,39 @@ def render(
         )
     except typst.TypstError as error:
         if "could not be displayed" not in error.message:
-            raise
+            raise _unset(error.message, appearance) from error
         character = error.message.split("`")[1]
         raise Unusable(
             f"Certificate {certificate.number} cannot be printed because no font shows the "
             f"text {character}: spell it otherwise in the manifest, laboratory or order file."
         ) from error
+
+
+def _unset(fault: str, appearance: Appearance) -> Exception:
+    """What says that the laboratory's files cannot be set; of the house's own layout, a fault."""
+    own = [*appearance.pictures, *(["template"] if appearance.template else [])]
+    if not own:
+        return RuntimeError(f"the certificate's layout cannot be set: {fault}")
+    return Unusable(
+        f"No certificate was made: with the {' and '.join(own)} of laboratory.toml it cannot be set "
+        f"({fault}); correct the file, or take it out of laboratory.toml."
+    )
+
+
+def _labels(laboratory: Laboratory | None, languages: Sequence[str]) -> dict[str, object]:
+    """The labels of the layout, by the laboratory's own wording where it has one."""
+    own = laboratory.wording if laboratory else {}
+    names = [id_.removeprefix(LABEL) for id_ in identifiers(LABEL)]
+    if unknown := sorted(own.keys() - set(names)):
+        raise Unusable(
+            f"laboratory.toml: wording names {unknown[0]!r}, which no certificate has; the names "
+            "are those of `certificate-label-…` in tasks/words/en/certificate.ftl."
+        )
+    said = {name: Statement(en=words.en, zh=words.zh) for name, words in own.items()}
+    return {
+        name: in_languages(said.get(name) or message(f"{LABEL}{name}", **PAGE), languages)
+        for name in names
+    }
 
 
 def sealed(number: str, record: bytes) -> str:

@@ -14,6 +14,7 @@ from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.specifications.register import SPECIFICATIONS
+from tasks.stages.appearance import with_appearance
 from tasks.stages.certificate_inputs import (
     CertificateInputs,
     check_order,
@@ -60,6 +61,7 @@ def certify(
     equipment = standards_in_use(listed, home, calibrated_on)
     if laboratory:
         laboratory = laboratory.model_copy(update={"equipment": equipment})
+        laboratory = with_appearance(laboratory, home)
     check_order(order, calibrated_on)
     validated = settings.validation(home) or record.shipped()
     expired = conformity.expired(equipment, calibrated_on or today)
