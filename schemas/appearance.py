@@ -41,5 +41,5 @@ class Appearance(Frozen):
             except binascii.Error as error:
                 raise ValueError(f"{name} is not base64") from error
         if self.template and '"@' in self.template:
-            raise ValueError("the template imports a package (\"@…\"); copy what it needs into it")
+            raise ValueError('the template imports a package ("@…"); copy what it needs into it')
         return self

@@ -53,7 +53,7 @@ def render(
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
-        return typst.compile(
+        return typst.compile(  # type: ignore[call-overload, no-any-return] # several files
             {**LAYOUT, MAIN: main, **appearance.pictures},
             root=Path(__file__).parent,
             format="pdf",
@@ -82,8 +82,8 @@ def _unset(fault: str, appearance: Appearance) -> Exception:
     if not own:
         return RuntimeError(f"the certificate's layout cannot be set: {fault}")
     return Unusable(
-        f"No certificate was made: with the {' and '.join(own)} of laboratory.toml it cannot be set "
-        f"({fault}); correct the file, or take it out of laboratory.toml."
+        f"No certificate was made: with the {' and '.join(own)} of laboratory.toml it cannot be "
+        f"set ({fault}); correct the file, or take it out of laboratory.toml."
     )
 
 
