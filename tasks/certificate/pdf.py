@@ -53,7 +53,7 @@ def render(
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]
     attached = dcc_of(certificate) if dcc is None else dcc
     try:
-        return typst.compile(  # type: ignore[call-overload, no-any-return] # several files
+        return typst.compile(  # type: ignore[call-overload] # several files
             {**LAYOUT, MAIN: main, **appearance.pictures},
             root=Path(__file__).parent,
             format="pdf",
@@ -96,9 +96,9 @@ def _labels(laboratory: Laboratory | None, languages: Sequence[str]) -> dict[str
             f"laboratory.toml: wording names {unknown[0]!r}, which no certificate has; the names "
             "are those of `certificate-label-…` in tasks/words/en/certificate.ftl."
         )
-    said = {name: Statement(en=words.en, zh=words.zh) for name, words in own.items()}
+    worded = {name: Statement(en=words.en, zh=words.zh) for name, words in own.items()}
     return {
-        name: in_languages(said.get(name) or message(f"{LABEL}{name}", **PAGE), languages)
+        name: in_languages(worded.get(name) or message(f"{LABEL}{name}", **PAGE), languages)
         for name in names
     }
 
