@@ -17,6 +17,7 @@ from tests.proof.line.hold import run_line
 from tests.proof.next.hold import run_next
 from tests.proof.pages.hold import run_pages
 from tests.proof.papers.hold import run_papers
+from tests.proof.pages.screens import run_screens
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough
@@ -134,6 +135,12 @@ def main(
         int | None,
         typer.Option(metavar="N", min=1, help="Nothing but the store of a line with N runs."),
     ] = None,
+    screens: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Nothing but pictures of every page of a line with N runs."
+        ),
+    ] = None,
     write: Annotated[
         bool,
         typer.Option(
@@ -154,6 +161,7 @@ def main(
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
         (run_history, history), (partial(run_line, seed), line),
         (partial(run_papers, papers), 1 if papers else None),
+        (partial(run_screens, seed), screens),
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),

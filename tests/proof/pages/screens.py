@@ -1,0 +1,107 @@
+"""Every page of a store as pictures: both languages and themes, on a desktop and on a tablet."""
+
+import time
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+from shutil import which
+from typing import TYPE_CHECKING
+
+from flows.pages.register import PAGES
+from schemas.base import Unusable
+from storage.catalogue import tables
+from storage.catalogue.database import rows
+from storage.home import Home
+from tests.pages_server import served
+from tests.proof.line.hold import run_line
+from tests.proof.line.store import recorded_runs
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+WIDTHS = {"desktop": (1440, 1000), "tablet": (820, 1100)}
+LANGUAGES, THEMES = ("en", "zh"), ("light", "dark")
+TABS = 6  # of the page of a run
+SETTLED_MS = 900  # after the last answer, for pictures that are drawn behind the text
+ARGUMENTS = (
+    "--no-sandbox --disable-gpu --disable-quic --disable-background-networking "
+    "--disable-component-update --disable-sync --no-proxy-server --disable-dev-shm-usage"
+)
+
+
+def run_screens(seed: int, count: int, out: Path | None) -> None:
+    """PNGs of every page of a line with so many runs, which is made in `store` of the folder unless
+    it is there. Unusable where a page logs an error or asks another host.
+    """
+    folder = (out or Path(f"proof-screens-{seed}")).absolute()
+    home = Home(folder / "store")
+    if not home.path.exists():
+        run_line(seed, count, home.path)
+    addresses = list(_addresses(home))
+    browser_path = which("chromium")
+    if browser_path is None:
+        raise Unusable("There is no chromium (apt-get install chromium).")
+    from playwright.sync_api import sync_playwright
+
+    with served(home) as address, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=browser_path, args=ARGUMENTS.split())
+        faults = [
+            fault
+            for width, language, theme in product(WIDTHS, LANGUAGES, THEMES)
+            for fault in _looked_at(browser, address, addresses, folder, (width, language, theme))
+        ]
+        browser.close()
+    print(f"{len(list(folder.glob('*.png')))} pictures in {folder}")
+    if faults:
+        raise Unusable("; ".join(dict.fromkeys(faults)))
+
+
+def _addresses(home: Home) -> Iterator[tuple[str, str]]:
+    """Name and address of every page, and of those that need one a run and a unit of the store."""
+    run = next(recorded_runs(home), None)
+    if run is None:
+        raise Unusable(f"{home.path} has no run with a recording; take another seed.")
+    found = rows(home, tables.runs.select().where(tables.runs.c.id == run))
+    element = "item=gyro_bias&element=x"
+    asked = {
+        "run": f"?id={run}", "signals": f"?run={run}", "budget": f"?run={run}&{element}",
+    }  # fmt: skip
+    for page in PAGES:
+        yield page.name, f"/{page.name}{asked.get(page.name, '')}"
+    yield "unit-one", f"/unit?id={found[0].unit}"
+    yield "nowhere", "/nowhere"
+
+
+def _looked_at(
+    browser: "Browser", address: str, addresses: list[tuple[str, str]], folder: Path,
+    look: tuple[str, str, str],
+) -> list[str]:  # fmt: skip
+    width, language, theme = look
+    across, down = WIDTHS[width]
+    context = browser.new_context(viewport={"width": across, "height": down})
+    context.add_cookies([
+        {"name": "mimucal_language", "value": language, "url": address},
+        {"name": "mimucal_theme", "value": theme, "url": address},
+    ])  # fmt: skip
+    page, faults = context.new_page(), list[str]()
+    ours = (address, "data:", "blob:")
+    page.set_default_timeout(120_000)
+    page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
+    page.on("pageerror", lambda error: faults.append(str(error)))
+    page.on("request", lambda r: None if r.url.startswith(ours) else faults.append(r.url))
+    for name, path in addresses:
+        page.goto(address + path)
+        page.wait_for_selector("#page > *")
+        _picture(page, folder / f"{name}-{width}-{language}-{theme}.png")
+        if name == "run":
+            for tab in range(1, TABS):
+                page.click(f"#run-tabs [role=tab] >> nth={tab}")
+                _picture(page, folder / f"run-{tab}-{width}-{language}-{theme}.png")
+    context.close()
+    return [f"{width} {language} {theme}: {fault}" for fault in faults]
+
+
+def _picture(page: "Page", path: Path) -> None:
+    page.wait_for_load_state("networkidle")
+    time.sleep(SETTLED_MS / 1000)
+    page.screenshot(path=path, full_page=True)
