@@ -17,6 +17,8 @@ Figure = dict[str, Any]
 
 def figure(traces: Sequence[Figure], view: View, height: int, **layout: Any) -> Figure:
     """Traces and layout as plotly takes them. height: px."""
+    if view.figure_template not in plotly.io.templates:
+        dmc.add_figure_templates()
     template = plotly.io.templates[view.figure_template].to_plotly_json()
     usual = {"margin": {"t": 20, "r": 20, "l": 70, "b": 50}, "height": height, "showlegend": False}
     return {"data": list(traces), "layout": {"template": template, **usual, **layout}}

@@ -1,5 +1,6 @@
 """Run: one run with its signals, segments, items, certificates, log and lineage."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import dash_mantine_components as dmc
@@ -22,10 +23,12 @@ from flows.pages.states import (
 )
 from schemas.pages.budget import BudgetQuestion
 from schemas.pages.run import ElementShown, LimitShown, RunQuestion, RunShown, SegmentShown
+from schemas.text import Remark, Statement
 from storage.home import Home
 from tasks.words import message
 from tasks.words.units import unit_text
 
+OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
 TABS = ("items", "segments", "signals", "certificate", "log", "lineage")
 
 
@@ -43,7 +46,7 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
     return dmc.Stack(
         [
             _facts(shown, view),
-            *(dmc.Alert(view.say(reason), color="yellow") for reason in shown.reasons),
+            *_reasons(shown.reasons, view),
             dmc.Tabs(
                 [
                     dmc.TabsList(names),
@@ -55,6 +58,12 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
             ),
         ]
     )
+
+
+def _reasons(reasons: Sequence[Statement | Remark], view: View) -> list[Component]:
+    """Sentences in one box; nothing where there are none."""
+    texts = [dmc.Text(getattr(reason, view.language), size="sm") for reason in reasons]
+    return [dmc.Alert(dmc.Stack(texts, gap=6), color="yellow", p="sm")] if texts else []
 
 
 def _facts(shown: RunShown, view: View) -> Component:
@@ -128,7 +137,10 @@ def _limit(limit: LimitShown | None, unit: str, view: View) -> tuple[Any, ...]:
 def _segments(shown: RunShown, view: View) -> Component:
     names = ("name", "kind", "since", "until", "rate", "rows", "checks")
     headings = [message(f"pages-segments-column.{name}") for name in names]
-    return table(headings, [_segment(each, view) for each in shown.segments], view)
+    every = {remark.code: remark for each in shown.segments for remark in each.remarks}
+    of_many = [each for each in every.values() if len(each.segments) > OF_FEW]
+    rows = [_segment(each, view) for each in shown.segments]
+    return dmc.Stack([*_reasons(of_many, view), table(headings, rows, view)])
 
 
 def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
@@ -137,7 +149,11 @@ def _segment(segment: SegmentShown, view: View) -> tuple[Any, ...]:
         rows = view.say(
             message("pages-segments-left-out", rows=segment.rows or 0, out=segment.rows_left_out)
         )
-    checks = [dmc.Text(getattr(remark, view.language), size="sm") for remark in segment.remarks]
+    checks = [
+        dmc.Text(getattr(remark, view.language), size="sm")
+        for remark in segment.remarks
+        if len(remark.segments) <= OF_FEW
+    ]
     return (
         segment.name,
         view.say(message(f"pages-segment-kind.{segment.kind}")),

@@ -19,7 +19,9 @@ def certificate_table(shown: Sequence[CertificateShown], view: View) -> Componen
     names = ("number", "state", "verdict", "result", "calibrated", "issued", "due", "why")
     rows = [
         (
-            dmc.Anchor(each.number, href=f"/certificate/{each.number}.pdf", refresh=True),
+            dmc.Anchor(
+                each.number, href=f"/certificate/{each.number}.pdf", refresh=True, inherit=True
+            ),
             badge(certificate_state(each.state), view),
             view.say(message(f"conformity-verdict.{each.verdict}")),
             link(each.result, "/run", id=each.run),

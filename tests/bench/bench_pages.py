@@ -29,8 +29,13 @@ GRID_PAUSE_S = 0.5  # for which the grid itself waits for a further letter
 SEED, COUNT = 1, 10_000
 PEOPLE, LOOKS, LOOK_S = 20, 10, 1.0
 PATHS = ("/api/v1/runs?station=ST-03", "/api/v1/runs?verdict=fail&sort=due", "/api/v1/line",
-         "/api/v1/runs?validity=invalid", "/runs")  # fmt: skip
-FIRST_SEEN = {"/runs": ".ag-cell a", "/line": "#page h3", "/do": "#page h3"}
+         "/api/v1/runs?validity=invalid", "/runs", "/api/v1/due", "/api/v1/unit?id=7",
+         "/api/v1/unit?search=0042")  # fmt: skip
+FIRST_SEEN = {
+    "/runs": ".ag-cell a", "/line": "#page h3", "/do": "#page h3", "/unit": ".ag-cell a",
+    "/unit?id=7": "#page table", "/due": "#page h3",
+}  # fmt: skip
+FILTERS = ("/api/v1/due?client=North%20Works&within=365", "/api/v1/unit?id=7&item=accel_bias")
 OPTIONS = ["--no-sandbox", "--disable-gpu", "--no-proxy-server", "--disable-dev-shm-usage"]
 
 
@@ -40,7 +45,7 @@ def pages() -> Section:
         home = Home(Path(name) / "line")
         fill(home, draw_line(SEED, COUNT, UNITS), Recorded(0), lambda *_: None)
         with served(home) as address:
-            figures = [*_in_browser(address), _people(address)]
+            figures = [*_in_browser(address), *_answers(address), _people(address)]
     return Section(
         "Operations pages on 10,000 runs (wall)",
         (Figure("asked of a first paint", PAINT_S), *figures),
@@ -94,6 +99,17 @@ def _filter(page: "Page", url: str) -> Figure:
         page.wait_for_selector(f".ag-cell:has-text('SN010{number}')")
         times.append(time.perf_counter() - began - GRID_PAUSE_S)
     return Figure("a filter of the runs", median(times), asked=FILTER_S / PAINT_S)
+
+
+def _answers(address: str) -> Iterator[Figure]:
+    for path in FILTERS:
+        times = []
+        for _ in range(RUNS):
+            began = time.perf_counter()
+            urllib.request.urlopen(address + path).read()
+            times.append(time.perf_counter() - began)
+        name = path.partition("?")[0]
+        yield Figure(f"a filter of {name}", median(times), asked=FILTER_S / PAINT_S)
 
 
 def _people(address: str) -> Figure:

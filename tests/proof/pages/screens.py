@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 WIDTHS = {"desktop": (1440, 1000), "tablet": (820, 1100)}
 LANGUAGES, THEMES = ("en", "zh"), ("light", "dark")
-TABS = 6  # of the page of a run
+TABS, SIGNALS = 6, 2  # of the page of a run
 SETTLED_MS = 900  # after the last answer, for pictures that are drawn behind the text
 ARGUMENTS = (
     "--no-sandbox --disable-gpu --disable-quic --disable-background-networking "
@@ -96,6 +96,8 @@ def _looked_at(
         if name == "run":
             for tab in range(1, TABS):
                 page.click(f"#run-tabs [role=tab] >> nth={tab}")
+                if tab == SIGNALS:
+                    page.wait_for_selector("#signals .scatterlayer .trace", state="attached")
                 _picture(page, folder / f"run-{tab}-{width}-{language}-{theme}.png")
     context.close()
     return [f"{width} {language} {theme}: {fault}" for fault in faults]
