@@ -91,7 +91,7 @@ def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component
         columnDefs=[_column(name, view) for name in
                     ("name", "client", "due", "state", "certificate", "messages")],
         rowData=[_row(each, shown, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 110,
+        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 130,
                        "filter": True, "floatingFilter": True},
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
         style={"height": f"{min(FRAME_PX + ROW_PX * len(shown.units), MOST_PX)}px"},
@@ -102,8 +102,10 @@ def _units(shown: DueShown, view: View, question: DueQuestion) -> list[Component
 def _column(name: str, view: View) -> dict[str, Any]:
     heading = view.say(message(f"pages-due-column.{name}"))
     of_column: dict[str, dict[str, Any]] = {
-        "name": {"cellRenderer": "UnitLink", "flex": 2},
-        "state": {"cellRenderer": "State", "sortable": False},
+        "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
+        "client": {"minWidth": 150},
+        "certificate": {"minWidth": 165},
+        "state": {"cellRenderer": "State", "sortable": False, "minWidth": 150},
         "messages": {"filter": "agNumberColumnFilter"},
     }
     more = of_column.get(name, {})

@@ -4,11 +4,11 @@ from functools import lru_cache
 from typing import Any
 
 import dash_mantine_components as dmc
-import plotly.io
 from dash import Dash, Input, Output, State, dcc, no_update
 from dash.development.base_component import Component
 
 from flows.pages.page import Page, View
+from flows.pages.pictures import GRAPH, figure
 from flows.pages.preferences import view_of_request
 from schemas.base import Unusable
 from schemas.pages.signals import SignalsQuestion, SignalsShown
@@ -19,6 +19,7 @@ from storage.home import Home
 from tasks.pages.envelope import envelope
 from tasks.words import message
 
+HEIGHT_PX = 420
 KEPT = 2  # recordings that stay in memory, for the next look at the same run
 UNITS = {"gyro": "rad/s", "accel": "m/s²", "angle": "rad", "temperature": "°C", "humidity": "%RH",
          "supply": "V", "mag": "µT"}  # fmt: skip
@@ -81,7 +82,7 @@ def section(run: str, view: View, question: SignalsQuestion | None = None) -> Co
                 maw=320,
             ),
             dmc.Text(id="signals-rows", size="sm", c="dimmed"),
-            dcc.Graph(id="signals", config={"displaylogo": False, "responsive": True}),
+            dcc.Graph(id="signals", figure=figure([], view, HEIGHT_PX), config=GRAPH),
         ]
     )
 
@@ -126,15 +127,11 @@ def _figure(shown: SignalsShown, view: View) -> dict[str, Any]:
     high = line | {"x": shown.t, "y": shown.high, "line": {"width": 1, "color": LOW}, "name": "max"}
     traces = [low, high | {"fill": "tonexty", "fillcolor": HIGH}] if shown.is_reduced else [low]
     time = view.say(message("pages-signals-time"))
-    return {
-        "data": traces,
-        "layout": {
-            "template": plotly.io.templates[view.figure_template].to_plotly_json(),
-            "xaxis": {"title": {"text": time}, "range": [shown.since, shown.until]},
-            "yaxis": {"title": {"text": f"{shown.channel} ({shown.unit})"}},
-            "showlegend": False, "margin": {"t": 20, "r": 20}, "height": 420,
-        },
-    }  # fmt: skip
+    return figure(
+        traces, view, HEIGHT_PX, margin={"t": 20, "r": 20},
+        xaxis={"title": {"text": time}, "range": [shown.since, shown.until]},
+        yaxis={"title": {"text": f"{shown.channel} ({shown.unit})"}},
+    )  # fmt: skip
 
 
 PAGE = Page(

@@ -45,7 +45,7 @@ def _list(shown: UnitShown, view: View) -> Component:
         id="units",
         columnDefs=columns,
         rowData=[_row(each, view) for each in shown.units],
-        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 100,
+        defaultColDef={"resizable": True, "sortable": True, "flex": 1, "minWidth": 120,
                        "floatingFilter": True, "filter": True},
         dashGridOptions=GRID_OPTIONS | {"localeText": locale(view)},
         style={"height": "calc(100vh - 190px)", "minHeight": "420px"},
@@ -59,7 +59,8 @@ def _column(name: str, view: View) -> dict[str, Any]:
     return {
         "field": name, "headerName": view.say(message(f"pages-unit-column.{name}")), "filter": kind,
         **({"cellRenderer": "UnitLink"} if name == "serial" else {}),
-        **({"cellRenderer": "State"} if name in ("verdict", "due") else {}),
+        **({"minWidth": 165} if name == "certificate" else {}),
+        **({"cellRenderer": "State", "minWidth": 140} if name in ("verdict", "due") else {}),
     }  # fmt: skip
 
 

@@ -16,8 +16,8 @@ from tests.proof.issue.hold import run_issue
 from tests.proof.line.hold import run_line
 from tests.proof.next.hold import run_next
 from tests.proof.pages.hold import run_pages
-from tests.proof.papers.hold import run_papers
 from tests.proof.pages.screens import run_screens
+from tests.proof.papers.hold import run_papers
 from tests.proof.prove import run_kills, run_loaded, run_prove, run_resumes, run_station
 from tests.proof.throughput.hold import run_throughput
 from tests.proof.trial.rough.hold import run_rough

@@ -97,7 +97,7 @@ def _looked_at(
             for tab in range(1, TABS):
                 page.click(f"#run-tabs [role=tab] >> nth={tab}")
                 if tab == SIGNALS:
-                    page.wait_for_selector("#signals .scatterlayer .trace", state="attached")
+                    page.wait_for_selector("#signals-rows:not(:empty)")
                 _picture(page, folder / f"run-{tab}-{width}-{language}-{theme}.png")
     context.close()
     return [f"{width} {language} {theme}: {fault}" for fault in faults]
