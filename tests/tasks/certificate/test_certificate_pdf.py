@@ -365,3 +365,18 @@ def test_a_third_language_is_a_third_folder_of_words(
     text = "".join(pages(render(certificate(), ("de", "zh"))))
     assert "Kalibrierschein" in text
     assert "校准证书" in text
+
+
+@pytest.mark.parametrize("language", ["zh", "en"])
+def test_the_title_leaves_room_for_the_code_and_the_last_page_is_not_next_to_empty(
+    language: str,
+) -> None:
+    pdf = render(with_budgets_and_limits(), [language])
+    first = pypdfium2.PdfDocument(pdf)[0]
+    width, height = first.get_size()
+    code = width - (SIDE_MM - 3 + 21) * POINT  # its left edge
+    beside = [right for _, bottom, right, _ in boxes(first) if bottom > height - 40 * POINT]
+    assert beside
+    assert max(beside) < code
+    origin = {"zh": "数据来源与处理信息", "en": "Originandprocessingofthedata"}
+    assert origin[language] in pages(pdf)[-1]
