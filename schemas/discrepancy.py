@@ -100,6 +100,23 @@ class Detection(Frozen):
     false_alarm_rate: Finite
 
 
+class Moved(Frozen):
+    """An element of a certificate that physics moves, by so many of its U."""
+
+    item: str
+    element: str
+    in_U: Finite
+
+
+class FindingInBrief(Frozen):
+    """What the catalogue keeps of a finding beside its name. others: not told apart from it."""
+
+    title: Statement
+    parameters: tuple[FoundParameter, ...]
+    others: tuple[str, ...] = ()
+    moved: tuple[Moved, ...] = ()
+
+
 class HeldOut(Frozen):
     """How the segments that a fit did not see are predicted, before and after."""
 

@@ -2,9 +2,11 @@
 
 import hashlib
 from dataclasses import dataclass
+from datetime import date
 from typing import Literal
 
 import numpy as np
+from pydantic import AwareDatetime, Field
 
 from schemas.base import Finite, Frozen
 from schemas.discrepancy import Detection, FoundParameter, Verdict
@@ -171,3 +173,17 @@ class Review(Frozen):
     sites: tuple[EstimatedSite, ...] = ()
     figures: tuple[str, ...] = ()
     statement: Statement
+
+
+class KeptReview(Frozen):
+    """The last answer that a home keeps, when it was given, and of which runs it was asked.
+
+    asked: by station, model, serial, since and until; without any of them, of all. days: the first
+    and the last day of a run in it; null where none is told.
+    """
+
+    format: Literal["mimu-kept-review/1"] = "mimu-kept-review/1"
+    at: AwareDatetime
+    asked: dict[str, str] = Field(default_factory=dict)
+    days: tuple[date, date] | None = None
+    review: Review

@@ -14,12 +14,14 @@ from schemas.base import Unusable
 from schemas.history import Dispensable, Refused
 from storage import statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, runs, tables, trail
+from storage.catalogue import certificates, database, explanations, runs, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, runs_where
 from storage.home import Home
 
-OF_RUN = (tables.reprocessed, tables.equipment, tables.sources)  # rows that go with their run
+OF_RUN = (  # rows that go with their run
+    tables.findings, tables.explained, tables.reprocessed, tables.equipment, tables.sources,
+)  # fmt: skip
 
 Progress = Callable[[int, int], None]
 
@@ -109,6 +111,7 @@ def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
     blobs.remove_file(f"raw/{digest}.mcap")
     blobs.remove_folder(f"columns/{digest}")
     blobs.remove_file(statistics.name_of(digest))
+    blobs.remove_file(explanations.name_of(digest))
 
 
 def _delete_columns(each: Dispensable, person: str, home: Home) -> None:

@@ -10,7 +10,7 @@ import sqlalchemy as sql
 from schemas.base import Frozen, Unusable
 from storage import statistics
 from storage.blobs import Blobs, blobs_of
-from storage.catalogue import certificates, database, tables, trail
+from storage.catalogue import certificates, database, explanations, tables, trail
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.listing import Run, all_runs
 from storage.catalogue.results import calibration_of, result_id
@@ -167,10 +167,12 @@ def _record(entry: Entry, home: Home) -> Iterator[str]:
 
 
 def _unknown(blobs: Blobs, runs: list[Run]) -> Iterator[Found]:
-    """Recordings, columns and statistics in folder or bucket that no row of the catalogue names."""
+    """Recordings and what is made of them in folder or bucket that the catalogue does not name."""
     known = {f"raw/{run.digest}.mcap" for run in runs} | {f"columns/{run.digest}" for run in runs}
     known |= {statistics.name_of(run.digest) for run in runs}
-    for kept in (*blobs.kept("raw"), *blobs.kept("columns"), *blobs.kept(statistics.FOLDER)):
+    known |= {explanations.name_of(run.digest) for run in runs}
+    folders = ("raw", "columns", statistics.FOLDER, explanations.FOLDER)
+    for kept in (each for folder in folders for each in blobs.kept(folder)):
         if kept.name not in known:
             yield from _left_over(blobs.where(kept.name), kept.age_s)
 

@@ -214,14 +214,14 @@ explained = sql.Table(  # the last answer of `explain` to a run, in brief
     *_texts("code_version", "verdict"),
 )
 
-findings = sql.Table(  # of that answer; `parameters` and `others` (names not told apart): JSON
+findings = sql.Table(  # of that answer; `document`: `FindingInBrief`
     "findings",
     metadata,
     _column("run", sql.Text, sql.ForeignKey("explained.run"), primary_key=True),
     _column("number", sql.Integer, primary_key=True, autoincrement=False),
     _column("effect", sql.Text, index=True),
     *(_column(name, sql.Float) for name in ("share", "delta_bic")),
-    *_texts("parameters", "others"),
+    *_texts("document"),
 )
 
 reminders = sql.Table(  # `days`: after the due date, negative before it; sent_at null: not yet

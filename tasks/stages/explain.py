@@ -1,6 +1,8 @@
 """Stage: where model and recording differ, which physics was left out, and what it matters."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +13,7 @@ from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from storage import settings
-from storage.catalogue import runs
+from storage.catalogue import explanations, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
 from storage.whole_files import report_folder
@@ -41,15 +43,16 @@ def explain_run(
 ) -> Explained:
     """Find where the standard's model and a run differ, and say which physics is missing.
 
-    progress: is told what is being done, and how much of the whole is behind it.
-    Raises Unusable for a result, a simulation or a folder that cannot be used.
+    What the standard's own model leaves out of a run is kept with it, unless the home only reads.
+    progress: is told what is being done, and how much of the whole is behind it. Raises
+    Unusable for a result, a simulation or a folder that cannot be used.
     """
     # Late: the other stages need none of it.
     from tasks.explain.correction.consequences import consequences
     from tasks.explain.explain import explain
     from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
-    from tasks.explain.report import discrepancy_of, write_report
+    from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
     from tasks.stages.statistics import keep_statistics
 
     out = report_folder(order.out)
@@ -65,6 +68,10 @@ def explain_run(
     discrepancy = discrepancy_of(explanation, wheres, effects)
     tell(progress, "report")
     files = () if out is None else tuple(write_report(discrepancy, explanation, out))
+    if reference is None:
+        html = report_html(discrepancy, explanation, pictures_of(discrepancy, explanation))
+        with suppress(Unusable):
+            explanations.keep(run, discrepancy, html, datetime.now(UTC), home)
     keep_statistics(run, recording, home)
     return Explained(discrepancy, files)
 

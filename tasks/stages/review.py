@@ -1,12 +1,15 @@
 """Stage: what many runs show together, who carries it and since when."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from schemas.base import Unusable
 from schemas.orders import ReviewOrder, Selection, order_of
-from schemas.review import Review, Skipped
+from schemas.review import KeptReview, Review, Skipped
+from storage import last_review
 from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.catalogue.selection import select
@@ -19,6 +22,7 @@ from tasks.version import code_version
 Progress = Callable[[int, int], None]
 FEWEST = 2  # runs that have anything in common
 MANIFEST = "manifest.json"
+SELECTED = ("since", "until", "model", "serial", "station")
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,8 @@ class Reviewed:
 def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     """Add the statistics of runs up, and say what no run shows alone.
 
-    Statistics that are not kept yet are made, and kept. progress(done, total) is called after each
+    Statistics that are not kept yet are made, and kept; so is the answer, as the home's last one,
+    unless the home only reads. progress(done, total) is called after each
     run. Raises Unusable for fewer than two runs, or a folder that cannot be written.
     """
     # Late: the other stages need none of it.
@@ -62,14 +67,26 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     review = review_of(pool, found_together, p_value, skipped)
     review = with_certificates(review, found_together, {run.id: run for run in chosen}, home)
     review = review.model_copy(update={"code_version": code_version()})
+    with suppress(Unusable):
+        last_review.keep(_kept(review, order, [run for run in chosen if run.id in usable]), home)
     return Reviewed(review, () if out is None else (_write(review, out),))
+
+
+def _kept(review: Review, order: ReviewOrder, used: Sequence[Run]) -> KeptReview:
+    """The answer with what was asked and when."""
+    asked = {name: str(value) for name in SELECTED if (value := getattr(order, name)) is not None}
+    asked |= {"paths": str(len(order.paths))} if order.paths else {}
+    days = sorted(run.recorded_on for run in used if run.recorded_on is not None)
+    return KeptReview(
+        at=datetime.now(UTC), asked=asked, days=(days[0], days[-1]) if days else None,
+        review=review,
+    )  # fmt: skip
 
 
 def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
     """The runs of the order's paths, each once, else of its selection; and what is no recording."""
     if not order.paths:
-        fields = ("since", "until", "model", "serial", "station")
-        asked = {name: getattr(order, name) for name in fields}
+        asked = {name: getattr(order, name) for name in SELECTED}
         return select(order_of(Selection, **asked), home), []
     found, skipped = dict[str, Run](), []
     for path in (path for named in order.paths for path in _recordings(named)):

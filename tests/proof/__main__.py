@@ -133,7 +133,11 @@ def main(
     ] = None,
     line: Annotated[
         int | None,
-        typer.Option(metavar="N", min=1, help="Nothing but the store of a line with N runs."),
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Nothing but the store of a line with N runs, and what the pages say of it.",
+        ),
     ] = None,
     screens: Annotated[
         int | None,
@@ -145,8 +149,8 @@ def main(
         bool,
         typer.Option(
             "--write",
-            help="With --faults, --fleets, --fuzz, --issue, --next, --pages, --throughput: into "
-            "the evidence.",
+            help="With --faults, --fleets, --fuzz, --issue, --line, --next, --pages, --throughput: "
+            "into the evidence.",
         ),
     ] = False,
     as_json: Annotated[
@@ -159,13 +163,13 @@ def main(
     """
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
-        (run_history, history), (partial(run_line, seed), line),
+        (run_history, history),
         (partial(run_papers, papers), 1 if papers else None),
         (partial(run_screens, seed), screens),
     )  # fmt: skip
     seeded = (
         (run_faults, faults), (run_fuzz, fuzz), (run_issue, issue), (run_fleets, fleets),
-        (run_pages, pages), (run_next, next_),
+        (run_pages, pages), (run_next, next_), (partial(run_line, out=out), line),
     )  # fmt: skip
     try:
         for run, count in only:

@@ -37,12 +37,7 @@ def write_report(
     Each file appears whole or not at all; the page comes last. Returns their paths. Raises
     Unusable where the folder cannot be written.
     """
-    cells = cells_of(explanation)
-    pictures = {
-        "where": where_svg(discrepancy, cells),
-        "before_after": before_after_svg(explanation, cells),
-        "shares": shares_svg(discrepancy),
-    }
+    pictures = pictures_of(discrepancy, explanation)
     contents = {
         "prediction.parquet": _prediction(explanation),
         **{f"{name}.svg": picture.encode() for name, picture in pictures.items()},
@@ -50,6 +45,16 @@ def write_report(
         "report.html": report_html(discrepancy, explanation, pictures).encode(),
     }
     return tuple(_appear(folder, name, content) for name, content in contents.items())[::-1]
+
+
+def pictures_of(discrepancy: Discrepancy, explanation: Explanation) -> dict[str, str]:
+    """The pictures of a report, SVG by name."""
+    cells = cells_of(explanation)
+    return {
+        "where": where_svg(discrepancy, cells),
+        "before_after": before_after_svg(explanation, cells),
+        "shares": shares_svg(discrepancy),
+    }
 
 
 def report_html(

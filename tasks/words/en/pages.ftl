@@ -475,3 +475,55 @@ pages-due-standard =
     .certificate = Certificate
     .until = Valid until
     .state = State
+
+## Mismatch
+
+pages-mismatch = Mismatch
+    .about = Which physics the model leaves out, on which station, unit and model, since when, and which certificates it touches
+pages-mismatch-review = What the runs show together
+pages-mismatch-no-review = No review was made in this home yet: `mimucal review` makes one, and it stands here from then on.
+pages-mismatch-own = What runs show one by one
+pages-mismatch-runs = Explained runs, the newest first
+pages-mismatch-explained = { $explained } explained runs of { $runs } runs in all; `mimucal explain RUN` adds one.
+pages-mismatch-all = all
+pages-mismatch-asked =
+    .effect = Effect
+    .station = Station
+    .model = Model
+    .serial = Serial number
+pages-mismatch-fact =
+    .at = Reviewed
+    .asked = Asked of
+    .runs = Runs (+ left out)
+    .days = From, to
+    .since = Since
+    .until = Until
+    .shown = Runs that lean towards it
+    .sizes = Size (k = 2)
+    .moved = Moves most, in U
+pages-mismatch-verdict =
+    .no-mismatch = no mismatch
+    .explained = mismatch, explained
+    .partly-explained = mismatch, partly explained
+    .unexplained = mismatch, unexplained
+pages-mismatch-level =
+    .station = Station
+    .unit = Unit
+    .model = Model
+    .lot = Lot
+    .site = Site
+pages-mismatch-touched = Certificates on these runs: { $issued } issued, { $drafts } drafts
+pages-mismatch-their-runs = the runs
+pages-mismatch-in-runs = { $count ->
+    [one] in { $count } run
+   *[other] in { $count } runs
+}
+pages-mismatch-column =
+    .run = Run
+    .day = Recorded
+    .station = Station
+    .unit = Unit
+    .verdict = Answer
+    .findings = Found
+    .report = Report
+pages-mismatch-report = open

@@ -1,27 +1,86 @@
-"""`make prove ARGS="--line 10000 --seed 1"`: a line's store, made of its seed."""
+"""`make prove ARGS="--line 10000 --seed 1"`: a line's store, made of its seed, and judged."""
 
 import json
 import os
 import time
 from pathlib import Path
 
+import typer
+
 from flows.printing import stdout
 from flows.progress import counting
 from schemas.base import Unusable
+from schemas.orders import ExplainOrder, ReviewOrder
+from storage.catalogue.listing import find
 from storage.home import Home
+from tasks.stages.explain import explain_run
+from tasks.stages.review import review_runs
 from tests.proof.line.draw import Line, draw_line, station_name
+from tests.proof.line.judge import Judged, judge
 from tests.proof.line.recorded import Recorded
-from tests.proof.line.store import fill
+from tests.proof.line.store import fill, recorded_runs
 
-UNITS, RECORDED = 200, 48
+UNITS, RECORDED, EXPLAINED = 200, 48, 12
 RUNS_OF_A_UNIT = 5  # at least, of a small line
+PAGE = Path(__file__).parents[1] / "evidence" / "line.md"
+TEXT = """# A line with years behind it
+
+`make prove ARGS="--line {runs} --seed {seed}"`: {runs:,} runs of {units} units of 4 models on 6
+stations over three years, made in {made:.0f} s. Each unit has true coefficients that drift, and
+some are adjusted; each run measures them with noise of its stated U; some runs are invalid, fail,
+lack an item, are retests. One station is tilted from a day on: which one, and when, lies in a file
+outside of the store until the pages have answered. {recorded} of the runs have recordings of the
+independent plant; `mimucal review` pools these, and `mimucal explain` answers {explained} of them.
+
+| what | answered | held against |
+|---|---:|---|
+| numbers of the Quality page that the catalogue has, too | {same} of {numbers} | SQL, and numpy |
+| the tilted station on the Mismatch page | {found} | {truth} |
+| since | {since} | {since_truth} |
+| size, east and north (µrad) | {size} | {size_truth} |
+| stations that the Quality page finds off in what a tilt moves | {off} | {truth} |
+| names in single runs of the tilted station, since then | {named} | `axis_tilt` |
+| names in single runs of the others | {others} | none |
+
+Faults: {faults}.
+"""
 
 
-def run_line(seed: int, count: int, out: Path | None) -> None:
-    """Makes the store; its answer lies sealed beside it. Raises Unusable for a folder in use."""
+def run_line(count: int, seed: int, write: bool, out: Path | None = None) -> None:
+    """Makes the store, has it reviewed and judges the pages; exit 1 where one is wrong.
+
+    Its answer lies sealed beside it. write: into the evidence. Raises Unusable for a folder in use.
+    """
     folder = (out or Path(f"proof-line-{seed}")).absolute()
     home, line = Home(folder), draw_line(seed, count, min(UNITS, max(1, count // RUNS_OF_A_UNIT)))
-    make_store(home, line, RECORDED)
+    made = make_store(home, line, RECORDED)
+    look_back(home)
+    judged = judge(home, json.loads(answer_of(home).read_text(encoding="utf-8")))
+    page = page_of(line, made, judged)
+    stdout(markup=False).print(page)
+    (PAGE if write else folder / PAGE.name).write_text(page, encoding="utf-8")
+    if judged.faults:
+        raise typer.Exit(1)
+
+
+def look_back(home: Home, explained: int = EXPLAINED) -> None:
+    """What the laboratory would do: a review of the recorded runs, and `explain` for the last."""
+    recorded = tuple(recorded_runs(home))
+    with counting("statistics") as report:
+        review_runs(ReviewOrder(paths=recorded), home, report)
+    last = recorded[-explained:]
+    with counting("explanations") as report:
+        for done, run in enumerate(last, start=1):
+            explain_run(find(run, home), home, ExplainOrder(run=run))
+            report(done, len(last))
+
+
+def page_of(line: Line, made: float, judged: Judged) -> str:
+    """The evidence as Markdown."""
+    return TEXT.format(
+        runs=line.runs, seed=line.seed, units=len(line.units), made=made, recorded=RECORDED,
+        explained=EXPLAINED, faults="; ".join(judged.faults) or "none", **judged.told,
+    )  # fmt: skip
 
 
 def make_store(home: Home, line: Line, recorded: int) -> float:

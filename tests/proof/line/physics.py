@@ -12,6 +12,7 @@ from tasks.calibrate.evaluation import evaluation_for
 from tasks.specifications.register import specification_for
 from tests.proof.line.draw import Line, LineUnit, Tilt
 from tests.proof.plant.case import Case, EffectCall, Grade
+from tests.proof.plant.grades import channel_noise
 from tests.proof.plant.simulate import simulate
 from tests.proof.plant.unit import UnitErrors, draw_unit
 
@@ -49,10 +50,12 @@ def played(case: Case, truth: UnitErrors, manifest: Manifest | None = None) -> R
     simulated = simulate(case)
     rates, force = np.split(simulated.reported.T, 2)
     own = truth.reads(rates, force) - draw_unit(TRUTH_OF_CASE).reads(rates, force)
-    recording = simulated.recording
+    steps = [noise.step for noise in channel_noise(case.grade)]
+    recording, rng = simulated.recording, np.random.default_rng([case.seed, 63])
     columns = dict(recording.imu.columns)
-    for channel, course in zip(GYRO + ACCEL, own, strict=True):
-        columns[channel] = columns[channel] + course
+    for channel, course, step in zip(GYRO + ACCEL, own, steps, strict=True):
+        spread = step * (rng.uniform(size=len(course)) - 0.5)  # rounded twice as if once
+        columns[channel] = np.round((columns[channel] + spread + course) / step) * step
     imu = replace(recording.imu, columns=columns)
     return replace(recording, imu=imu, manifest=manifest or recording.manifest)
 

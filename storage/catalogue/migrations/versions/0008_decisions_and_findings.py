@@ -34,7 +34,7 @@ def upgrade() -> None:
         _column("number", sa.Integer(), primary_key=True, autoincrement=False),
         _column("effect", sa.Text()),
         *(_column(name, sa.Float()) for name in ("share", "delta_bic")),
-        *(_column(name, sa.Text()) for name in ("parameters", "others")),
+        _column("document", sa.Text()),
     )
     op.create_index("ix_findings_effect", "findings", ["effect"])
 
