@@ -1,6 +1,6 @@
 """The pages, in the order in which the navigation shows them."""
 
-from flows.pages import budget, do, due, line, quality, run, runs, signals, unit
+from flows.pages import budget, do, due, line, mismatch, quality, run, runs, signals, unit
 from flows.pages.page import Page
 
 PAGES: tuple[Page, ...] = (
@@ -12,6 +12,7 @@ PAGES: tuple[Page, ...] = (
     unit.PAGE,
     due.PAGE,
     quality.PAGE,
+    mismatch.PAGE,
     do.PAGE,
 )
 FIRST = PAGES[0]  # what the bare address shows
