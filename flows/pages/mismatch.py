@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from urllib.parse import urlencode
 
 import dash_mantine_components as dmc
-from dash import ClientsideFunction, Dash, Input, Output, State, dcc, html
+from dash import dcc, html
 from dash.development.base_component import Component
 
+from flows.pages.asked import asks
 from flows.pages.mismatch_data import data
 from flows.pages.page import Page, View
 from flows.pages.parts import Cell, facts, table
@@ -22,7 +23,7 @@ from schemas.pages.mismatch import (
     ReviewShown,
     Shown,
 )
-from storage.home import Home
+from schemas.review import Touched
 from tasks.explain.report.names import parameter_text
 from tasks.specifications.items import symbol
 from tasks.words import message
@@ -61,14 +62,13 @@ def _choices(shown: MismatchShown, view: View, question: MismatchQuestion) -> Co
     asked = question.model_dump()
     controls = [
         dmc.Select(
-            id=f"mismatch-{name}", label=view.say(message(f"pages-mismatch-asked.{name}")),
+            id=asks(name, asked[name]), label=view.say(message(f"pages-mismatch-asked.{name}")),
             data=list(values[name]), value=asked[name], searchable=True, clearable=True,
             placeholder=view.say(message("pages-mismatch-all")),
         )
         for name in ASKED
     ]  # fmt: skip
-    kept = dcc.Store(id="mismatch-asked", data=asked)
-    return dmc.Box([dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs"), kept])
+    return dmc.SimpleGrid(controls, cols={"base": 2, "sm": 4}, spacing="xs")
 
 
 def _review(review: ReviewShown, view: View) -> list[Component]:
@@ -118,9 +118,19 @@ def _carried(carried: Carried, view: View) -> Component:
     head = dmc.Group([
         dmc.Title(carrier, order=4), dmc.Text(view.say(carried.title), fw="bold"),
     ])  # fmt: skip
+    moved = {(t.item, t.element): t.in_U for t in sorted(finding.touched, key=_size)}
+    most = sorted(moved.items(), key=lambda each: -abs(each[1]))[:FEW]
+    elements = ", ".join(f"{symbol(*element)} {in_U:+.1f} U" for element, in_U in most)
+    if elements:
+        shown = dmc.Stack([shown, facts(
+            [(message("pages-mismatch-fact.moved"), elements)], view)], gap="xs")  # fmt: skip
     text = dmc.Text(view.say(finding.statement), size="sm", c="dimmed")
     parts = [head, shown, text, *_touched(carried.papers, carried.query, view)]
     return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
+
+
+def _size(touched: Touched) -> float:
+    return abs(touched.in_U)
 
 
 def _parameter(parameter: FoundParameter, view: View) -> str:
@@ -194,15 +204,4 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
     )
 
 
-def callbacks(app: Dash, _: Home) -> None:
-    """Another choice is another address."""
-    app.clientside_callback(
-        ClientsideFunction("choices", "mismatch"),
-        Output("address", "search", allow_duplicate=True),
-        *(Input(f"mismatch-{name}", "value") for name in ASKED),
-        State("mismatch-asked", "data"),
-        prevent_initial_call=True,
-    )
-
-
-PAGE = Page("mismatch", MismatchQuestion, MismatchShown, data, layout, callbacks=callbacks)
+PAGE = Page("mismatch", MismatchQuestion, MismatchShown, data, layout)

@@ -60,14 +60,14 @@ def choices(shown: QualityShown, view: View, question: QualityQuestion) -> Compo
 def callbacks(app: Dash, _: Home) -> None:
     """Another choice is another address; a point of the chart is its run."""
     app.clientside_callback(
-        ClientsideFunction("choices", "quality"),
+        ClientsideFunction("quality", "ask"),
         Output("address", "search"),
         *(Input(f"quality-{name}", "value") for name in ASKED),
         State("quality-asked", "data"),
         prevent_initial_call=True,
     )
     app.clientside_callback(
-        ClientsideFunction("choices", "open"),
+        ClientsideFunction("quality", "open"),
         Output("address", "href"),
         Input("quality-chart", "clickData"),
         prevent_initial_call=True,
