@@ -1,4 +1,4 @@
-"""What `explain` last said of each run: its findings as rows, its report as it was written."""
+"""What `explain` last answered of each run: its findings as rows, its report as it was written."""
 
 from datetime import datetime
 from pathlib import Path
@@ -14,7 +14,7 @@ from storage.home import Home
 
 FOLDER = "explained"
 RUN, UNIT = tables.runs.c, tables.units.c
-TOLD, FOUND = tables.explained.c, tables.findings.c
+ANSWER, FOUND = tables.explained.c, tables.findings.c
 
 
 def name_of(digest: str) -> str:
@@ -22,7 +22,7 @@ def name_of(digest: str) -> str:
     return f"{FOLDER}/{digest}.html"
 
 
-def keep(run: Run, said: Discrepancy, report: str, at: datetime, home: Home) -> None:
+def keep(run: Run, discrepancy: Discrepancy, report: str, at: datetime, home: Home) -> None:
     """Keeps findings and report of a run in the place of those before."""
     blobs, name = blobs_of(home), name_of(run.digest)
 
@@ -34,11 +34,16 @@ def keep(run: Run, said: Discrepancy, report: str, at: datetime, home: Home) -> 
     with database.changing(home) as connection:
         for table in (tables.findings, tables.explained):
             connection.execute(sql.delete(table).where(table.c.run == run.id))
-        row = {"run": run.id, "at": at, "code_version": said.code_version, "verdict": said.verdict}
+        row = {
+            "run": run.id,
+            "at": at,
+            "code_version": discrepancy.code_version,
+            "verdict": discrepancy.verdict,
+        }
         connection.execute(sql.insert(tables.explained).values(row))
         database.add_all_new(connection, tables.findings, [
             {"run": run.id, "number": number} | _row(finding)
-            for number, finding in enumerate(said.findings)
+            for number, finding in enumerate(discrepancy.findings)
         ])  # fmt: skip
 
 
@@ -55,11 +60,11 @@ def explained_runs(home: Home) -> list[dict[str, Any]]:
     """Each run that was explained, in the order of time: run, station, model, serial, day, at,
     verdict, and what was found in it (`effect`, `share`, `brief`), the largest share first.
     """
-    told = sql.select(
+    answers = sql.select(
         RUN.id.label("run"), RUN.station, UNIT.model, UNIT.serial, RUN.recorded_on,
-        RUN.taken_in_at, TOLD.at, TOLD.verdict,
+        RUN.taken_in_at, ANSWER.at, ANSWER.verdict,
     ).select_from(tables.explained.join(tables.runs).join(tables.units))  # fmt: skip
-    rows = database.rows(home, told.order_by(RUN.recorded_on, RUN.taken_in_at, RUN.id))
+    rows = database.rows(home, answers.order_by(RUN.recorded_on, RUN.taken_in_at, RUN.id))
     runs = {row.run: dict(row._mapping) | {"findings": []} for row in rows}
     asked = sql.select(FOUND.run, FOUND.effect, FOUND.share, FOUND.document)
     for row in database.rows(home, asked.order_by(FOUND.run, FOUND.number)):

@@ -11,7 +11,7 @@ import pytest
 
 from flows.pages.page import View
 from flows.pages.quality import PAGE
-from flows.pages.quality_data import data
+from flows.pages.quality.data import data
 from schemas.base import Unusable
 from schemas.pages.quality import QualityQuestion, QualityShown
 from storage import dataframes

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from flows.pages.quality_element import of_element
+from flows.pages.quality.element import of_element
 from schemas.base import Unusable
 from schemas.pages.quality import (
     Choices,

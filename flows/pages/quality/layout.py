@@ -1,4 +1,4 @@
-"""Quality: yield, capability, control chart and stations of the runs that are chosen."""
+"""How the quality page is laid out."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,12 +6,11 @@ from typing import Any
 import dash_mantine_components as dmc
 from dash.development.base_component import Component
 
-from flows.pages.page import Page, View
+from flows.pages.page import View
 from flows.pages.parts import facts, table
 from flows.pages.pictures import picture
-from flows.pages.quality_choices import callbacks, choices
-from flows.pages.quality_data import data
-from flows.pages.quality_pictures import chart_figure, stations_figure, weeks_figure
+from flows.pages.quality.choices import choices
+from flows.pages.quality.pictures import chart_figure, stations_figure, weeks_figure
 from flows.pages.states import StepState, badge
 from schemas.pages.quality import (
     CapabilityShown,
@@ -187,6 +186,3 @@ def _station(one: StationShown, shown: QualityShown, view: View) -> tuple[Any, .
                       "bad" if is_off else "good")  # fmt: skip
     cells = (f"{made.values[0]}{unit}", f"{made.uncertainties[0]}{unit} (k = {USUAL_K:g})")
     return one.station, *cells, str(one.runs), badge(state, view)
-
-
-PAGE = Page("quality", QualityQuestion, QualityShown, data, layout, callbacks=callbacks)

@@ -1,0 +1,9 @@
+"""Quality: yield, capability, control chart and stations of the runs that are chosen."""
+
+from flows.pages.page import Page
+from flows.pages.quality.choices import callbacks
+from flows.pages.quality.data import data
+from flows.pages.quality.layout import layout
+from schemas.pages.quality import QualityQuestion, QualityShown
+
+PAGE = Page("quality", QualityQuestion, QualityShown, data, layout, callbacks=callbacks)
