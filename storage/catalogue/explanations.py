@@ -1,4 +1,4 @@
-"""What `explain` last answered of each run: its findings as rows, its report as it was written."""
+"""What `explain` last answered to each run: its findings as rows, its report as it was written."""
 
 from datetime import datetime
 from pathlib import Path

@@ -30,12 +30,17 @@ SEED, COUNT = 1, 10_000
 PEOPLE, LOOKS, LOOK_S = 20, 10, 1.0
 PATHS = ("/api/v1/runs?station=ST-03", "/api/v1/runs?verdict=fail&sort=due", "/api/v1/line",
          "/api/v1/runs?validity=invalid", "/runs", "/api/v1/due", "/api/v1/unit?id=7",
-         "/api/v1/unit?search=0042")  # fmt: skip
+         "/api/v1/unit?search=0042", "/api/v1/quality?model=MX-110")  # fmt: skip
 FIRST_SEEN = {
     "/runs": ".ag-cell a", "/line": "#page h3", "/do": "#page h3", "/unit": ".ag-cell a",
     "/unit?id=7": "#page table", "/due": "#page h3",
+    "/quality": "#page h3", "/mismatch": "#page h3",
 }  # fmt: skip
-FILTERS = ("/api/v1/due?client=North%20Works&within=365", "/api/v1/unit?id=7&item=accel_bias")
+FILTERS = (
+    "/api/v1/due?client=North%20Works&within=365", "/api/v1/unit?id=7&item=accel_bias",
+    "/api/v1/quality?model=MX-120&item=accel_rate_sensitivity&element=xy&station=ST-02",
+    "/api/v1/mismatch?station=ST-02",
+)  # fmt: skip
 OPTIONS = ["--no-sandbox", "--disable-gpu", "--no-proxy-server", "--disable-dev-shm-usage"]
 
 

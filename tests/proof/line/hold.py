@@ -51,16 +51,22 @@ def run_line(count: int, seed: int, write: bool, out: Path | None = None) -> Non
 
     Its answer lies sealed beside it. write: into the evidence. Raises Unusable for a folder in use.
     """
-    folder = (out or Path(f"proof-line-{seed}")).absolute()
-    home, line = Home(folder), draw_line(seed, count, min(UNITS, max(1, count // RUNS_OF_A_UNIT)))
-    made = make_store(home, line, RECORDED)
-    look_back(home)
+    home = Home((out or Path(f"proof-line-{seed}")).absolute())
+    line, made = make_line(seed, count, home)
     judged = judge(home, json.loads(answer_of(home).read_text(encoding="utf-8")))
     page = page_of(line, made, judged)
     stdout(markup=False).print(page)
-    (PAGE if write else folder / PAGE.name).write_text(page, encoding="utf-8")
+    (PAGE if write else home.path / PAGE.name).write_text(page, encoding="utf-8")
     if judged.faults:
         raise typer.Exit(1)
+
+
+def make_line(seed: int, count: int, home: Home) -> tuple[Line, float]:
+    """The store of a line that was reviewed, in a new folder, and how long its runs took in s."""
+    line = draw_line(seed, count, min(UNITS, max(1, count // RUNS_OF_A_UNIT)))
+    made = make_store(home, line, RECORDED)
+    look_back(home)
+    return line, made
 
 
 def look_back(home: Home, explained: int = EXPLAINED) -> None:

@@ -13,7 +13,7 @@ from storage.catalogue import tables
 from storage.catalogue.database import rows
 from storage.home import Home
 from tests.pages_server import served
-from tests.proof.line.hold import run_line
+from tests.proof.line.hold import make_line
 from tests.proof.line.store import recorded_runs
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def run_screens(seed: int, count: int, out: Path | None) -> None:
     folder = (out or Path(f"proof-screens-{seed}")).absolute()
     home = Home(folder / "store")
     if not home.path.exists():
-        run_line(seed, count, home.path)
+        make_line(seed, count, home)
     addresses = list(_addresses(home))
     browser_path = which("chromium")
     if browser_path is None:
