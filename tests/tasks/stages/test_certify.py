@@ -224,3 +224,16 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
     reported = certify(*given, Inputs(tolerance=tolerance(), invalid_run=True)).certificate
     assert {decided.verdict for decided in reported.decision.limits} == {"inconclusive"}
     assert "the run is invalid: nothing is decided on the unit" in reported.decision.reasons
+
+
+def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep) -> None:
+    run, result, home = kept()
+    (home.path / "logo.png").write_bytes(b"no picture")
+    laboratory = Laboratory(party=PARTY, logo="logo.png", operator="Li")
+    with pytest.raises(Unusable, match=r"^No certificate was made: with the logo of"):
+        certify(run, result, home, Inputs(laboratory=laboratory))
+    assert certificates.register(home) == []
+    assert not list(home.path.glob("certificates/*"))
+    (home.path / "logo.png").unlink()
+    with pytest.raises(Unusable, match=r"^laboratory\.toml: logo = .*cannot be read"):
+        certify(run, result, home, Inputs(laboratory=laboratory))
