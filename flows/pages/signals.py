@@ -102,10 +102,11 @@ def callbacks(app: Dash, home: Home) -> None:
         Input("signals", "relayoutData"),
         Input("signals-channel", "value"),
         State("signals-run", "data"),
+        State("signals-rows", "children"),
     )
-    def look(zoom: dict[str, Any] | None, chosen: str | None, run: str) -> Any:
+    def look(zoom: dict[str, Any] | None, chosen: str | None, run: str, rows: str | None) -> Any:
         view, zoom = view_of_request(), zoom or {}
-        if set(zoom) <= {"autosize"} and zoom:
+        if rows and zoom and set(zoom) <= {"autosize"}:  # before them it may be the only call
             return no_update, no_update, no_update
         stream, _, channel = (chosen or "imu gyro_x").partition(" ")
         shown = data(
@@ -117,8 +118,8 @@ def callbacks(app: Dash, home: Home) -> None:
         )  # fmt: skip
         listed = [f"{name} {each}" for name, every in shown.channels.items() for each in every]
         words = "reduced" if shown.is_reduced else "whole"
-        rows = message(f"pages-signals-rows.{words}", rows=shown.rows, points=len(shown.t))
-        return _figure(shown, view), listed, view.say(rows)
+        count = message(f"pages-signals-rows.{words}", rows=shown.rows, points=len(shown.t))
+        return _figure(shown, view), listed, view.say(count)
 
 
 def _figure(shown: SignalsShown, view: View) -> dict[str, Any]:
