@@ -53,7 +53,6 @@ def layout(shown: RunShown, view: View, _: RunQuestion) -> Component:
                     *(dmc.TabsPanel(panels[tab], value=tab, pt="md") for tab in TABS),
                 ],
                 value=TABS[0],
-                keepMounted=False,
                 id="run-tabs",
             ),
         ]

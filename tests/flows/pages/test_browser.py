@@ -74,7 +74,7 @@ def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, fau
     page.click("text=English")
     page.wait_for_selector("text=Gyro bias")
     page.click("[role=tab]:has-text('Signals')")
-    page.wait_for_selector("#signals .main-svg")
+    page.wait_for_selector("#signals-rows:has-text('300 rows')")
     assert faults == []
 
 
