@@ -1,6 +1,7 @@
 """Every page of a store as pictures: both languages and themes, on a desktop and on a tablet."""
 
 import time
+from base64 import b64encode
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 WIDTHS = {"desktop": (1440, 1000), "tablet": (820, 1100)}
 LANGUAGES, THEMES = ("en", "zh"), ("light", "dark")
 TABS, SIGNALS = 6, 2  # of the page of a run
+COMPOSED = ("unit-one", "due", "run-2", "quality")
 SETTLED_MS = 900  # after the last answer, for pictures that are drawn behind the text
 ARGUMENTS = (
     "--no-sandbox --disable-gpu --disable-quic --disable-background-networking "
@@ -50,6 +52,7 @@ def run_screens(seed: int, count: int, out: Path | None) -> None:
             for width, language, theme in product(WIDTHS, LANGUAGES, THEMES)
             for fault in _looked_at(browser, address, addresses, folder, (width, language, theme))
         ]
+        _composed(browser, folder)
         browser.close()
     print(f"{len(list(folder.glob('*.png')))} pictures in {folder}")
     if faults:
@@ -101,6 +104,19 @@ def _looked_at(
                 _picture(page, folder / f"run-{tab}-{width}-{language}-{theme}.png")
     context.close()
     return [f"{width} {language} {theme}: {fault}" for fault in faults]
+
+
+def _composed(browser: "Browser", folder: Path) -> None:
+    """Four of the pictures as one, `pages.png`."""
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    parts = "".join(
+        f'<div style="background:url(data:image/png;base64,{b64encode(data).decode()}) '
+        '0 0/600px"></div>'
+        for data in ((folder / f"{name}-desktop-en-light.png").read_bytes() for name in COMPOSED)
+    )
+    style = "margin:0;display:grid;grid:400px 400px/1fr 1fr;gap:2px;background:#888"
+    page.set_content(f'<body style="{style}">{parts}')
+    page.screenshot(path=folder / "pages.png")
 
 
 def _picture(page: "Page", path: Path) -> None:
