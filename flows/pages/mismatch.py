@@ -27,6 +27,7 @@ from schemas.review import Touched
 from tasks.explain.report.names import parameter_text
 from tasks.specifications.items import symbol
 from tasks.words import message
+from tasks.words.quantities import multiple
 
 ASKED = ("effect", "station", "model", "serial")
 FEW = 8  # carriers listed
@@ -72,7 +73,7 @@ def _choices(shown: MismatchShown, view: View, question: MismatchQuestion) -> Co
 
 
 def _review(review: ReviewShown, view: View) -> list[Component]:
-    asked = ", ".join(f"{name} {value}" for name, value in review.asked.items())
+    asked = ", ".join(_asked(name, value, view) for name, value in review.asked.items())
     days = f"{review.days[0]} … {review.days[1]}" if review.days else None
     everything = view.say(message("pages-mismatch-all"))
     about = facts(
@@ -90,6 +91,14 @@ def _review(review: ReviewShown, view: View) -> list[Component]:
     state = _state(review.verdict)
     summary = dmc.Group([badge(state, view), dmc.Text(view.say(review.statement))])
     return [about, summary, *(_carried(each, view) for each in review.findings)]
+
+
+def _asked(name: str, value: str, view: View) -> str:
+    """A part of what a review was asked of, in words."""
+    if name == "paths":
+        return view.say(message("pages-mismatch-recordings", count=int(value)))
+    kind = "fact" if name in ("since", "until") else "asked"
+    return f"{view.say(message(f'pages-mismatch-{kind}.{name}'))} {value}"
 
 
 def _state(verdict: Verdict) -> StepState:
@@ -120,7 +129,7 @@ def _carried(carried: Carried, view: View) -> Component:
     ])  # fmt: skip
     moved = {(t.item, t.element): t.in_U for t in sorted(finding.touched, key=_size)}
     most = sorted(moved.items(), key=lambda each: -abs(each[1]))[:FEW]
-    elements = ", ".join(f"{symbol(*element)} {in_U:+.1f} U" for element, in_U in most)
+    elements = ", ".join(f"{symbol(*element)} {multiple(in_U)} U" for element, in_U in most)
     if elements:
         shown = dmc.Stack([shown, facts(
             [(message("pages-mismatch-fact.moved"), elements)], view)], gap="xs")  # fmt: skip
@@ -157,7 +166,7 @@ def _effect(seen: EffectSeen, view: View) -> Component:
         for name in names
     ]
     days = f"{seen.since} … {seen.until}" if seen.since else None
-    moved = ", ".join(f"{symbol(m.item, m.element)} {m.in_U:+.1f} U" for m in seen.moved)
+    moved = ", ".join(f"{symbol(m.item, m.element)} {multiple(m.in_U)} U" for m in seen.moved)
     head = dmc.Group([
         dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
         dmc.Text(view.say(message("pages-mismatch-in-runs", count=seen.runs))),
@@ -191,12 +200,13 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
     ]  # fmt: skip
     report = html.A(
         view.say(message("pages-mismatch-report")), href=f"/explained/{run.run}.html",
+        className="whole",
         target="_blank",
     )  # fmt: skip
     return (
-        dcc.Link(run.run, href=f"/run?{urlencode({'id': run.run})}"),
-        str(run.day) if run.day else None,
-        run.station,
+        dcc.Link(run.run, href=f"/run?{urlencode({'id': run.run})}", className="whole"),
+        html.Span(str(run.day), className="whole") if run.day else None,
+        html.Span(run.station, className="whole"),
         f"{run.model} {run.serial}",
         badge(_state(run.verdict), view),
         dmc.Stack(found, gap=2) if found else None,

@@ -526,4 +526,8 @@ pages-mismatch-column =
     .verdict = Answer
     .findings = Found
     .report = Report
+pages-mismatch-recordings = { $count ->
+    [one] { $count } named recording
+   *[other] { $count } named recordings
+}
 pages-mismatch-report = open

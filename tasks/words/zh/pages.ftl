@@ -507,4 +507,5 @@ pages-mismatch-column =
     .verdict = 结论
     .findings = 发现
     .report = 报告
+pages-mismatch-recordings = 指定的 { $count } 条测量记录
 pages-mismatch-report = 打开
