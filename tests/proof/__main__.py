@@ -15,6 +15,7 @@ from tests.proof.history.hold import run_history
 from tests.proof.issue.hold import run_issue
 from tests.proof.line.hold import run_line
 from tests.proof.next.hold import run_next
+from tests.proof.next.on_station import run_next_on_station
 from tests.proof.pages.hold import run_pages
 from tests.proof.pages.screens import run_screens
 from tests.proof.papers.hold import run_papers
@@ -110,7 +111,7 @@ def main(
         ),
     ] = None,
     next_on_station: Annotated[
-        float | None,
+        int | None,
         typer.Option(
             metavar="MINUTES", min=1, help="Nothing but what decides on the virtual station."
         ),
@@ -163,7 +164,7 @@ def main(
     """
     only = (
         (run_station, station), (run_loaded, load), (run_kills, kills), (run_resumes, resumes),
-        (run_history, history),
+        (run_history, history), (run_next_on_station, next_on_station),
         (partial(run_papers, papers), 1 if papers else None),
         (partial(run_screens, seed), screens),
     )  # fmt: skip

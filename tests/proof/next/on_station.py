@@ -50,7 +50,7 @@ class Told:
         return "; ".join(" or ".join(each) for each in self.names) or "nothing"
 
 
-def run_next_on_station(minutes: float, out: Path | None) -> None:
+def run_next_on_station(minutes: int, out: Path | None) -> None:
     """The page, in the folder `out`, else in proof-next-station. minutes: of the proposal."""
     folder = out or Path("proof-next-station")
     folder.mkdir(parents=True, exist_ok=True)
@@ -60,7 +60,7 @@ def run_next_on_station(minutes: float, out: Path | None) -> None:
     print(text)
 
 
-def _played(folder: Path, minutes: float) -> str:
+def _played(folder: Path, minutes: int) -> str:
     station = _station()
     first = _acquired(station, shortened("jjf2003"), folder / "first.mcap")
     home, out = Home(folder / "home"), folder / "next.json"
