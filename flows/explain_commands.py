@@ -11,18 +11,22 @@ app = typer.Typer()
 
 @app.command()
 def explain(
-    run: options.Run,
+    runs: options.Runs,
     out: options.ReportFolder = None,
     calibration: options.Result = None,
     simulated: options.Simulated = None,
     as_json: options.Json = False,
 ) -> None:
-    """Find where model and run differ, and which physics is missing."""
+    """Find where model and run differ, and which physics is missing.
+
+    Several runs of one unit are explained together: weak evidence adds up.
+    """
     from flows.carry_out import carry_out
     from schemas.orders import ExplainOrder
 
     order = ExplainOrder(
-        run=run,
+        run=runs[0],
+        others=tuple(runs[1:]),
         out=str(out) if out else None,
         calibration=calibration,
         simulated=str(simulated) if simulated else None,

@@ -90,6 +90,11 @@ def explain(order: ExplainOrder) -> "Explained":
     from tasks.stages.import_recording import run_of
 
     place = home_of(order)
+    if order.others:
+        from tasks.stages.explain_together import explain_together
+
+        every = [run_of(each, place) for each in (order.run, *order.others)]
+        return explain_together(every, place, order, describe)
     return explain_run(run_of(order.run, place), place, order, describe)
 
 

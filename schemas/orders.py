@@ -80,12 +80,14 @@ class CalibrateOrder(Estimation):
 class ExplainOrder(OrderModel):
     """Which physics the model leaves out of a run.
 
+    others: further runs of the same unit, which are explained together with it.
     out: folder of the report; none is written without it. calibration: the model's parameters, a
     result's id or a mimu-calibration/1 file; they are fitted unless it is given. simulated: a
     recording of the same run by another simulator, in place of the model's prediction.
     """
 
     run: str
+    others: tuple[str, ...] = ()
     out: str | None = None
     calibration: str | None = None
     simulated: str | None = None

@@ -29,3 +29,7 @@ review-other-names = as likely here: { $names }
 review-separated-by = what would separate them: { $recording }
 review-site = { $station }: estimated from Earth's rotation in { $runs } runs, as no manifest gives it: latitude { $latitude } north or south, heading { $heading } (k = 2)
 review-site-unknown = { $station }: no manifest gives its latitude and heading, and Earth's rotation does not stand out in its { $runs } runs
+together-found = { $count } recordings of { $unit } together show { $effects }
+together-nothing = { $count } recordings of { $unit } together show nothing that chance would not show as well ({ $p }, corrected for all that was tried)
+together-evidence = { $effect }: the evidence of the recordings adds up to ΔBIC = { $gain }
+together-alone = { $recording } by itself: { $verdict }

@@ -23,3 +23,7 @@ review-other-names = 此处同样可能的是：{ $names }
 review-separated-by = 可将其区分的测试：{ $recording }
 review-site = { $station }：各清单均未给出，由 { $runs } 次运行中的地球自转估计：纬度 { $latitude }（北纬或南纬），航向 { $heading }（k = 2）
 review-site-unknown = { $station }：各清单均未给出纬度与航向，其 { $runs } 次运行中的地球自转亦不明显
+together-found = { $unit } 的 { $count } 次记录共同表明存在{ $effects }
+together-nothing = { $unit } 的 { $count } 次记录合计未见偶然因素不能造成的差异（{ $p }，已按全部检验次数修正）
+together-evidence = { $effect }：各次记录的证据合计 ΔBIC = { $gain }
+together-alone = 单独解释 { $recording }：{ $verdict }

@@ -1,0 +1,127 @@
+"""Which effects several recordings of one unit show together.
+
+What the unit has is the same in all of them; what its station has is the same in those of that
+station; a mounting has its own in each.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import chdtrc
+
+from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.review.carriers import chance
+from tasks.review.hypotheses import Effect
+from tasks.review.mixed import at_unit_information, solved, spreads
+from tasks.review.pool import Pool
+from tasks.review.search import FALSE_ALARMS, MOST_FINDINGS
+
+OF_STATION = (
+    "axis_tilt", "axis_nonorthogonality", "axis_wobble", "structural_compliance", "time_offset",
+)  # fmt: skip
+STATION_FAMILIES = ("table", "site")
+OF_MOUNTING = ("lever_arm", "remount_misalignment")
+
+
+@dataclass(frozen=True)
+class FoundTogether:
+    """An effect of several recordings.
+
+    values: (groups, m) SI and covariance: (groups, m, m) of each group of recordings with values of
+    their own; group: (runs,) of each. score: chi-squared gained less its price. p_value: corrected
+    for how many were tried. held_out: nats gained in each run by the values of the others.
+    homogeneity_p: that the runs of a group have the same values; None where each has its own.
+    names: other effects as likely.
+    """
+
+    effect: Effect
+    values: np.ndarray
+    covariance: np.ndarray
+    group: np.ndarray
+    score: float
+    p_value: float
+    held_out: float
+    homogeneity_p: float | None
+    names: tuple[str, ...] = ()
+
+
+def found_together(pool: Pool) -> tuple[tuple[FoundTogether, ...], float]:
+    """The effects, the strongest first, and the p value of the strongest mismatch."""
+    found, strongest = list[FoundTogether](), 1.0
+    while len(found) < MOST_FINDINGS:
+        every = [one for effect in pool.effects if (one := _scored(pool, effect)) is not None]
+        if not found:
+            strongest = min((one.p_value for one in every), default=1.0)
+        believed = [one for one in every if one.p_value < FALSE_ALARMS and _plausible(one)]
+        if not believed:
+            break
+        best = max(believed, key=lambda one: one.score)
+        names = {
+            one.effect.name: None for one in sorted(believed, key=lambda one: -one.score)
+            if one.score > best.score - INDISTINGUISHABLE and one.effect.name != best.effect.name
+        }  # fmt: skip
+        found.append(_with_names(best, tuple(names)))
+        for number, values in enumerate(best.values):
+            pool = pool.less(best.effect, values, best.group == number)
+    return tuple(found), strongest
+
+
+def groups_of(pool: Pool, effect: Effect) -> np.ndarray:
+    """(runs,) the number of the group of runs that have the values of an effect in common."""
+    term = effect.term
+    if term.name in OF_MOUNTING:
+        return np.arange(len(pool.runs))
+    if term.name in OF_STATION or term.family in STATION_FAMILIES:
+        return pool.carrier["station"]
+    return np.zeros(len(pool.runs), int)
+
+
+def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
+    score, information = pool.evidence(effect)
+    evidence = at_unit_information(score, information, np.zeros(len(score), int))
+    if not evidence.size:
+        return None
+    group = groups_of(pool, effect)
+    rows = np.array([group == number for number in range(int(group.max()) + 1)])
+    spread, sums = next(iter(spreads(evidence, (0.0,), (0.0,), rows)))
+    gains = 2.0 * spread.gains_of(*sums)
+    gain, count = float(gains.sum()), evidence.size * len(rows)
+    price = PER_PARAMETER * (count + len(effect.term.at))
+    price += 2.0 * np.log(effect.trials) + effect.term.rarity
+    price -= INDISTINGUISHABLE if effect.term.known and gain > 2.0 * INDISTINGUISHABLE else 0.0
+    chances = chance(evidence, spread, gain) if len(rows) == 1 else float(chdtrc(count, gain))
+    total, own = rows @ evidence.score, np.tensordot(rows * 1.0, evidence.information, axes=1)
+    values = solved(own, total)
+    back = evidence.back
+    alone = solved(evidence.information, evidence.score)
+    scatter = float((alone * evidence.score).sum() - (values * total).sum())
+    free = evidence.size * (len(score) - len(rows))
+    held_out = [
+        _held_out(evidence.score, evidence.information, group == group[r], r)
+        for r in range(len(score))
+    ]
+    return FoundTogether(
+        effect, values @ back.T, back @ np.linalg.pinv(own, hermitian=True) @ back.T, group,
+        gain - price, min(1.0, chances * len(pool.effects)), float(sum(held_out)),
+        float(chdtrc(free, max(scatter, 0.0))) if free else None,
+    )  # fmt: skip
+
+
+def _held_out(score: np.ndarray, information: np.ndarray, same: np.ndarray, run: int) -> float:
+    """Nats that the values of the other runs of its group gain in a run."""
+    others = same & (np.arange(len(score)) != run)
+    if not others.any():
+        return 0.0
+    values = solved(information[others].sum(axis=0), score[others].sum(axis=0))
+    return float(score[run] @ values - 0.5 * values @ information[run] @ values)
+
+
+def _plausible(one: FoundTogether) -> bool:
+    u = np.sqrt(np.maximum(np.diagonal(one.covariance, axis1=1, axis2=2), 0.0))
+    low = np.array([p.low for p in one.effect.parameters]) - 2.0 * u
+    high = np.array([p.high for p in one.effect.parameters]) + 2.0 * u
+    return bool(((one.values >= low) & (one.values <= high)).all())
+
+
+def _with_names(one: FoundTogether, names: tuple[str, ...]) -> FoundTogether:
+    return FoundTogether(**{**vars(one), "names": names})

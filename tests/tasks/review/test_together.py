@@ -1,0 +1,97 @@
+"""What several recordings of one unit show together, of a plant that shares no code with it."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from schemas.discrepancy import Detection, Discrepancy, HeldOut
+from schemas.review import RunStatistics
+from schemas.text import Statement
+from tasks.review.pool import Pool, ReviewedRun, pooled
+from tasks.review.statistics import statistics_of
+from tasks.review.together import found_together
+from tasks.review.together_report import discrepancy_together
+from tests.proof.plant.case import Case, EffectCall
+from tests.proof.plant.simulate import simulate
+from tests.tasks.review.fleet import NOTHING, fleet, of
+
+WEAK = EffectCall(  # z = 4 in one recording
+    name="gyro_g2_sensitivity",
+    parameters={"M": [
+        [-1.92e-7, 0.746e-7, 1.29e-7], [-0.749e-7, -4.68e-7, 1.18e-7], [2.61e-7, 1.02e-7, -1.8e-7],
+    ]},
+)  # fmt: skip
+
+
+@cache
+def statistics(seed: int, *effects: str) -> RunStatistics:
+    """Of a recording of one unit, with the weak effect where it is named."""
+    case = Case(
+        seed=seed, unit_seed=5, grade="industrial", procedure="three_axis", rate_hz=20,
+        rates_deg_s=(30.0, 120.0), dwell_s=5.0, effects=(WEAK,) if effects else (),
+    )  # fmt: skip
+    return statistics_of(simulate(case).recording)
+
+
+def together(*some: RunStatistics) -> Pool:
+    carriers = {"unit": "SN1", "station": "S1"}
+    return pooled([(ReviewedRun(f"r{k}", f"{k}", carriers), one) for k, one in enumerate(some)])  # type: ignore[arg-type]
+
+
+def test_an_effect_too_weak_for_one_recording_is_named_from_four() -> None:
+    four = [statistics(seed, WEAK.name) for seed in range(21, 25)]
+    (one,), p_value = found_together(together(*four))
+    assert (one.effect.name, one.names) == (WEAK.name, ())
+    assert p_value < 0.01
+    assert one.held_out > 0.0
+    assert one.homogeneity_p is not None
+    assert one.homogeneity_p > 0.01
+    for alone in four:
+        assert found_together(together(alone))[0] == ()
+
+
+def test_two_clean_recordings_name_nothing() -> None:
+    assert found_together(together(statistics(21), statistics(22)))[0] == ()
+
+
+def test_a_unit_has_one_value_and_each_mounting_its_own() -> None:
+    sizes = (6.0, -6.0, 6.0)
+    unit = fleet(1, lambda unit, station, day: of("size_effect", 4.0), runs=3, units=1, stations=1)
+    mounted = fleet(
+        2, lambda unit, station, day: of("lever_arm", sizes[day]), runs=3, units=1, stations=1
+    )
+    (common,), _ = found_together(unit)
+    (own,), _ = found_together(mounted)
+    assert (common.effect.name, len(common.values)) == ("size_effect", 1)
+    assert common.values[0] == pytest.approx(np.full(3, 4.0), abs=3.0)
+    assert (own.effect.name, own.homogeneity_p) == ("lever_arm", None)
+    assert np.sign(own.values.mean(axis=1)).tolist() == [1.0, -1.0, 1.0]
+
+
+def answer(recording: str) -> Discrepancy:
+    """What explain says of a recording in which it found nothing."""
+    words = Statement(en="Nothing stands out.", zh="未见异常。")
+    return Discrepancy(
+        recording_id=recording, digest="d", model=words, verdict="no_mismatch", statement=words,
+        detection=Detection(p_value=0.4, false_alarm_rate=0.01), explained_share=0.0,
+        left_over={"gyro_x": 1.1}, held_out=HeldOut(
+            rms_ratio={"gyro_x": 1.0}, chi2_per_dof_before=1.2, chi2_per_dof_after=1.0
+        ),
+    )  # fmt: skip
+
+
+def test_the_answer_is_that_of_one_recording_with_what_each_says_beside_it() -> None:
+    pool = fleet(
+        2, lambda unit, station, day: of("lever_arm", 6.0), runs=3, units=1, stations=1
+    )  # fmt: skip
+    alone = [answer(name) for name in ("a", "b", "c")]
+    said = discrepancy_together("Maker M 1", *found_together(pool), alone, alone)
+    (finding,) = said.findings
+    assert (said.recording_id, said.verdict) == ("a + b + c", "explained")
+    assert [p.name for p in finding.parameters[::3]] == ["p0 (a)", "p0 (b)", "p0 (c)"]
+    assert "3 recordings of Maker M 1" in said.statement.en
+    assert said.remarks[0].en == "a by itself: Nothing stands out."
+    clean = fleet(3, lambda unit, station, day: NOTHING, runs=3, units=1, stations=1)
+    none = discrepancy_together("Maker M 1", *found_together(clean), alone, alone)
+    assert (none.verdict, none.findings) == ("no_mismatch", ())
