@@ -60,7 +60,7 @@ class Own:
 def own_numbers(database: sqlite3.Connection, shown: dict[str, Any], asked: dict[str, str]) -> Own:
     """What an answer should say. shown: the answer, of which model and element are taken."""
     names = {"item": shown["item"], "element": shown["element"]}
-    span = {"since": asked.get("since", "0"), "until": asked.get("until", "9")}
+    span = {"since": asked.get("since", "0001-01-01"), "until": asked.get("until", "9999-12-31")}
     database.row_factory = sqlite3.Row
     rows = database.execute(RUNS, names | span).fetchall()
     of_model = [row for row in rows if row["model"] == shown["model"]]
