@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.review import LEVELS, Level
+from tasks.explain.groups.compare import HOLDS
 from tasks.explain.search.scores import INDISTINGUISHABLE
 from tasks.review.carriers import (
     Carried,
@@ -83,16 +84,25 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
         key=lambda each: -each.score,
     )
     best = _smallest(pool, finer)
-    carriers, alike = _carriers(finer, best), INDISTINGUISHABLE
-    if FORM**2 * best.gain > alike:
-        alike = FORM**2 * best.gain
-        finer = [best, *(_at_window_of(best, pool, one, tried) for one in worth)]
-        best = _simplest(finer, alike)
+    carriers = _carriers(finer, best)
+    alike = max(INDISTINGUISHABLE, FORM**2 * best.gain)
+    # Beside one spread: each effect's own may make its score larger than its name deserves.
+    strong, believable = alike > INDISTINGUISHABLE, {each.effect for each in leading}
+    around = [
+        best,
+        *(
+            _at_window_of(best, pool, one, tried)
+            for one in worth
+            if strong or one.effect in believable or HOLDS.get(one.effect.name) == best.effect.name
+        ),
+    ]
+    if strong:
+        best = _simplest(around, alike)
     values, covariance = best.values(pool)
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
         Found(
-            best, values, covariance, since, until, pool, carriers, _names(finer, best, alike),
+            best, values, covariance, since, until, pool, carriers, _names(around, best, alike),
         ),
         best.p_value,
     )  # fmt: skip
@@ -107,12 +117,12 @@ def _at_window_of(best: Carried, pool: Pool, one: Screened, tried: int) -> Carri
     return scored(pool, one.effect, one.evidence, best.window, spread, gain, gain, tried)
 
 
-def _simplest(finer: Sequence[Carried], alike: float) -> Carried:
+def _simplest(around: Sequence[Carried], alike: float) -> Carried:
     """Of strong effects whose scores differ by less than their linear forms are known, that of
     fewest parameters.
     """
-    top = max(each.score for each in finer)
-    close = sorted((e for e in finer if e.score > top - alike), key=lambda each: -each.score)
+    top = max(each.score for each in around)
+    close = sorted((e for e in around if e.score > top - alike), key=lambda each: -each.score)
     return min(close, key=lambda each: each.evidence.size + len(each.effect.term.at))
 
 
