@@ -28,9 +28,9 @@ validate: setup
 prove: setup
 	@$(BIN)/python -m tests.proof $(ARGS)
 
-# What `make prove` does, in small: tests of the proof that take longer than `make test` may.
+# What `make prove` does, in small, and other tests that take longer than `make test` may.
 rehearsal: setup
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 -m rehearsal tests/proof/tests
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 -m rehearsal tests
 
 # Pin again, after a change of the dependencies in pyproject.toml (needs uv).
 lock:

@@ -206,7 +206,9 @@ def test_what_was_recorded_survives_a_kill(own_home, papers, mimucal) -> None:
     assert document["manifest"]["unit"]["serial"] == "V00007"
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "how", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.rehearsal)]
+)
 def test_stopping_is_one_sentence_that_says_where_the_recording_lies(
     own_home, papers, how: signal.Signals, mimucal
 ) -> None:

@@ -44,6 +44,7 @@ def test_the_table_s_own_motion_tells_what_the_station_can_do() -> None:
     assert not able.endless[1]
 
 
+@pytest.mark.rehearsal
 def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
     made = experiment("lever_arm")
     assert set(made.models) == {"lever_arm", NOTHING}
