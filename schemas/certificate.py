@@ -10,6 +10,7 @@ from schemas.appearance import Appearance, Wording
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from schemas.configuration import Configuration, configuration_of
+from schemas.curve import Curve
 from schemas.decision import Decision
 from schemas.equipment import EquipmentLimit, LimitName, MeasurementStandard
 from schemas.recording import Manifest
@@ -175,7 +176,8 @@ class Certificate(Frozen):
     as_found: where the unit was adjusted, and calibration and decision are those as left.
     budgets: whether the uncertainty budgets of the calibration are printed. validation: which
     record validates the estimation, and how many items (English, Chinese). number: of the
-    laboratory's scheme from its issue on; before, the key of the draft. steps: in their order.
+    laboratory's scheme from its issue on; before, the key of the draft. curves: what its figures
+    show. steps: in their order.
     state: at the last of them; that an issued one was amended or withdrawn stands in the catalogue.
     """
 
@@ -193,6 +195,7 @@ class Certificate(Frozen):
     as_found: AsFound | None = None
     budgets: bool = False
     validation: tuple[str, str] | None = None
+    curves: tuple[Curve, ...] = ()
     steps: tuple[Step, ...] = ()
     replaces: Replaced | None = None
 

@@ -91,12 +91,26 @@ def register(home: Home) -> list[Entry]:
 
 def of_run(run: Run, home: Home) -> list[Entry]:
     """The certificates on which a run stands, as found or as left."""
+    entries = _register(home, _is_unit(run))
+    return [entry for entry in entries if run.id in (entry.run, found_of(entry, home))]
+
+
+def issued_before(run: Run, day: date, count: int, home: Home) -> list[Entry]:
+    """The last so many issued certificates of a run's unit, of other runs, calibrated before a day.
+
+    The oldest first.
+    """
+    paper = tables.certificates.c
+    met = (paper.state == "issued", paper.run != run.id, paper.calibrated_on < day)
+    entries = _register(home, sql.and_(_is_unit(run), *met))
+    return sorted(entries, key=lambda entry: (entry.calibrated_on or day, entry.number))[-count:]
+
+
+def _is_unit(run: Run) -> sql.ColumnElement[bool]:
     unit = tables.units.c
-    is_unit = sql.and_(
+    return sql.and_(
         unit.manufacturer == run.manufacturer, unit.model == run.model, unit.serial == run.serial
     )
-    entries = _register(home, is_unit)
-    return [entry for entry in entries if run.id in (entry.run, found_of(entry, home))]
 
 
 def of_unit(unit: int, home: Home) -> list[Entry]:

@@ -19,6 +19,7 @@ from tasks.certificate.cover import Signature
 from tasks.certificate.decisions import conformity
 from tasks.certificate.equipment import accuracy
 from tasks.certificate.fields import NOT_GIVEN, Field, day, field, given, literal
+from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.information import InformationRow, information_rows
 from tasks.certificate.results import PrintedSection, sections
 from tasks.certificate.settings import settings
@@ -85,6 +86,7 @@ class Content:
     conditions: ReportedConditions
     sections: tuple[PrintedSection, ...]
     as_found: FoundSection | None
+    figures: tuple[PrintedFigure, ...]
     information: tuple[InformationRow, ...]
     uncertainty: tuple[Message, ...]
     conformity: tuple[Field, ...]
@@ -123,6 +125,7 @@ def content(certificate: Certificate) -> Content:
         conditions=conditions(calibration, certificate.manifest, configuration, specification),
         sections=sections(calibration, decision, specification),
         as_found=as_found(certificate, specification),
+        figures=figures(certificate),
         information=information_rows(calibration),
         uncertainty=(*uncertainty(calibration, specification), *_validation(certificate)),
         conformity=conformity(decision),

@@ -14,6 +14,7 @@ from schemas.certificate import Certificate, Laboratory
 from schemas.text import Statement
 from tasks.certificate.content import content, in_languages
 from tasks.certificate.dcc import dcc_of, record_of
+from tasks.certificate.figures import drawn
 from tasks.words import identifiers, message
 
 LAYOUT = {path.name: path.read_bytes() for path in Path(__file__).parent.glob("*.typ")}
@@ -48,6 +49,7 @@ def render(
         "labels": _labels(certificate.laboratory, languages),
         "pictures": tuple(appearance.pictures),
         **asdict(in_languages(content(certificate), languages)),
+        "drawn": drawn(certificate),
         "seal": _seal(certificate, languages, signed),
     }
     main = appearance.template.encode() if appearance.template else LAYOUT[HOUSE]

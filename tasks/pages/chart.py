@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from html import escape
 from io import StringIO
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -22,21 +23,28 @@ STYLE: Any = {
     "legend.frameon": False, "legend.fontsize": 12.0, "figure.constrained_layout.use": True,
     "figure.constrained_layout.w_pad": 0.14, "figure.constrained_layout.h_pad": 0.1,
 }  # fmt: skip
+NO_STYLE: Any = MappingProxyType({})
 CLOCKS = (("h", 3600.0), ("min", 60.0), ("s", 1.0))
 NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
 
 
-def draw(title: str, width: float, height: float, content: "Callable[[Figure], None]") -> str:
+def draw(
+    title: str,
+    width: float,
+    height: float,
+    content: "Callable[[Figure], None]",
+    style: Any = NO_STYLE,
+) -> str:
     """SVG of a figure of width × height px; the title is what a screen reader says.
 
-    content: draws into the figure by matplotlib's objects.
+    content: draws into the figure by matplotlib's objects. style: otherwise than STYLE.
     """
     # Late: only who draws needs it, and it takes a second.
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     written = StringIO()
-    with rc_context({**STYLE, "svg.hashsalt": title}):
+    with rc_context({**STYLE, **style, "svg.hashsalt": title}):
         figure = Figure(figsize=(width / 72.0, height / 72.0))
         content(figure)
         figure.savefig(written, format="svg", metadata=NO_METADATA)

@@ -13,6 +13,8 @@ from storage.catalogue import runs
 from storage.catalogue.listing import Run
 from storage.home import Home
 from tasks import conformity, reminders
+from tasks.curves import curves_of_run
+from tasks.curves.history import history
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.appearance import with_appearance
 from tasks.stages.certificate_inputs import (
@@ -25,6 +27,7 @@ from tasks.stages.certificate_inputs import (
     tolerance_of,
 )
 from tasks.stages.draft import DRAFT, keep_draft
+from tasks.stages.earlier import earlier_certificates
 from tasks.stages.equipment_in_use import standards_in_use
 from tasks.stages.published import Published
 from tasks.stages.stage import stage
@@ -50,7 +53,8 @@ def certify(
     its report is asked for.
     """
     _check_run(run, calibration, inputs)
-    manifest = runs.load(run, home).manifest
+    recording = runs.load(run, home)
+    manifest = recording.manifest
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
     laboratory = inputs.laboratory or settings.laboratory(home)
@@ -96,10 +100,13 @@ def certify(
         as_found=found,
         budgets=inputs.budget,
         validation=(named.en, named.zh),
+        curves=curves_of_run(recording, calibration),
         steps=(drafted,) if drafted else (),
         replaces=replaces,
     )
-    return keep_draft(certificate, home, now)
+    moved = tuple(history(certificate, earlier_certificates(run, calibrated_on, home)))
+    drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
+    return keep_draft(drawn, home, now)
 
 
 def due_date(from_day: date, order: Order | None, method: Method) -> date | None:

@@ -4,6 +4,8 @@ Source: IEEE Std 952, annex C: the random walk coefficient N is the Allan deviat
 part at 1 s; the bias instability is the minimum of the Allan deviation over √(2·ln 2/π) = 0.664.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from schemas.calibration import Information
@@ -34,6 +36,20 @@ HOUR = 3600.0
 Quantity = tuple[str, str, float]  # key in the result, printed unit, factor from SI
 
 
+@dataclass(frozen=True)
+class AllanOfRests:
+    """The Allan variances of a triad over its longest rests, SI.
+
+    hidden: which channels (3,) have a step that hides their noise. count, seconds: how many rests,
+    and how long the shortest of them is.
+    """
+
+    curve: AllanCurve
+    hidden: np.ndarray
+    count: int
+    seconds: float
+
+
 def noise_information(evidence: ClauseEvidence, rate_sensor: str) -> dict[str, Information]:
     """Random walk and bias instability of each triad that the recording has."""
     made = _of_triad(
@@ -56,19 +72,15 @@ def _of_triad(
     evidence: ClauseEvidence, triad: slice, walk: Quantity, instability: Quantity
 ) -> dict[str, Information]:
     """Both quantities of three channels; none without a whole rest."""
-    imu, rests = evidence.recording.imu, _longest(evidence, triad)
-    if not rests:
+    allan = allan_of_rests(evidence, triad)
+    if allan is None:
         return {}
-    interval = float(np.median([rest.seconds / rest.rows for rest in rests]))
-    within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
-    curve = allan_curve([imu.views(CHANNELS[triad], rows) for rows in within], interval)
-    hidden = np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0)
+    curve, hidden = allan.curve, allan.hidden
     white, floor = np.full((2, 3), np.nan), np.full((4, 3), np.nan)
     if len(curve.tau) >= MIN_LEVELS:
         for i in np.flatnonzero(~hidden).tolist():
             white[:, i], floor[:, i] = _random_walk(curve, i), _bias_instability(curve, i)
-    seconds = f"{min(rest.seconds for rest in rests):.0f}"
-    source = message("information-rests", count=len(rests), seconds=seconds)
+    source = message("information-rests", count=allan.count, seconds=f"{allan.seconds:.0f}")
     coarse = of_axes("information-noise-hidden", _axes(hidden))
     averaged = [f"{AXES[i]} {floor[2, i]:.3g} s" for i in np.flatnonzero(np.isfinite(floor[2]))]
     longest = f"{curve.tau.max(initial=0.0):.3g}"
@@ -93,6 +105,21 @@ def _of_triad(
             *of_axes("information-no-floor", _axes(np.isnan(floor[2]) & ~hidden), tau=longest),
         ),
     }
+
+
+def allan_of_rests(evidence: ClauseEvidence, triad: slice) -> AllanOfRests | None:
+    """The Allan variances of a triad (its columns among CHANNELS); None without a whole rest."""
+    imu, rests = evidence.recording.imu, _longest(evidence, triad)
+    if not rests:
+        return None
+    interval = float(np.median([rest.seconds / rest.rows for rest in rests]))
+    within = (imu.rows(rest.segment.t_start, rest.segment.t_end) for rest in rests)
+    return AllanOfRests(
+        curve=allan_curve([imu.views(CHANNELS[triad], rows) for rows in within], interval),
+        hidden=np.any([coarsely_quantised(rest)[triad] for rest in rests], axis=0),
+        count=len(rests),
+        seconds=min(rest.seconds for rest in rests),
+    )
 
 
 def _longest(evidence: ClauseEvidence, triad: slice) -> list[SegmentMean]:

@@ -8,6 +8,7 @@ from schemas.certificate import Certificate
 from schemas.decision import Decision
 from tasks.certificate.dcc.conditions import influences, methods
 from tasks.certificate.dcc.conformity import conformity
+from tasks.certificate.dcc.curves import curve_results
 from tasks.certificate.dcc.equipment import equipment
 from tasks.certificate.dcc.quantities import Coverage, coverage, quantity, without_number
 from tasks.certificate.dcc.software import software
@@ -37,6 +38,9 @@ def measurement_results(certificate: Certificate) -> Element:
             _information(certificate, name, each) for name, each in calibration.information.items()
         )
         parts.append(_result_part("dcc-information", certificate, calibration, after, shown))
+    if certificate.curves:
+        curves = curve_results(certificate)
+        parts.append(_result_part("dcc-curves", certificate, calibration, after, curves))
     return dcc.measurementResults(*equipment(certificate), *parts)
 
 

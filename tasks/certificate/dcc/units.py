@@ -38,6 +38,7 @@ UNITS = {
     "1": _si(r"\one"),
     "m": _si(r"\metre"),
     "s": _si(r"\second"),
+    "d": DsiUnit(r"\day", r"\second", Decimal(86400)),
     "m/s2": _si(r"\metre\second\tothe{-2}"),
     "(m/s2)/sqrt(Hz)": _si(r"\metre\second\tothe{-1.5}"),
     "rad": _si(r"\radian"),

@@ -252,6 +252,15 @@ certificate-unregistered = this identifier is not in the register
 
 ## Labels of the layout
 
+certificate-figure =
+    .rate-residuals = Residuals over angular rate
+    .rate-residuals-caption = Points: mean reading less scale factor times rate of the table, less the mean of these differences, about each axis. Grey: ± U of the line at that rate, by the U of its scale factor and of its offset.
+    .tumble = Residuals in the positions of the tumble
+    .tumble-caption = Mean reading of each accelerometer less what its scale factor, cross coupling and bias say in that position, named by the axis up. Bars: ± U of that model.
+    .allan = Allan deviation
+    .allan-caption = Overlapping Allan deviation of the longest rests of this run. Bars: ± U by the degrees of freedom of white noise.
+    .history = History of the unit
+    .history-caption = Values of earlier certificates less those of this one, with ± U of each. Certificates: { $certificates }.
 certificate-label-certificate-number = Certificate No.
 certificate-label-page = Page { $here } of { $last }
 certificate-label-basis = Basis of the calibration
@@ -277,6 +286,7 @@ certificate-label-found = As found
 certificate-label-left = As left
 certificate-label-found-verdict = Verdict as found
 certificate-label-results = Results of the calibration
+certificate-label-figures = Figures
 certificate-label-uncertainty = Statement of uncertainty
 certificate-label-conformity = Statement of conformity
 certificate-label-reasons = Reasons

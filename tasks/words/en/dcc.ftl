@@ -16,3 +16,7 @@ dcc-limit =
     .accept-lower = Lower acceptance limit
     .accept-upper = Upper acceptance limit
 dcc-required = { $name }: { $measured }; { $by }: { $required }
+dcc-curves = Curves
+dcc-curve =
+    .x = Abscissa
+    .y = Ordinate

@@ -252,6 +252,15 @@ certificate-unregistered = 此标识未在册
 
 ## Labels of the layout
 
+certificate-figure =
+    .rate-residuals = 残差与角速率的关系
+    .rate-residuals-caption = 点：各轴读数均值减去标度因数与转台角速率之积，再减去这些差值的平均值。灰色区域：该角速率下拟合直线的 ± U，由标度因数和拟合零偏的 U 得出。
+    .tumble = 多位置试验的残差
+    .tumble-caption = 各加速度计读数均值减去由标度因数、交叉耦合系数和零偏在该位置（以朝上的轴命名）给出的值。误差棒：该模型的 ± U。
+    .allan = Allan 标准差
+    .allan-caption = 本次测量中最长静止段的重叠 Allan 标准差。误差棒：按白噪声自由度得出的 ± U。
+    .history = 被校对象的历史
+    .history-caption = 以往证书的值减去本证书的值，及各自的 ± U。证书：{ $certificates }。
 certificate-label-certificate-number = 证书编号
 certificate-label-page = 第 { $here } 页 共 { $last } 页
 certificate-label-basis = 校准依据
@@ -277,6 +286,7 @@ certificate-label-found = 调整前
 certificate-label-left = 调整后
 certificate-label-found-verdict = 调整前判定
 certificate-label-results = 校准结果
+certificate-label-figures = 图示
 certificate-label-uncertainty = 测量不确定度说明
 certificate-label-conformity = 符合性判定
 certificate-label-reasons = 判定理由

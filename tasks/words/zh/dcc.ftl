@@ -16,3 +16,7 @@ dcc-limit =
     .accept-lower = 接受下限
     .accept-upper = 接受上限
 dcc-required = { $name }：{ $measured }；{ $by }：{ $required }
+dcc-curves = 曲线
+dcc-curve =
+    .x = 横坐标
+    .y = 纵坐标

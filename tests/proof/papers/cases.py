@@ -17,6 +17,8 @@ from storage import settings
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for
+from tasks.curves import curves_of_run
+from tasks.curves.history import history
 from tasks.specifications.register import BY_STANDARD
 from tasks.stages.certify import due_date
 from tasks.validation import record
@@ -65,6 +67,8 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     given = settings.read(FOLDERS[method] / "tolerance.toml", Tolerance)
     tolerance = _limits(given, wider=5)
     passed = _certificate(recording, whole, tolerance)
+    moved = tuple(history(passed, tuple(_earlier(passed))))
+    passed = passed.model_copy(update={"curves": (*passed.curves, *moved)})
     yield "pass", passed
     yield "fail", _certificate(recording, measured, _limits(given, wider=0.02))
     yield "inconclusive", _certificate(recording, _calibrated(recording, own=False), tolerance)
@@ -85,6 +89,27 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     assert passed.order is not None
     order = passed.order.model_copy(update={"client": LONG})
     yield "long-names", passed.model_copy(update={"manifest": named, "order": order})
+
+
+def _earlier(certificate: Certificate) -> Iterator[Certificate]:
+    """Certificates of the years before, since which every coefficient moved by 0.7 of its U."""
+    for years in (3, 2, 1):
+        items = {
+            name: item.model_copy(
+                update={
+                    "value": {
+                        element: value and value + 0.7 * years * (item.U[element] or 0.0)
+                        for element, value in item.value.items()
+                    }
+                }
+            )
+            for name, item in certificate.calibration.items.items()
+        }
+        result = certificate.calibration.model_copy(update={"items": items})
+        day = DAY.replace(year=DAY.year - years)
+        yield certificate.model_copy(
+            update={"number": f"DEMO-{day.year}-0017", "calibrated_on": day, "calibration": result}
+        )
 
 
 def _limits(given: Tolerance, wider: float) -> Tolerance:
@@ -133,6 +158,7 @@ def _certificate(recording: Recording, result: Calibration, tolerance: Tolerance
         decision=_decision(recording, result, tolerance, order),
         budgets=True,
         validation=(named.en, named.zh),
+        curves=curves_of_run(recording, result),
         steps=tuple(Step(step=step, person=person, at=MORNING) for step, person in PERSONS),
     )
 

@@ -1,6 +1,7 @@
 """The Digital Calibration Certificate: valid by the published schemas, and nothing is lost."""
 
 import base64
+import math
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -21,6 +22,7 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.faces import Faces, faces_of
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
+from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 
@@ -39,7 +41,8 @@ EXPONENTS = (-9, -6, -3, 0, 3)  # powers of ten in which a column is printed
 
 def of_specification(specification: type, recording: Recording) -> Certificate:
     result = calibrate(specification, recording, run="r1", code_version="0.1.0+test")
-    return certificate(result, decide(result, None), manifest=recording.manifest)
+    curves = curves_of_run(recording, result)
+    return certificate(result, decide(result, None), manifest=recording.manifest, curves=curves)
 
 
 def adjusted() -> Certificate:
@@ -156,6 +159,28 @@ def test_every_result_of_the_dcc_is_that_of_the_record_to_its_last_place(faces: 
         if value is not None
     }
     assert determined <= seen
+
+
+@pytest.mark.parametrize("made", ["2003", "1536"], indirect=True)
+def test_every_point_of_a_curve_stands_in_the_dcc_as_in_the_record(
+    made: Certificate, faces: Faces
+) -> None:
+    record = Certificate.model_validate_json(faces.record)
+    listed = [
+        [float(number) for number in element.text.split()]
+        for element in etree.fromstring(faces.dcc).iter(f"{SI}valueXMLList")
+    ]
+    expanded = [
+        [float(number) for number in element.text.split()]
+        for element in etree.fromstring(faces.dcc).iter(f"{SI}valueExpandedMUXMLList")
+    ]
+    assert len(record.curves) >= 6
+    in_si = {"deg/s": math.pi / 180, "deg/h": math.pi / 648e3, "m/s2": 1.0, "s": 1.0, "1": 1.0}
+    for n, curve in enumerate(record.curves):
+        x, y = in_si[curve.x_unit], in_si[curve.y_unit]
+        assert listed[2 * n] == pytest.approx([x * each for each in curve.x])
+        assert listed[2 * n + 1] == pytest.approx([y * each for each in curve.y])
+        assert expanded[n] == pytest.approx([y * each for each in curve.U])
 
 
 def test_a_rate_is_given_in_radians_too_and_a_ratio_once() -> None:

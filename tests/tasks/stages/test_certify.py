@@ -22,6 +22,7 @@ from tasks.stages.certify import certify, due_date
 from tasks.stages.estimate import estimate
 from tasks.validation import record
 from tasks.validation.fingerprint import fingerprint
+from tests.keep import keep
 
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 STANDARD = {"name": "Table", "name_zh": "台", "serial": "1", "accuracy": "1″", "certificate": "C",
@@ -237,3 +238,25 @@ def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep) -> 
     (home.path / "logo.png").unlink()
     with pytest.raises(Unusable, match=r"^laboratory\.toml: logo = .*cannot be read"):
         certify(run, result, home, Inputs(laboratory=laboratory))
+
+
+def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_certificates(
+    kept: Keep,
+) -> None:
+    run, calibration, home = kept(recorded_at="2026-05-02", recording_id="now")
+    shifted = {
+        name: item.model_copy(update={"value": {e: v and v + 1.0 for e, v in item.value.items()}})
+        for name, item in calibration.items.items()
+    }
+    earlier = calibration.model_copy(update={"items": shifted})
+    first = certify(run, earlier, home, Inputs(order=order(date(2025, 5, 1))))
+    before = first.certificate.model_copy(
+        update={"number": "L-1", "state": "issued", "calibrated_on": date(2025, 5, 2)}
+    )
+    assert {each.figure for each in first.certificate.curves} == {"rate-residuals", "tumble"}
+    other, again, _ = kept(recorded_at="2026-05-02", recording_id="then")
+    keep(before.model_copy(update={"calibration": earlier}), home)
+    made = certify(other, again, home, Inputs(order=order(date(2025, 5, 1)))).certificate
+    moved = [each for each in made.curves if each.figure == "history"]
+    assert {each.labels for each in moved} == {("L-1",)}
+    assert [each.y for each in moved] == [pytest.approx((1.0, 0.0))] * len(moved)

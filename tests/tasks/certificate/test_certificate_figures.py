@@ -1,0 +1,122 @@
+"""The figures of a certificate: drawn from its curves, named in its languages, never empty."""
+
+import io
+from datetime import date
+
+import pypdf
+import pypdfium2
+import pytest
+from sample_certificate import calibration, certificate, content, item, items
+
+from schemas.certificate import Certificate
+from schemas.curve import Curve
+from tasks.certificate.figures import drawn
+from tasks.certificate.pdf import render
+from tasks.curves.history import history
+
+DAY = date(2026, 11, 19)
+
+
+def curve(figure: str, quantity: str, axis: str, **changes: object) -> Curve:
+    made = {
+        "figure": figure, "quantity": quantity, "axis": axis, "x_unit": "deg/s", "y_unit": "deg/s",
+        "x": (-300.0, 0.5, 300.0), "y": (2e-4, -4e-4, 2e-4), "U": (4e-3, 1e-4, 4e-3), "k": 2.0,
+    }  # fmt: skip
+    return Curve.model_validate(made | changes)
+
+
+def with_curves() -> Certificate:
+    positions = {
+        "x_unit": "1",
+        "y_unit": "m/s2",
+        "x": (1.0, 2.0, 3.0),
+        "labels": ("+x", "+x", "-x"),
+    }
+    levels = {"x_unit": "s", "y_unit": "deg/h", "x": (0.05, 1.0, 20.0), "y": (46.0, 10.0, 2.5),
+              "U": (0.7, 0.5, 0.4)}  # fmt: skip
+    return certificate(
+        curves=(
+            *(curve("rate-residuals", "gyro_scale_factor", axis) for axis in "xyz"),
+            *(curve("tumble", "accel_bias", axis, **positions) for axis in "xyz"),
+            *(curve("allan", "gyro", axis, **levels) for axis in "xyz"),
+        )
+    )
+
+
+def issued_on(day: date, number: str, bias: float, method: str = "jjf2003") -> Certificate:
+    one = item("deg/s", "7.2.2", "xyz", [bias, -0.03, 0.007], 1.7e-4)
+    result = calibration(items=items() | {"gyro_bias": one}, method=method)
+    return certificate(result, calibrated_on=day, number=number, order=None)
+
+
+def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at_this_one() -> None:
+    earlier = [
+        issued_on(date(2025, 11, 19), "M-2", 0.5),
+        issued_on(date(2024, 11, 19), "M-1", 0.7),
+        issued_on(date(2025, 1, 1), "M-J", 0.9, method="joint"),
+        issued_on(date(2026, 12, 1), "M-LATER", 0.9),
+    ]
+    found = {(c.quantity, c.axis): c for c in history(issued_on(DAY, "M-3", 0.4), earlier)}
+    bias = found["gyro_bias", "x"]
+    assert bias.labels == ("M-1", "M-2")
+    assert bias.x == (-730.0, -365.0, 0.0)
+    assert bias.y == pytest.approx((0.3, 0.1, 0.0))
+    assert bias.U == (3.4e-4,) * 3
+    # The fit offset, which Table 2 does not ask for, has none.
+    assert {quantity for quantity, _ in found} == {
+        "gyro_scale_factor", "gyro_bias", "accel_scale_factor", "accel_bias",
+    }  # fmt: skip
+
+
+def test_a_unit_without_earlier_certificates_or_day_has_no_history() -> None:
+    assert list(history(certificate(), [])) == []
+    assert list(history(certificate(calibrated_on=None), [certificate()])) == []
+
+
+def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent_is_left_out() -> (
+    None
+):
+    made = with_curves()
+    titles = [figure.title for figure in content(made).figures]
+    assert titles == [
+        ("残差与角速率的关系", "Residuals over angular rate"),
+        ("多位置试验的残差", "Residuals in the positions of the tumble"),
+        ("Allan 标准差", "Allan deviation"),
+    ]
+    assert sorted(drawn(made)) == ["allan", "rate-residuals", "tumble"]
+    assert content(certificate()).figures == ()
+    pages = pypdfium2.PdfDocument(render(certificate(), ["en"]))
+    assert "Figures" not in "".join(page.get_textpage().get_text_bounded() for page in pages)
+
+
+def test_the_history_names_the_certificates_it_comes_from() -> None:
+    present = issued_on(DAY, "M-3", 0.4)
+    curves = tuple(history(present, [issued_on(date(2025, 11, 19), "M-2", 0.5)]))
+    (figure,) = content(present.model_copy(update={"curves": curves})).figures
+    assert "M-2" in figure.caption[0]
+    assert "M-2" in figure.caption[1]
+    assert "2025-11" not in drawn(present.model_copy(update={"curves": curves}))["history"]
+
+
+def test_what_is_written_in_a_figure_is_outlines_so_that_no_font_is_missing() -> None:
+    made = with_curves()
+    for svg in drawn(made).values():
+        assert "<text" not in svg
+        assert "<image" not in svg
+    page_of_figures = next(
+        page for page in pypdf.PdfReader(io.BytesIO(render(made, ["en"]))).pages
+        if "Allan deviation" in page.extract_text()
+    )  # fmt: skip
+    fonts = page_of_figures["/Resources"]["/Font"].values()
+    for font in fonts:
+        descriptor = font.get_object()["/DescendantFonts"][0].get_object()["/FontDescriptor"]
+        assert {"/FontFile2", "/FontFile3"} & set(descriptor.get_object())
+    assert "300" not in page_of_figures.extract_text().partition("Allan deviation")[0]
+
+
+def test_a_figure_of_the_same_curves_has_the_same_bytes() -> None:
+    first = drawn(with_curves())
+    from tasks.certificate import figures
+
+    figures._svg.cache_clear()
+    assert drawn(with_curves()) == first
