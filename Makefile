@@ -20,7 +20,7 @@ test: setup
 bench: setup
 	@$(BIN)/python -m tests.bench
 
-# Show by 1,000 simulated units and by other programs that what is stated holds.
+# Show by 2,000 simulated units and by other programs that what is stated holds.
 validate: setup
 	@$(BIN)/mimucal validate
 

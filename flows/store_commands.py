@@ -209,7 +209,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
 
 @app.command()
 def validate(
-    units: options.Units = 1000,
+    units: options.Units = 2000,
     seed: options.Seed = 1,
     out: options.Out = None,
     as_json: options.Json = False,

@@ -26,7 +26,7 @@ Truth = dict[str, dict[str, float]]
 Run = Callable[[SimulatedUnit, int], tuple[Recording, Truth]]
 
 NORMAL_95 = 1.959964  # half the 95 % interval of a normal distribution, in u
-MIN_UNITS = 1000
+MIN_UNITS = 2000
 MAX_ERROR = 1e-9  # of a recovered value, in the printed unit of the item
 RUNS: dict[str, tuple[Run, float]] = {
     "jjf2003": (run2003.record, run2003.RATE_HZ),
