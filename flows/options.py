@@ -145,7 +145,7 @@ Trust = Annotated[
     _option("FILE", "Certificates (PEM) under one of which a certificate's signer must stand."),
 ]
 Within = Annotated[int, _option("DAYS", "Days ahead.", min=0, max=MAX_DAYS)]
-Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 1000.", min=1)]
+Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 2000.", min=1)]
 Out = Annotated[Path | None, _option("FILE", "Where the record (.json) and its page (.html) go.")]
 
 WHAT = "runs, results, segments or certificates."

@@ -31,7 +31,8 @@ class Deviation:
     def printed(self) -> Message:
         """What stands on the certificate, and in the reasons where it prevents a pass."""
         kind = "waived" if self.waived else "open"
-        return message(f"conformity-deviation.{kind}", name=self.name, sentence=self.sentence)
+        condition = message(f"conformity-waivable.{self.name.replace('_', '-')}")
+        return message(f"conformity-deviation.{kind}", name=condition, sentence=self.sentence)
 
 
 def deviations(

@@ -82,7 +82,7 @@ def test_certify_decides_and_leaves_a_draft_and_its_issue_a_reminder(
     papers = ("--tolerance", tolerance, "--order", "flows/demo_papers/order.toml")
     unwaived = mimucal("certify", plant_on_earth, *papers[:2], "--json").json
     assert unwaived["verdict"] == "inconclusive"
-    assert "waives the condition (largest_rate)" in unwaived["reasons"][0]
+    assert "waives the condition (largest rate)" in unwaived["reasons"][0]
     done = mimucal("certify", plant_on_earth, *papers, "--json")
     assert done.code == 0
     assert done.json["format"] == "mimu-certificate/1"

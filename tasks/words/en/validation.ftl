@@ -1,7 +1,7 @@
 ## The validation record, and what the gate makes of it.
 
-validation-stale = The estimation by the method { $method } is not validated for this version: run mimucal validate
-validation-failed = The estimation of { $item } is not validated for this version ({ $evidence } not shown): see mimucal validate
+validation-stale = The estimation by the method { $method } is not validated for this version of the program
+validation-failed = The estimation of { $item } is not validated for this version of the program ({ $evidence } not shown)
     .element = The estimation of { $item } is not validated for { $elements }: of simulated units its 95 % interval holds the truth outside { $low } % to { $high } %
 validation-none = No validation record of this version covers the estimation
 validation-record = Estimation validated by the record of { $record }: { $valid } of { $items } items

@@ -1,7 +1,7 @@
 ## The validation record, and what the gate makes of it.
 
-validation-stale = 本版本的 { $method } 估计方法未经验证：请运行 mimucal validate
-validation-failed = 本版本的 { $item } 估计未经验证（{ $evidence } 未通过）：见 mimucal validate
+validation-stale = 本版本的 { $method } 估计方法未经验证
+validation-failed = 本版本的 { $item } 估计未经验证（{ $evidence } 未通过）
     .element = { $item } 的 { $elements } 的估计未经验证：仿真单元中其 95 % 区间包含真值的比例不在 { $low } %～{ $high } % 内
 validation-none = 无适用于本版本的估计验证记录
 validation-record = 估计方法经验证，记录 { $record }：{ $items } 项中 { $valid } 项通过

@@ -95,7 +95,7 @@ def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing() -> 
     given = order().model_copy(update={"waived_conditions": ("largest_rate",)})
     made = content(certificate(turned(), order=given))
     assert (
-        made.remarks[0].text[1].endswith("The client's order waives this condition (largest_rate).")
+        made.remarks[0].text[1].endswith("The client's order waives this condition (largest rate).")
     )
     assert any("with deviations" in each[1] for each in made.statement)
 

@@ -127,3 +127,13 @@ def test_the_chinese_name_of_p_is_that_of_the_specification() -> None:
     assert "加速度计角速度灵敏系数" in written
     assert "角速率敏感系数" not in written
     assert "角速度敏感系数" not in written
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("file", ["certificate", "conformity", "validation", "run_validity"])
+def test_what_a_certificate_prints_names_no_command_and_no_file_of_the_program(
+    language: str, file: str
+) -> None:
+    written = (WORDS / language / f"{file}.ftl").read_text(encoding="utf-8")
+    assert not [line for line in written.splitlines() if "`" in line or ".toml" in line]
+    assert "mimucal" not in written
