@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from schemas.base import Unusable
-from schemas.correction import Correction
+from schemas.correction import Coefficient, Correction
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.coefficients.c_header import as_c
@@ -21,6 +21,7 @@ from tasks.coefficients.document import document
 from tasks.coefficients.kalibr import as_kalibr
 from tasks.coefficients.tables import as_csv, as_json, as_ros, as_yaml
 from tasks.specifications.jjf2003 import JJF2003
+from tests.tasks.coefficients import kalibr_reader, ros_reader
 
 RNG = np.random.default_rng(9)
 COMPILERS = {"gcc": ("-std=c99", "reading.c"), "g++": ("-std=c++11", "reading.cpp")}
@@ -115,14 +116,41 @@ def test_formulas_of_the_document_give_its_example(correction) -> None:
     np.testing.assert_allclose(names["force"], correction.example.force, rtol=1e-13)
 
 
-def test_ros_parameters_are_lists_of_one_type_under_the_wildcard(correction) -> None:
-    text = as_ros(correction)
-    parameters = yaml.safe_load(text)["/**"]["ros__parameters"]["imu_correction"]
-    for name, values in parameters.items():
-        kind = str if name == "formulas" else float
-        assert {type(value) for value in values} == {kind}, name
-    np.testing.assert_array_equal(np.reshape(parameters["C_g"], (3, 3)), matrix(correction, "C_g"))
-    assert "Plant M-tactical" in text
+def test_ros_file_gives_every_node_each_coefficient_by_ros_own_rules(correction) -> None:
+    nodes = ros_reader.read(as_ros(correction))
+    assert list(nodes) == ["/**"]
+    parameters = nodes["/**"]
+    assert parameters.pop("imu_correction.formulas") == list(correction.correction)
+    assert parameters.keys() == {f"imu_correction.{name}" for name in correction.coefficients}
+    for name in correction.coefficients:
+        values = parameters[f"imu_correction.{name}"]
+        assert {type(value) for value in values} == {float}, name
+        wanted = matrix(correction, name)
+        np.testing.assert_array_equal(np.reshape(values, wanted.shape), wanted)
+    assert "Plant M-tactical" in as_ros(correction)
+
+
+def test_ros_file_of_an_ideal_unit_is_still_of_floats(correction) -> None:
+    """Zeros, ones and the smallest numbers are written so that no list mixes types."""
+    plain = Coefficient(unit="1", value=((1.0, 0.0, -0.0), (1e-300, 1.0, 1e22), (0.0, 5e-7, 1.0)))
+    ideal = correction.model_copy(update={"coefficients": {"K_g": plain}})
+    values = ros_reader.read(as_ros(ideal))["/**"]["imu_correction.K_g"]
+    assert values == [number for row in plain.value for number in row]
+    assert {type(value) for value in values} == {float}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "imu_correction: {K_g: [1.0]}",
+        "/**:\n  ros__parameters:\n    a: [1.0, 0]",
+        "/**:\n  ros__parameters:\n    a: [[1.0], [2.0]]",
+        "/**:\n  ros__parameters:\n    a: &a [1.0]\n    b: *a",
+    ],
+)
+def test_what_ros_refuses_the_reader_here_refuses(text: str) -> None:
+    with pytest.raises(ros_reader.RosRefusesError):
+        ros_reader.read(text)
 
 
 def test_csv_has_a_row_for_each_element(correction) -> None:
@@ -135,30 +163,37 @@ def test_csv_has_a_row_for_each_element(correction) -> None:
     assert (found["B_g", "z", ""]["unit"], found["C_a", "x", "x"]["U"]) == ("rad/s", "")
 
 
-def test_kalibr_gets_its_fields_and_the_units_intrinsics(
+def test_kalibr_reads_the_file_and_its_model_gives_the_units_readings(
     calibration, correction, recording
 ) -> None:
-    """What kalibr's reader asks for, and its own measurement model gives the unit's readings."""
-    document = yaml.safe_load(as_kalibr(correction, calibration, recording))
-    assert isinstance(document["rostopic"], str)
-    for name in ("update_rate", "accelerometer_noise_density", "accelerometer_random_walk",
-                 "gyroscope_noise_density", "gyroscope_random_walk"):  # fmt: skip
-        assert document[name] > 0.0, name
-    assert document["update_rate"] == pytest.approx(100.0)
+    text = as_kalibr(correction, calibration, recording)
+    assert yaml.safe_load(text)["update_rate"] == pytest.approx(100.0)
+    by_kalibr = kalibr_reader.read(text)
     rate, force = RNG.uniform(-5, 5, 3), RNG.uniform(-50, 50, 3)
-    gyros, accels = document["gyroscopes"], document["accelerometers"]
-    c_i = np.array(document["T_i_b"])[:3, :3]
-    c_gyro = np.array(gyros["C_gyro_i"]) @ c_i
-    for lower, rotation in ((gyros["M"], c_gyro), (accels["M"], c_i)):
-        assert not np.triu(lower, 1).any()
-        np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
-        assert np.linalg.det(rotation) == pytest.approx(1.0)
-    by_kalibr = gyros["M"] @ (c_gyro @ rate) + gyros["A"] @ (c_gyro @ force)
+    gyro, accel = by_kalibr.reads(rate, force)
     ours = matrix(correction, "K_g") @ rate + matrix(correction, "G") @ force
-    np.testing.assert_allclose(by_kalibr, ours, rtol=1e-12)
-    np.testing.assert_allclose(
-        accels["M"] @ (c_i @ force), matrix(correction, "K_a") @ force, rtol=1e-12
-    )
+    np.testing.assert_allclose(gyro, ours, rtol=1e-12)
+    np.testing.assert_allclose(accel, matrix(correction, "K_a") @ force, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "why"),
+    [
+        ("gyroscope_random_walk", None, "missing"),
+        ("update_rate", 0.0, "invalid update_rate"),
+        ("accelerometer_noise_density", "1e-5", "no float"),
+        ("rostopic", 0, "string"),
+    ],
+)
+def test_what_kalibr_refuses_the_reader_here_refuses(
+    calibration, correction, recording, field: str, value: object, why: str
+) -> None:
+    data = yaml.safe_load(as_kalibr(correction, calibration, recording))
+    changed = {name: content for name, content in data.items() if name != field}
+    if value is not None:
+        changed[field] = value
+    with pytest.raises(kalibr_reader.KalibrRefusesError, match=why):
+        kalibr_reader.read(yaml.safe_dump(changed))
 
 
 def test_kalibrs_noise_is_that_of_the_rests(calibration, correction, recording) -> None:
