@@ -22,6 +22,7 @@ from storage.verify_trail import RESTORE, against_trail, number_gaps
 from storage.whole_files import is_as_kept
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
+LEFT_OVER = "no certificate in the catalogue has it; move it away"
 ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
@@ -181,7 +182,7 @@ def _unknown_papers(home: Home, register: list[Entry]) -> Iterator[Found]:
     known = {home.path / name for entry in register for name in entry.files}
     for path in sorted(home.certificates.glob("*")):
         if path not in known and _age_s(path) > ISSUE_S:
-            yield str(path), "no certificate in the catalogue has it; move it away"
+            yield str(path), LEFT_OVER
 
 
 def _left_over(where: str, age_s: float) -> Iterator[Found]:

@@ -3,12 +3,13 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from time import monotonic
 
 from schemas.certificate import Step
 from storage.catalogue import certificates, runs
 from storage.home import Home
-from storage.verify import verify
+from storage.verify import LEFT_OVER, verify
 from tests.drafts import LABORATORY, MORNING, calibration_of, certificate_of, recording_of
 from tests.keep import keep
 from tests.proof.issue.workers import SERVER, issuing
@@ -53,11 +54,12 @@ def issue_at_once(home: Home, keys: Sequence[str], processes: int) -> Issued:
         worker.join()
     seconds = monotonic() - began
     ended = [f"a process ended with {w.exitcode}" for w in workers if w.exitcode]
-    return Issued(len(keys), processes, seconds, (*ended, *faults_of(home, keys)))
+    left = [f"{name} was left over" for name in left_over(home)]
+    return Issued(len(keys), processes, seconds, (*ended, *left, *faults_of(home, keys)))
 
 
 def faults_of(home: Home, keys: Sequence[str]) -> list[str]:
-    """Gaps, doubles, what is not issued, and what `verify` finds."""
+    """Gaps, doubles, what is not issued, and what `verify` finds beside files left over."""
     entries = certificates.register(home)
     issued = [entry for entry in entries if entry.state == "issued"]
     faults = [f"{entry.number} is {entry.state}" for entry in entries if entry.state != "issued"]
@@ -68,4 +70,16 @@ def faults_of(home: Home, keys: Sequence[str]) -> list[str]:
         faults.append(f"{len(keys)} certificates have the serial numbers {serials}")
     if sorted(str(entry.draft) for entry in issued) != sorted(keys):
         faults.append("a draft was issued twice, or not at all")
-    return faults + [f"{fault.what}: {fault.why}" for fault in verify(home)[1]]
+    return faults + lasting(home)
+
+
+def lasting(home: Home) -> list[str]:
+    """What `verify` finds but for files that no certificate has, which stand in nobody's way."""
+    found = verify(home)[1]
+    return [f"{fault.what}: {fault.why}" for fault in found if fault.why != LEFT_OVER]
+
+
+def left_over(home: Home) -> list[str]:
+    """Files beside the certificates that none of them has."""
+    named = {Path(name).name for entry in certificates.register(home) for name in entry.files}
+    return sorted({path.name for path in home.certificates.iterdir()} - named)

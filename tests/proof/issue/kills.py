@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from storage.catalogue import certificates
 from storage.home import Home
-from storage.verify import verify
 from tasks.stages.issue import issue
-from tests.proof.issue.at_once import checked_drafts, faults_of
+from tests.proof.issue.at_once import checked_drafts, faults_of, lasting, left_over
 from tests.proof.issue.workers import ISSUER, SERVER, issuing
 
 LATEST = 1.5  # a kill comes so much of the time of a whole issue after its beginning at the latest
@@ -19,12 +18,14 @@ LATEST = 1.5  # a kill comes so much of the time of a whole issue after its begi
 class Killed:
     """How many issues were killed, and how many of them had left a certificate issued whole.
 
-    seconds: that one takes which is not killed.
+    seconds: that one takes which is not killed. left_over: files of drafts that were issued, and
+    files that were being written, which nothing names.
     """
 
     kills: int
     whole: int
     seconds: float
+    left_over: int
     faults: tuple[str, ...]
 
 
@@ -50,11 +51,13 @@ def kill_issues(
             faults.append(f"{key} is {entry.state}")
         if report is not None:
             report(number, kills)
-    faults += _lasting(home)
+    faults += lasting(home)
     for key in keys:
         if _entry_of(home, key).state == "checked":
             issue(key, home, ISSUER)
-    return Killed(kills, whole, whole_s, (*faults, *faults_of(home, [first, *keys])))
+    left = left_over(home)
+    faults += [f"{name} was left over" for name in left if not name.startswith(("draft-", "."))]
+    return Killed(kills, whole, whole_s, len(left), (*faults, *faults_of(home, [first, *keys])))
 
 
 def _issue(home: Home, key: str, kill_after_s: float | None = None) -> float:
@@ -74,8 +77,3 @@ def _issue(home: Home, key: str, kill_after_s: float | None = None) -> float:
 def _entry_of(home: Home, key: str) -> certificates.Entry:
     (entry,) = [each for each in certificates.register(home) if key in (each.number, each.draft)]
     return entry
-
-
-def _lasting(home: Home) -> list[str]:
-    """What `verify` finds: nothing but files that no certificate has is wrong after a kill."""
-    return [f"{fault.what}: {fault.why}" for fault in verify(home)[1]]

@@ -40,7 +40,7 @@ def test_intervals_that_are_too_long_are_said_to_be() -> None:
 
 
 def test_a_few_units_are_no_evidence() -> None:
-    assert not coverage_check(summarise(drawn(1.0, 999))["item"]).passed
+    assert not coverage_check(summarise(drawn(1.0, 1999))["item"]).passed
 
 
 def test_wilson_interval_is_the_published_one() -> None:
