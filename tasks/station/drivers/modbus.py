@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 3
 PAUSE_S = 0.3
+CANCEL_AGAIN_S = 0.05  # asyncio.wait_for may swallow a cancellation
 ILLEGAL_FUNCTION = 1
 MEANINGS = {
     1: "illegal function",
@@ -74,11 +75,23 @@ class ModbusLink:
         self._client: Client | None = None
         self._asked: asyncio.Future[ModbusPDU] | None = None
         self._one_at_a_time = asyncio.Lock()
+        self._is_closed = True
         self._combined = True
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # the sentences here replace it
 
     def close(self) -> None:
-        """Hang up; the next request connects again."""
+        """Hang up; the next request connects again.
+
+        A connection that is just being made is ended by whom it is made for: pymodbus would keep
+        it, and a serial line with it, for good.
+        """
+        self._is_closed = True
+        if self._one_at_a_time.locked():
+            self._give_up()
+        else:
+            self._hang_up()
+
+    def _hang_up(self) -> None:
         if self._client is not None:
             self._client.close()
         self._client = None
@@ -120,7 +133,7 @@ class ModbusLink:
     ) -> Sequence[int]:
         """Write registers and read others: one exchange (function code 23) where it is known."""
         if self._combined:
-            try:
+            try:  # pymodbus sets a serial line up in the next turns, and fails if it is closed
                 answer = await self._ask(
                     f"reading {count} of bank holding from {address} of device {device}",
                     lambda client: client.readwrite_registers(
@@ -148,7 +161,7 @@ class ModbusLink:
                 answer = await self._answer(request)
                 if answer is not None:
                     break
-                self.close()
+                self._hang_up()
         if answer is None:
             raise Unusable(
                 f"{self._where} does not answer ({what}, {ATTEMPTS} attempts): check "
@@ -169,32 +182,43 @@ class ModbusLink:
         """The answer to one attempt; None if there was none in time."""
         from pymodbus.exceptions import ModbusException
 
+        asked = self._asked = asyncio.ensure_future(self._exchange(request))
         try:
-            if not (client := await self._connected()):
-                return None
-            self._asked = asyncio.ensure_future(request(client))
-            await asyncio.wait([self._asked])
-            return None if self._asked.cancelled() else self._asked.result()
+            await asyncio.wait([asked])
+            return None if asked.cancelled() else asked.result()
         except (ModbusException, OSError, TimeoutError):
             return None
         finally:
-            self._give_up()
+            while not asked.done():  # the next request must not find this one on the line
+                asked.cancel()
+                await asyncio.wait([asked], timeout=CANCEL_AGAIN_S)
+            _ = asked.cancelled() or asked.exception()  # asyncio reports what nobody looked at
 
     def _give_up(self, is_connected: bool = False) -> None:
         """Wait no longer for an answer; of pymodbus, which waits on where a connection ends."""
         if self._asked is not None and not is_connected:
             self._asked.cancel()
 
-    async def _connected(self) -> "Client | None":
-        if self._client is not None and self._client.connected:
-            return self._client
-        self.close()
-        client = self._new_client()
-        self._client = client  # before it is connected: who breaks off may have to close it
-        if not await client.connect():
-            self.close()
-            return None
-        return client
+    async def _exchange(self, request: Request) -> "ModbusPDU":
+        """Ask on the connection there is, or on a new one; without an answer none is left."""
+        try:
+            if self._is_closed or not (self._client and self._client.connected):
+                await self._connect()
+            assert self._client is not None
+            return await request(self._client)
+        except BaseException:
+            try:  # pymodbus sets a serial line up in the next turns, and fails if it is closed
+                await asyncio.sleep(0)
+                await asyncio.sleep(0)
+            finally:
+                self._hang_up()
+            raise
+
+    async def _connect(self) -> None:
+        self._hang_up()
+        self._is_closed, self._client = False, self._new_client()
+        if not await self._client.connect() or self._is_closed:
+            raise ConnectionError(f"{self._where} cannot be connected to")
 
     def _new_client(self) -> "Client":
         from pymodbus.client import AsyncModbusSerialClient, AsyncModbusTcpClient

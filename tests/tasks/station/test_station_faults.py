@@ -62,7 +62,7 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
 @pytest.mark.parametrize("name", LINK_STOPS)
 def test_fault_of_the_link_stops_the_run_and_keeps_what_was_recorded(name, long, kept):
     with (
-        running(VirtualStation(), SPEED, (StationFault(name, 40.0),)) as station,
+        running(VirtualStation(), SPEED, (StationFault(name, 80.0),)) as station,
         pytest.raises(Unusable, match=LINK_STOPS[name]) as stop,
     ):
         over_sockets(station, long, kept)

@@ -15,6 +15,7 @@ from schemas.base import Unusable
 from schemas.described import WORDS, Connection
 from tasks.station.drivers.modbus import ModbusLink, Refused, decode, encode
 from tasks.station.setpoints import move_s, nearest_turn
+from tests.tasks.station.makers import modbus_maker
 
 READ_AND_WRITE = 23
 
@@ -150,3 +151,21 @@ def test_nearest_turn_is_the_same_attitude_at_most_half_a_turn_away(angle, targe
 def test_duration_of_a_move_is_that_of_the_trapezoid():
     assert move_s(90, 90, 120) == pytest.approx(90 / 90 + 90 / 120)
     assert move_s(-30, 90, 120) == pytest.approx(2 * (30 / 120) ** 0.5)
+
+
+@pytest.mark.parametrize("turns", range(9))
+def test_a_serial_line_that_is_closed_while_it_is_opened_can_be_opened_again(turns):
+    url, end = modbus_maker.over_serial(modbus_maker.ModbusMaker())
+
+    async def close_after_some_turns_of_the_loop() -> None:
+        link = ModbusLink(Connection(url=url))
+        reading = asyncio.ensure_future(link.read(7, "input", 100, 6))
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        link.close()
+        await link.write(7, "coil", 30, [0])
+        assert len(await reading) == 6
+        link.close()
+
+    asyncio.run(close_after_some_turns_of_the_loop())
+    end()
