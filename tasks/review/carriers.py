@@ -7,10 +7,11 @@ import numpy as np
 from scipy.special import chdtrc, fdtrc
 
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
+from tasks.review.evidence import Evidence, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import Evidence, Spread, solved, spreads
+from tasks.review.mixed import Spread, spreads
 from tasks.review.pool import Pool
-from tasks.review.screening import Screened
+from tasks.review.screening import Worth
 from tasks.review.windows import Window, rows_of, runs_of
 
 BETWEEN_RUNS = (0.0, 0.7, 1.5, 4.0)  # σ that are tried, in units of what one run determines
@@ -44,11 +45,11 @@ class Carried:
         return back @ solved(information, right), covariance
 
 
-def carried(pool: Pool, one: Screened, tried: int) -> list[Carried]:
+def carried(pool: Pool, one: Worth, tried: int) -> list[Carried]:
     """An effect in each of its windows, the best first; tried: windows and effects in all."""
     rows = np.array([rows_of(pool, window) for window in one.windows])
     looked = [
-        (spread, spread.gains_of(*sums))
+        (spread, spread.gains_of(sums))
         for spread, sums in spreads(one.evidence, BETWEEN_RUNS, BETWEEN_UNITS, rows)
     ]
     nothing = max(spread.likelihood for spread, _ in looked)

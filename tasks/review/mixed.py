@@ -14,53 +14,38 @@ from functools import cached_property
 
 import numpy as np
 
-DETERMINED = 1e-4  # of a parameter's information that is left beside the effect's others
+from tasks.review.batched import inverses, quadratic_forms
+from tasks.review.evidence import Evidence, ridged
+
 IN_EVERY_RUN = 0.5  # κ, in units of what one run determines
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """Score (runs, m) and information (runs, m, m) in coordinates in which the mean information of
-    the runs is one. back: (parameters, m) from these coordinates to SI. unit: (runs,) number of the
-    unit, from 0.
-    """
+class Sums:
+    """Score (w, m) of the runs of some windows, and their information (w, m, units, m) by unit."""
 
     score: np.ndarray
-    information: np.ndarray
-    back: np.ndarray
-    unit: np.ndarray
-
-    @property
-    def size(self) -> int:
-        return int(self.score.shape[1])
+    own: np.ndarray
 
     @cached_property
     def flat(self) -> np.ndarray:
-        """(runs, m + m²) score and information side by side."""
-        return np.concatenate([self.score, self.information.reshape(len(self.score), -1)], axis=1)
+        """(w · m, units · m) of the information, every window's rows below each other."""
+        return self.own.reshape(self.own.shape[0] * self.own.shape[1], -1)
 
     @cached_property
-    def by_unit(self) -> np.ndarray:
-        """(runs,) the runs in the order of their units."""
-        return np.argsort(self.unit, kind="stable")
+    def of_each_unit(self) -> np.ndarray:
+        """(units, w · m, m) of the information."""
+        windows, size, units, _ = self.own.shape
+        turned = self.own.transpose(2, 0, 1, 3).reshape(units, windows * size, size)
+        return np.ascontiguousarray(turned)
 
-    @cached_property
-    def starts(self) -> np.ndarray:
-        """(units,) where each unit's runs begin among them."""
-        return np.flatnonzero(np.diff(self.unit[self.by_unit], prepend=-1))
-
-
-def at_unit_information(score: np.ndarray, information: np.ndarray, unit: np.ndarray) -> Evidence:
-    """Evidence without what no run determines."""
-    seen = information.any(axis=(1, 2))
-    mean = information.sum(axis=0) / max(1, int(seen.sum()))
-    size = np.sqrt(np.diag(mean))
-    scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
-    values, vectors = np.linalg.eigh(mean * scale[:, None] * scale)
-    kept = values > DETERMINED
-    back = scale[:, None] * vectors[:, kept] / np.sqrt(values[kept])
-    turned = information.reshape(len(score), -1) @ np.kron(back, back)  # of all runs at once
-    return Evidence(score @ back, turned.reshape(len(score), *[back.shape[1]] * 2), back, unit)
+    def between(self, matrices: np.ndarray) -> np.ndarray:
+        """(w, m, m) sum over units u of N_u·A_u·N_u, of matrices A (units, m, m)."""
+        windows, size, units, _ = self.own.shape
+        left = (self.of_each_unit @ matrices).reshape(units, windows, size, size)
+        left = left.transpose(1, 2, 0, 3).reshape(windows, size, units * size)
+        # Each N_u is symmetric: its rows are its columns.
+        return left @ self.own.reshape(windows, size, units * size).transpose(0, 2, 1)
 
 
 @dataclass(frozen=True)
@@ -87,7 +72,7 @@ class Spread:
 
     def common(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Right side (m,) and information (m, m) of a value common to some runs (runs,) bool."""
-        sums = self._common(*_by_unit(self, rows[None]))
+        sums = self._common(_by_unit(self, rows[None]))
         right, information = self._less_everywhere(*sums)
         return right[0], information[0]
 
@@ -108,22 +93,22 @@ class Spread:
 
     def gains(self, rows: np.ndarray) -> np.ndarray:
         """(w,) nats that a value common to the runs of each window, (w, runs) bool, gains."""
-        return self.gains_of(*_by_unit(self, rows))
+        return self.gains_of(_by_unit(self, rows))
 
-    def gains_of(self, score: np.ndarray, own: np.ndarray) -> np.ndarray:
-        """The same from each window's sums over units, (w, units, m) and (w, units, m, m)."""
-        return self._gains(*self._common(score, own))
+    def gains_of(self, sums: Sums) -> np.ndarray:
+        """The same from each window's sums over units."""
+        return self._gains(*self._common(sums))
 
     def _gains(self, right: np.ndarray, information: np.ndarray, crossed: np.ndarray) -> np.ndarray:
         right, information = self._less_everywhere(right, information, crossed)
-        return np.asarray(0.5 * (right * solved(information, right)).sum(axis=1))
+        return 0.5 * quadratic_forms(ridged(information), right)
 
-    def _common(
-        self, score: np.ndarray, own: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        right = score.sum(axis=1) - np.einsum("wuij,uj->wi", own, self.shrunk)
-        information = own.sum(axis=1) - (own @ self.lessened @ own).sum(axis=1)
-        return right, information, (own @ self.kept).sum(axis=1)
+    def _common(self, sums: Sums) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        size = sums.score.shape
+        right = sums.score - (sums.flat @ self.shrunk.ravel()).reshape(size)
+        crossed = sums.flat @ self.kept.reshape(-1, size[1])
+        information = sums.own.sum(axis=2) - sums.between(self.lessened)
+        return right, information, crossed.reshape(*size, size[1])
 
     def _less_everywhere(
         self, right: np.ndarray, information: np.ndarray, crossed: np.ndarray
@@ -133,44 +118,41 @@ class Spread:
         return right - crossed @ self.everywhere, information - taken
 
 
-Sums = tuple[np.ndarray, np.ndarray]
-
-
 def spreads(
     evidence: Evidence, sigmas: tuple[float, ...], taus: tuple[float, ...], rows: np.ndarray
 ) -> Iterator[tuple[Spread, Sums]]:
     """Every spread between runs and units that is tried, and the sums over units of the runs of
     each window, (w, runs) bool.
     """
-    every = np.ones((1, len(evidence.unit)), bool)
     for sigma in sigmas:
         alone = _between_runs(evidence, sigma)
-        score, information = (total[0] for total in _by_unit(alone, every))
-        sums = _by_unit(alone, rows)
+        whole, sums = _over_units(alone), _by_unit(alone, rows)
         for tau in taus:
-            yield _between_units(alone, tau, score, information), sums
+            yield _between_units(alone, tau, *whole), sums
 
 
 def _between_runs(evidence: Evidence, sigma: float) -> Spread:
     one, units = np.eye(evidence.size), len(evidence.starts)
-    wider = one + sigma**2 * evidence.information
-    narrow = np.linalg.inv(wider)
-    score = np.einsum("rij,rj->ri", narrow, evidence.score)
-    gained = sigma**2 * float((evidence.score * score).sum()) - np.linalg.slogdet(wider)[1].sum()
+    score, information, gained = evidence.score, evidence.information, 0.0
+    if sigma:
+        narrow, logarithm = inverses(one + sigma**2 * information)
+        score = np.einsum("rij,rj->ri", narrow, score)
+        gained = sigma**2 * float((evidence.score * score).sum()) - float(logarithm.sum())
+        information = (one - narrow) / sigma**2
     return Spread(
-        sigma, 0.0, evidence, score, narrow @ evidence.information,
+        sigma, 0.0, evidence, score, information,
         np.zeros((units, *one.shape)), np.zeros((units, len(one))), np.tile(one, (units, 1, 1)),
-        np.zeros(len(one)), np.zeros_like(one), 0.5 * float(gained),
+        np.zeros(len(one)), np.zeros_like(one), 0.5 * gained,
     )  # fmt: skip
 
 
 def _between_units(alone: Spread, tau: float, score: np.ndarray, information: np.ndarray) -> Spread:
     """score, information: sums over each unit's runs."""
     one = np.eye(alone.evidence.size)
-    wider = one + tau**2 * information
-    lessened = tau**2 * np.linalg.inv(wider)
-    shrunk = np.einsum("uij,uj->ui", lessened, score)
-    gained = float((score * shrunk).sum() - np.linalg.slogdet(wider)[1].sum())
+    narrow, logarithm = inverses(one + tau**2 * information)
+    lessened = tau**2 * narrow
+    shrunk = (lessened @ score[:, :, None])[:, :, 0]
+    gained = float((score * shrunk).sum() - logarithm.sum())
     kept = one - lessened @ information
     right = score.sum(axis=0) - np.einsum("uij,uj->i", information, shrunk)
     every = (information @ kept).sum(axis=0)
@@ -183,18 +165,25 @@ def _between_units(alone: Spread, tau: float, score: np.ndarray, information: np
     )  # fmt: skip
 
 
+def _over_units(spread: Spread) -> tuple[np.ndarray, np.ndarray]:
+    """Sums over each unit's runs: score (units, m) and information (units, m, m)."""
+    evidence = spread.evidence
+    parts = (spread.score[evidence.by_unit], spread.information[evidence.by_unit])
+    score, information = (np.add.reduceat(part, evidence.starts) for part in parts)
+    return score, information
+
+
 def _by_unit(spread: Spread, rows: np.ndarray) -> Sums:
     """Sums over each unit's runs within each of some windows (w, runs) bool."""
     evidence, units = spread.evidence, len(spread.evidence.starts)
-    score = np.zeros((len(rows), units, evidence.size))
-    own = np.zeros((len(rows), units, evidence.size, evidence.size))
+    own = np.zeros((len(rows), evidence.size, units, evidence.size))
     for number, some in enumerate(rows):
         runs = evidence.by_unit[some[evidence.by_unit]]
         unit = evidence.unit[runs]
         starts = np.flatnonzero(np.diff(unit, prepend=-1))
-        score[number, unit[starts]] = np.add.reduceat(spread.score[runs], starts)
-        own[number, unit[starts]] = np.add.reduceat(spread.information[runs], starts)
-    return score, own
+        total = np.add.reduceat(spread.information[runs], starts)
+        own[number, :, unit[starts]] = total
+    return Sums(rows @ spread.score, own)
 
 
 def _cumulative_of_each(values: np.ndarray, group: np.ndarray) -> np.ndarray:
@@ -206,10 +195,3 @@ def _cumulative_of_each(values: np.ndarray, group: np.ndarray) -> np.ndarray:
     found = np.empty_like(total)
     found[order] = total - np.repeat(before, np.diff(np.append(starts, len(group))), axis=0)
     return found
-
-
-def solved(information: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions of symmetric systems (…, m, m), (…, m); what nothing determines is zero."""
-    ridge = 1e-9 + 1e-6 * np.einsum("...ii->...", information)[..., None, None]
-    wider = information + ridge * np.eye(information.shape[-1])
-    return np.asarray(np.linalg.solve(wider, right[..., None])[..., 0])

@@ -33,28 +33,24 @@ class ReviewedRun:
 
 @dataclass(frozen=True)
 class Group:
-    """Runs of one layout. rows: (k,) their numbers in the pool. Arrays as in `RunStatistics`.
+    """Runs of one layout. rows: (k,) their numbers in the pool.
 
-    correlation: of each run its own, which only what is found needs whole. within: (k, …) what a
-    search needs of them, the parameters of each term with each other, term after term.
+    correlation: as in `RunStatistics`, of each run its own, which only what is found needs whole.
+    within: (k, …) what a search needs of them, the parameters of each term with each other, term
+    after term. score: (k, p) SI. inverse: (k, p) of the scale; zero where the run says nothing.
     """
 
     layout: Layout
     rows: np.ndarray
     correlation: tuple[np.ndarray, ...]
     within: np.ndarray
-    right: np.ndarray
-    scale: np.ndarray
+    score: np.ndarray
+    inverse: np.ndarray
 
     @cached_property
     def starts(self) -> Mapping[TermIdentity, int]:
         """Where each term's parameters begin."""
         return starts_of(self.layout)
-
-    @cached_property
-    def inverse(self) -> np.ndarray:
-        """(k, p) of the scale; zero where the run says nothing."""
-        return np.divide(1.0, self.scale, out=np.zeros_like(self.scale), where=self.scale > 0)
 
     @cached_property
     def blocks(self) -> Mapping[TermIdentity, slice]:
@@ -66,16 +62,20 @@ class Group:
             for term, size, end in zip(self.layout.terms, sizes, ends, strict=True)
         }
 
+    def information(self, term: TermIdentity) -> np.ndarray:
+        """(k, c, c) of the parameters of a term that the layout has, SI."""
+        block = self.within[:, self.blocks[term]]
+        count = round(block.shape[1] ** 0.5)
+        start = self.starts[term]
+        inverse = self.inverse[:, start : start + count] / STEP**0.5
+        size = (len(block), count, count)
+        return block.reshape(size) * inverse[:, :, None] * inverse[:, None, :]
+
     def evidence(self, effect: Effect) -> tuple[np.ndarray, np.ndarray]:
         """Score (k, m) and information (k, m, m) of an effect that the layout has, SI."""
-        count, own = len(effect.term.parameters), np.array(effect.own)
-        block = self.within[:, self.blocks[identity(effect.term)]]
-        correlation = block[:, (own[:, None] * count + own).ravel()] / STEP
-        start = self.starts[identity(effect.term)]
-        inverse = self.inverse[:, start : start + count][:, own]
-        score = self.right[:, start : start + count][:, own] * inverse
-        size = (-1, len(own), len(own))
-        return score, correlation.reshape(size) * inverse[:, :, None] * inverse[:, None, :]
+        term, own = identity(effect.term), np.array(effect.own)
+        score = self.score[:, self.starts[term] + own]
+        return score, self.information(term)[:, own[:, None], own]
 
 
 @dataclass(frozen=True)
@@ -116,12 +116,12 @@ class Pool:
             if members is None or not rows[group.rows].any():
                 groups.append(group)
                 continue
-            own, count = np.array(members), group.right.shape[1]
+            own, count = np.array(members), group.score.shape[1]
             at_unit = values * group.inverse[:, own] / STEP
-            places, right = _places(np.arange(count), own, count), group.right.copy()
+            places, score = _places(np.arange(count), own, count), group.score.copy()
             for k in np.flatnonzero(rows[group.rows]):
-                right[k] -= group.correlation[k][places] @ at_unit[k]
-            groups.append(replace(group, right=right))
+                score[k] -= (group.correlation[k][places] @ at_unit[k]) * group.inverse[k]
+            groups.append(replace(group, score=score))
         return replace(self, groups=tuple(groups))
 
 
@@ -151,13 +151,15 @@ def _group(rows: np.ndarray, some: Sequence[RunStatistics]) -> Group:
         places.append(_places(own, own, count).ravel())
         start += len(own)
     picked = np.concatenate([np.zeros(0, int), *places])
+    scale = np.stack([each.scale for each in some]).astype(float)
+    inverse = np.divide(1.0, scale, out=np.zeros_like(scale), where=scale > 0)
     return Group(
         layout,
         rows,
         tuple(each.correlation for each in some),
         np.stack([each.correlation[picked] for each in some]),
-        np.stack([each.right for each in some]).astype(float),
-        np.stack([each.scale for each in some]).astype(float),
+        np.stack([each.right for each in some]) * inverse,
+        inverse,
     )
 
 

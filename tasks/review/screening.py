@@ -6,13 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
+from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import Evidence, at_unit_information, solved
 from tasks.review.pool import Pool
+from tasks.review.sums import WindowSums
 from tasks.review.windows import LevelWindows, Window
 
 CARRIERS = 2  # of each level that are looked at closely
 WORTH = 0.01  # p value, corrected for all that is tried, above which none is
+CLOSELY = 16  # effects that are looked at closely
 
 
 @dataclass(frozen=True)
@@ -20,62 +22,54 @@ class Screened:
     """An effect with the windows in which it gains most; p_value: of the best, corrected."""
 
     effect: Effect
-    evidence: Evidence
     windows: tuple[Window, ...]
     gain: float
     p_value: float
 
 
-def screened(pool: Pool, windows: Sequence[LevelWindows]) -> list[Screened]:
-    """The effects that gain more than chance would, the most first."""
-    tried = len(pool.effects) * sum(len(level.windows) for level in windows)
-    found = (_of_effect(pool, effect, windows, tried) for effect in pool.effects)
+@dataclass(frozen=True)
+class Worth:
+    """What is worth a closer look, with its evidence."""
+
+    effect: Effect
+    windows: tuple[Window, ...]
+    evidence: Evidence
+
+
+def screened(
+    pool: Pool, levels: Sequence[LevelWindows], sums: WindowSums, tried: int
+) -> list[Screened]:
+    """The effects that gain more than chance would, the most first; tried: how many in all."""
+    found = []
+    for effect, size, gains in sums.gains(pool):
+        best = list(_best(gains, levels))
+        gain = max(gain for gain, _ in best)
+        p_value = min(1.0, float(chdtrc(size, gain)) * tried)
+        found.append(Screened(effect, tuple(window for _, window in best), gain, p_value))
     # By the gain as well: of strong effects every p value is zero.
-    return sorted(
-        (one for one in found if one is not None), key=lambda one: (one.p_value, -one.gain)
-    )
+    return sorted(found, key=lambda one: (one.p_value, -one.gain))
 
 
-def _of_effect(
-    pool: Pool, effect: Effect, windows: Sequence[LevelWindows], tried: int
-) -> Screened | None:
-    score, information = pool.evidence(effect)
-    evidence = at_unit_information(score, information, pool.unit)
-    if not evidence.size:
-        return None
-    best = [pair for level in windows for pair in _best_of_level(evidence, level)]
-    gain = max(gain for gain, _ in best)
-    p_value = min(1.0, float(chdtrc(evidence.size, gain)) * tried)
-    return Screened(effect, evidence, tuple(window for _, window in best), gain, p_value)
+def worth_a_look(pool: Pool, looked: Sequence[Screened]) -> list[Worth]:
+    """The best of them, with the evidence of every run."""
+    some = [one for one in looked if one.p_value < WORTH][:CLOSELY]
+    return [
+        Worth(one.effect, one.windows, at_unit_information(*pool.evidence(one.effect), pool.unit))
+        for one in some
+    ]
 
 
-def _best_of_level(evidence: Evidence, level: LevelWindows) -> Iterator[tuple[float, Window]]:
-    """The best window of each of the best carriers, and these carriers as a whole."""
-    if not level.windows:
-        return
-    gains = window_gains(evidence, level)
-    carriers = set[int]()
-    for k in np.argsort(-gains).tolist():
-        window = level.windows[k]
-        if window.carrier in carriers:
-            continue
-        carriers.add(window.carrier)
-        yield float(gains[k]), window
-        if not window.whole:
-            at = level.whole[window.carrier]
-            yield float(gains[at]), level.windows[at]
-        if len(carriers) == CARRIERS:
-            return
-
-
-def window_gains(evidence: Evidence, level: LevelWindows) -> np.ndarray:
-    """(w,) chi-squared that a common value gains in each window, without any spread."""
-    total = _cumulative(level.pieces @ evidence.flat)
-    sums, m = total[level.high] - total[level.low], evidence.size
-    right, information = sums[:, :m], sums[:, m:].reshape(-1, m, m)
-    values = solved(information, right)
-    return np.asarray((right * values).sum(axis=1))
-
-
-def _cumulative(values: np.ndarray) -> np.ndarray:
-    return np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
+def _best(gains: np.ndarray, levels: Sequence[LevelWindows]) -> Iterator[tuple[float, Window]]:
+    """The best window of each of the best carriers of each level, and these carriers as a whole."""
+    start = 0
+    for level in levels:
+        own = gains[start : start + len(level.windows)].copy()
+        start += len(level.windows)
+        for _ in range(min(CARRIERS, len(level.whole))):
+            best = int(own.argmax())
+            window = level.windows[best]
+            yield float(own[best]), window
+            if not window.whole:
+                whole = level.whole[window.carrier]
+                yield float(own[whole]), level.windows[whole]
+            own[level.carrier == window.carrier] = -1.0

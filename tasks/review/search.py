@@ -19,14 +19,14 @@ from tasks.review.carriers import (
     with_both_ends,
 )
 from tasks.review.mixed import spreads
-from tasks.review.own_values import stands_out
+from tasks.review.own_values import OwnValues
 from tasks.review.pool import Pool
-from tasks.review.screening import WORTH, Screened, screened
-from tasks.review.windows import all_windows, rows_of
+from tasks.review.screening import Worth, screened, worth_a_look
+from tasks.review.sums import WindowSums, window_sums
+from tasks.review.windows import LevelWindows, all_windows, rows_of
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6
-CLOSELY = 16  # effects that are looked at closely
 FORM = 0.1  # relative: how well the linear form of a strong effect is known
 
 
@@ -52,8 +52,10 @@ class Found:
 def search(pool: Pool) -> tuple[tuple[Found, ...], float]:
     """The findings, and the p value of the strongest mismatch, corrected for all that is tried."""
     found, p_value = list[Found](), 1.0
+    levels = all_windows(pool)
+    sums = window_sums(pool, levels)
     while len(found) < MOST_FINDINGS:
-        one, strongest = _next(pool)
+        one, strongest = _next(pool, levels, sums)
         if not found:
             p_value = strongest
         if one is None:
@@ -63,11 +65,12 @@ def search(pool: Pool) -> tuple[tuple[Found, ...], float]:
     return tuple(found), p_value
 
 
-def _next(pool: Pool) -> tuple[Found | None, float]:
-    windows = all_windows(pool)
-    tried = tried_of(pool, [level.windows for level in windows])
-    looked = screened(pool, windows)
-    worth = [one for one in looked if one.p_value < WORTH][:CLOSELY]
+def _next(
+    pool: Pool, levels: Sequence[LevelWindows], sums: WindowSums
+) -> tuple[Found | None, float]:
+    tried = tried_of(pool, [level.windows for level in levels])
+    looked = screened(pool, levels, sums, tried)
+    worth = worth_a_look(pool, looked)
     if not worth:
         return None, looked[0].p_value if looked else 1.0
     every = [each for one in worth for each in carried(pool, one, tried)]
@@ -75,7 +78,8 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
     if not believed:
         return None, max(min(each.p_value for each in every), FALSE_ALARMS)
     leading = sorted(believed, key=lambda each: -each.score)
-    leading = [each for each in leading if stands_out(pool, each, tried, FALSE_ALARMS)]
+    own = OwnValues(pool)
+    leading = [each for each in leading if own.stands_out(each, tried, FALSE_ALARMS)]
     if not leading:
         return None, FALSE_ALARMS
     near = [each for each in leading if each.score > leading[0].score - 4.0 * INDISTINGUISHABLE]
@@ -108,7 +112,7 @@ def _next(pool: Pool) -> tuple[Found | None, float]:
     )  # fmt: skip
 
 
-def _at_window_of(best: Carried, pool: Pool, one: Screened, tried: int) -> Carried:
+def _at_window_of(best: Carried, pool: Pool, one: Worth, tried: int) -> Carried:
     """Another effect in the window of the best, beside the same spread."""
     rows = rows_of(pool, best.window)
     sigma, tau = best.spread.sigma, best.spread.tau

@@ -11,8 +11,9 @@ from scipy.special import chdtrc
 
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.carriers import chance
+from tasks.review.evidence import at_unit_information, solved
 from tasks.review.hypotheses import Effect
-from tasks.review.mixed import at_unit_information, solved, spreads
+from tasks.review.mixed import spreads
 from tasks.review.pool import Pool
 from tasks.review.search import FALSE_ALARMS, MOST_FINDINGS
 
@@ -84,7 +85,7 @@ def _scored(pool: Pool, effect: Effect) -> FoundTogether | None:
     group = groups_of(pool, effect)
     rows = np.array([group == number for number in range(int(group.max()) + 1)])
     spread, sums = next(iter(spreads(evidence, (0.0,), (0.0,), rows)))
-    gains = 2.0 * spread.gains_of(*sums)
+    gains = 2.0 * spread.gains_of(sums)
     gain, count = float(gains.sum()), evidence.size * len(rows)
     price = PER_PARAMETER * (count + len(effect.term.at))
     price += 2.0 * np.log(effect.trials) + effect.term.rarity

@@ -47,6 +47,11 @@ class LevelWindows:
     windows: tuple[Window, ...]
 
     @cached_property
+    def carrier(self) -> np.ndarray:
+        """(w,) the carrier of each window."""
+        return np.array([window.carrier for window in self.windows], int)
+
+    @cached_property
     def whole(self) -> dict[int, int]:
         """By carrier, which window has all its runs."""
         return {window.carrier: k for k, window in enumerate(self.windows) if window.whole}

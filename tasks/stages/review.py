@@ -46,18 +46,19 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     from tasks.review.report import review_of
     from tasks.review.run import reviewed_runs
     from tasks.review.search import search
-    from tasks.stages.statistics import kept_statistics, make_statistics
+    from tasks.stages.statistics import all_kept_statistics, make_statistics
     from tasks.stages.touched import with_certificates
 
     out = report_folder(order.out)
     chosen, skipped = _chosen(order, home)
-    missing = [run for run in chosen if kept_statistics(run, home) is None]
+    found = dict(zip(chosen, all_kept_statistics(chosen, home), strict=True))
+    missing = [run for run, each in found.items() if each is None]
     for done, (run, why) in enumerate(make_statistics(missing, home), start=1):
         progress(done, len(missing))
         if why:
             skipped.append(Skipped(run=run.id, why=why))
-    found = [(run, kept_statistics(run, home)) for run in chosen]
-    usable = {run.id: each for run, each in found if each is not None}
+    found |= zip(missing, all_kept_statistics(missing, home), strict=True)
+    usable = {run.id: each for run, each in found.items() if each is not None}
     manifests = {run.id: runs.manifest(run, home) for run in chosen if run.id in usable}
     if len(usable) < FEWEST:
         raise Unusable(_too_few(len(usable), skipped))

@@ -1,8 +1,10 @@
 """The statistics of a run, which `review` adds up: made once, and kept beside its recording."""
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 
 from schemas.base import Unusable
 from schemas.recording import Recording
@@ -28,6 +30,12 @@ class Job:
 def kept_statistics(run: Run, home: Home) -> RunStatistics | None:
     """The statistics of a run where they are kept."""
     return statistics.load(run.digest, VERSION, home)
+
+
+def all_kept_statistics(which: Sequence[Run], home: Home) -> list[RunStatistics | None]:
+    """The same of many runs, unpacked by as many threads as there are processors."""
+    with ThreadPoolExecutor(processors()) as threads:
+        return list(threads.map(partial(kept_statistics, home=home), which))
 
 
 def keep_statistics(run: Run, recording: Recording, home: Home) -> None:

@@ -10,7 +10,15 @@ from pathlib import Path
 
 os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before numpy is there, as the program itself does
 
-from tests.bench import bench_calibrate, bench_history, bench_mcap, bench_pages, bench_peers, report
+from tests.bench import (
+    bench_calibrate,
+    bench_history,
+    bench_mcap,
+    bench_pages,
+    bench_peers,
+    bench_review,
+    report,
+)
 
 
 def main() -> None:
@@ -26,6 +34,7 @@ def main() -> None:
         bench_calibrate.by_samples,
         bench_history.by_workers,
         bench_history.prefect,
+        bench_review.many_runs,
         bench_peers.ferraris,
         bench_peers.allan,
         bench_pages.pages,

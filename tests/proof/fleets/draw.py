@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 
+from tasks.review.pool import ReviewedRun
 from tests.proof.plant.case import Case, Data, EffectCall
 from tests.proof.plant.effects import effects_of
 from tests.proof.plant.hearing import hear
@@ -119,6 +120,20 @@ def draw(seed: int, number: int) -> Fleet:
             for k in range(count)
         ),
     )  # fmt: skip
+
+
+def drawn_runs(count: int) -> list[ReviewedRun]:
+    """Whose so many runs are, one a day, of 400 units that go between six stations."""
+    rng = np.random.default_rng(1)
+    units, stations = rng.integers(400, size=count), rng.integers(6, size=count)
+    return [
+        ReviewedRun(
+            f"{day:05d}", f"{day:05d}",
+            {"unit": f"{unit}", "station": f"{station}", "model": f"{unit % 4}",
+             "site": f"{station % 2}"},
+        )
+        for day, (unit, station) in enumerate(zip(units, stations, strict=True))
+    ]  # fmt: skip
 
 
 def _base(rng: np.random.Generator) -> Case:

@@ -4,7 +4,7 @@ import json
 import os
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -14,19 +14,20 @@ from flows.progress import counting
 from schemas.review import RunStatistics
 from storage.statistics import decoded, encoded
 from tasks.explain.explain import explain
-from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.pool import pooled
 from tasks.review.report import review_of
 from tasks.review.run import reviewed_runs
 from tasks.review.search import search
 from tasks.review.statistics import VERSION, statistics_of
-from tests.proof.fleets.draw import Fleet, FleetRun, draw
+from tasks.stages.fan_out import processors
+from tests.proof.fleets.draw import Fleet, FleetRun, draw, drawn_runs
 from tests.proof.fleets.judge import Judged, judged
 from tests.proof.fleets.page import Alone, Many, page
 from tests.proof.fleets.play import manifest_of_run, played
 
 PAGE = "fleets.md"
 EVIDENCE = Path(__file__).parents[1] / "evidence"
-MANY, LARGE_UNITS, LARGE_STATIONS = 10_000, 400, 6  # of the search that is timed
+MANY = 10_000  # runs of the search that is timed
 
 
 def run_fleets(count: int, seed: int, write: bool) -> None:
@@ -102,19 +103,11 @@ def _read(path: Path) -> RunStatistics:
 def _many(folder: Path) -> Many:
     """A search over thousands of kept statistics of units and stations drawn anew, timed."""
     files: Sequence[Path] = sorted((folder / "statistics").glob("*/*"))
-    rng = np.random.default_rng(1)
     began, processor = time.perf_counter(), time.process_time()
-    runs = []
-    for number in range(MANY):
-        unit, station = int(rng.integers(LARGE_UNITS)), int(rng.integers(LARGE_STATIONS))
-        who = ReviewedRun(
-            f"{number:05d}", f"{number:05d}",
-            {"unit": f"{unit}", "station": f"{station}", "model": f"{unit % 4}",
-             "site": f"{station % 2}"},
-        )  # fmt: skip
-        runs.append((who, _read(files[number % len(files)])))
+    with ThreadPoolExecutor(processors()) as threads:
+        kept = list(threads.map(_read, (files[k % len(files)] for k in range(MANY))))
     read = time.perf_counter()
-    search(pooled(runs))
+    search(pooled(list(zip(drawn_runs(MANY), kept, strict=True))))
     searched, used = time.perf_counter() - read, time.process_time() - processor
     size = float(np.mean([file.stat().st_size for file in files]))
     return Many(MANY, read - began, searched, used, size)

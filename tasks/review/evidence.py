@@ -1,0 +1,63 @@
+"""What each run says of an effect, in coordinates of their mean information."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+DETERMINED = 1e-4  # of a parameter's information that is left beside the effect's others
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Score (runs, m) and information (runs, m, m) in coordinates in which the mean information of
+    the runs is one. back: (parameters, m) from these coordinates to SI. unit: (runs,) number of the
+    unit, from 0.
+    """
+
+    score: np.ndarray
+    information: np.ndarray
+    back: np.ndarray
+    unit: np.ndarray
+
+    @property
+    def size(self) -> int:
+        return int(self.score.shape[1])
+
+    @cached_property
+    def by_unit(self) -> np.ndarray:
+        """(runs,) the runs in the order of their units."""
+        return np.argsort(self.unit, kind="stable")
+
+    @cached_property
+    def starts(self) -> np.ndarray:
+        """(units,) where each unit's runs begin among them."""
+        return np.flatnonzero(np.diff(self.unit[self.by_unit], prepend=-1))
+
+
+def at_unit_information(score: np.ndarray, information: np.ndarray, unit: np.ndarray) -> Evidence:
+    """Evidence without what no run determines."""
+    seen = int(information.any(axis=(1, 2)).sum())
+    back = back_from_unit_information(information.sum(axis=0) / max(1, seen))
+    turned = information.reshape(len(score), -1) @ np.kron(back, back)  # of all runs at once
+    return Evidence(score @ back, turned.reshape(len(score), *[back.shape[1]] * 2), back, unit)
+
+
+def back_from_unit_information(mean: np.ndarray) -> np.ndarray:
+    """(parameters, m) from coordinates in which a mean information is one to SI."""
+    size = np.sqrt(np.diag(mean))
+    scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
+    values, vectors = np.linalg.eigh(mean * scale[:, None] * scale)
+    kept = values > DETERMINED
+    return np.asarray(scale[:, None] * vectors[:, kept] / np.sqrt(values[kept]))
+
+
+def solved(information: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solutions of symmetric systems (…, m, m), (…, m); what nothing determines is zero."""
+    return np.asarray(np.linalg.solve(ridged(information), right[..., None])[..., 0])
+
+
+def ridged(information: np.ndarray) -> np.ndarray:
+    """Information (…, m, m) with a little of its own size on the diagonal."""
+    ridge = 1e-9 + 1e-6 * np.einsum("...ii->...", information)[..., None, None]
+    return np.asarray(information + ridge * np.eye(information.shape[-1]))

@@ -1,0 +1,100 @@
+"""Sums of score and information over the runs of every window.
+
+Findings are taken off the scores alone: the information, and the coordinates that follow from it,
+are summed once for all of them.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from tasks.review.batched import quadratic_forms
+from tasks.review.evidence import back_from_unit_information, ridged
+from tasks.review.hypotheses import Effect, TermIdentity, identity, members_of
+from tasks.review.pool import Group, Pool
+from tasks.review.windows import LevelWindows
+
+Weighed = tuple[Effect, np.ndarray]  # an effect and its `back`, as in `Evidence`
+
+
+@dataclass(frozen=True)
+class WindowSums:
+    """What no finding changes.
+
+    pieces: of each group (k, its runs), those of all levels, one below the other. low, high: (w,)
+    first piece of each window, and the one after its last. information: of each term (k + 1, c²),
+    cumulative over the pieces.
+    """
+
+    pieces: tuple[csr_array, ...]
+    low: np.ndarray
+    high: np.ndarray
+    information: dict[TermIdentity, np.ndarray]
+    effects: tuple[Weighed, ...]
+
+    def gains(self, pool: Pool) -> Iterator[tuple[Effect, int, np.ndarray]]:
+        """Every effect of which a run says something, how many numbers it has, and the chi-squared
+        (w,) that a common value gains in each window, without any spread.
+        """
+        pairs = list(zip(self.pieces, pool.groups, strict=True))
+        scores = [(group, _cumulative(pieces @ group.score)) for pieces, group in pairs]
+        for effect, back in self.effects:
+            right = self._within(_score(effect, scores)) @ back
+            information = ridged(self._information_of(effect, back))
+            yield effect, back.shape[1], quadratic_forms(information, right)
+
+    def _information_of(self, effect: Effect, back: np.ndarray) -> np.ndarray:
+        count, own = len(effect.term.parameters), np.array(effect.own)
+        chosen = (own[:, None] * count + own).ravel()
+        sums = self._within(self.information[identity(effect.term)])[:, chosen]
+        return (sums @ np.kron(back, back)).reshape(-1, back.shape[1], back.shape[1])
+
+    def _within(self, cumulative: np.ndarray) -> np.ndarray:
+        return np.asarray(cumulative[self.high] - cumulative[self.low])
+
+
+def window_sums(pool: Pool, levels: Sequence[LevelWindows]) -> WindowSums:
+    """Of all effects in the windows of all levels."""
+    pieces = csr_array(vstack([level.pieces for level in levels]))
+    of_groups = tuple(pieces[:, group.rows] for group in pool.groups)
+    starts = np.cumsum([0, *(level.pieces.shape[0] for level in levels)])[:-1]
+    low, high = (
+        np.concatenate(
+            [start + getattr(level, end) for start, level in zip(starts, levels, strict=True)]
+        )
+        for end in ("low", "high")
+    )
+    information, effects = dict[TermIdentity, np.ndarray](), list[Weighed]()
+    for term, some in groupby(pool.effects, key=lambda effect: identity(effect.term)):
+        each = [
+            (own, group.information(term))
+            for own, group in zip(of_groups, pool.groups, strict=True)
+            if term in group.starts
+        ]
+        flat = [(own, values.reshape(len(values), -1)) for own, values in each]
+        information[term] = _cumulative(np.sum([own @ values for own, values in flat], axis=0))
+        runs = np.concatenate([values for _, values in each])
+        effects.extend((effect, _back(effect, runs)) for effect in some)
+    determined = tuple((effect, back) for effect, back in effects if back.shape[1])
+    return WindowSums(of_groups, low, high, information, determined)
+
+
+def _back(effect: Effect, information: np.ndarray) -> np.ndarray:
+    """`back` of an effect; information: (runs, c, c) of its term."""
+    own = np.array(effect.own)
+    seen = int(information.diagonal(axis1=1, axis2=2)[:, own].any(axis=1).sum())
+    total = information.sum(axis=0)[own[:, None], own]
+    return back_from_unit_information(total / max(1, seen))
+
+
+def _score(effect: Effect, scores: Sequence[tuple[Group, np.ndarray]]) -> np.ndarray:
+    """(k + 1, m) of an effect; scores: cumulative, of each group."""
+    found = [(members_of(effect, group.starts), total) for group, total in scores]
+    return np.asarray(sum(total[:, own] for own, total in found if own is not None))
+
+
+def _cumulative(values: np.ndarray) -> np.ndarray:
+    return np.concatenate([np.zeros((1, *values.shape[1:])), np.cumsum(values, axis=0)])
