@@ -45,6 +45,7 @@ def mimucal(
     )  # fmt: skip
 
 
+@pytest.mark.rehearsal
 def test_one_command_leads_from_the_station_to_the_certificate(
     home, short, validated, prefect_server
 ) -> None:

@@ -306,6 +306,7 @@ def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
     assert (tmp_path / "report" / "report.html").exists()
 
 
+@pytest.mark.rehearsal
 def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(
     mimucal, plant_arm, asked_once
 ) -> None:

@@ -48,6 +48,7 @@ def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
     assert names <= {"reference_frame"}
 
 
+@pytest.mark.rehearsal
 def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_delay() -> None:
     whole = read_folder(shared_path("data/rough/broad_18"))
     broad = replace(whole, imu=whole.imu.at(whole.imu.rows(0.0, LONGEST)))

@@ -14,14 +14,16 @@ LONGER_DWELL = {"knock": 10.0}
 @pytest.mark.parametrize(
     ("effect", "form", "z"),
     [
-        ("hysteresis", "preisach_of_rate", 30.0),
+        pytest.param("hysteresis", "preisach_of_rate", 30.0, marks=pytest.mark.rehearsal),
         ("hysteresis", "fading", 10.0),
-        ("hysteresis", "play_of_force", 30.0),
+        pytest.param("hysteresis", "play_of_force", 30.0, marks=pytest.mark.rehearsal),
         ("bias_step", "knock", 10.0),
-        ("bias_step", "gradual_step", 100.0),
+        pytest.param("bias_step", "gradual_step", 100.0, marks=pytest.mark.rehearsal),
         ("vibration_rectification", "rectified", 30.0),
         ("gyro_scale_nonlinearity", "dead_band", 30.0),
-        ("accel_nonlinearity", "wave_of_a_converter", 30.0),
+        pytest.param(
+            "accel_nonlinearity", "wave_of_a_converter", 30.0, marks=pytest.mark.rehearsal
+        ),
         ("structural_compliance", "sag", 30.0),
     ],
 )
