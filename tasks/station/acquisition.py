@@ -184,7 +184,7 @@ async def _station_clock(table: Table) -> StationClock:
     clock = StationClock()
     for pause_s in (CLOCK_INTERVAL_S, 0.0):
         state = await table.state()
-        clock.update(state.station_s, state.wall_s)
+        clock.update(state.station_s, state.wall_s, state.took_s)
         await asyncio.sleep(pause_s)
     return clock
 

@@ -28,9 +28,11 @@ class StationClock:
     def __init__(self) -> None:
         self._readings: deque[tuple[float, float]] = deque(maxlen=WINDOW)
         self._moved_wall_s = 0.0
+        self.took_s = 0.0  # wall time from question to answer of the last reading
 
-    def update(self, station_s: float, wall_s: float) -> None:
-        """Take a reading in."""
+    def update(self, station_s: float, wall_s: float, took_s: float = 0.0) -> None:
+        """Take a reading in: it is of a moment in the `took_s` (s) before `wall_s`."""
+        self.took_s = took_s
         if not self._readings or station_s != self.station_s:
             self._moved_wall_s = wall_s
         self._readings.append((station_s, wall_s))
@@ -54,6 +56,10 @@ class StationClock:
         """The station time at a wall time near the last reading, s."""
         station, wall = self._readings[-1]
         return station + (wall_s - wall) * self.speed
+
+    def latest_at(self, wall_s: float) -> float:
+        """The latest that the station time can be then, s: read as soon as it was asked for."""
+        return self.at(wall_s) + self.took_s * self.speed
 
     def wall(self, station_s: float, shortest: float, longest: float) -> float:
         """How long a span of station time takes on the wall, s, kept within the bounds."""

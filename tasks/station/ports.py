@@ -38,12 +38,16 @@ class AxisState:
 
 @dataclass(frozen=True)
 class TableState:
-    """The table at one moment: station time (s), and wall time (`clock.wall_s`) of the reading."""
+    """The table at one moment: station time (s), and wall time (`clock.wall_s`) of the reading.
+
+    took_s: wall time from the question to the answer, in which the moment lies.
+    """
 
     station_s: float
     wall_s: float
     axes: tuple[AxisState, ...]
     trips: frozenset[str] = frozenset()
+    took_s: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,9 @@ MOST_BLOCKS = 2**15
 FULL_WALL_S = 0.05
 SHIFT_THRESHOLD_S = 0.5
 LINE_DELAY_WALL_S = 0.1  # what a busy machine may delay a frame by, on the wall
+# No frame need come sooner after its stamp: a USB converter's latency timer, 16 ms from the factory
+# (FTDI AN232B-04), and a long frame at 115,200 baud.
+LEAST_DELAY_WALL_S = 0.02
 SHIFT_TAKES = 3
 
 
@@ -125,7 +128,7 @@ class UnitReader:
         self._note = note
         self._taken_s = clock.station_s
         self._on_s: float | None = None
-        self._moments: list[tuple[float, float]] = []
+        self._moments: list[tuple[float, float, float]] = []
         self._begin()
 
     def _begin(self) -> None:
@@ -154,8 +157,9 @@ class UnitReader:
         if len(after):
             self._moments.clear()
         if len(latest := after if len(after) else before):
-            arrived_s = self._clock.at(self._unit.arrived_s)
-            self._moments.append((latest["stamp"][-1] / 1e6, arrived_s))
+            arrived_s = self._clock.latest_at(self._unit.arrived_s)
+            doubt_s = (self._clock.took_s + LEAST_DELAY_WALL_S) * self._clock.speed
+            self._moments.append((latest["stamp"][-1] / 1e6, arrived_s, doubt_s))
         stream = self._timed(before, final)
         if not len(after):
             return stream
@@ -165,8 +169,8 @@ class UnitReader:
 
     def compared(self) -> ClockComparison | None:
         """The unit's clock, since it was last switched on, against the table's."""
-        unit_s, arrived_s = np.array(self._moments).reshape(-1, 2).T
-        return compared(unit_s, arrived_s)
+        unit_s, arrived_s, doubt_s = np.array(self._moments).reshape(-1, 3).T
+        return compared(unit_s, arrived_s, doubt_s)
 
     def _timed(self, frames: np.ndarray, final: bool) -> Stream:
         if not self._is_shift_known:

@@ -235,7 +235,7 @@ class Sequencer:
         """Read the table, and raise Unusable if it has failed."""
         before_s = self.clock.station_s
         state = await self._table.state()
-        self.clock.update(state.station_s, state.wall_s)
+        self.clock.update(state.station_s, state.wall_s, state.took_s)
         check_trips(state, self._table.names)
         self.clock.check(before_s)
         self.tracker.tick()

@@ -12,8 +12,10 @@ FEWEST = 4
 class ClockComparison:
     """Table time minus unit time = offset_s + skew · (unit time − at_s).
 
-    `u_offset_s`, `u_skew`: standard uncertainties by the scatter of the least delays. The offset
-    holds the least delay of the line, which no comparison on one side of a line can tell.
+    `u_offset_s`, `u_skew`: standard uncertainties. That of the offset is of what no comparison on
+    one side of a line can tell, the least delays of the line and of the table's answers, and of
+    the scatter of these delays; that of the skew of the scatter alone, since the least delays are
+    the same all along. How late a unit measures what it stamps is not in them.
     """
 
     at_s: float
@@ -23,14 +25,21 @@ class ClockComparison:
     u_skew: float
 
 
-def compared(unit_s: np.ndarray, arrived_s: np.ndarray) -> ClockComparison | None:
-    """Compare stamps of a unit with the table's time when they arrived, both (n,) in s.
+def compared(
+    unit_s: np.ndarray, latest_s: np.ndarray, doubt_s: np.ndarray
+) -> ClockComparison | None:
+    """Compare stamps of a unit with the table's time when they arrived.
+
+    unit_s: (n,) s. latest_s: (n,) s, the latest that the table's time can have been. doubt_s:
+    (n,) s, by how much earlier it may have been when the unit set its stamp, in a line without
+    fluctuation: the table's answer and the least delay of the line.
 
     A line only ever delays, so the least difference of each of BLOCKS spans is taken, and a
-    straight line through these by least squares. None for fewer than FEWEST spans.
+    straight line through these by least squares. The offset lies below it by no more than the
+    median doubt of these: a rectangular distribution. None for fewer than FEWEST spans.
     """
     blocks = np.array_split(np.arange(len(unit_s)), BLOCKS)
-    difference = arrived_s - unit_s
+    difference = latest_s - unit_s
     if sum(len(block) > 0 for block in blocks) < FEWEST:
         return None
     level = difference - np.polyval(np.polyfit(unit_s, difference, 1), unit_s)
@@ -38,7 +47,9 @@ def compared(unit_s: np.ndarray, arrived_s: np.ndarray) -> ClockComparison | Non
     at_s = float(unit_s[least].mean())
     regressors = np.column_stack([np.ones(len(least)), unit_s[least] - at_s])
     inverse = np.linalg.pinv(regressors.T @ regressors)
-    offset, skew = inverse @ regressors.T @ difference[least]
-    residual = difference[least] - regressors @ [offset, skew]
-    u_offset, u_skew = np.sqrt(np.diag(inverse) * (residual @ residual) / (len(least) - 2))
-    return ClockComparison(at_s, float(offset), float(u_offset), float(skew), float(u_skew))
+    most, skew = inverse @ regressors.T @ difference[least]
+    residual = difference[least] - regressors @ [most, skew]
+    scatter, u_skew = np.sqrt(np.diag(inverse) * (residual @ residual) / (len(least) - 2))
+    half_width = float(np.median(doubt_s[least])) / 2.0
+    u_offset = float(np.hypot(scatter, half_width / np.sqrt(3.0)))
+    return ClockComparison(at_s, float(most) - half_width, u_offset, float(skew), float(u_skew))

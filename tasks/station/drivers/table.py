@@ -106,6 +106,7 @@ class DescribedTable:
 
         It renews the hold on the table: the connection may be another than that which held it.
         """
+        asked_s = wall_s()
         values = await self._backend.read(self._state_names, "hold" if self._is_held else "")
         now_s = wall_s()
         station_s = float(values.get("time", now_s - self._began_s))
@@ -122,7 +123,7 @@ class DescribedTable:
             for axis in range(len(self.names))
         )
         trips = frozenset(trip for trip in TRIPS if self._is_set(trip, values, 0, False))
-        return TableState(station_s=station_s, wall_s=now_s, axes=axes, trips=trips)
+        return TableState(station_s, now_s, axes, trips, took_s=now_s - asked_s)
 
     def _rates(self, values: Mapping[str, Any], station_s: float, angles: np.ndarray) -> np.ndarray:
         """As the table tells them, else from what its angles have gone since the last reading."""

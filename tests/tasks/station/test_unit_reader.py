@@ -72,3 +72,19 @@ def test_what_a_busy_computer_delays_moves_no_stamp(
 def test_a_clock_of_its_own_is_put_on_the_tables_time(behind_s: float) -> None:
     found = shift_s([0.01, 0.05, 0.02], [0.0, 0.0, 0.01], behind_s)
     assert found == pytest.approx(behind_s, abs=1.6)
+
+
+def test_the_clocks_difference_is_within_u_where_the_tables_answers_take_long() -> None:
+    """A reading lies anywhere in its exchange; the unit's clock is the table's."""
+    clock, driver, took_s = StationClock(), Driver(LINK, 0.0), 0.01
+    clock.update(98.0 * SPEED, 98.0)
+    reader = UnitReader(cast(UnitDriver, driver), clock, lambda _: None)
+    for place in range(60):
+        now_s = 100.0 + 0.2 * place
+        clock.update((now_s - took_s * (place % 5) / 4.0) * SPEED, now_s, took_s)
+        driver.arrived_s, driver.delay_s = now_s, 0.001
+        reader.take()
+    found = reader.compared()
+    assert found is not None
+    assert abs(found.offset_s) < 2.0 * found.u_offset_s
+    assert found.u_offset_s == pytest.approx((took_s + 0.02) * SPEED / 12**0.5, rel=0.2)
