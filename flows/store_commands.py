@@ -90,19 +90,21 @@ def verify(
     """
     from flows.printing import print_json
     from flows.progress import counting
-    from flows.verify_certificate import run_verify_certificate
-    from storage import verify as integrity
-    from storage.home import home
-    from tasks.certificate.verify_file import is_certificate
-    from tasks.stages.import_checks import faults_of
 
-    if path is not None and is_certificate(path):
-        run_verify_certificate(path, trust, as_json)
     if path is not None:
+        from flows.verify_certificate import run_verify_certificate
+        from tasks.certificate.verify_file import is_certificate
+        from tasks.stages.import_checks import faults_of
+
+        if is_certificate(path):
+            run_verify_certificate(path, trust, as_json)
         checked, faults = 1, faults_of(path)
     else:
+        from storage.home import home
+        from storage.verify import verify as verify_store
+
         with counting("verifying") as report:
-            checked, faults = integrity.verify(home(), report)
+            checked, faults = verify_store(home(), report)
     if as_json:
         listed = [{"what": fault.what, "why": fault.why} for fault in faults]
         print_json({"format": "mimu-verify/1", "checked": checked, "faults": listed})

@@ -16,7 +16,7 @@ PARTITIONS = ["station", "month"]
 
 def write_table(what: str, form: str, out: Path | None) -> None:
     """Write a table to a file, to a folder of Parquet files, or to standard output."""
-    from storage.dataframes import TABLES
+    from storage.dataframes import TABLES, written
 
     if what not in TABLES:
         raise Unusable(f"{what!r} is no table; choose one of {', '.join(TABLES)}.")
@@ -24,27 +24,26 @@ def write_table(what: str, form: str, out: Path | None) -> None:
         raise Unusable(f"--as {form}: choose one of csv, parquet")
     if form == "parquet" and out is None and sys.stdout.isatty():
         raise Unusable("--as parquet is no text for a terminal; give a file with --out")
-    table = TABLES[what](home())
+    if form == "csv" and out is None:
+        written(what, home(), sys.stdout)
+    elif form == "csv" and out is not None:
+        with (
+            writing_in_home(out),
+            drafted(out) as draft,
+            draft.open("w", encoding="utf-8", newline="") as file,
+        ):
+            written(what, home(), file)
+    else:
+        _to_parquet(TABLES[what](home()), out)
+
+
+def _to_parquet(table: "pd.DataFrame", out: Path | None) -> None:
     if out is None:
-        _to_stdout(table, form)
-    elif form == "parquet" and not out.suffix:
+        sys.stdout.buffer.write(table.to_parquet(index=False))
+    elif not out.suffix:
         _to_folder(table, out)
     else:
-        _to_file(table, form, out)
-
-
-def _to_stdout(table: "pd.DataFrame", form: str) -> None:
-    if form == "csv":
-        table.to_csv(sys.stdout, index=False, lineterminator="\n")
-    else:
-        sys.stdout.buffer.write(table.to_parquet(index=False))
-
-
-def _to_file(table: "pd.DataFrame", form: str, path: Path) -> None:
-    with writing_in_home(path), drafted(path) as draft:
-        if form == "csv":
-            table.to_csv(draft, index=False, lineterminator="\n")
-        else:
+        with writing_in_home(out), drafted(out) as draft:
             table.to_parquet(draft, index=False)
 
 

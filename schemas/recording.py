@@ -1,13 +1,19 @@
-"""A recording: its manifest (format `mimu-recording/1`) and its streams as arrays."""
+"""A recording: its manifest (format `mimu-recording/1`) and its streams as arrays.
+
+numpy is imported where arrays are made: the commands that list and show need none.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Self
+from math import hypot
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from schemas.base import Finite
+
+if TYPE_CHECKING:
+    import numpy as np
 
 FORMAT: Literal["mimu-recording/1"] = "mimu-recording/1"
 GYRO = ("gyro_x", "gyro_y", "gyro_z")
@@ -64,7 +70,7 @@ class Mount(Received):
     def _of_unit_length(
         cls, quaternion: tuple[float, float, float, float]
     ) -> tuple[float, float, float, float]:
-        if abs(np.linalg.norm(quaternion) - 1.0) > 1e-3:
+        if abs(hypot(*quaternion) - 1.0) > 1e-3:
             raise ValueError("a mount quaternion has length 1")
         return quaternion
 
@@ -130,42 +136,50 @@ class Stream:
         mean of both ends of what is not a rate; 0: a row says what was so at its time.
     """
 
-    t: np.ndarray
-    columns: Mapping[str, np.ndarray]
+    t: "np.ndarray"
+    columns: "Mapping[str, np.ndarray]"
     span: float = 0.0
 
     def __len__(self) -> int:
         return len(self.t)
 
-    def channels(self, names: tuple[str, ...], rows: slice) -> np.ndarray:
+    def channels(self, names: tuple[str, ...], rows: slice) -> "np.ndarray":
         """The named columns over some rows, (len(names), n); NaN for absent ones."""
+        import numpy as np
+
         return np.array(self.views(names, rows)).reshape(len(names), -1)
 
-    def views(self, names: tuple[str, ...], rows: slice) -> list[np.ndarray]:
+    def views(self, names: tuple[str, ...], rows: slice) -> "list[np.ndarray]":
         """The named columns (n,) over some rows as they lie in memory; NaN for absent ones."""
+        import numpy as np
+
         length = rows.stop - rows.start
         return [
             self.columns[name][rows] if name in self.columns else np.full(length, np.nan)
             for name in names
         ]
 
-    def stack(self, names: tuple[str, ...], rows: slice | None = None) -> np.ndarray:
+    def stack(self, names: tuple[str, ...], rows: slice | None = None) -> "np.ndarray":
         """The named columns side by side over all or some rows, (n, len(names))."""
         return self.channels(names, rows or slice(0, len(self.t))).T
 
-    def at(self, rows: slice | np.ndarray) -> "Stream":
+    def at(self, rows: "slice | np.ndarray") -> "Stream":
         """The stream at some rows: a slice, or (n,) true where a row is kept."""
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Stream(self.t[rows], columns, self.span)
 
     def rows(self, t_start: float, t_end: float) -> slice:
         """The rows with t_start ≤ t < t_end."""
+        import numpy as np
+
         start, stop = np.searchsorted(self.t, (t_start, t_end))
         return slice(int(start), int(stop))
 
 
 def joined(parts: Sequence[Stream]) -> Stream:
     """Streams of the same columns, one after the other; an empty one need not have them."""
+    import numpy as np
+
     parts = [part for part in parts if len(part)] or parts[:1]
     names = parts[0].columns
     columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in names}

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable
 from datetime import datetime, timedelta
-
-from icalendar import Calendar, Event
+from typing import TYPE_CHECKING
 
 from schemas.recall import Recalled
 from tasks.words import message, say
+
+if TYPE_CHECKING:
+    from icalendar import Event
 
 PRODUCT = "-//mimucal//recalibration//"
 
@@ -19,6 +21,8 @@ def calendar(
     The entry of a certificate keeps its UID, so that a later one takes the place of an earlier;
     sequence: which one it is.
     """
+    from icalendar import Calendar  # late: most days nothing is due
+
     made = Calendar()
     made.add("version", "2.0")
     made.add("prodid", PRODUCT + language.upper())
@@ -28,7 +32,9 @@ def calendar(
     return made.to_ical()
 
 
-def _event(recalled: Recalled, language: str, now: datetime, sequence: int) -> Event:
+def _event(recalled: Recalled, language: str, now: datetime, sequence: int) -> "Event":
+    from icalendar import Event
+
     event = Event()
     event.add("uid", f"recalibration-{recalled.certificate}@mimucal")
     event.add("dtstamp", now)

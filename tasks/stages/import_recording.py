@@ -8,7 +8,6 @@ from schemas.base import Unusable
 from storage.catalogue import listing, runs
 from storage.catalogue.listing import Run
 from storage.home import Home
-from tasks.stages import import_checks
 from tasks.stages.stage import stage
 
 
@@ -33,6 +32,8 @@ def import_recording(
     known = None if manifest else runs.imported_before(path, home)
     if known is not None:
         return Imported(known, is_new=False)
+    from tasks.stages import import_checks  # late: most commands name a run that is there
+
     recording = import_checks.read(path, manifest=manifest, salvage=salvage)
     run, is_new = runs.add(recording, home, source=None if manifest or salvage else path)
     return Imported(run, is_new, recording.extra.get("left_out", ()))
