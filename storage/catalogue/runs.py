@@ -1,4 +1,7 @@
-"""Recordings in the store: imported once, known by their content, read as columns."""
+"""Recordings in the store: imported once, known by their content, read as columns.
+
+The formats are imported where a recording is read or written: lists and manifests need none.
+"""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -13,12 +16,7 @@ from schemas.recording import Manifest, Recording, Unit
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.listing import Run, find
-from storage.formats import recordings
-from storage.formats.columns import read_columns, write_columns
-from storage.formats.content import as_raw, fingerprint
 from storage.formats.manifest import MANIFEST, manifest_of
-from storage.formats.mcap.reader import read_mcap
-from storage.formats.mcap.writer import write_mcap
 from storage.home import Home
 
 ID_DIGITS = 12  # hex digits of the digest in a run's id
@@ -32,6 +30,10 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
     bytes alone say all of it, is remembered for `imported_before`.
     Raises Unusable when the home cannot be written.
     """
+    from storage.formats import recordings
+    from storage.formats.content import as_raw, fingerprint
+    from storage.formats.mcap.writer import write_mcap
+
     source_bytes = source and recordings.fingerprint(source)
     recording = as_raw(recording)
     recording = replace(recording, digest=fingerprint(recording))
@@ -48,6 +50,8 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
 
 def imported_before(path: Path, home: Home) -> Run | None:
     """The run that a source became, if its bytes were imported before; else None."""
+    from storage.formats import recordings
+
     same_bytes = tables.sources.c.fingerprint == recordings.fingerprint(path)
     rows = database.rows(home, sql.select(tables.sources.c.run).where(same_bytes))
     if not rows:
@@ -73,6 +77,8 @@ def load(run: Run, home: Home) -> Recording:
 
 def from_columns(run: Run, home: Home) -> Recording | None:
     """A run's recording from its columns; None unless they hold exactly what was imported."""
+    from storage.formats.columns import read_columns
+
     try:
         with blobs_of(home).local(_columns(run.digest)) as folder:
             recording = read_columns(folder)
@@ -85,6 +91,8 @@ def from_columns(run: Run, home: Home) -> Recording | None:
 
 def load_raw(run: Run, home: Home) -> Recording:
     """A run's recording from raw; Unusable where that is missing or not what was imported."""
+    from storage.formats.mcap.reader import read_mcap
+
     blobs, name = blobs_of(home), _raw(run.digest)
     if not blobs.exists(name):
         raise Unusable(
@@ -154,6 +162,8 @@ def _add(connection: sql.Connection, recording: Recording) -> tuple[str, bool]:
 
 
 def _write_columns(recording: Recording, home: Home) -> None:
+    from storage.formats.columns import write_columns
+
     blobs_of(home).keep_folder(_columns(recording.digest), partial(write_columns, recording))
 
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping
 from functools import cache, lru_cache
 from importlib.resources import files
+from threading import Lock
 from typing import Any
 
 from schemas.text import Remark, Statement
@@ -12,6 +13,7 @@ from tasks.words.message import Argument, Message, Sayable
 
 COMMON = "common.ftl"  # every language has it
 IDENTIFIER = re.compile(r"^([a-zA-Z][\w-]*) *=", re.MULTILINE)
+WORD = re.compile(r"[a-zA-Z][\w-]*")
 LONG = 1000  # characters; the formatter takes no argument of more than 2500
 SEPARATOR = "list-separator"  # between the entries of a list, in each catalogue
 FOLDER = files("tasks.words")
@@ -38,26 +40,47 @@ def _file_of(language: str) -> Mapping[str, str]:
     return found
 
 
-@cache
-def _bundle(language: str, file: str) -> Any:
-    """One catalogue file, parsed; a message may refer to others of its own file.
-
-    Raises ValueError where the file is not understood.
+class _File:
+    """One catalogue file. A message is parsed when it is first asked for, with those of the file
+    that it may refer to: parsing all of them takes longer than most commands.
     """
-    # Late: a command that says nothing needs no parser.
-    from fluent.runtime import FluentBundle, FluentResource
-    from fluent.syntax.ast import Junk
 
-    source = FOLDER / language / file
-    resource = FluentResource(source.read_text(encoding="utf-8"))
-    for entry in resource.body:
-        if isinstance(entry, Junk):
-            raise ValueError(
-                f"{language}/{file}: not understood: {str(entry.content).strip()[:80]!r}"
-            )
-    bundle = FluentBundle([language], use_isolating=False)
-    bundle.add_resource(resource)
-    return bundle
+    def __init__(self, language: str, name: str) -> None:
+        # Late: a command that says nothing needs no parser.
+        from fluent.runtime import FluentBundle
+
+        self._name = f"{language}/{name}"
+        text = (FOLDER / language / name).read_text(encoding="utf-8")
+        starts = [found.start() for found in IDENTIFIER.finditer(text)]
+        parts = [text[start:end] for start, end in zip(starts, [*starts[1:], None], strict=True)]
+        self.unparsed = dict(zip(IDENTIFIER.findall(text), parts, strict=True))
+        self.bundle = FluentBundle([language], use_isolating=False)
+        self._one_at_a_time = Lock()
+
+    def message(self, id_: str) -> Any:
+        """The message, parsed. Raises ValueError where it is not understood."""
+        with self._one_at_a_time:
+            self._parse(id_)
+        return self.bundle.get_message(id_)
+
+    def _parse(self, id_: str) -> None:
+        from fluent.runtime import FluentResource
+        from fluent.syntax.ast import Junk
+
+        text = self.unparsed.pop(id_, None)
+        if text is None:
+            return
+        resource = FluentResource(text)
+        for entry in resource.body:
+            if isinstance(entry, Junk):
+                content = str(entry.content).strip()
+                raise ValueError(f"{self._name}: not understood: {content[:80]!r}")
+        self.bundle.add_resource(resource)
+        for word in WORD.findall(text):
+            self._parse(word)
+
+
+_catalogue_file = cache(_File)
 
 
 def known(id_: str) -> bool:
@@ -139,6 +162,6 @@ def _pattern(language: str, id_: str) -> tuple[Any, Any]:
     file = _file_of(language).get(name)
     if file is None:
         return None, None
-    bundle = _bundle(language, file)
-    found = bundle.get_message(name)
-    return bundle, found.attributes.get(attribute) if attribute else found.value
+    catalogue = _catalogue_file(language, file)
+    found = catalogue.message(name)
+    return catalogue.bundle, found.attributes.get(attribute) if attribute else found.value

@@ -9,7 +9,7 @@ from fluent.syntax.visitor import Visitor
 
 from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
-from tasks.words.catalogue import _bundle, _file_of
+from tasks.words.catalogue import _catalogue_file, _file_of
 
 WORDS = Path("tasks/words")
 
@@ -68,10 +68,13 @@ def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_ar
 def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands(
     language: str,
 ) -> None:
-    """Every message, in every file: so each file is parsed, and none holds what is no message."""
+    """Every message, in every file, and none holds what is no message."""
+    for path in (WORDS / language).glob("*.ftl"):
+        body = parse(path.read_text(encoding="utf-8")).body
+        assert not [entry for entry in body if isinstance(entry, ast.Junk)], path
     for file, entry in entries(language):
         assert _file_of(language)[entry.id.name] == file
-        assert _bundle(language, file).has_message(entry.id.name)
+        assert _catalogue_file(language, file).message(entry.id.name).id.name == entry.id.name
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -84,11 +87,15 @@ def test_a_message_refers_only_to_messages_of_its_own_file(language: str) -> Non
         assert {(file, name) for name in visitor.names} <= here, entry.id.name
 
 
-def test_saying_a_message_parses_its_own_catalogue_file_alone() -> None:
-    _bundle.cache_clear()
+def test_saying_a_message_parses_it_alone_of_its_own_catalogue_file() -> None:
+    _catalogue_file.cache_clear()
     say.cache_clear()
     say(message("clause-sequence", first="a", rest="b"), "en")
-    assert _bundle.cache_info().currsize == 1
+    assert _catalogue_file.cache_info().currsize == 1
+    file = _file_of("en")["clause-sequence"]
+    left = _catalogue_file("en", file).unparsed
+    assert "clause-sequence" not in left
+    assert len(left) > 5
 
 
 def test_languages_are_the_folders() -> None:
