@@ -15,7 +15,6 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage.catalogue import listing, runs
-from storage.catalogue import runs as runs_module
 from storage.formats import recordings
 from storage.formats.columns import write_columns
 from storage.formats.content import digest
@@ -24,6 +23,11 @@ from storage.home import Home
 from storage.verify import verify
 
 Build = Callable[..., Recording]
+STEPS = (
+    "storage.formats.mcap.writer.write_mcap",
+    "storage.formats.columns.write_columns",
+    "storage.catalogue.runs._add",
+)
 
 
 def test_recording_comes_back_as_it_went_in(fresh: Home, small: Build) -> None:
@@ -77,7 +81,7 @@ def test_raw_recording_is_read_only(fresh: Home, small: Build) -> None:
     assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o444
 
 
-@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+@pytest.mark.parametrize("step", STEPS)
 def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
     fresh: Home, small: Build, step: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -85,7 +89,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
         raise KeyboardInterrupt
 
     with monkeypatch.context() as broken:
-        broken.setattr(runs_module, step, break_off)
+        broken.setattr(step, break_off)
         with pytest.raises(KeyboardInterrupt):
             runs.add(small(), fresh)
     assert listing.all_runs(fresh) == []
@@ -94,23 +98,25 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
     assert runs.load(run, fresh).digest == run.digest
 
 
-@pytest.mark.parametrize("step", ["write_mcap", "write_columns", "_add"])
+@pytest.mark.parametrize("step", STEPS)
 def test_process_killed_in_an_import_leaves_a_store_that_goes_on(
     fresh: Home, small: Build, step: str, tmp_path: Path
 ) -> None:
     write_columns(small(), tmp_path / "source")
     script = """
 import os, sys
+from importlib import import_module
 from pathlib import Path
 from storage.catalogue import runs
 from storage.formats import recordings
 from storage.home import Home
 step, home, source = sys.argv[1], Home(Path(sys.argv[2])), Path(sys.argv[3])
-whole = getattr(runs, step)
+module, _, name = step.rpartition(".")
+whole = getattr(import_module(module), name)
 def killed(*arguments):
     whole(*arguments)
     os.kill(os.getpid(), 9)
-setattr(runs, step, killed)
+setattr(import_module(module), name, killed)
 runs.add(recordings.read(source), home)
 """
     command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
@@ -154,7 +160,7 @@ def test_damaged_columns_are_made_again_from_raw(
     run = runs.add(small(), fresh)[0]
     damage(fresh.columns / run.digest)
     assert digest(runs.load(run, fresh)) == run.digest
-    assert runs_module.from_columns(run, fresh) is not None
+    assert runs.from_columns(run, fresh) is not None
 
 
 def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home, small: Build) -> None:
