@@ -9,7 +9,7 @@ import sqlalchemy as sql
 from storage.catalogue import database, tables
 from storage.home import Home
 from tests import postgres
-from tests.proof.issue.at_once import checked_drafts, faults_of, issue_at_once
+from tests.proof.issue.at_once import checked_drafts, faults_of, issue_at_once, left_over
 from tests.proof.issue.kills import kill_issues
 
 
@@ -60,3 +60,5 @@ def test_the_judge_notices_a_gap_a_double_and_a_file_that_is_gone(home: Home) ->
     assert "a draft was issued twice, or not at all" in faults
     next(home.certificates.glob("*-0001.pdf")).unlink()
     assert len(faults_of(home, keys)) == len(faults) + 1
+    (home.certificates / "LAB-2026-0009.pdf").touch()
+    assert "LAB-2026-0009.pdf" in left_over(home)
