@@ -59,9 +59,14 @@ class Choice:
         return probability_right(self.left, self.bound)
 
     @property
+    def needed(self) -> float:
+        """Chi-squared from which it decides."""
+        return enough(self.bound)
+
+    @property
     def share(self) -> float:
         """Of what it should show; from one on it decides."""
-        return self.left / enough(self.bound)
+        return self.left / self.needed
 
     @property
     def is_enough(self) -> bool:

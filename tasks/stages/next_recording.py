@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,9 @@ from tasks.stages.stage import stage
 from tasks.words import Message, clauses, message, statement
 
 REHEARSALS = 2  # of a procedure: each may show what else fits it
+NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
+LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
+LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
     from tasks.experiment.abilities import Abilities
@@ -34,12 +38,14 @@ def next_recording(
     """The shortest procedure that tells apart what a run's explanation could not.
 
     of: runs of one unit; the first that leaves something open is asked. Writes the procedure.
-    Raises Unusable where nothing is open, or the station's table is not known.
+    Raises Unusable for runs of several units, where nothing is open, or where the station's table
+    is not known.
     """
     from tasks.experiment.choose import Experiment
     from tasks.experiment.open_question import open_question
     from tasks.experiment.separation import UnitNoise
 
+    _refuse_several_units(of)
     question = None
     for run in of:
         recording = runs.load(run, home)
@@ -63,6 +69,15 @@ def next_recording(
         f"decide_{'_'.join(question.names)}", base,
     )  # fmt: skip
     return _answer(experiment, question, recording, order)
+
+
+def _refuse_several_units(of: Sequence[Run]) -> None:
+    units = sorted({f"{run.manufacturer} {run.model} {run.serial}" for run in of})
+    if len(units) > 1:
+        raise Unusable(
+            f"{', '.join(run.recording_id for run in of)} are recordings of different units "
+            f"({', '.join(units)}): name those of one unit."
+        )
 
 
 def _abilities(recording: Recording, station: StationFile | None) -> "Abilities":
@@ -131,11 +146,23 @@ def _sentence(
     figures = {
         "minutes": f"{choice.minutes:.1f}", "left": f"{choice.left:.0f}",
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
-        "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}",
+        "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
     }  # fmt: skip
     if choice.is_enough:
         return message("next-decides", effects=effects, **figures)
+    why = _why(choice)
     known = [one for one in map(separating_recording, question.names) if one is not None]
     if not known:
-        return message("next-impossible", effects=effects, **figures)
-    return message("next-undecided", effects=effects, other=known[0], **figures)
+        return message("next-impossible", effects=effects, why=why, **figures)
+    other = clauses(known, by="next-or")
+    return message("next-undecided", effects=effects, why=why, other=other, **figures)
+
+
+def _why(choice: "Choice") -> Message:
+    """Whether more of the same would do: evidence adds up with time."""
+    if choice.left < NOTHING_SHOWN:
+        return message("next-nothing-moves")
+    longer = LONGER_BY * choice.minutes / choice.share
+    if longer > LONGEST_MIN:
+        return message("next-too-little", hours=f"{longer / 60.0:.0f}")
+    return message("next-longer", minutes=f"{ceil(longer / 5.0) * 5:d}")

@@ -124,7 +124,10 @@ def _selected(run: Run, order: ReviewOrder) -> bool:
 def _too_few(count: int, skipped: list[Skipped]) -> str:
     why = "; ".join(f"{one.run}: {one.why}" for one in skipped[:3])
     left_out = f"; {len(skipped)} left out ({why})" if skipped else ""
-    return f"review needs {FEWEST} runs or more, and {count} can be used{left_out}."
+    way_out = (
+        "one run alone is for `mimucal explain`" if count else "`mimucal runs` lists what is kept"
+    )
+    return f"review needs {FEWEST} runs or more, and {count} can be used{left_out}; {way_out}."
 
 
 def _write(review: Review, folder: Path) -> Path:

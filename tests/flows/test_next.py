@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -101,3 +102,26 @@ def test_two_runs_of_a_pair_are_asked_in_turn(
 ) -> None:
     answered(80.0)
     assert mimucal("next", run, run, "--out", str(tmp_path / "n.json")).code == 0
+
+
+def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
+    run: str, answered: Callable[[float], None], mimucal
+) -> None:
+    answered(20.0)
+    assert "--minutes" in mimucal("next", run, "--json").json["statement"]["en"]
+    answered(0.0)
+    said = mimucal("next", run, "--json").json["statement"]["en"]
+    assert "--minutes" not in said
+    assert "alike" in said
+
+
+def test_runs_of_two_units_are_refused_in_one_sentence(
+    home: Path, run: str, ideal_run: Callable[..., Recording], mimucal
+) -> None:
+    other = ideal_run(dwell=1.0)
+    unit = other.manifest.unit.model_copy(update={"serial": "ANOTHER"})
+    other = replace(other, manifest=other.manifest.model_copy(update={"unit": unit}))
+    refused = mimucal("next", run, runs.add(other, Home(home))[0].id)
+    assert refused.code == 2
+    assert "ANOTHER" in refused.err
+    assert len(refused.err.strip().splitlines()) == 1
