@@ -7,7 +7,6 @@ certificate.
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flows import refix_prompt
 from flows.progress import counting, describe
 from flows.signals import ending_as_ctrl_c, pausing
 from schemas.certificate_orders import (
@@ -71,6 +70,8 @@ def check_acquisition(order: AcquireOrder) -> None:
 
 def _acquisition(order: AcquireOrder) -> tuple[StationFile, Procedure, "Ask | None"]:
     """The station, the procedure, and how to ask whoever is there."""
+    from flows import refix_prompt
+
     station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
     return station, procedure, refix_prompt.at_terminal() if order.attended else None
 

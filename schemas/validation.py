@@ -58,9 +58,15 @@ class ItemValidation(Frozen):
 
 
 class MethodValidation(Frozen):
-    """The evidence for one method; `fingerprint` is that of the source its numbers come from."""
+    """The evidence for one method; `fingerprint` is that of the source its numbers come from.
+
+    sources, text: the files of that source within `tasks`, and a hash of their text as it stood:
+    where they still are the same, nothing has to be parsed.
+    """
 
     fingerprint: str
+    sources: tuple[str, ...] = ()
+    text: str = ""
     items: dict[str, ItemValidation]
 
 

@@ -2,6 +2,7 @@
 
 import ast
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -29,6 +30,21 @@ def fingerprint(method: str) -> str:
     for source in sources(method):
         digest.update(source.relative_to(ROOT).as_posix().encode())
         digest.update(_read(source).code.encode())
+    return digest.hexdigest()[:16]
+
+
+def names_of(method: str) -> tuple[str, ...]:
+    """The files that the fingerprint is of, by their names within `tasks`."""
+    return tuple(source.relative_to(ROOT).as_posix() for source in sources(method))
+
+
+def text_digest(names: Sequence[str]) -> str:
+    """SHA-256 (first 16 hex digits) of files of `tasks` as they are written, comments and all."""
+    digest = hashlib.sha256()
+    for name in names:
+        file = ROOT / name
+        digest.update(name.encode())
+        digest.update(file.read_bytes() if file.is_file() else b"")
     return digest.hexdigest()[:16]
 
 

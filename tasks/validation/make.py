@@ -7,7 +7,7 @@ from datetime import date
 from schemas.validation import Check, Evidence, ItemValidation, MethodValidation, ValidationRecord
 from tasks.validation.coverage import Calibrate, coverage_check, recovery_checks, study
 from tasks.validation.examples import example_check
-from tasks.validation.fingerprint import fingerprint
+from tasks.validation.fingerprint import fingerprint, names_of, text_digest
 from tasks.validation.independent import independent_checks
 from tasks.validation.record import clause_item
 
@@ -40,7 +40,10 @@ def make_record(
             if item in independent[method]:
                 checks["independent program"] = independent[method][item]
             items[name] = ItemValidation(checks=checks, coverage=coverage)
-        methods_made[method] = MethodValidation(fingerprint=fingerprint(method), items=items)
+        names = names_of(method)
+        methods_made[method] = MethodValidation(
+            fingerprint=fingerprint(method), sources=names, text=text_digest(names), items=items
+        )
     return ValidationRecord.model_validate(
         {
             "made_on": date.today(),

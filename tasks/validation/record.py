@@ -9,7 +9,7 @@ from schemas.calibration import Calibration, Method
 from schemas.validation import EVIDENCE, TARGET_SHARE, Check, ItemValidation, ValidationRecord
 from tasks.conformity.doubt import Doubt
 from tasks.specifications.items import item_title
-from tasks.validation.fingerprint import fingerprint
+from tasks.validation.fingerprint import fingerprint, text_digest
 from tasks.version import code_version
 from tasks.words import Message, clauses, message, statement
 
@@ -62,12 +62,17 @@ def is_current(record: ValidationRecord) -> bool:
 def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
     """Whether what a method computes is what it was when the record was made.
 
-    No file has to be parsed where the whole program is still the same text.
+    No file has to be parsed where the whole program, or the method's source, is the same text.
     """
+    recorded = record.methods[method]
     made_by, runs_now = (
         version.partition(" ")[0] for version in (record.code_version, code_version())
     )
-    return made_by == runs_now or record.methods[method].fingerprint == fingerprint(method)
+    return (
+        made_by == runs_now
+        or (recorded.text != "" and recorded.text == text_digest(recorded.sources))
+        or recorded.fingerprint == fingerprint(method)
+    )
 
 
 def _failed(name: str, item: ItemValidation | None) -> Doubt | None:

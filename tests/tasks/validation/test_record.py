@@ -16,7 +16,13 @@ from schemas.validation import (
 from tasks.calibrate.calibrate import calibrate
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
-from tasks.validation.fingerprint import fingerprint, read_source, sources
+from tasks.validation.fingerprint import (
+    fingerprint,
+    names_of,
+    read_source,
+    sources,
+    text_digest,
+)
 from tasks.validation.page import validation_html
 from tasks.validation.record import doubts_of, named, shipped
 from tasks.version import code_version
@@ -118,6 +124,32 @@ def test_a_record_made_by_this_very_program_is_taken_without_parsing_its_source(
     made_here = record.model_copy(update={"code_version": code_version()})
     monkeypatch.setattr("tasks.validation.record.fingerprint", pytest.fail)
     assert doubts_of(made_here, calibration) == {}
+
+
+def test_a_record_of_the_same_text_of_a_methods_source_is_taken_without_parsing_it(
+    calibration, monkeypatch
+) -> None:
+    record = record_of(calibration, fingerprint("jjf2003"))
+    names = names_of("jjf2003")
+    kept = {"sources": names, "text": text_digest(names)}
+    method = record.methods["jjf2003"].model_copy(update=kept)
+    monkeypatch.setattr("tasks.validation.record.fingerprint", lambda _: "parsed")
+    assert doubts_of(record.model_copy(update={"methods": {"jjf2003": method}}), calibration) == {}
+    changed = method.model_copy(update={"text": text_digest(names[1:])})
+    of_other = record.model_copy(update={"methods": {"jjf2003": changed}})
+    assert doubts_of(of_other, calibration).keys() == calibration.items.keys()
+
+
+def test_every_letter_of_a_source_and_every_file_is_in_the_hash_of_their_text(
+    tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr("tasks.validation.fingerprint.ROOT", tmp_path)
+    (tmp_path / "a.py").write_text("x = 1  # one\n")
+    (tmp_path / "b.py").write_text("")
+    before = text_digest(("a.py", "b.py"))
+    assert text_digest(("a.py",)) != before
+    (tmp_path / "a.py").write_text("x = 1  # two\n")
+    assert text_digest(("a.py", "b.py")) != before
 
 
 @pytest.mark.parametrize("how", ["failed", "missing"])
