@@ -9,7 +9,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog='Example: mimucal check draft-r8b7e8cc --by "Li Na"')
 def check(
     certificate: options.Certificate,
     by: options.By = None,
@@ -22,7 +22,7 @@ def check(
     _step("check", CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
-@app.command()
+@app.command(epilog='Example: mimucal issue draft-r8b7e8cc --by "Chen Jie"')
 def issue(
     certificate: options.Certificate,
     by: options.By = None,
@@ -35,7 +35,7 @@ def issue(
     _step("issue", IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
 
 
-@app.command()
+@app.command(epilog='Example: mimucal amend MC-2026-0001 --why "client renamed"')
 def amend(
     certificate: options.Certificate,
     why: options.Why,
@@ -74,7 +74,7 @@ def amend(
     )
 
 
-@app.command()
+@app.command(epilog='Example: mimucal withdraw MC-2026-0001 --why "wrong unit"')
 def withdraw(
     certificate: options.Certificate,
     why: options.Why,
@@ -90,7 +90,7 @@ def withdraw(
     _step("withdraw", WithdrawOrder, as_json, certificate=certificate, by=by, why=why)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal trail --as csv")
 def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> None:
     """Who did what and when, for an auditor.
 

@@ -103,7 +103,7 @@ def _say_and_leave(sentence: str, code: int) -> None:
     raise SystemExit(code)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal demo --procedure jjf1536")
 def demo(
     procedure: options.Procedure = "jjf2003",
     speed: options.DemoSpeed = None,
@@ -119,7 +119,7 @@ def demo(
     run_demo(procedure=procedure, speed=speed, seed=seed, as_json=as_json)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal calibrate r8b7e8cc74921 --method joint")
 def calibrate(
     run: options.Run,
     method: options.Method = None,
@@ -144,7 +144,7 @@ def calibrate(
     print_calibration(calibration)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal certify r8b7e8cc74921 --tolerance tolerance.toml")
 def certify(
     run: options.Run,
     method: options.Method = None,
@@ -187,7 +187,7 @@ def certify(
     print_certificate(carry_out("certify", certify_order, run), as_json)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal acquire station.json --dry-run")
 def acquire(
     station_file: options.Station,
     procedure: options.Procedure = "jjf2003",

@@ -9,7 +9,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: mimucal export r8b7e8cc74921 --as kalibr")
 def export(result: options.Calibrated, form: options.As, as_json: options.Json = False) -> None:
     """Print the correction that a result gives, for firmware and other software.
 
@@ -29,7 +29,7 @@ def export(result: options.Calibrated, form: options.As, as_json: options.Json =
     _say_what_is_left(correction.assumed_ideal, correction.left_in)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal apply r8b7e8cc74921 r8b7e8cc74921 --out corrected")
 def apply(
     result: options.Calibrated,
     recording: options.ToCorrect,

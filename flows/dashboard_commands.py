@@ -7,7 +7,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: mimucal dashboard --port 8765")
 def dashboard(host: options.Host = "127.0.0.1", port: options.PagesPort = 8765) -> None:
     """Serve the operations pages until Ctrl-C.
 

@@ -10,7 +10,7 @@ from schemas.base import Unusable
 app = typer.Typer(help="The laboratory's measurement standards, their certificates and due dates.")
 
 
-@app.command()
+@app.command(epilog='Example: mimucal equipment add turntable.toml --by "Wang Li"')
 def add(file: options.EquipmentFile, by: options.By = None) -> None:
     """Take the standards of a file into the register."""
     from schemas.equipment import EquipmentFile
@@ -23,7 +23,7 @@ def add(file: options.EquipmentFile, by: options.By = None) -> None:
     print(f"{len(given)} taken into the register")
 
 
-@app.command()
+@app.command(epilog='Example: mimucal equipment renew turntable.toml --by "Wang Li"')
 def renew(file: options.EquipmentFile, by: options.By = None) -> None:
     """Give standards of the register the new certificates of a file.
 
@@ -39,7 +39,7 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
     print(f"{len(given)} renewed")
 
 
-@app.command(name="list")
+@app.command(name="list", epilog="Example: mimucal equipment list --json")
 def list_(as_json: options.Json = False) -> None:
     """The standards with the certificates that count today."""
     from flows.printing import print_json, print_rows

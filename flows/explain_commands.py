@@ -9,7 +9,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: mimucal explain r8b7e8cc74921 --out report")
 def explain(
     runs: options.Runs,
     out: options.ReportFolder = None,
@@ -40,7 +40,7 @@ def explain(
     print_explanation(explained)
 
 
-@app.command(name="next")
+@app.command(name="next", epilog="Example: mimucal next r8b7e8cc74921 --minutes 15 --out next.json")
 def next_recording(
     runs: options.Runs,
     effects: options.Effects = None,
@@ -74,7 +74,7 @@ def next_recording(
         print(answer.procedure)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal simulate r8b7e8cc74921 --out simulated")
 def simulate(
     run: options.Run,
     out: options.NewFolder,

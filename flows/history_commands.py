@@ -7,7 +7,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: mimucal reprocess --since 2026-03-01 --dry-run")
 def reprocess(
     since: options.Since = None,
     until: options.Until = None,
@@ -65,7 +65,7 @@ def reprocess(
         print_history.print_report(report, out)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal table results --as parquet --out results.parquet")
 def table(
     what: options.What,
     form: options.TableForm = "csv",
@@ -80,7 +80,7 @@ def table(
     write_table(what, form, out)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal impact TT-3000-07 --since 2026-03-01 --until 2026-05-31")
 def impact(
     equipment: options.Equipment,
     since: options.Since = None,

@@ -7,7 +7,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command()
+@app.command(epilog="Example: mimucal review --station ST-03 --since 2026-03-01")
 def review(
     paths: options.Reviewed = None,
     station: options.StationId = None,

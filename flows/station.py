@@ -14,10 +14,12 @@ if TYPE_CHECKING:
     from schemas.station import StationFile
     from tasks.station.check import Trial
 
-app = typer.Typer(help="The virtual station.", rich_markup_mode=None)
+app = typer.Typer(
+    help="Stations: serve a virtual one, try, watch, and write into units.", rich_markup_mode=None
+)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal station serve --speed 60")
 def serve(
     host: options.Host = "127.0.0.1",
     port: options.Port = 5020,
@@ -51,7 +53,7 @@ def serve(
         print("station stopped")
 
 
-@app.command()
+@app.command(epilog="Example: mimucal station check station.json")
 def check(
     station_file: options.Station, move: options.Move = False, as_json: options.Json = False
 ) -> None:
@@ -75,7 +77,7 @@ def check(
         raise typer.Exit(1)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal station load station.json r8b7e8cc74921")
 def load(
     station_file: options.Station, result: options.Calibrated, as_json: options.Json = False
 ) -> None:
@@ -104,7 +106,7 @@ def load(
     print(f"{unit.manufacturer} {unit.model} {unit.serial} acknowledged {lines} lines")
 
 
-@app.command()
+@app.command(epilog="Example: mimucal station status")
 def status(as_json: options.Json = False) -> None:
     """How the last run of each station stands."""
     from flows.acquisition_view import facts

@@ -9,7 +9,7 @@ from flows import options
 app = typer.Typer()
 
 
-@app.command(name="import")
+@app.command(name="import", epilog="Example: mimucal import recording.mcap")
 def import_(
     paths: options.Paths,
     manifest: options.Manifest = None,
@@ -48,7 +48,7 @@ def import_(
             print_json({"format": "mimu-import/1", "runs": entries})
 
 
-@app.command()
+@app.command(epilog="Example: mimucal runs --json")
 def runs(as_json: options.Json = False) -> None:
     """What is in the store."""
     from flows.printing import print_json, print_rows
@@ -72,7 +72,7 @@ def runs(as_json: options.Json = False) -> None:
     )  # fmt: skip
 
 
-@app.command()
+@app.command(epilog="Example: mimucal show r8b7e8cc74921 --log")
 def show(run: options.Run, log: options.Log = False, as_json: options.Json = False) -> None:
     """One run: segments, results, certificates; or its log."""
     from flows.show import show_log, show_run
@@ -80,7 +80,7 @@ def show(run: options.Run, log: options.Log = False, as_json: options.Json = Fal
     (show_log if log else show_run)(run, as_json)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal verify")
 def verify(
     path: options.Verified = None, trust: options.Trust = None, as_json: options.Json = False
 ) -> None:
@@ -115,7 +115,7 @@ def verify(
     raise typer.Exit(1 if faults else 0)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal doctor")
 def doctor(as_json: options.Json = False) -> None:
     """What is wrong with this machine, and what to do.
 
@@ -135,7 +135,7 @@ def doctor(as_json: options.Json = False) -> None:
     raise typer.Exit(1 if diagnosis.faults else 0)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal prune --before 2025-01-01")
 def prune(
     before: options.Before,
     delete: options.Delete = False,
@@ -168,7 +168,7 @@ def prune(
         print_pruned(pruned)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal remind --within 60")
 def remind(
     within: options.Within = 30,
     calendar: options.CalendarOf = None,
@@ -188,7 +188,7 @@ def remind(
         print_reminders(within, dry_run, as_json)
 
 
-@app.command()
+@app.command(epilog="Example: mimucal interval V00001")
 def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
     """Advice on a unit's interval of recalibration, from its own certificates.
 
@@ -209,7 +209,7 @@ def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
     print(say(sentence(unit, agreed, advice), "en"))
 
 
-@app.command()
+@app.command(epilog="Example: mimucal validate --units 2000")
 def validate(
     units: options.Units = 2000,
     seed: options.Seed = 1,

@@ -12,7 +12,7 @@ SHORTEST = 10  # characters of a password
 LONGEST = 100  # characters of a name
 
 
-@app.command()
+@app.command(epilog='Example: mimucal user add "Wang Li" --role operator --by "Chen Jie"')
 def add(name: options.UserName, role: options.UserRole, by: options.By = None) -> None:
     """Add a user, or give one another role and password.
 
@@ -35,7 +35,7 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
     print(f"{name}: {chosen}")
 
 
-@app.command(name="list")
+@app.command(name="list", epilog="Example: mimucal user list")
 def list_(as_json: options.Json = False) -> None:
     """The users with their roles."""
     from flows.printing import print_json, print_rows
@@ -51,7 +51,7 @@ def list_(as_json: options.Json = False) -> None:
     print_rows("Users", ("name", "role", "since (UTC)"), rows)
 
 
-@app.command()
+@app.command(epilog='Example: mimucal user remove "Wang Li"')
 def remove(name: options.UserName, by: options.By = None) -> None:
     """Remove a user; whoever is logged in under the name is so no more."""
     from storage.catalogue import users

@@ -413,7 +413,7 @@ def test_help_shows_what_an_option_takes(mimucal) -> None:
     assert "NAME[@SECONDS]" in said
     assert "0<=x<=65534" in said
     assert "Address" in said
-    assert "The virtual station." in mimucal().out
+    assert "Stations: serve a virtual one" in mimucal().out
 
 
 HEAVY = {
