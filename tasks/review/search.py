@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.review import LEVELS, Level
 from tasks.explain.groups.compare import HOLDS
-from tasks.explain.search.scores import INDISTINGUISHABLE
+from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.carriers import (
     Carried,
     Change,
@@ -27,6 +27,7 @@ from tasks.review.windows import LevelWindows, all_windows, rows_of
 
 FALSE_ALARMS = 0.01
 MOST_FINDINGS = 6
+INTERVALS = 50  # of a run that show an effect
 FORM = 0.1  # relative: how well the linear form of a strong effect is known
 
 
@@ -106,7 +107,8 @@ def _next(
     since, until = change_of(pool, best, "first"), change_of(pool, best, "last")
     return (
         Found(
-            best, values, covariance, since, until, pool, carriers, _names(around, best, alike),
+            best, values, covariance, since, until, pool, carriers,
+            _names(around, best, alike, int(rows_of(pool, best.window).sum())),
         ),
         best.p_value,
     )  # fmt: skip
@@ -151,13 +153,24 @@ def _carriers(finer: Sequence[Carried], best: Carried) -> tuple[Carried, ...]:
     return tuple(found.values())
 
 
-def _names(finer: Sequence[Carried], best: Carried, alike: float) -> tuple[Carried, ...]:
-    """Other names that are as likely, the best of each."""
+def _names(finer: Sequence[Carried], best: Carried, alike: float, runs: int) -> tuple[Carried, ...]:
+    """Other names that are as likely, the best of each; runs: in which the best is."""
     found: dict[str, Carried] = {}
     for each in finer:
-        if each.effect.name != best.effect.name and each.score > best.score - alike:
+        far = best.score - each.score + price_of_more(best, each, runs)
+        if each.effect.name != best.effect.name and far < alike:
             found.setdefault(each.effect.name, each)
     return tuple(found.values())
+
+
+def price_of_more(best: Carried, other: Carried, runs: int) -> float:
+    """Of what another has beyond the best that it holds, which fits it whatever it is: as `explain`
+    counts it, the logarithm of the intervals for each parameter.
+    """
+    if HOLDS.get(best.effect.name) != other.effect.name:
+        return 0.0
+    more = max(0, other.evidence.size - best.evidence.size)
+    return float(more * (np.log(INTERVALS * runs) - PER_PARAMETER))
 
 
 def _plausible(pool: Pool, one: Carried) -> bool:

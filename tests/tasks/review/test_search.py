@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from tasks.review.search import Found, search
+from schemas.review import PooledTerm
+from tasks.review.carriers import Carried
+from tasks.review.evidence import Evidence, at_unit_information
+from tasks.review.hypotheses import Effect
+from tasks.review.mixed import spreads
+from tasks.review.search import Found, price_of_more, search
+from tasks.review.windows import Window
 from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place
 
 IN_ONE_RUN = 2.0  # each parameter: z of about three
@@ -96,3 +102,21 @@ def test_what_every_run_has_a_little_of_is_not_believed() -> None:
 def test_clean_fleets_raise_no_alarm() -> None:
     alarms = [search(fleet(100 + k, lambda unit, station, day: NOTHING))[0] for k in range(12)]
     assert [alarm for alarm in alarms if alarm] == []
+
+
+def _carried(name: str, size: int) -> Carried:
+    """An effect of so many numbers in three runs."""
+    term = PooledTerm(name=name, family="f", at=(), rarity=0.0, known=False, parameters=())
+    information = np.tile(np.eye(size), (3, 1, 1))
+    evidence: Evidence = at_unit_information(np.ones((3, size)), information, np.arange(3))
+    spread, _ = next(iter(spreads(evidence, (0.0,), (0.0,), np.ones((1, 3), bool))))
+    return Carried(Effect(term, ()), evidence, Window("unit", 0, 0, 3, 3), spread, 9.0, 9.0, 9.0, 0)
+
+
+def test_what_holds_the_best_pays_for_each_number_more_the_more_runs_there_are() -> None:
+    lever_arm, size_effect = _carried("lever_arm", 3), _carried("size_effect", 6)
+    few, many = (price_of_more(lever_arm, size_effect, runs) for runs in (3, 30))
+    assert many - few == pytest.approx(3 * np.log(10.0))
+    assert few > 6.0
+    assert price_of_more(size_effect, lever_arm, 30) == 0.0
+    assert price_of_more(lever_arm, _carried("axis_tilt", 6), 30) == 0.0
