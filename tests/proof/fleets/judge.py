@@ -12,8 +12,8 @@ class Judged:
     """One fleet.
 
     runs: that are affected. name: the effect is found by its name; pair: it is named with others
-    from which it cannot be told here. carrier: it is found at what carries it; among: this stands
-    among several. since_off: runs of the carrier between the change found and the true one; None
+    from which it cannot be told here. names: of that finding. carrier: it is found at what carries
+    it; among: this stands among several. since_off: runs of the carrier between the change found and the true one; None
     where there is none to find, or none was found. alarms: findings in a clean fleet. wrong: names
     that nothing in the fleet has.
     """
@@ -22,6 +22,7 @@ class Judged:
     runs: int
     name: bool
     pair: bool
+    names: frozenset[str]
     carrier: bool
     among: bool
     since_off: int | None
@@ -52,6 +53,7 @@ def judged(fleet: Fleet, review: Review) -> Judged:
         runs=sum(run.affected for run in fleet.runs),
         name=best is not None and best.effect == truth,
         pair=best is not None and bool(best.indistinguishable_from),
+        names=frozenset((best.effect, *best.indistinguishable_from) if best else ()),
         carrier=here and places[0] == (fleet.level, carrier_name(fleet)),
         among=here and len(places) > 1,
         since_off=_since_off(fleet, best) if best and here else None,
