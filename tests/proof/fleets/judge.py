@@ -13,9 +13,9 @@ class Judged:
 
     runs: that are affected. name: the effect is found by its name; pair: it is named with others
     from which it cannot be told here. names: of that finding. carrier: it is found at what carries
-    it; among: this stands among several. since_off: runs of the carrier between the change found and the true one; None
-    where there is none to find, or none was found. alarms: findings in a clean fleet. wrong: names
-    that nothing in the fleet has.
+    it; among: this stands among several. since_off: runs of the carrier between the change found
+    and the true one; None where there is none to find, or none was found. alarms: findings in a
+    clean fleet. wrong: names that nothing in the fleet has.
     """
 
     fleet: Fleet
