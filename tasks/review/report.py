@@ -1,6 +1,7 @@
 """The answer of a review: what was found, who carries it and since when, in words and numbers."""
 
 from collections.abc import Sequence
+from datetime import datetime
 
 import numpy as np
 
@@ -175,10 +176,21 @@ def _deciding_run(level: Level, own: Message, other: Carrier) -> Message:
 
 
 def _changed(side: str, moment: Moment) -> Message:
+    if moment.earliest == moment.latest:
+        return message(f"review-changed{side}-certain", run=moment.run, at=_minute(moment.at))
     return message(
-        f"review-changed{side}", run=moment.run, at=moment.at, earliest=moment.earliest,
-        latest=moment.latest,
+        f"review-changed{side}", run=moment.run, at=_minute(moment.at),
+        earliest=_minute(moment.earliest), latest=_minute(moment.latest),
     )  # fmt: skip
+
+
+def _minute(at: str) -> str:
+    """A moment to the minute as people read it; a recording's name as it is."""
+    try:
+        moment = datetime.fromisoformat(at)
+    except ValueError:
+        return at
+    return f"{moment:%Y-%m-%d %H:%M} {moment.tzname() or ''}".rstrip()
 
 
 def _carrier(level: str, name: str) -> Message:

@@ -1,7 +1,7 @@
 """Units as they are printed; the keys are those of the schemas."""
 
 SPELLINGS = (
-    ("m/s2", "m/s²"), ("^2", "²"), ("^3", "³"), ("deg", "°"), ("*", "·"),
+    ("m/s2", "m/s²"), ("(rad/s)2", "(rad/s)²"), ("^2", "²"), ("^3", "³"), ("deg", "°"), ("*", "·"),
     ("sqrt(h)", "√h"), ("sqrt(Hz)", "√Hz"),
 )  # fmt: skip
 

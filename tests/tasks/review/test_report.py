@@ -32,6 +32,13 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
     assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
 
 
+def test_a_change_that_can_only_be_at_one_run_has_no_interval() -> None:
+    review = reviewed(4, lambda unit, station, day: of("axis_tilt", 9.0 * SIZE * (day >= 50)))
+    said = review.findings[0].statement
+    assert "no other" in said.en
+    assert "between" not in said.en
+
+
 def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:
     review = reviewed(
         7, lambda unit, station, day: of("axis_tilt", SIZE * (unit == 3)),
