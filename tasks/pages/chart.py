@@ -41,13 +41,15 @@ def draw(
     """
     # Late: only who draws needs it, and it takes a second.
     from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
     written = StringIO()
     with rc_context({**STYLE, **style, "svg.hashsalt": title}):
         figure = Figure(figsize=(width / 72.0, height / 72.0))
         content(figure)
-        figure.savefig(written, format="svg", metadata=NO_METADATA)
+        # Figure.savefig would draw everything twice.
+        FigureCanvasSVG(figure).print_svg(written, metadata=NO_METADATA)
     svg = written.getvalue()
     body = svg[svg.index("<svg") + len("<svg") :].replace('pt"', '"', 2)  # points are px here
     return f'<svg role="img" aria-label="{escape(title)}"{body}'
