@@ -11,7 +11,13 @@ review-summary = { $count ->
         [one] One effect that
        *[other] { $count } effects that
     } the runs have in common: { $findings }
-review-nothing = { $runs } runs of { $units } units on { $stations } stations have nothing in common that chance, or a spread between units, would not show as well ({ $p }, corrected for all that was tried; 1 clean fleet in 100 would raise a false alarm)
+review-nothing = { $runs } runs of { $units ->
+        [one] one unit
+       *[other] { $units } units
+    } on { $stations ->
+        [one] one station
+       *[other] { $stations } stations
+    } have nothing in common that chance, or a spread between units, would not show as well ({ $p }, corrected for all that was tried; 1 clean fleet in 100 would raise a false alarm)
 review-evidence = { $runs ->
         [one] One run has
        *[other] { $runs } runs add up to
