@@ -10,12 +10,13 @@ import numpy as np
 
 from schemas.procedure import EnvironmentLimits
 from schemas.recording import Stream, joined
+from schemas.unit_clock import ClockComparison
 from tasks.station.anomalies import Anomaly
 from tasks.station.clock import StationClock, wall_s
 from tasks.station.drivers.samples import no_samples
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Chamber, Climate, EncoderBlock, Table
-from tasks.station.time_base import ClockComparison, compared
+from tasks.station.time_base import compared
 
 Note = Callable[[Anomaly], None]
 CLIMATE = tuple(each.name for each in fields(Climate))

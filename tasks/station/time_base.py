@@ -1,28 +1,11 @@
 """The unit's clock against the table's: offset and skew, each with its uncertainty."""
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from schemas.unit_clock import ClockComparison
 
 BLOCKS = 12  # spans of time of which the least delay counts
 FEWEST = 4
-
-
-@dataclass(frozen=True)
-class ClockComparison:
-    """Table time minus unit time = offset_s + skew · (unit time − at_s).
-
-    `u_offset_s`, `u_skew`: standard uncertainties. That of the offset is of what no comparison on
-    one side of a line can tell, the least delays of the line and of the table's answers, and of
-    the scatter of these delays; that of the skew of the scatter alone, since the least delays are
-    the same all along. How late a unit measures what it stamps is not in them.
-    """
-
-    at_s: float
-    offset_s: float
-    u_offset_s: float
-    skew: float
-    u_skew: float
 
 
 def compared(
@@ -51,5 +34,11 @@ def compared(
     residual = difference[least] - regressors @ [most, skew]
     scatter, u_skew = np.sqrt(np.diag(inverse) * (residual @ residual) / (len(least) - 2))
     half_width = float(np.median(doubt_s[least])) / 2.0
-    u_offset = float(np.hypot(scatter, half_width / np.sqrt(3.0)))
-    return ClockComparison(at_s, float(most) - half_width, u_offset, float(skew), float(u_skew))
+    return ClockComparison(
+        at_s=at_s,
+        offset_s=float(most) - half_width,
+        half_width_s=half_width,
+        u_offset_s=float(np.hypot(scatter, half_width / np.sqrt(3.0))),
+        skew=float(skew),
+        u_skew=float(u_skew),
+    )

@@ -1,6 +1,5 @@
 """One unit of a run: what comes of it goes to its sink at once, and is checked on the way."""
 
-from dataclasses import asdict
 from typing import Protocol
 
 from schemas.recording import Manifest, Segment, Stream
@@ -115,5 +114,5 @@ class UnitRecorder:
             extra["table_time"] = table_time
         extra["log"] = [each.model_dump(mode="json") for each in self.log.entries]
         if comparison := self.unit.compared():
-            extra["unit_clock"] = asdict(comparison)
+            extra["unit_clock"] = comparison.model_dump()
         self._sink.manifest(self.manifest.build())

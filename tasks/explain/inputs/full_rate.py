@@ -7,6 +7,7 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.recording import Recording, Segment
 from tasks.explain.channels import CHANNELS
+from tasks.explain.inputs.clock_remarks import clock_remarks
 from tasks.explain.inputs.gyro_acceleration import with_gyro_acceleration
 from tasks.explain.inputs.labels import with_usable_labels
 from tasks.explain.inputs.recorded_signals import recorded_signals
@@ -82,7 +83,7 @@ def full_rate(recording: Recording) -> FullRate:
     speed = np.linalg.norm(np.nan_to_num(motion.rate), axis=1)
     recorded = recorded_signals(recording, motion.t, segments)
     recorded["vibration"] = vibration(variance, segment, speed)
-    remarks = (*on_labels, *reference_remarks(recording, motion))
+    remarks = (*on_labels, *reference_remarks(recording, motion), *clock_remarks(recording))
     start = float(motion.t[0])
     noise = reference_noise(recording, motion).since(start)
     motion = replace(motion, t=motion.t - start, recorded=recorded)

@@ -11,3 +11,4 @@ reference-labels-against-rate = Labels whose rate the { $table ->
 } were left out: { $segments }.
 reference-nuisances = A delay of the poses and a vertical that leans are usual between tracking and unit. Both are fitted in every model of such a recording, and are no faults of the unit.
 reference-turned = The tracked body's axes are turned by { $degrees } deg against the unit's. That is usual; the matrices of scale factors and cross couplings hold it, and are not those of the unit alone.
+reference-unit-clock = The station held the unit's clock against the table's as its frames arrived: of a delay of the readings, { $delay } ms ± { $U } ms (k = 2) are the clocks'. What is found beyond is the unit's own.

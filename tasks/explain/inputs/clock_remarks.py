@@ -1,0 +1,32 @@
+"""What a station found of the unit's clock, for whoever has to judge a delay of the readings."""
+
+from pydantic import ValidationError
+
+from schemas.recording import Recording
+from schemas.unit_clock import ClockComparison
+from tasks.model.terms.timing import TIME_OFFSET
+from tasks.words import Sayable, message
+
+COVERAGE = 2.0
+
+
+def clock_remarks(recording: Recording) -> tuple[Sayable, ...]:
+    """The clocks' part of a delay, τ = −offset of the stamps as they were recorded, with its U.
+
+    It is said, and taken for no prior knowledge of the delay: what a unit's own filter needs is not
+    in it. None where the recording keeps no comparison with its half width; where U is more than
+    a delay may plausibly be, as on a virtual station that runs fast; and for a unit that was
+    switched on again, whose clock began anew.
+    """
+    kept = recording.manifest.model_extra or {}
+    try:
+        clock = ClockComparison.model_validate(kept.get("unit_clock"))
+        moved_s = float(kept.get("unit_clock_shift_s", 0.0))
+    except (ValidationError, TypeError, ValueError):
+        return ()
+    expanded_s = COVERAGE * clock.u_offset_s
+    _, largest_s = TIME_OFFSET.parameters[0].plausible
+    if "unit_power_on_s" in kept or expanded_s > largest_s:
+        return ()
+    delay, U = (f"{1e3 * seconds:.1f}" for seconds in (moved_s - clock.offset_s, expanded_s))
+    return (message("reference-unit-clock", delay=delay, U=U),)
