@@ -31,9 +31,10 @@ Carrier and name are right where both are stated, alone or as one of those that 
 tell apart; "alone" counts only what stands by itself. Wrong names are of all findings. The evidence
 of n runs is z·√n: {enough} runs at z = 3 have 15.
 
-Where a name is right and does not stand alone, the same runs fit as well with: {beside}. Every run
-of a fleet follows one procedure: what one run moves alike, a hundred runs move alike; another
-procedure tells them (`next`).
+Where carrier and name are right and do not stand alone, there stands beside them:
+{beside}.
+Every run of a fleet follows one procedure: what one run moves alike, a hundred runs move alike, and
+only another procedure tells them (`next`).
 
 ## What one run shows
 
@@ -44,6 +45,7 @@ procedure tells them (`next`).
 {many:,} kept statistics of {size:.0f} kB each (100,000 runs: {disk:.1f} GB) are read in
 {read:.1f} s and searched in {search:.1f} s (asked: 10 s), by one process of a computer with
 {cores} cores and a load of {load:.1f}; in {processor:.1f} s of processor time together.
+Every finding makes the search longer: `make bench` times one in which there are several.
 
 ## Each fleet
 
