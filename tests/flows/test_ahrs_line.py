@@ -88,7 +88,7 @@ def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
     short.write_text(json.dumps(told | {"steps": few}), encoding="utf-8")
     serving = subprocess.Popen(
         [sys.executable, "-m", "flows.cli", "station", "serve", "--ahrs", "--port", "0",
-         "--speed", "200", "--station-file", str(station)],
+         "--speed", "60", "--station-file", str(station)],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
