@@ -12,7 +12,7 @@ report=$(mktemp)
 checks=$!
 trap 'kill "$checks" 2> /dev/null || true; rm -f "$report"' EXIT
 failed=0
-.venv/bin/pytest -n 3 --dist loadfile --no-loadscope-reorder "$@" || failed=$?
+.venv/bin/pytest -n 4 --dist loadfile --no-loadscope-reorder "$@" || failed=$?
 wait "$checks" || failed=$?
 cat "$report"
 exit "$failed"

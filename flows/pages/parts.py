@@ -11,6 +11,7 @@ from flows.pages.page import View
 from tasks.words import Message
 
 Cell = str | Component | None
+ON_ONE_LINE = 24  # letters
 
 
 def table(
@@ -18,14 +19,18 @@ def table(
 ) -> Component:
     """A plain table; what is missing is a dash. min_width: px, below which it scrolls."""
     head = dmc.TableThead(dmc.TableTr([dmc.TableTh(view.say(each)) for each in headings]))
-    body = [
-        dmc.TableTr([dmc.TableTd("–" if cell is None else cell, maw=480) for cell in row])
-        for row in rows
-    ]
+    body = [dmc.TableTr([_cell(cell) for cell in row]) for row in rows]
     shown = dmc.Table(
         [head, dmc.TableTbody(body)], striped=True, withTableBorder=True, verticalSpacing=4
     )
     return dmc.TableScrollContainer(shown, minWidth=min_width)
+
+
+def _cell(cell: Cell) -> Component:
+    """What is short, as a symbol or a number, stands on one line: the table scrolls instead."""
+    is_short = isinstance(cell, str) and len(cell) <= ON_ONE_LINE
+    shown = "–" if cell is None else cell
+    return dmc.TableTd(shown, maw=480, className="whole" if is_short else None)
 
 
 def link(text: str, path: str, **fields: str) -> Component:

@@ -75,7 +75,7 @@ def _facts(shown: RunShown, view: View) -> Component:
             (message("pages-column-station"), run.station),
             (message("pages-column-recorded-on"), str(run.recorded_on or f"{run.taken_in_at:%F}")),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),
-            (message("pages-column-result"), badge(result_state(run), view)),
+            (message("pages-column-result-state"), badge(result_state(run), view)),
             (message("pages-column-verdict"), badge(verdict_state(run), view)),
             (message("pages-column-state"), badge(certificate_state(run.state), view)),
         ],

@@ -15,13 +15,13 @@ from flows.pages.states import (
 from schemas.base import Unusable
 from schemas.certificate import State
 from schemas.decision import Verdict
-from schemas.pages.runs import Comparison, Condition, RunLine, RunsQuestion
+from schemas.pages.runs import Comparison, Condition, ResultState, RunLine, RunsQuestion
 from schemas.validity import RunVerdict
 from tasks.words import Sayable, message
 
 EARLIEST, LATEST = date(1970, 1, 1), date(2999, 12, 31)  # where a question names no day
 EQUALS = ("id", "manufacturer", "model", "serial", "station", "procedure", "method", "validity",
-          "state", "verdict", "certificate")  # fmt: skip
+          "result_state", "state", "verdict", "certificate")  # fmt: skip
 COMPARISONS: dict[str, Comparison] = {
     "contains": "contains", "notContains": "not_contains", "startsWith": "begins",
     "endsWith": "ends", "equals": "equals", "notEqual": "not_equals", "blank": "blank",
@@ -30,6 +30,10 @@ COMPARISONS: dict[str, Comparison] = {
 }  # fmt: skip
 WORDED = {  # columns of states: their filter is on the words that are shown
     "validity": (get_args(RunVerdict), lambda code: message(f"pages-validity.{code or 'missing'}")),
+    "result_state": (
+        get_args(ResultState),
+        lambda code: message(f"pages-result.{code or 'missing'}", count="…"),
+    ),
     "state": (get_args(State), lambda code: message(f"pages-certificate.{code or 'missing'}")),
     "verdict": (
         get_args(Verdict),
@@ -58,7 +62,7 @@ def columns(view: View) -> list[dict[str, Any]]:
         column("model", 120),
         column("serial", 120, cellRenderer="UnitLink"),
         state("validity"),
-        state("result", filter=False, floatingFilter=False, sortable=False),
+        state("result_state"),
         state("verdict"),
         state("state"),
         column("certificate", 170),
@@ -75,7 +79,7 @@ def row(run: RunLine, view: View) -> dict[str, Any]:
     """A run as a row of the grid; a state has its kind beside its words."""
     states: dict[str, StepState] = {
         "validity": validity_state(run.validity),
-        "result": result_state(run),
+        "result_state": result_state(run),
         "verdict": verdict_state(run),
         "state": certificate_state(run.state),
     }

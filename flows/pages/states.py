@@ -33,14 +33,9 @@ def validity_state(verdict: str | None) -> StepState:
 
 def result_state(run: RunLine) -> StepState:
     """Whether a run has a result, and a whole one."""
-    if run.fault is not None:
-        return StepState(message("pages-result.failed"), "bad")
-    if run.result is None:
-        return StepState(message("pages-result.missing"), "none")
-    if run.missing is None or run.missing > 0:
-        return StepState(message("pages-result.partial", count=run.missing or 0), "open")
-    kind: Kind = "bad" if run.validity == "invalid" else "good"
-    return StepState(message("pages-result.whole"), kind)
+    kinds: dict[str, Kind] = {"failed": "bad", "missing": "none", "partial": "open"}
+    kind = kinds.get(run.result_state) or ("bad" if run.validity == "invalid" else "good")
+    return StepState(message(f"pages-result.{run.result_state}", count=run.missing or 0), kind)
 
 
 def certificate_state(state: str | None) -> StepState:

@@ -12,6 +12,7 @@ from schemas.validity import RunVerdict
 
 AT_ONCE = 100
 MOST_AT_ONCE = 1000
+ResultState = Literal["whole", "partial", "missing", "failed"]
 Comparison = Literal[
     "contains", "not_contains", "begins", "ends", "equals", "not_equals", "blank", "not_blank",
     "less", "less_or_equal", "greater", "greater_or_equal", "between", "among",
@@ -54,6 +55,7 @@ class RunsQuestion(Frozen):
     procedure: str | None = None
     method: str | None = None
     validity: RunVerdict | None = None
+    result_state: ResultState | None = None
     state: State | None = None
     verdict: Verdict | None = None
     certificate: str | None = None
@@ -64,7 +66,8 @@ class RunLine(Frozen):
 
     unit: the unit's number in the catalogue. result, method, made_at: the result made last;
     validity: its verdict on the run; missing: how many elements it could not determine. fault: why
-    the last re-processing failed. certificate (a draft's key before its issue), state, verdict,
+    the last re-processing failed. result_state: partial where elements are missing, failed where
+    there is a fault. certificate (a draft's key before its issue), state, verdict,
     due: of the certificate kept last.
     """
 
@@ -86,6 +89,7 @@ class RunLine(Frozen):
     validity: RunVerdict | None
     missing: int | None
     fault: str | None
+    result_state: ResultState
     certificate: str | None
     state: State | None
     verdict: Verdict | None

@@ -40,6 +40,12 @@ COLUMNS: dict[str, sql.ColumnElement[Any]] = {
     **{name: MADE[name] for name in ("result", "method", "made_at", "missing")},
     "validity": MADE.verdict,
     "fault": FAULT,
+    "result_state": sql.case(
+        (FAULT.is_not(None), "failed"),
+        (MADE.result.is_(None), "missing"),
+        (sql.func.coalesce(MADE.missing, 1) > 0, "partial"),
+        else_="whole",
+    ),
     "certificate": PAPER.number,
     "state": PAPER.state,
     "verdict": PAPER.verdict,
@@ -85,6 +91,8 @@ def run_list(
 def _joined(named: Collection[str]) -> sql.FromClause:
     """Runs with their units and with the tables of the columns that are named."""
     joined: sql.FromClause = tables.runs.join(tables.units)
+    if "result_state" in named:  # told by columns of a table, and none of its own
+        named = {*named, "result"}
     for table, is_last in LATER.items():
         if any(getattr(COLUMNS.get(name), "table", None) is table for name in named):
             joined = joined.outerjoin(table, is_last)

@@ -3,14 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import chi2
 
 FEWEST = 2  # units, for a deviation between them
 K = 2.0
+CONSISTENT = 0.05  # p, from which stations may differ by chance
 
 
 @dataclass(frozen=True)
 class Compared:
-    """What each of s stations reads beside the mean of all of them.
+    """What each of s stations reads beside the mean of those that agree with one another.
 
     difference, U: (s,) in the values' unit, k = 2; NaN for a station that no unit ties to the
     others, U where fewer than two units tie it. pairs: (s,) how many pairs of runs it stands on.
@@ -30,7 +32,8 @@ def against_each_other(
     adjusted since its run before: that step says nothing. Steps take off what each unit is and
     nearly all of its drift; U is of the scatter of the steps between units (covariance clustered by
     units: A. C. Cameron, D. L. Miller, J. Human Resources 50 (2015) 317), so that drift and runs
-    that two steps share are in it.
+    that two steps share are in it. Their reference is the mean of the largest consistent subset
+    (M. G. Cox, Metrologia 44 (2007) 187): one station that is off does not put the others off.
     """
     order = np.argsort(unit, kind="stable")
     before, after = order[:-1], order[1:]
@@ -50,8 +53,28 @@ def against_each_other(
     count = len(np.unique(unit[after]))
     scale = count / (count - 1.0) if count >= FEWEST else np.nan
     covariance = scale * inverse @ (clusters.T @ clusters) @ inverse
-    expanded = K * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     known = tied > 0
+    beside = np.eye(stations) - _reference(found, covariance, known)
+    found, covariance = beside @ found, beside @ covariance @ beside.T
+    expanded = K * np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return Compared(
         np.where(known, found, np.nan), np.where(known, expanded, np.nan), tied.astype(int)
     )
+
+
+def _reference(found: np.ndarray, covariance: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Weights (s,) of the mean of the stations that agree; half of them at the least.
+
+    While they disagree by more than chance, the one farthest from the others' mean is left out.
+    """
+    stays = known.copy()
+    while True:
+        weights = stays / max(1, stays.sum())
+        if not np.isfinite(covariance).all() or 2 * (stays.sum() - 1) < known.sum():
+            return weights
+        beside = (np.eye(len(found)) - weights)[stays]
+        off, spread = beside @ found, beside @ covariance @ beside.T
+        statistic = off @ np.linalg.pinv(spread, rcond=1e-9, hermitian=True) @ off
+        if chi2.sf(statistic, stays.sum() - 1) >= CONSISTENT:
+            return weights
+        stays[np.flatnonzero(stays)[np.argmax(off**2 / np.diag(spread))]] = False

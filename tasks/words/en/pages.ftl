@@ -83,7 +83,7 @@ pages-column-model = Model
 pages-column-serial = Serial number
 pages-column-manufacturer = Manufacturer
 pages-column-validity = Run validity
-pages-column-result = Result
+pages-column-result-state = Result
 pages-column-verdict = Verdict
 pages-column-state = Certificate state
 pages-column-certificate = Certificate
@@ -318,7 +318,7 @@ pages-quality-about =
     .limits-vary = Certificates of this selection print other limits as well; the newest count here.
     .chart-value = { $count } valid runs, retests as well, in the order of time. Click a point for its run.
     .chart-change = { $count } valid runs, each less the run of the same unit before it, without steps over an adjustment: what a unit is by itself drops out. Click a point for its run.
-    .stations = What a station reads beside the mean of all, by the steps of units that went from one to another in this time, of all units of the model. U (k = 2) comes from the scatter between units.
+    .stations = What a station reads beside the mean of those that agree with one another, by the steps of units that went from one to another in this time, of all units of the model. U (k = 2) comes from the scatter between units.
 pages-quality-broken = breaks a rule
 pages-quality-range = Moving range
 pages-quality-cause =

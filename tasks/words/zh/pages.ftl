@@ -82,7 +82,7 @@ pages-column-model = 型号
 pages-column-serial = 编号
 pages-column-manufacturer = 制造商
 pages-column-validity = 测量有效性
-pages-column-result = 结果
+pages-column-result-state = 结果
 pages-column-verdict = 判定
 pages-column-state = 证书状态
 pages-column-certificate = 证书
@@ -317,7 +317,7 @@ pages-quality-about =
     .limits-vary = 所选证书中还有其他限值；此处取最新的。
     .chart-value = { $count } 次有效测量（含复测），按时间排序。点击数据点可打开其测量记录。
     .chart-change = { $count } 次有效测量，各减去同一器件的上一次测量，跨越调整的除外：器件自身的值由此消去。点击数据点可打开其测量记录。
-    .stations = 工位示值与全部工位平均之差，由该型号的器件在此期间于不同工位之间的变化得出。U（k = 2）取自器件之间的分散性。
+    .stations = 工位示值与相互一致的各工位平均值之差，由该型号的器件在此期间于不同工位之间的变化得出。U（k = 2）取自器件之间的分散性。
 pages-quality-broken = 违反规则
 pages-quality-range = 移动极差
 pages-quality-cause =

@@ -13,19 +13,20 @@ from flows.pages.runs import data
 from flows.pages.states import result_state, validity_state, verdict_state
 from schemas.base import Unusable
 from schemas.certificate import State
-from schemas.pages.runs import Condition, RunLine, RunsQuestion
+from schemas.pages.runs import Condition, ResultState, RunLine, RunsQuestion
 from schemas.validity import RunVerdict
+from storage.catalogue import results
 from storage.catalogue.run_list import run_list
 from storage.catalogue.runs import add
 from storage.home import Home
-from tests.drafts import draft, recording_of
+from tests.drafts import calibration_of, draft, recording_of
 
 LINE = RunLine(
     id="r1", recording_id="run", unit=1, manufacturer="M", model="U", serial="1", station="T1",
     procedure=None, standard="other", recorded_on=date(2026, 1, 2),
     taken_in_at=datetime(2026, 1, 2, tzinfo=UTC), seconds=3.0, result="c1", method="jjf2003",
-    made_at=None, validity="valid", missing=0, fault=None, certificate="A-1", state="issued",
-    verdict="pass", due=None,
+    made_at=None, validity="valid", missing=0, fault=None, result_state="whole",
+    certificate="A-1", state="issued", verdict="pass", due=None,
 )  # fmt: skip
 
 
@@ -44,19 +45,19 @@ def serials(home: Home, *conditions: Condition) -> list[str]:
 
 
 def test_nothing_that_failed_is_missing_or_invalid_is_good() -> None:
-    for validity, state, missing, fault in product(
-        (*get_args(RunVerdict), None), (*get_args(State), None), (0, 1, None), (None, "broken")
-    ):
+    for validity, state, result, fault in product(
+        (*get_args(RunVerdict), None), (*get_args(State), None), get_args(ResultState),
+        (None, "broken"),
+    ):  # fmt: skip
         run = LINE.model_copy(
-            update={"validity": validity, "state": state, "missing": missing, "fault": fault}
+            update={"validity": validity, "state": state, "result_state": result, "fault": fault}
         )
         sound = validity == "valid" and fault is None
         if verdict_state(run).kind == "good":
             assert sound
             assert state in ("draft", "checked", "issued")
         if result_state(run).kind == "good":
-            assert missing == 0
-            assert fault is None
+            assert result == "whole"
             assert validity != "invalid"
         assert (validity_state(validity).kind == "good") == (validity == "valid")
     for verdict in ("fail", "inconclusive", None):
@@ -89,6 +90,18 @@ def test_filters_on_numbers_days_and_what_is_missing(store: Home) -> None:
     assert serials(store, missing) == ["<script>alert(1)</script>"]
     with pytest.raises(Unusable, match="no column 'nothing'"):
         serials(store, Condition(column="nothing"))
+
+
+def test_runs_are_found_by_how_far_their_result_is(store: Home, tmp_path: Path) -> None:
+    whole = Condition(column="result_state", value="whole")
+    assert serials(store, whole) == ["Ab%1", "Ab_2"]
+    words = {"result_state": {"filterType": "text", "type": "equals", "filter": "no result"}}
+    assert serials(store, *conditions_from(words, View("en"))) == ["<script>alert(1)</script>"]
+    other = Home(tmp_path / "home")
+    run, _ = add(recording_of("partly"), other)
+    results.save(calibration_of(run, bias=None), other)
+    (line,) = data(RunsQuestion(result_state="partial"), other).runs
+    assert (line.serial, line.missing) == ("partly", 1)
 
 
 def test_blocks_and_order_are_those_of_the_whole_list(store: Home) -> None:

@@ -50,7 +50,7 @@ def judge(home: Home, answer: dict[str, Any]) -> Judged:
     off = [each["station"] for each in tilted["stations"]
            if each["U"] and abs(each["difference"]) > 2.0 * each["U"]]  # fmt: skip
     named, others, false = _single(mismatch, answer)
-    if answer["station"] not in off:
+    if off != [answer["station"]]:
         faults.append(f"the stations that are off are {off}")
     told = {
         "same": len(compared) - len(wrong), "numbers": len(compared), "truth": answer["station"],
