@@ -79,6 +79,7 @@ def test_a_procedure_that_is_none_is_said_before_a_station_starts(tmp_path) -> N
     assert len(done.stderr.splitlines()) == 1
 
 
+@pytest.mark.rehearsal
 def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
     home, tmp_path, short, prefect_server
 ):
