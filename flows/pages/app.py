@@ -2,7 +2,6 @@
 
 from importlib.resources import files
 
-import dash_mantine_components as dmc
 from dash import Dash
 from flask import redirect, request
 from flask_talisman import Talisman
@@ -46,7 +45,6 @@ class Application(Dash):
 
 def make_app(home: Home) -> Application:
     """The pages of a home as an application; nothing is opened before somebody asks."""
-    dmc.add_figure_templates()
     app = Application(
         "mimucal",
         assets_folder=str(files("flows.pages") / "assets"),

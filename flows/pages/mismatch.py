@@ -1,16 +1,15 @@
 """Mismatch: which physics is missing, on which station, unit and model, and since when."""
 
 from collections.abc import Sequence
-from urllib.parse import urlencode
 
 import dash_mantine_components as dmc
-from dash import dcc, html
+from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.asked import asks
 from flows.pages.mismatch_data import data
 from flows.pages.page import Page, View
-from flows.pages.parts import Cell, facts, table
+from flows.pages.parts import Cell, facts, link, table
 from flows.pages.states import StepState, badge
 from schemas.discrepancy import FoundParameter, Verdict
 from schemas.pages.mismatch import (
@@ -155,7 +154,7 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
     parts: list[Component] = [dmc.Text(view.say(counted), size="sm", fw="bold")]
     if query:
         way = view.say(message("pages-mismatch-their-runs"))
-        parts.append(dcc.Link(way, href=f"/runs?{urlencode(query)}"))
+        parts.append(link(way, "/runs", **query))
     return [dmc.Group(parts), dmc.Text(listed, size="sm")]
 
 
@@ -204,8 +203,8 @@ def _run(run: ExplainedRun, view: View) -> tuple[Cell, ...]:
         target="_blank",
     )  # fmt: skip
     return (
-        dcc.Link(run.run, href=f"/run?{urlencode({'id': run.run})}", className="whole"),
-        html.Span(str(run.day), className="whole") if run.day else None,
+        html.Span(link(run.run, "/run", id=run.run), className="whole"),
+        str(run.day) if run.day else None,
         html.Span(run.station, className="whole"),
         f"{run.model} {run.serial}",
         badge(_state(run.verdict), view),

@@ -10,6 +10,7 @@ from datetime import UTC, date, datetime, time, timedelta
 from typing import Any
 
 import sqlalchemy as sql
+from sqlalchemy.sql import visitors
 
 from schemas.base import Unusable
 from schemas.pages.runs import Condition, RunLine
@@ -91,12 +92,16 @@ def run_list(
 def _joined(named: Collection[str]) -> sql.FromClause:
     """Runs with their units and with the tables of the columns that are named."""
     joined: sql.FromClause = tables.runs.join(tables.units)
-    if "result_state" in named:  # told by columns of a table, and none of its own
-        named = {*named, "result"}
     for table, is_last in LATER.items():
-        if any(getattr(COLUMNS.get(name), "table", None) is table for name in named):
+        if any(_reads(name, table) for name in named):
             joined = joined.outerjoin(table, is_last)
     return joined
+
+
+def _reads(name: str, table: sql.Table) -> bool:
+    """Whether a column of the list is one of the table, or is made of some."""
+    parts = visitors.iterate(COLUMNS[name]) if name in COLUMNS else ()
+    return any(getattr(part, "table", None) is table for part in parts)
 
 
 def _column(name: str) -> sql.ColumnElement[Any]:

@@ -60,18 +60,22 @@ def is_current(record: ValidationRecord) -> bool:
 
 
 def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
-    """Whether what a method computes is what it was when the record was made.
+    """Whether what a method computes is what it was when the record was made."""
+    return is_of_this_text(record, method) or (
+        record.methods[method].fingerprint == fingerprint(method)
+    )
 
-    No file has to be parsed where the whole program, or the method's source, is the same text.
+
+def is_of_this_text(record: ValidationRecord, method: Method) -> bool:
+    """Whether the whole program, or the method's source, is the text that the record was made of:
+    then no file has to be parsed.
     """
     recorded = record.methods[method]
     made_by, runs_now = (
         version.partition(" ")[0] for version in (record.code_version, code_version())
     )
-    return (
-        made_by == runs_now
-        or (recorded.text != "" and recorded.text == text_digest(recorded.sources))
-        or recorded.fingerprint == fingerprint(method)
+    return made_by == runs_now or (
+        recorded.text != "" and recorded.text == text_digest(recorded.sources)
     )
 
 

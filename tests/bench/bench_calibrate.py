@@ -22,9 +22,7 @@ from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.stages.estimate import estimate
-from tasks.validation.fingerprint import text_digest
-from tasks.validation.record import shipped
-from tasks.version import code_version
+from tasks.validation.record import is_of_this_text, shipped
 from tests.bench.measure import Figure, Section, processor_s, processor_s_of
 from tests.bench.recordings import RATE_HZ, recording
 
@@ -125,9 +123,7 @@ def _record_is() -> str:
     record = shipped()
     if record is None:
         return "missing"
-    if record.code_version.split()[0] == code_version().split()[0]:
-        return "of this very program"
-    if all(one.text == text_digest(one.sources) for one in record.methods.values()):
+    if all(is_of_this_text(record, method) for method in record.methods):
         return "of this very text of the methods"
     return "of another text of the program, and parsed its sources to compare what they compute"
 

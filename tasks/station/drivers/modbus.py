@@ -133,7 +133,7 @@ class ModbusLink:
     ) -> Sequence[int]:
         """Write registers and read others: one exchange (function code 23) where it is known."""
         if self._combined:
-            try:  # pymodbus sets a serial line up in the next turns, and fails if it is closed
+            try:
                 answer = await self._ask(
                     f"reading {count} of bank holding from {address} of device {device}",
                     lambda client: client.readwrite_registers(
@@ -161,7 +161,6 @@ class ModbusLink:
                 answer = await self._answer(request)
                 if answer is not None:
                     break
-                self._hang_up()
         if answer is None:
             raise Unusable(
                 f"{self._where} does not answer ({what}, {ATTEMPTS} attempts): check "

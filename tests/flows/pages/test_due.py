@@ -5,7 +5,6 @@ import shutil
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
-import dash_mantine_components as dmc
 import pytest
 
 from flows.pages import due_data
@@ -27,7 +26,6 @@ NOW = datetime(2026, 1, 10, tzinfo=UTC)
 @pytest.fixture(scope="module")
 def home(line_store: tuple[Home, Line], tmp_path_factory: pytest.TempPathFactory) -> Home:
     """The line of two units of two clients; one was reminded, and a message to the other failed."""
-    dmc.add_figure_templates()
     copy = Home(tmp_path_factory.mktemp("due") / "home")
     shutil.copytree(line_store[0].path, copy.path)
     for number, fault in enumerate((None, "no such mailbox")):

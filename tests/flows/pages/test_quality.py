@@ -5,7 +5,6 @@ from datetime import date, timedelta
 from itertools import pairwise
 from pathlib import Path
 
-import dash_mantine_components as dmc
 import numpy as np
 import pytest
 
@@ -22,12 +21,6 @@ from tests.proof.line.draw import Line
 
 ELEMENT = {"item": "accel_rate_sensitivity", "element": "yz"}
 OF = QualityQuestion(model="MX-110", **ELEMENT)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def templates() -> None:
-    """The pictures' colours, which the application brings."""
-    dmc.add_figure_templates()
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 import json
 from pathlib import Path
 
-import dash_mantine_components as dmc
 import numpy as np
 import pytest
 
@@ -19,12 +18,6 @@ from tasks.stages.interval import interval_advice, sentence
 from tasks.words import say
 from tests.drafts import draft, recording_of
 from tests.proof.line.draw import Line
-
-
-@pytest.fixture(scope="module", autouse=True)
-def templates() -> None:
-    """The pictures' colours, which the application brings."""
-    dmc.add_figure_templates()
 
 
 @pytest.fixture(scope="module")
