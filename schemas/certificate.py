@@ -20,6 +20,7 @@ NUMBER = re.compile(r"\w[\w.-]{0,63}")  # it becomes a file name
 DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
+LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # it counts, or may come to
 StepName = Literal["draft", "check", "issue"]
 PrintedIn = Literal["zh", "en", "both"]
 PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first

@@ -15,13 +15,13 @@ from flows.pages.preferences import view_of_request
 from flows.pages.states import Kind, StepState, badge
 from schemas.access import MAY, Action
 from schemas.base import Unusable
+from schemas.certificate import LIVE
 from schemas.pages.do import DoQuestion, DoShown, GivenOrder, WaitingCertificate
 from storage.catalogue import database, tables
 from storage.home import Home
 from tasks.station import procedures
 from tasks.words import message
 
-WAITING = ("draft", "checked", "issued")
 REFRESH_MS = 3000
 SHOWN = 500  # certificates to choose from, the last ones
 STEP_OF = {"check": "draft", "issue": "checked", "withdraw": "issued"}
@@ -38,7 +38,7 @@ def data(_: DoQuestion, home: Home) -> DoShown:
     paper, unit = tables.certificates.c, tables.units.c
     named = (paper.number, paper.state, unit.manufacturer, unit.model, unit.serial)
     asked = sql.select(*named).join_from(tables.certificates, tables.units)
-    newest = asked.where(paper.state.in_(WAITING)).order_by(paper.kept_at.desc()).limit(SHOWN)
+    newest = asked.where(paper.state.in_(LIVE)).order_by(paper.kept_at.desc()).limit(SHOWN)
     return DoShown(
         stations=station_files(home),
         procedures=procedures.names(),

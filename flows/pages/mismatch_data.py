@@ -1,11 +1,13 @@
 """Which effects appear on which station, unit and model, since when, and what they touch."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from datetime import date
 from typing import Any
 
 import sqlalchemy as sql
 
+from schemas.certificate import LIVE
 from schemas.pages.mismatch import (
     Carried,
     EffectSeen,
@@ -100,7 +102,7 @@ def _papers(which: sql.ColumnElement[bool], home: Home) -> Papers:
         sql.select(PAPER.number, PAPER.state)
         .select_from(tables.certificates.join(tables.runs, RUN.id == PAPER.run))
         .join(tables.units, UNIT.id == RUN.unit)
-        .where(which, PAPER.state.in_(("draft", "checked", "issued")))
+        .where(which, PAPER.state.in_(LIVE))
         .order_by(PAPER.kept_at.desc())
     )
     rows = database.rows(home, asked)
@@ -140,8 +142,7 @@ def _effect(
 
 def _by(field: str, own: Sequence[Explained], runs: Sequence[Explained]) -> tuple[Shown, ...]:
     """Those that show it, the largest share first."""
-    of = _counted(runs, lambda run: run[field])
-    shown = _counted(own, lambda run: run[field])
+    of, shown = (Counter(run[field] or "" for run in each) for each in (runs, own))
     first: dict[str, date] = {}
     for run in own:
         if run["recorded_on"]:
@@ -151,13 +152,6 @@ def _by(field: str, own: Sequence[Explained], runs: Sequence[Explained]) -> tupl
         for name, count in shown.items()
     ]
     return tuple(sorted(found, key=lambda each: (-each.shown / each.of, -each.shown, each.name)))
-
-
-def _counted(runs: Iterable[Explained], name: Callable[[Explained], str | None]) -> dict[str, int]:
-    counts: dict[str, int] = {}
-    for run in runs:
-        counts[name(run) or ""] = counts.get(name(run) or "", 0) + 1
-    return counts
 
 
 def _run(run: Explained) -> ExplainedRun:

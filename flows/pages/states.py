@@ -10,6 +10,7 @@ from dash import html
 from dash.development.base_component import Component
 
 from flows.pages.page import View
+from schemas.certificate import LIVE
 from schemas.decision import LimitDecision
 from schemas.pages.runs import RunLine
 from tasks.conformity.limits import verdict_title
@@ -54,7 +55,7 @@ def verdict_state(run: RunLine) -> StepState:
     if run.verdict != "pass":
         return StepState(words, "bad" if run.verdict == "fail" else "open")
     stands = run.validity == "valid" and run.fault is None
-    if stands and run.state in ("draft", "checked", "issued"):
+    if stands and run.state in LIVE:
         return StepState(words, "good")
     return StepState(words, "open")
 

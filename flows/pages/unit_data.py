@@ -34,7 +34,6 @@ from tasks.words import statement
 YEAR_D = 365.25
 Element = tuple[str, str]  # item, element
 Edges = tuple[float | None, float | None]
-LAST = (len(ITEMS), 0, "", "")
 
 
 @dataclass(frozen=True)
@@ -151,7 +150,7 @@ def _place(of: Element) -> tuple[int, int, str, str]:
     """The place of an element in the specifications' order."""
     item, element = of
     if item not in ITEMS:
-        return (*LAST[:2], item, element)
+        return len(ITEMS), 0, item, element
     elements = ITEMS[item].elements
     inner = elements.index(element) if element in elements else len(elements)
     return list(ITEMS).index(item), inner, item, element

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from schemas.certificate import NUMBER, Certificate, State
+from schemas.certificate import LIVE, NUMBER, Certificate, State
 from storage.catalogue import database, lineage, summaries, tables
 from storage.catalogue.certificates import Entry, standards_of
 from storage.catalogue.results import add_result
@@ -22,7 +22,6 @@ from storage.home import Home
 from storage.whole_files import writing_to
 
 TABLE = tables.certificates
-LIVE: tuple[State, ...] = ("draft", "checked", "issued")
 NOT_ISSUED: tuple[State, ...] = ("draft", "checked")
 HASH_DIGITS = 12  # hex digits in the names of a draft's files
 RUN_CHARACTERS = 8  # of a run's id in the key of its draft

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.base import Unusable
+from schemas.certificate import LIVE
 from schemas.review import Review, Touched
 from storage.catalogue import certificates, runs
 from storage.catalogue.listing import Run
@@ -18,7 +19,6 @@ from tasks.stages.fan_out import fan_out, processors
 
 MOST = 200  # certificates of a finding that are looked at, the newest
 WORTH_A_PROCESS = 8  # certificates that take longer than a process takes to begin
-STANDING = ("draft", "checked", "issued")
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def with_certificates(
 
     found: of each finding. chosen: runs by id.
     """
-    standing = [each for each in certificates.register(home) if each.state in STANDING]
+    standing = [each for each in certificates.register(home) if each.state in LIVE]
     findings = []
     for finding, one in zip(review.findings, found, strict=True):
         affected = {
