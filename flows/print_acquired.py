@@ -9,7 +9,7 @@ from storage.home import Home
 
 if TYPE_CHECKING:
     from schemas.validity import Validity
-    from storage.catalogue.listing import Run
+    from storage.catalogue.run_index import Run
     from tasks.stages.acquire import AcquiredRuns
     from tasks.station.acquisition import Acquired
 

@@ -52,10 +52,10 @@ def import_(
 def runs(as_json: options.Json = False) -> None:
     """What is in the store."""
     from flows.printing import print_json, print_rows
-    from storage.catalogue import listing
+    from storage.catalogue import run_index
     from storage.home import home
 
-    listed = listing.all_runs(home())
+    listed = run_index.all_runs(home())
     if as_json:
         print_json(
             {"format": "mimu-runs/1", "runs": [run.model_dump(mode="json") for run in listed]}

@@ -12,11 +12,11 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.history import Dispensable, Refused
-from storage import statistics
+from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
 from storage.catalogue import certificates, database, explanations, runs, tables, trail
 from storage.catalogue.certificates import Entry, record_of
-from storage.catalogue.listing import Run, runs_where
+from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
 
 OF_RUN = (  # rows that go with their run
@@ -110,7 +110,7 @@ def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
     blobs = blobs_of(home)
     blobs.remove_file(f"raw/{digest}.mcap")
     blobs.remove_folder(f"columns/{digest}")
-    blobs.remove_file(statistics.name_of(digest))
+    blobs.remove_file(run_statistics.name_of(digest))
     blobs.remove_file(explanations.name_of(digest))
 
 

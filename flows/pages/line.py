@@ -14,7 +14,7 @@ from flows.pages.states import Kind, StepState, badge
 from schemas.pages.line import LineNow, LineQuestion, Output, Queue, StationNow
 from schemas.pages.runs import Condition
 from storage.catalogue import database, tables
-from storage.catalogue.run_list import run_list
+from storage.catalogue.run_states import run_list
 from storage.home import Home
 from storage.run_status import statuses
 from tasks.words import message

@@ -19,7 +19,7 @@ from schemas.certificate_orders import CheckOrder, IssueOrder, WithdrawOrder
 from schemas.orders import AcquireOrder, ReprocessOrder, order_of
 from schemas.pages.do import GivenOrder, OrderState
 from storage.catalogue import database, trail
-from storage.catalogue.listing import find
+from storage.catalogue.run_index import find
 from storage.home import Home
 from storage.whole_files import writing_in_home
 from tasks.station import procedures

@@ -24,8 +24,8 @@ from schemas.run_log import LogEntry
 from schemas.text import Statement
 from storage.catalogue import certificates, database, results, runs, tables
 from storage.catalogue.certificates import Entry, record_of
-from storage.catalogue.listing import find
-from storage.catalogue.run_list import run_list
+from storage.catalogue.run_index import find
+from storage.catalogue.run_states import run_list
 from storage.home import Home
 from tasks.conformity.limits import limits_text
 from tasks.specifications.items import item_title, symbol

@@ -12,7 +12,7 @@ from flows.pages.page import Page, View
 from flows.pages.preferences import view_of_request
 from flows.pages.run_grid import columns, conditions_from, conditions_of, filter_model, row
 from schemas.pages.runs import AT_ONCE, RunsQuestion, RunsShown
-from storage.catalogue.run_list import run_list
+from storage.catalogue.run_states import run_list
 from storage.home import Home
 from tasks.words import message
 

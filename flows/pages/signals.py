@@ -14,7 +14,7 @@ from schemas.base import Unusable
 from schemas.pages.signals import SignalsQuestion, SignalsShown
 from schemas.recording import Recording, Stream
 from storage.catalogue import runs
-from storage.catalogue.listing import Run, find
+from storage.catalogue.run_index import Run, find
 from storage.home import Home
 from tasks.pages.envelope import envelope
 from tasks.words import message

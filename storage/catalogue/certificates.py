@@ -10,7 +10,7 @@ from schemas.base import Frozen, Unusable, first_fault
 from schemas.certificate import Certificate, Laboratory, Order, State
 from schemas.decision import Verdict
 from storage.catalogue import database, lineage, tables
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 Model = TypeVar("Model", bound=BaseModel)

@@ -6,9 +6,9 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.recording import Manifest
-from storage.catalogue import certificates, database, lineage, listing, runs, summaries, tables
-from storage.catalogue.listing import Run
+from storage.catalogue import certificates, database, lineage, result_rows, run_index, runs, tables
 from storage.catalogue.results import calibration_of
+from storage.catalogue.run_index import Run
 from storage.formats.manifest import manifest_of
 from storage.home import Home
 
@@ -25,7 +25,7 @@ def complete_runs(home: Home) -> None:
     if not ids:
         return
     register = certificates.register(home)
-    for run in listing.all_runs(home):
+    for run in run_index.all_runs(home):
         if run.id not in ids:
             continue
         try:
@@ -61,7 +61,7 @@ def complete_results(home: Home) -> None:
         with database.changing(home) as connection:
             for row in documents:
                 try:
-                    summaries.add(connection, row.id, calibration_of(row), row.made_at)
+                    result_rows.add(connection, row.id, calibration_of(row), row.made_at)
                 except Unusable:
                     continue
 
@@ -77,7 +77,7 @@ def complete_certificates(home: Home) -> None:
         with suppress(Unusable):
             decision = certificates.find(number, home).decision
             with database.changing(home) as connection:
-                summaries.add_decision(connection, number, decision)
+                result_rows.add_decision(connection, number, decision)
                 counted = sql.update(table).where(table.c.number == number)
                 connection.execute(counted.values(limits=len(decision.limits)))
 

@@ -7,7 +7,7 @@ from schemas.history import AffectedCertificate, AffectedResult, AffectedRun, Im
 from schemas.orders import Selection
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.lineage import named_by
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
 

@@ -14,7 +14,7 @@ import sqlalchemy as sql
 
 from schemas.base import Unusable
 from schemas.certificate import LIVE, NUMBER, Certificate, State
-from storage.catalogue import database, lineage, summaries, tables
+from storage.catalogue import database, lineage, result_rows, tables
 from storage.catalogue.certificates import Entry, standards_of
 from storage.catalogue.results import add_result
 from storage.catalogue.runs import unit_id
@@ -127,7 +127,7 @@ def add(
             **files,
         )
     )
-    summaries.add_decision(connection, certificate.number, certificate.decision)
+    result_rows.add_decision(connection, certificate.number, certificate.decision)
     run, standards = certificate.calibration.run, standards_of(certificate)
     lineage.add_equipment(connection, run, certificate.number, standards)
     return [files[name] for name in ("pdf", "dcc", "record")]

@@ -12,8 +12,8 @@ import sqlalchemy as sql
 from schemas.base import Frozen
 from schemas.calibration import Calibration
 from storage.catalogue import database, tables
-from storage.catalogue.listing import Run
 from storage.catalogue.results import add_result
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 

@@ -13,8 +13,8 @@ from pydantic import ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
 from schemas.calibration import Calibration, Method
-from storage.catalogue import database, summaries, tables
-from storage.catalogue.listing import Run
+from storage.catalogue import database, result_rows, tables
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 ID_DIGITS = 12  # hex digits in a result's id
@@ -65,7 +65,7 @@ def add_result(connection: sql.Connection, calibration: Calibration, why: str | 
         "why": why if latest is None else why or _why(latest, calibration),
     }
     connection.execute(sql.insert(tables.results).values(row))
-    summaries.add(connection, result, calibration, now)
+    result_rows.add(connection, result, calibration, now)
     return result
 
 

@@ -15,7 +15,7 @@ from schemas.base import Unusable
 from schemas.recording import Manifest, Recording, Unit
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import database, lineage, tables
-from storage.catalogue.listing import Run, find
+from storage.catalogue.run_index import Run, find
 from storage.formats.manifest import MANIFEST, manifest_of
 from storage.home import Home
 

@@ -8,7 +8,7 @@ from schemas.orders import Selection
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.lineage import named_by
-from storage.catalogue.listing import Run, runs_where
+from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
 
 

@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.pages.unit import UnitLine
 from storage.catalogue import certificates, database, tables
 from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
-from storage.catalogue.run_list import LAST_CERTIFICATE, LAST_RESULT
+from storage.catalogue.run_states import LAST_CERTIFICATE, LAST_RESULT
 from storage.home import Home
 
 RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c

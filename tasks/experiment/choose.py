@@ -22,9 +22,9 @@ from tasks.experiment.separation import (
     probability_right,
 )
 from tasks.experiment.track import planned_recording
+from tasks.explain.confounding.compare import HOLDS
+from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
 from tasks.explain.evidence.shares import WEAK
-from tasks.explain.groups.compare import HOLDS
-from tasks.explain.groups.linear_forms import DISTINGUISHABLE
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.regression.spectrum import Noise
 from tasks.model.model import Model

@@ -7,11 +7,11 @@ import numpy as np
 
 from schemas.recording import Recording
 from tasks.experiment.choose import NOTHING
+from tasks.explain.confounding.compare import HOLDS
+from tasks.explain.confounding.families import DELAYING, GYROS_ALONE
 from tasks.explain.evidence.determination import undetermined
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED, Explanation
-from tasks.explain.groups.compare import HOLDS
-from tasks.explain.groups.families import DELAYING, GYROS_ALONE
 from tasks.explain.progress import Progress, silent
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted

@@ -6,6 +6,8 @@ from functools import partial
 
 from schemas.base import Unusable
 from schemas.recording import Recording
+from tasks.explain.confounding.compare import compared
+from tasks.explain.confounding.families import searched_by_name
 from tasks.explain.events.faults import Fault, find_faults
 from tasks.explain.evidence.absorption import with_absorbed
 from tasks.explain.evidence.assemble import explanation_of
@@ -13,15 +15,12 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.fault_findings import put_right, with_faults
 from tasks.explain.evidence.pruning import pruned
 from tasks.explain.explanation import Explanation
-from tasks.explain.groups.compare import compared
-from tasks.explain.groups.families import searched_by_name
 from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.inputs.event_removal import Cleaned, cleaned
 from tasks.explain.inputs.full_rate import FullRate, full_rate
 from tasks.explain.inputs.reference import ReferencePrediction
 from tasks.explain.progress import Progress, silent, tell
-from tasks.explain.search.budget import SEARCH_BUDGET, TimeBudget
 from tasks.explain.search.candidates import (
     Candidate,
     candidates_of,
@@ -31,6 +30,7 @@ from tasks.explain.search.candidates import (
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.empirical import empirical
 from tasks.explain.search.fitted import FittedSelection, all_fitted, searched, with_delay
+from tasks.explain.search.time_budget import SEARCH_BUDGET, TimeBudget
 from tasks.model.catalogue import catalogue
 from tasks.model.term import Term
 from tasks.model.terms.reference_frame import REFERENCE_FRAME

@@ -15,7 +15,7 @@ from tasks.review.hypotheses import (
     members_of,
     starts_of,
 )
-from tasks.review.statistics import STEP
+from tasks.review.run_statistics import STEP
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.review import LEVELS, Level
-from tasks.explain.groups.compare import HOLDS
+from tasks.explain.confounding.compare import HOLDS
 from tasks.explain.search.scores import INDISTINGUISHABLE, PER_PARAMETER
 from tasks.review.carriers import (
     Carried,

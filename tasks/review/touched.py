@@ -18,7 +18,7 @@ from tasks.explain.search.candidates import columns_of
 from tasks.model.catalogue import catalogue
 from tasks.motion.whole import Motion
 from tasks.review.hypotheses import Effect, identity
-from tasks.review.statistics import layout_of
+from tasks.review.run_statistics import layout_of
 from tasks.specifications.register import specification_for
 from tasks.words import message, statement
 from tasks.words.quantities import multiple

@@ -8,7 +8,7 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.station_lock import one_run_on

@@ -14,7 +14,7 @@ from schemas.equipment import MeasurementStandard
 from schemas.recording import Unit
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 

@@ -10,7 +10,7 @@ from schemas.configuration import configuration_of
 from schemas.decision import Decision
 from storage import settings
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks import conformity, reminders
 from tasks.curves import curves_of_run

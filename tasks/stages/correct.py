@@ -10,8 +10,8 @@ from schemas.calibration import Calibration
 from schemas.correction import Correction
 from schemas.orders import ApplyOrder, ExportOrder
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream, Unit
-from storage.catalogue import listing, runs
-from storage.catalogue.listing import Run
+from storage.catalogue import run_index, runs
+from storage.catalogue.run_index import Run
 from storage.formats.columns import write_columns
 from storage.home import Home
 from tasks.coefficients.c_header import as_c
@@ -114,7 +114,7 @@ def corrected_recording(
 
 def _recording_of(calibration: Calibration, home: Home) -> Recording | None:
     """The recording that a calibration was made of, if it is in the store."""
-    for run in listing.all_runs(home):
+    for run in run_index.all_runs(home):
         if run.digest == calibration.digest:
             return runs.load(run, home)
     return None

@@ -13,7 +13,7 @@ from packaging.requirements import Requirement
 from schemas.base import Unusable
 from schemas.diagnosis import Diagnosis, Examined
 from storage import settings
-from storage.catalogue import listing, trail
+from storage.catalogue import run_index, trail
 from storage.home import Home
 from tasks.validation import record
 
@@ -97,7 +97,7 @@ def _first_that_exists(path: Path) -> Path:
 
 def _catalogue(home: Home) -> Iterator[Examined]:
     try:
-        count = len(listing.all_runs(home))
+        count = len(run_index.all_runs(home))
         broken = next(trail.faults(home), None)
     except Unusable as fault:
         yield Examined(what="catalogue", found="cannot be read", remedy=str(fault))

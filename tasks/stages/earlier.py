@@ -5,7 +5,7 @@ from datetime import date
 from schemas.base import Unusable
 from schemas.certificate import Certificate
 from storage.catalogue import certificates
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 MOST = 20  # the last ones show how a unit moves

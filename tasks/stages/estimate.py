@@ -10,7 +10,7 @@ from schemas.orders import Estimation, UncertaintyName
 from schemas.recording import Recording
 from storage import settings
 from storage.catalogue import results, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.calibrate.evaluation import evaluation_for

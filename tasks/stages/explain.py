@@ -14,7 +14,7 @@ from schemas.orders import ExplainOrder
 from schemas.recording import ACCEL, GYRO, Recording
 from storage import settings
 from storage.catalogue import explanations, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.whole_files import report_folder
 from tasks.explain.progress import Progress, silent, tell
@@ -53,7 +53,7 @@ def explain_run(
     from tasks.explain.inputs.angle_rates import as_mean_rates
     from tasks.explain.locate.where import locate
     from tasks.explain.report import discrepancy_of, pictures_of, report_html, write_report
-    from tasks.stages.statistics import keep_statistics
+    from tasks.stages.run_statistics import keep_statistics
 
     out = report_folder(order.out)
     recording = runs.load(run, home)

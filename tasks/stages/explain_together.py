@@ -9,7 +9,7 @@ from schemas.discrepancy import Discrepancy
 from schemas.orders import ExplainOrder
 from schemas.recording import ANGLE, Recording
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.explain.progress import Progress, silent, tell
 from tasks.stages.explain import Explained
@@ -33,8 +33,8 @@ def explain_together(
     # Late: the other stages need none of it.
     from tasks.explain.explain import explain
     from tasks.review.pool import pooled
-    from tasks.review.run import reviewed_runs
-    from tasks.review.statistics import statistics_of
+    from tasks.review.run_identity import reviewed_runs
+    from tasks.review.run_statistics import statistics_of
     from tasks.review.together import found_together
     from tasks.review.together_report import discrepancy_together
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from schemas.base import Unusable
-from storage.catalogue import listing, runs
-from storage.catalogue.listing import Run
+from storage.catalogue import run_index, runs
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.stages.stage import stage
 
@@ -48,4 +48,4 @@ def run_of(reference: str, home: Home) -> Run:
         raise Unusable("RUN is empty; give a run id, as `mimucal runs` lists them, or a path.")
     if os.path.exists(reference):  # of a text that can be no path it says no; Path.exists raises
         return import_recording(Path(reference), home).run
-    return listing.find(reference, home)
+    return run_index.find(reference, home)

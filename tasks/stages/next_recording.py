@@ -14,7 +14,7 @@ from schemas.recording import Recording
 from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.explain.progress import Progress, silent, tell
 from tasks.stages.stage import stage

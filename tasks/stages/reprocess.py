@@ -9,8 +9,8 @@ from schemas.orders import ReprocessOrder
 from schemas.tolerance import Tolerance
 from storage import settings
 from storage.catalogue import certificates, reprocessing, results
-from storage.catalogue.listing import Run
 from storage.catalogue.reprocessing import Made
+from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
 from storage.whole_files import report_folder

@@ -11,7 +11,7 @@ from schemas.orders import ReviewOrder, Selection, order_of
 from schemas.review import KeptReview, Review, Skipped
 from storage import last_review
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.catalogue.selection import select
 from storage.home import Home
 from storage.whole_files import report_folder, writing_to
@@ -44,9 +44,9 @@ def review_runs(order: ReviewOrder, home: Home, progress: Progress) -> Reviewed:
     # Late: the other stages need none of it.
     from tasks.review.pool import pooled
     from tasks.review.report import review_of
-    from tasks.review.run import reviewed_runs
+    from tasks.review.run_identity import reviewed_runs
     from tasks.review.search import search
-    from tasks.stages.statistics import all_kept_statistics, make_statistics
+    from tasks.stages.run_statistics import all_kept_statistics, make_statistics
     from tasks.stages.touched import with_certificates
 
     out = report_folder(order.out)

@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.orders import SimulateOrder
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.formats.columns import write_columns
 from storage.home import Home
 from tasks.coefficients.parameters import model_values

@@ -9,7 +9,7 @@ from schemas.base import Unusable
 from schemas.certificate import LIVE
 from schemas.review import Review, Touched
 from storage.catalogue import certificates, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.review.hypotheses import Effect
 from tasks.review.search import Found

@@ -5,7 +5,7 @@ from schemas.calibration import OF_NO_STANDARD, OF_STANDARD
 from schemas.validity import Validity
 from storage import settings
 from storage.catalogue import results, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.version import code_version
 

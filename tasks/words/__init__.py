@@ -5,8 +5,8 @@ The numerics say *what* (`message("validity-stuck", channel="gyro_x")`); the sen
 the Chinese in one place. A further language is a further folder.
 """
 
-from tasks.words.catalogue import LANGUAGES, identifiers, known, remark, say, statement, texts
 from tasks.words.message import Argument, Message, Sayable, clauses, message
+from tasks.words.translation import LANGUAGES, identifiers, known, remark, say, statement, texts
 
 __all__ = [
     "LANGUAGES",

@@ -8,9 +8,9 @@ import re
 from functools import partial
 
 from schemas.text import Statement
-from tasks.words.catalogue import say
 from tasks.words.message import Argument, message
 from tasks.words.rounding import MINUS
+from tasks.words.translation import say
 
 FULL_STOPS = ".\u3002"  # Latin and Chinese
 _NUMBER = r"\((?:[A-Z]\.)?\d+\)"

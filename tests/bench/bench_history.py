@@ -7,7 +7,7 @@ from pathlib import Path
 from flows.prefect_server import connect
 from schemas.orders import CalibrateOrder, ReprocessOrder
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.stages.estimate import estimate
 from tasks.stages.reprocess import reprocess

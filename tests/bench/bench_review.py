@@ -6,10 +6,10 @@ from pathlib import Path
 
 from schemas.review import RunStatistics
 from storage.home import Home
-from storage.statistics import keep, load
+from storage.run_statistics import keep, load
 from tasks.review.pool import ReviewedRun, pooled
+from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.review.search import search
-from tasks.review.statistics import VERSION, statistics_of
 from tests.bench.measure import Figure, Section, processor_s
 from tests.proof.fleets.draw import draw, drawn_runs
 from tests.proof.fleets.play import played

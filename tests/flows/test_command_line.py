@@ -357,7 +357,7 @@ def test_ctrl_c_is_one_sentence_and_exit_1(mimucal, monkeypatch) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("storage.catalogue.listing.all_runs", stop)
+    monkeypatch.setattr("storage.catalogue.run_index.all_runs", stop)
     done = mimucal("runs")
     assert (done.code, done.err) == (1, "stopped by the operator\n")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from schemas.recording import Recording
-from storage.catalogue import listing, runs, trail
+from storage.catalogue import run_index, runs, trail
 from storage.home import Home
 
 
@@ -18,12 +18,12 @@ def store(home: Path, ideal_run: Callable[..., Recording]) -> Home:
 
 
 def test_nothing_is_deleted_unless_it_is_asked_for(store: Home, mimucal) -> None:
-    (run,) = listing.all_runs(store)
+    (run,) = run_index.all_runs(store)
     listed = mimucal("prune", "--before", "2999-01-01", "--json").json
     assert (listed["format"], listed["deleted"]) == ("mimu-prune/1", False)
     assert [(each["run"], each["what"]) for each in listed["found"]] == [(run.id, "recording")]
     assert run.id in mimucal("prune", "--before", "2999-01-01").out
-    assert listing.all_runs(store) == [run]
+    assert run_index.all_runs(store) == [run]
     assert mimucal("prune", "--before", "2000-01-01", "--json").json["found"] == []
 
 
@@ -34,5 +34,5 @@ def test_a_deletion_names_who_did_it(store: Home, mimucal, monkeypatch: pytest.M
     assert "--by NAME" in refused.err
     done = mimucal("prune", "--before", "2999-01-01", "--delete", "--by", "Li Na", "--json")
     assert (done.code, len(done.json["found"]), done.json["refused"]) == (0, 1, [])
-    assert listing.all_runs(store) == []
+    assert run_index.all_runs(store) == []
     assert [entry.person for entry in trail.entries(store)] == ["Li Na"]

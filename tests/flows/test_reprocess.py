@@ -19,7 +19,7 @@ from schemas.decision import Decision
 from schemas.history import Reprocessing
 from schemas.orders import ReprocessOrder
 from schemas.recording import Recording
-from storage.catalogue import listing, results, runs
+from storage.catalogue import results, run_index, runs
 from storage.home import Home
 from tasks.stages import make_again
 from tests.keep import keep, take_number
@@ -42,7 +42,7 @@ def reprocess(**order: Any) -> Reprocessing:
 
 
 def newest(home: Home) -> list[Calibration]:
-    return [results.of_run(run, home)[-1].calibration for run in listing.all_runs(home)]
+    return [results.of_run(run, home)[-1].calibration for run in run_index.all_runs(home)]
 
 
 def plant(result: Calibration, home: Home, item: str, element: str, by: float) -> Calibration:
@@ -59,7 +59,7 @@ def test_the_same_code_changes_nothing_and_keeps_nothing_new(store: Home) -> Non
     report = reprocess()
     assert (report.done, report.unchanged, report.failed) == (2, 2, 0)
     assert (report.changed, report.flips) == ((), ())
-    for run in listing.all_runs(store):
+    for run in run_index.all_runs(store):
         assert len(results.of_run(run, store)) == 1
 
 
@@ -75,7 +75,7 @@ def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
     assert change.after == first.items["gyro_scale_factor"].value["x"]
     assert change.in_U == pytest.approx(3.0)
     assert newest(store) == [first, second]  # made again bit for bit
-    kept = results.of_run(listing.find(first.run, store), store)
+    kept = results.of_run(run_index.find(first.run, store), store)
     assert [each.code_version for each in kept] == [first.code_version, EARLIER, first.code_version]
     assert "code_version" in str(kept[-1].why)
     written = json.loads((tmp_path / "report/report.json").read_text(encoding="utf-8"))
@@ -134,7 +134,7 @@ def test_the_same_command_again_makes_nothing_and_reports_the_same(store: Home) 
 def test_a_failed_recording_is_a_row_and_is_tried_again(
     store: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    bad, _ = listing.all_runs(store)
+    bad, _ = run_index.all_runs(store)
     estimate = make_again.calibration_of
 
     def fails(run: Any, *more: Any) -> Calibration:
@@ -159,7 +159,7 @@ def test_a_dry_run_says_what_would_be_done_and_does_nothing(store: Home, mimucal
     planned = mimucal("reprocess", "--dry-run", "--json").json
     assert (len(planned["runs"]), planned["results"], planned["done_before"]) == (2, 2, 0)
     assert {path: path.stat().st_mtime_ns for path in store.raw.iterdir()} == before
-    assert all(len(results.of_run(run, store)) == 1 for run in listing.all_runs(store))
+    assert all(len(results.of_run(run, store)) == 1 for run in run_index.all_runs(store))
 
 
 def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, shared: Path) -> None:
@@ -175,7 +175,7 @@ def test_certificates_on_values_that_moved_are_touched(store: Home, mimucal, sha
 
 def _certified(home: Home, run: str) -> str:
     """A certificate that prints the newest result of a run."""
-    kept = listing.find(run, home)
+    kept = run_index.find(run, home)
     number = take_number(home, "T")
     day = date(2026, 11, 22)
     certificate = Certificate(

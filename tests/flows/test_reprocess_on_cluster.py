@@ -14,7 +14,7 @@ import pytest
 from flows import run_orders
 from schemas.orders import ReprocessOrder
 from schemas.recording import Recording
-from storage.catalogue import listing, results, runs
+from storage.catalogue import results, run_index, runs
 from storage.home import Home
 from tasks.stages import on_cluster
 from tests.storage.s3_server import Store, serving
@@ -71,7 +71,7 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
         runs.add(ideal_run(dwell=1.0, Kg=(1.0 + 0.01 * k) * np.eye(3)), store)
     local = run_orders.reprocess(ReprocessOrder(workers=1))
     assert (local.done, local.failed) == (4, 0)
-    expected = {run.id: results.of_run(run, store)[0] for run in listing.all_runs(store)}
+    expected = {run.id: results.of_run(run, store)[0] for run in run_index.all_runs(store)}
     (home / "catalog.sqlite").rename(home / "local.sqlite")
     for k in range(4):
         runs.add(ideal_run(dwell=1.0, Kg=(1.0 + 0.01 * k) * np.eye(3)), store)
@@ -83,7 +83,7 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
     order = ReprocessOrder(engine="dask", scheduler=address)
     report = run_orders.reprocess(order, killing)
     assert (report.done, report.failed) == (4, 0), report.failures
-    for run in listing.all_runs(store):
+    for run in run_index.all_runs(store):
         (made,) = results.of_run(run, store)  # and nothing twice
         assert (made.id, made.calibration) == (expected[run.id].id, expected[run.id].calibration)
     assert bucket.faults > 2

@@ -15,7 +15,7 @@ from schemas.calibration import Calibration, Item
 from schemas.certificate import Certificate
 from schemas.decision import Decision
 from schemas.recording import ACCEL, FORMAT, GYRO, Manifest, Recording, Stream
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 AT_ONCE = """

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import Recording
-from storage.catalogue import certificates, listing, results, runs
+from storage.catalogue import certificates, results, run_index, runs
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.verify import verify
@@ -33,7 +33,7 @@ def earlier(request, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
 def test_recording_is_read_from_its_columns_and_from_raw(
     earlier: Home, ideal_run: Callable[..., Recording]
 ) -> None:
-    (run,) = listing.all_runs(earlier)
+    (run,) = run_index.all_runs(earlier)
     expected = ideal_run(dwell=1.0, gravity=MADE_AT)
     loaded = runs.from_columns(run, earlier)
     assert loaded is not None
@@ -44,7 +44,7 @@ def test_recording_is_read_from_its_columns_and_from_raw(
 
 
 def test_results_and_certificate_are_read_and_nothing_is_at_fault(earlier: Home) -> None:
-    (run,) = listing.all_runs(earlier)
+    (run,) = run_index.all_runs(earlier)
     first, second = results.of_run(run, earlier)
     assert second.supersedes == first.id
     assert first.calibration.items["gyro_scale_factor"].value["x"] == pytest.approx(1.0, abs=1e-6)

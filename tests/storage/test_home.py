@@ -8,7 +8,7 @@ import pytest
 
 from schemas.base import Unusable
 from storage import verify
-from storage.catalogue import certificates, listing
+from storage.catalogue import certificates, run_index
 from storage.home import Home, home
 from storage.whole_files import write_once, writing_to
 from tests.keep import take_number
@@ -30,11 +30,11 @@ def test_catalogue_is_a_file_in_the_home_unless_the_environment_names_a_database
 
 
 def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) -> None:
-    assert listing.all_runs(fresh) == []
+    assert run_index.all_runs(fresh) == []
     assert certificates.register(fresh) == []
     assert verify.verify(fresh) == (0, [])
     with pytest.raises(Unusable, match="mimucal runs"):
-        listing.find("r1", fresh)
+        run_index.find("r1", fresh)
     assert not fresh.path.exists()
 
 

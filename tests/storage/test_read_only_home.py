@@ -13,8 +13,8 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import Recording
 from storage import verify
-from storage.catalogue import certificates, database, listing, runs
-from storage.catalogue.listing import Run
+from storage.catalogue import certificates, database, run_index, runs
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 READ = """
@@ -22,7 +22,8 @@ import os, sys
 from pathlib import Path
 import sqlalchemy.dialects.sqlite
 from schemas.base import Unusable
-from storage.catalogue import certificates, listing, runs
+from storage.catalogue import certificates, runs
+from storage.catalogue import run_index
 from tests.keep import take_number
 from storage.formats.columns import read_columns
 from storage.home import Home
@@ -33,9 +34,9 @@ if os.geteuid() == 0:
     os.setgroups([])
     os.setgid(65534)
     os.setuid(65534)
-(run,) = listing.all_runs(home)
+(run,) = run_index.all_runs(home)
 faults = [fault.why for fault in verify(home)[1]]
-print(listing.find(run.id, home).id, len(runs.load(run, home).imu.t), faults)
+print(run_index.find(run.id, home).id, len(runs.load(run, home).imu.t), faults)
 try:
     take_number(home)
 except Unusable as error:
@@ -74,7 +75,7 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
 
 def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
     fresh.path.write_text("")
-    for read in (listing.all_runs, certificates.register, verify.verify):
+    for read in (run_index.all_runs, certificates.register, verify.verify):
         with pytest.raises(Unusable, match="MIMUCAL_HOME"):
             read(fresh)
 
@@ -86,7 +87,7 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(
     for file in fresh.path.glob("catalog.sqlite-*"):
         file.unlink()
     os.truncate(fresh.path / "catalog.sqlite", 0)
-    for read in (listing.all_runs, lambda home: listing.find(run.id, home)):
+    for read in (run_index.all_runs, lambda home: run_index.find(run.id, home)):
         with pytest.raises(Unusable, match="backup"):
             read(fresh)
     assert (fresh.path / "catalog.sqlite").stat().st_size == 0
@@ -95,5 +96,5 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(
 def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").touch()
-    assert listing.all_runs(fresh) == []
+    assert run_index.all_runs(fresh) == []
     assert database.engine(fresh)

@@ -10,8 +10,8 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage import retention
-from storage.catalogue import listing, results, runs, trail
-from storage.catalogue.listing import Run
+from storage.catalogue import results, run_index, runs, trail
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from storage.verify import verify
 from tests.keep import keep
@@ -43,7 +43,7 @@ def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(
     results.save(calibrated(used), fresh)
     assert found(fresh) == {(unused.id, "recording"), (used.id, "columns")}
     assert delete(fresh) == []
-    assert listing.all_runs(fresh) == [used]
+    assert run_index.all_runs(fresh) == [used]
     assert [path.name for path in fresh.raw.iterdir()] == [f"{used.digest}.mcap"]
     assert list(fresh.columns.iterdir()) == []
     first, second = trail.entries(fresh)

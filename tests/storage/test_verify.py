@@ -14,7 +14,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage.catalogue import database, results, runs, tables, trail
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.formats.columns import write_columns
 from storage.formats.mcap.writer import write_mcap
 from storage.home import Home

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.calibration import AdoptedTerm, Calibration, Item
 from schemas.recording import Recording
 from schemas.text import Remark
-from tasks.explain.correction.budget import CorrectionLines, with_lines
+from tasks.explain.correction.budget_lines import CorrectionLines, with_lines
 from tasks.explain.correction.corrected import corrected
 from tasks.explain.correction.sensitivity import (
     UncertainInput,

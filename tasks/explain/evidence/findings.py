@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.discrepancy import FoundParameter
+from tasks.explain.confounding.families import common_part
 from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.determination import widening
 from tasks.explain.evidence.evidence import Evidence
@@ -14,7 +15,6 @@ from tasks.explain.evidence.pruning import unsupported
 from tasks.explain.evidence.scrutiny import Scrutiny
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import UNNAMED, Finding, Refusal
-from tasks.explain.groups.families import common_part
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted

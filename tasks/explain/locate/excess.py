@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tasks.explain.locate.run import BlockedRun, Moments
+from tasks.explain.locate.run_blocks import BlockedRun, Moments
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import regressors
 from tasks.words.rounding import MINUS

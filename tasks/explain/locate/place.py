@@ -17,7 +17,7 @@ from tasks.explain.locate.patterns import (
     harmonics_pattern,
     partition_pattern,
 )
-from tasks.explain.locate.run import BlockedRun, Moments
+from tasks.explain.locate.run_blocks import BlockedRun, Moments
 from tasks.motion.whole import Motion
 from tasks.words import Message, message
 from tasks.words.quantities import percent

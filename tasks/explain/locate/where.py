@@ -12,7 +12,7 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation, Finding
 from tasks.explain.locate.excess import ChannelExcess, StandardDesign, noise_scales
 from tasks.explain.locate.place import Place, places
-from tasks.explain.locate.run import BlockedRun
+from tasks.explain.locate.run_blocks import BlockedRun
 from tasks.words import message, statement
 
 MIN_SHARE = 0.05  # of a finding's excess, from which a channel has an entry of its own

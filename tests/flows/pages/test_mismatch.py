@@ -23,7 +23,7 @@ from schemas.pages.mismatch import MismatchQuestion
 from schemas.review import KeptReview, Moment, PooledEvidence, PooledValue, Review, ReviewFinding
 from schemas.text import Statement
 from storage import dataframes, last_review
-from storage.catalogue import explanations, listing
+from storage.catalogue import explanations, run_index
 from storage.home import Home
 from tests.proof.line.draw import Line
 
@@ -82,7 +82,7 @@ def home(line_store: tuple[Home, Line]) -> Home:
     other = table[table["station"] == "ST-02"]["id"].iloc[0]
     for run, effect in ((first, None), (second, "axis_tilt"), (other, "lever_arm")):
         at = datetime(2026, 11, 1, tzinfo=UTC)
-        explanations.keep(listing.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
+        explanations.keep(run_index.find(run, home), discrepancy(effect), "<p>told</p>", at, home)
     return home
 
 
@@ -110,7 +110,7 @@ def test_a_choice_of_station_or_effect_takes_the_runs_that_meet_it(home: Home) -
 
 def test_a_run_that_is_explained_again_has_the_new_answer_alone(home: Home) -> None:
     clean = next(run.run for run in data(EVERYTHING, home).newest if not run.findings)
-    run = listing.find(clean, home)
+    run = run_index.find(clean, home)
     before = explanations.explained_runs(home)
     at = datetime(2026, 11, 2, tzinfo=UTC)
     explanations.keep(run, discrepancy("time_offset"), "<p>again</p>", at, home)

@@ -15,7 +15,7 @@ from schemas.base import Unusable
 from schemas.pages.run import RunQuestion, RunShown
 from schemas.pages.signals import SignalsQuestion
 from storage.catalogue import results, runs
-from storage.catalogue.listing import find
+from storage.catalogue.run_index import find
 from storage.home import Home
 from tests.drafts import calibration_of, draft, recording_of
 

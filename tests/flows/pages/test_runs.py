@@ -16,7 +16,7 @@ from schemas.certificate import State
 from schemas.pages.runs import Condition, ResultState, RunLine, RunsQuestion
 from schemas.validity import RunVerdict
 from storage.catalogue import results
-from storage.catalogue.run_list import run_list
+from storage.catalogue.run_states import run_list
 from storage.catalogue.runs import add
 from storage.home import Home
 from tests.drafts import calibration_of, draft, recording_of

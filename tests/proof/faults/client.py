@@ -11,7 +11,7 @@ from schemas.base import BrokenOff, Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.formats.mcap.chunk_writer import ChunkWriter
 from storage.home import Home
 from tasks.stages.acquire import acquire_run

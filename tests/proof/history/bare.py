@@ -8,7 +8,7 @@ import sys
 import time
 
 from schemas.orders import Estimation
-from storage.catalogue import listing
+from storage.catalogue import run_index
 from storage.home import home
 from tasks.stages.estimate import calibration_of
 
@@ -17,7 +17,7 @@ WARM_UP = 5
 
 def main(count: int) -> None:
     """Print the figures of so many runs of the home."""
-    some = listing.all_runs(home())[: count + WARM_UP]
+    some = run_index.all_runs(home())[: count + WARM_UP]
     for run in some[:WARM_UP]:
         calibration_of(run, home(), Estimation(), None)
     began, worked = time.perf_counter(), time.process_time()

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 import sqlalchemy as sql
 
-from storage.catalogue import database, listing, tables
+from storage.catalogue import database, run_index, tables
 from storage.home import Home
 from tests import postgres
 from tests.proof.history.cluster import catalogue
@@ -49,7 +49,7 @@ def _measured(name: str, home: Home, variables: dict[str, str]) -> Listed:
     wall, work = [], []
     for _ in range(TIMES):
         began, worked = time.perf_counter(), time.process_time()
-        rows = len(listing.all_runs(home))
+        rows = len(run_index.all_runs(home))
         wall.append(time.perf_counter() - began)
         work.append(time.process_time() - worked)
     command = watched((*MIMUCAL, "runs"), variables)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from schemas.recording import Recording
-from storage.catalogue import listing, runs
+from storage.catalogue import run_index, runs
 from storage.home import Home
 from tests.bench.recordings import recording
 
@@ -20,7 +20,7 @@ def fill(home: Home, count: int, progress: Callable[[int, int], None]) -> None:
 
     A thousand raw recordings would take 11 GB beside the 8 GB of their columns.
     """
-    there = len(listing.all_runs(home))
+    there = len(run_index.all_runs(home))
     for number, each in enumerate(variations(count), start=1):
         if number > there:
             run, _ = runs.add(each, home)

@@ -5,7 +5,7 @@ from pathlib import Path
 from schemas.base import Unusable
 from schemas.procedure import Procedure
 from schemas.station import StationFile
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.stages.acquire import acquire_run
 from tasks.stages.left_run import left_runs

@@ -11,7 +11,7 @@ from flows.printing import stdout
 from flows.progress import counting
 from schemas.base import Unusable
 from schemas.orders import ExplainOrder, ReviewOrder
-from storage.catalogue.listing import find
+from storage.catalogue.run_index import find
 from storage.home import Home
 from tasks.stages.explain import explain_run
 from tasks.stages.review import review_runs

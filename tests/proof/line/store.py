@@ -10,7 +10,7 @@ import sqlalchemy as sql
 
 from schemas.calibration import Calibration
 from schemas.recording import Manifest
-from storage.catalogue import database, equipment, lineage, summaries, tables
+from storage.catalogue import database, equipment, lineage, result_rows, tables
 from storage.catalogue.results import result_id
 from storage.catalogue.runs import unit_id
 from storage.formats.manifest import MANIFEST
@@ -117,8 +117,8 @@ def _add(
         "id": result, "run": calibration.run, "method": calibration.method,
         "code_version": calibration.code_version, "made_at": taken_in, "document": document,
     })  # fmt: skip
-    rows["elements"] += [{"result": result} | row for row in summaries.elements_of(calibration)]
-    outcome = summaries.outcome_of(calibration)
+    rows["elements"] += [{"result": result} | row for row in result_rows.elements_of(calibration)]
+    outcome = result_rows.outcome_of(calibration)
     rows["outcomes"].append({"result": result, "made_at": taken_in} | outcome)
     rows["equipment"] += [
         {"run": calibration.run, "document": lineage.MANIFEST, **used.model_dump()}
@@ -131,7 +131,7 @@ def _add(
         certificate = certificate_of(unit, run, manifest, issued)
         rows["certificates"].append(row_of(certificate, run, result, key))
         rows["decisions"] += [
-            {"certificate": issued} | row for row in summaries.decisions_of(run.decision)
+            {"certificate": issued} | row for row in result_rows.decisions_of(run.decision)
         ]
         text = certificate.model_dump_json()
         (home.certificates / f"{issued}.json").write_text(text, encoding="utf-8")

@@ -14,7 +14,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.catalogue import database, listing, numbers, tables
+from storage.catalogue import database, numbers, run_index, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
 from tests.keep import take_number
@@ -85,14 +85,14 @@ def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
     with database.engine(fresh).begin() as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(Unusable, match=r"revision 9999.*update mimucal"):
-        listing.all_runs(fresh)
+        run_index.all_runs(fresh)
 
 
 def test_catalogue_that_is_no_database_is_one_sentence(fresh: Home) -> None:
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").write_text("not a database, but longer than a header " * 9)
     with pytest.raises(Unusable, match=r"catalog\.sqlite cannot be used \(file is not a database"):
-        listing.all_runs(fresh)
+        run_index.all_runs(fresh)
 
 
 @pytest.mark.parametrize("url", ["mysql://lab@host/db", "sqlite://", "nonsense"])
@@ -101,7 +101,7 @@ def test_database_of_another_kind_is_refused(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", url)
     with pytest.raises(Unusable, match=r"MIMUCAL_DATABASE.*postgresql://"):
-        listing.all_runs(fresh)
+        run_index.all_runs(fresh)
 
 
 def test_password_of_the_database_is_not_printed(
@@ -109,7 +109,7 @@ def test_password_of_the_database_is_not_printed(
 ) -> None:
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab:secret@127.0.0.1:1/mimucal")
     with pytest.raises(Unusable, match=r"127\.0\.0\.1") as caught:
-        listing.all_runs(fresh)
+        run_index.all_runs(fresh)
     assert "secret" not in str(caught.value)
 
 

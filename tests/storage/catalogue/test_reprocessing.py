@@ -7,8 +7,8 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import Recording
 from storage.catalogue import reprocessing, results, runs
-from storage.catalogue.listing import Run
 from storage.catalogue.reprocessing import keep, keep_fault, made_under, to_make
+from storage.catalogue.run_index import Run
 from storage.home import Home
 
 Calibrate = Callable[..., Calibration]

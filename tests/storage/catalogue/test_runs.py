@@ -14,7 +14,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.recording import Recording
-from storage.catalogue import listing, runs
+from storage.catalogue import run_index, runs
 from storage.formats import recordings
 from storage.formats.columns import write_columns
 from storage.formats.content import digest
@@ -48,12 +48,12 @@ def test_run_says_what_it_is(fresh: Home, small: Build) -> None:
     assert (run.recording_id, run.standard, run.rows) == ("small", "other", 300)
     assert run.seconds == pytest.approx(2.99)
     assert before <= run.taken_in_at <= datetime.now(UTC)
-    assert listing.all_runs(fresh) == [run]
+    assert run_index.all_runs(fresh) == [run]
 
 
 def test_second_import_of_same_content_is_the_same_run(fresh: Home, small: Build) -> None:
     assert runs.add(small(), fresh)[0] == runs.add(small(), fresh)[0]
-    assert len(listing.all_runs(fresh)) == 1
+    assert len(run_index.all_runs(fresh)) == 1
     assert len(list(fresh.raw.iterdir())) == 1
 
 
@@ -70,7 +70,7 @@ path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
     said = at_once(script, fresh, str(tmp_path / "source"), processes=3)
-    (run,) = listing.all_runs(fresh)
+    (run,) = run_index.all_runs(fresh)
     assert said == [f"{run.id}\n"] * 3
     assert [path.name for path in fresh.raw.iterdir()] == [f"{run.digest}.mcap"]
     assert [path.name for path in fresh.columns.iterdir()] == [run.digest]
@@ -92,7 +92,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
         broken.setattr(step, break_off)
         with pytest.raises(KeyboardInterrupt):
             runs.add(small(), fresh)
-    assert listing.all_runs(fresh) == []
+    assert run_index.all_runs(fresh) == []
     assert not list(fresh.path.rglob(".*"))
     run = runs.add(small(), fresh)[0]
     assert runs.load(run, fresh).digest == run.digest
@@ -121,7 +121,7 @@ runs.add(recordings.read(source), home)
 """
     command = [sys.executable, "-c", script, step, str(fresh.path), str(tmp_path / "source")]
     assert subprocess.run(command, check=False).returncode == -9
-    assert listing.all_runs(fresh) == []
+    assert run_index.all_runs(fresh) == []
     run = runs.add(small(), fresh)[0]
     assert runs.load(run, fresh).digest == run.digest
     assert verify(fresh) == (2, [])
@@ -187,18 +187,18 @@ def test_run_is_found_by_every_name_that_it_has(fresh: Home, small: Build) -> No
     run = runs.add(small(name="first"), fresh)[0]
     runs.add(small(start=1.0, name="second"), fresh)
     for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
-        assert listing.find(reference, fresh) == run
+        assert run_index.find(reference, fresh) == run
 
 
 def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home, small: Build) -> None:
     one, two = runs.add(small(), fresh)[0], runs.add(small(start=1.0), fresh)[0]
     with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
-        listing.find("small", fresh)
+        run_index.find("small", fresh)
     with pytest.raises(Unusable, match=r"2 runs"):
-        listing.find("r", fresh)
+        run_index.find("r", fresh)
     for nobody in ("r%", "_", "nobody", ""):
         with pytest.raises(Unusable, match=r"There is no run .*mimucal runs"):
-            listing.find(nobody, fresh)
+            run_index.find(nobody, fresh)
 
 
 def test_source_taken_in_before_is_known_by_its_bytes(
@@ -238,7 +238,7 @@ def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
     assert (
         runs.imported_before(folder, fresh)
         == runs.imported_before(file, fresh)
-        == listing.find(*ids, fresh)
+        == run_index.find(*ids, fresh)
     )
 
 

@@ -12,7 +12,7 @@ from schemas.calibration import Calibration
 from schemas.certificate import Certificate
 from schemas.orders import Selection
 from schemas.recording import Manifest, Recording
-from storage.catalogue import database, listing, results, runs, tables
+from storage.catalogue import database, results, run_index, runs, tables
 from storage.catalogue.completion import complete_runs
 from storage.catalogue.selection import select
 from storage.home import Home
@@ -49,7 +49,7 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
     assert chosen(fresh, procedure="JJF 2003-2022") == [two]
     assert chosen(fresh, until=date(2026, 3, 1)) == [one]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [two]
-    today = listing.find(three, fresh).taken_in_at.date()
+    today = run_index.find(three, fresh).taken_in_at.date()
     assert chosen(fresh, since=date(2026, 3, 2)) == [two, three]
     assert chosen(fresh, since=today) == [three]  # by its import: its manifest gives no day
 
@@ -57,7 +57,7 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
 def test_the_version_of_the_newest_result_chooses(
     fresh: Home, recorded, calibrated: Callable[..., Calibration]
 ) -> None:
-    old, new = (listing.find(recorded(start), fresh) for start in (0.0, 1.0))
+    old, new = (run_index.find(recorded(start), fresh) for start in (0.0, 1.0))
     for run in (old, new):
         results.save(calibrated(run, code_version="0.1.0+a"), fresh)
     results.save(calibrated(new, code_version="0.2.0+b"), fresh)
@@ -68,7 +68,7 @@ def test_the_version_of_the_newest_result_chooses(
 def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificates(
     fresh: Home, recorded, calibrated, certified: Callable[..., Certificate]
 ) -> None:
-    run = listing.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
+    run = run_index.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
     recording = runs.load(run, fresh)
     party = dict.fromkeys(("name", "name_zh", "address", "address_zh"), "L")
     laboratory = {"party": party, "equipment": [TABLE | {"certificate": "C2"}]}
@@ -81,14 +81,14 @@ def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificate
         connection.execute(sql.delete(tables.equipment))
         unknown = dict.fromkeys(("station", "procedure", "recorded_on"))
         connection.execute(sql.update(tables.runs).values(**unknown))
-    assert listing.find(run.id, fresh).station is None
+    assert run_index.find(run.id, fresh).station is None
     complete_runs(fresh)
-    assert listing.find(run.id, fresh) == run
+    assert run_index.find(run.id, fresh) == run
     assert set(database.rows(fresh, sql.select(tables.equipment))) == set(expected)
 
 
 def test_equipment_that_is_no_record_keeps_no_run_out(fresh: Home, recorded) -> None:
     run = recorded(0.0, equipment=["a table", {"name": "Table"}, 7], recorded_at=17)
-    assert listing.find(run, fresh).recorded_on is None
+    assert run_index.find(run, fresh).recorded_on is None
     (row,) = database.rows(fresh, sql.select(tables.equipment))
     assert (row.name, row.serial) == ("Table", "")

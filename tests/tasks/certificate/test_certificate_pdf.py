@@ -33,7 +33,7 @@ from tasks.certificate.faces import faces_of
 from tasks.certificate.pdf import render
 from tasks.certificate.verify_file import verify_file
 from tasks.conformity import decide
-from tasks.words import catalogue
+from tasks.words import translation
 
 POINT = 72 / 25.4  # points in a millimetre
 SIDE_MM, TOP_MM, BOTTOM_MM = 21, 9, 9
@@ -361,7 +361,7 @@ def test_a_third_language_is_a_third_folder_of_words(
     german = tmp_path / "de" / "certificate.ftl"
     english = german.read_text(encoding="utf-8")
     german.write_text(english.replace("Calibration Certificate", "Kalibrierschein"), "utf-8")
-    monkeypatch.setattr(catalogue, "FOLDER", tmp_path)
+    monkeypatch.setattr(translation, "FOLDER", tmp_path)
     text = "".join(pages(render(certificate(), ("de", "zh"))))
     assert "Kalibrierschein" in text
     assert "校准证书" in text

@@ -7,7 +7,7 @@ from schemas.recording import Manifest
 from schemas.review import Review
 from tasks.motion.table import EARTH_RATE
 from tasks.review.report import review_of
-from tasks.review.run import reviewed_runs
+from tasks.review.run_identity import reviewed_runs
 from tasks.review.search import search
 from tasks.review.site import estimated
 from tests.tasks.review.fleet import NOTHING, fleet, of

@@ -9,7 +9,7 @@ from schemas.discrepancy import Detection, Discrepancy, HeldOut
 from schemas.review import RunStatistics
 from schemas.text import Statement
 from tasks.review.pool import Pool, ReviewedRun, pooled
-from tasks.review.statistics import statistics_of
+from tasks.review.run_statistics import statistics_of
 from tasks.review.together import found_together
 from tasks.review.together_report import discrepancy_together
 from tests.proof.plant.case import Case, EffectCall

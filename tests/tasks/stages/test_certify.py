@@ -15,7 +15,7 @@ from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.tolerance import Limit, Tolerance
 from storage.catalogue import certificates, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.stages.certificate_inputs import CertificateInputs as Inputs
 from tasks.stages.certify import certify, due_date

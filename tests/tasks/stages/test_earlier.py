@@ -7,7 +7,7 @@ import pytest
 
 from schemas.certificate import State
 from storage.catalogue import certificates, runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
 from tasks.stages import earlier
 from tasks.stages.earlier import earlier_certificates

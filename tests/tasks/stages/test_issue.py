@@ -15,7 +15,7 @@ from schemas.certificate_orders import AmendOrder
 from schemas.decision import Decision
 from schemas.equipment import MeasurementStandard
 from schemas.text import Remark
-from storage.catalogue import certificates, database, listing, results, tables, trail
+from storage.catalogue import certificates, database, results, run_index, tables, trail
 from storage.home import Home
 from storage.verify import verify
 from tasks.stages.amend import amendment
@@ -55,7 +55,7 @@ def refusal(step: Callable[..., object], *arguments: object) -> str:
 
 def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
     drafted = draft(home)
-    run = listing.all_runs(home)[0].id
+    run = run_index.all_runs(home)[0].id
     assert (drafted.certificate.number, drafted.state) == (f"draft-{run[:8]}", "draft")
     checked = check(drafted.certificate.number, home, "Li", "all values read again")
     assert (checked.certificate.number, checked.state) == (drafted.certificate.number, "checked")
@@ -86,7 +86,7 @@ def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home: Hom
 
 def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home: Home) -> None:
     draft(home)
-    run = listing.all_runs(home)[0]
+    run = run_index.all_runs(home)[0]
     joint = calibration_of(run, method="joint")
     other = keep_draft(certificate_of(run, joint), home, MORNING)
     assert other.certificate.number == f"draft-{run.id[:8]}-2"
@@ -194,7 +194,7 @@ def test_equipment_that_had_run_out_blocks_the_issue(home: Home) -> None:
 def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:
     key = draft(home).certificate.number
     check(key, home, "Li")
-    run = listing.all_runs(home)[0]
+    run = run_index.all_runs(home)[0]
     newer = results.save(calibration_of(run, bias=0.5), home)
     assert f"which {newer} superseded; certify the run again" in refusal(issue, key, home, "Zhao")
 
@@ -203,7 +203,7 @@ def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None
     key = draft(home).certificate.number
     check(key, home, "Li")
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
-    results.save(calibration_of(listing.all_runs(home)[0], remarks=(wrong,)), home)
+    results.save(calibration_of(run_index.all_runs(home)[0], remarks=(wrong,)), home)
     assert "is invalid (Two clocks); measure again" in refusal(issue, key, home, "Zhao")
 
 
@@ -217,7 +217,7 @@ def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:
 
 def test_an_amendment_is_checked_and_issued_and_then_replaces(home: Home) -> None:
     old = issued(home).certificate
-    run = listing.all_runs(home)[0]
+    run = run_index.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="the client's address")
     new = certificate_of(run, calibration_of(run), replaces=replaced)
     key = keep_draft(new, home, MORNING).certificate.number
@@ -252,7 +252,7 @@ def test_an_issued_certificate_is_not_certified_again_but_amended(home: Home) ->
 
 def test_a_draft_that_amends_is_not_replaced_by_one_that_does_not(home: Home) -> None:
     old = issued(home).certificate
-    run = listing.all_runs(home)[0]
+    run = run_index.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="an error")
     for _ in range(2):  # again, it takes the place of the first
         keep_draft(certificate_of(run, calibration_of(run), replaces=replaced), home, MORNING)

@@ -7,9 +7,9 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.orders import ReviewOrder
-from storage import statistics
+from storage import run_statistics
 from storage.home import Home
-from tasks.review.statistics import VERSION
+from tasks.review.run_statistics import VERSION
 from tasks.stages.review import review_runs
 from tests.proof.plant.case import Case
 from tests.proof.plant.files import write
@@ -31,8 +31,11 @@ def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> Non
     assert (reviewed.review.runs, reviewed.review.verdict) == (2, "no_mismatch")
     assert [Path(one.run).name for one in reviewed.review.skipped] == ["empty"]
     assert reviewed.files[0].read_text(encoding="utf-8").startswith("{")
-    kept = sorted((home.path / statistics.FOLDER).iterdir())
-    assert [statistics.load(path.name, VERSION, home) is not None for path in kept] == [True, True]
+    kept = sorted((home.path / run_statistics.FOLDER).iterdir())
+    assert [run_statistics.load(path.name, VERSION, home) is not None for path in kept] == [
+        True,
+        True,
+    ]
     made = [path.stat().st_mtime_ns for path in kept]
     again = review_runs(ReviewOrder(), home, nothing)
     assert again.review.findings == reviewed.review.findings

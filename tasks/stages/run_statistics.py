@@ -9,11 +9,11 @@ from functools import partial
 from schemas.base import Unusable
 from schemas.recording import Recording
 from schemas.review import RunStatistics
-from storage import statistics
+from storage import run_statistics
 from storage.catalogue import runs
-from storage.catalogue.listing import Run
+from storage.catalogue.run_index import Run
 from storage.home import Home
-from tasks.review.statistics import VERSION, statistics_of
+from tasks.review.run_statistics import VERSION, statistics_of
 from tasks.stages.fan_out import fan_out, processors
 
 WORTH_A_PROCESS = 4  # runs that take longer than a process takes to begin
@@ -29,7 +29,7 @@ class Job:
 
 def kept_statistics(run: Run, home: Home) -> RunStatistics | None:
     """The statistics of a run where they are kept."""
-    return statistics.load(run.digest, VERSION, home)
+    return run_statistics.load(run.digest, VERSION, home)
 
 
 def all_kept_statistics(which: Sequence[Run], home: Home) -> list[RunStatistics | None]:
@@ -44,7 +44,7 @@ def keep_statistics(run: Run, recording: Recording, home: Home) -> None:
     """
     if kept_statistics(run, home) is None:
         with suppress(Unusable):
-            statistics.keep(run.digest, VERSION, statistics_of(recording), home)
+            run_statistics.keep(run.digest, VERSION, statistics_of(recording), home)
 
 
 def make_statistics(which: Sequence[Run], home: Home) -> Iterator[tuple[Run, str]]:
@@ -59,7 +59,7 @@ def _made(job: Job) -> tuple[Run, str]:
     """However it fails, one recording does not end the work on the others."""
     try:
         recording = runs.load(job.run, job.home)
-        statistics.keep(job.run.digest, VERSION, statistics_of(recording), job.home)
+        run_statistics.keep(job.run.digest, VERSION, statistics_of(recording), job.home)
     except Unusable as fault:
         return job.run, str(fault)
     except Exception as failure:

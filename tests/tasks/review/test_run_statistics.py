@@ -11,7 +11,7 @@ from schemas.review import RunStatistics
 from storage import statistics as kept
 from storage.home import Home
 from tasks.review.pool import Pool, ReviewedRun, pooled
-from tasks.review.statistics import VERSION, statistics_of
+from tasks.review.run_statistics import VERSION, statistics_of
 from tests.proof.plant.case import Case, EffectCall
 from tests.proof.plant.simulate import simulate
 

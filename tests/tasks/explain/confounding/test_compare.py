@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from engine_run import NOISY, motion, noise, observed, read
 
-from tasks.explain.groups.combinations import Combination
-from tasks.explain.groups.compare import FILTER, compared
-from tasks.explain.groups.families import common_part, shape_count
+from tasks.explain.confounding.combinations import Combination
+from tasks.explain.confounding.compare import FILTER, compared
+from tasks.explain.confounding.families import common_part, shape_count
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.design import banded_design
 from tasks.explain.search.fitted import FittedSelection

@@ -9,7 +9,7 @@ from fluent.syntax.visitor import Visitor
 
 from schemas.text import Statement
 from tasks.words import LANGUAGES, Message, known, message, say, statement, texts
-from tasks.words.catalogue import _catalogue_file, _file_of
+from tasks.words.translation import _catalogue_file, _file_of
 
 WORDS = Path("tasks/words")
 

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tasks.explain.groups.families import (
+from tasks.explain.confounding.families import (
     ROOT2,
     Form,
     group_delays,

@@ -7,9 +7,9 @@ from itertools import combinations
 
 import numpy as np
 
-from tasks.explain.groups.combinations import chi2_of
-from tasks.explain.groups.families import Form, shape_count
-from tasks.explain.groups.marking import is_by_triad
+from tasks.explain.confounding.combinations import chi2_of
+from tasks.explain.confounding.families import Form, shape_count
+from tasks.explain.confounding.marking import is_by_triad
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.scores import joint_gain
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from tasks.explain.groups.combinations import Combination
-from tasks.explain.groups.families import Form
+from tasks.explain.confounding.combinations import Combination
+from tasks.explain.confounding.families import Form
 from tasks.explain.search.fitted import FittedSelection
 
 
