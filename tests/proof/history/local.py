@@ -63,16 +63,19 @@ def bare(variables: dict[str, str]) -> tuple[float, float]:
 def again(home: Home) -> Again:
     """Measures `mimucal reprocess` on every run of a home."""
     variables = environment(MIMUCAL_HOME=str(home.path))
-    return measured(("--workers", str(WORKERS)), variables)
+    return measured(("--workers", str(WORKERS)), variables, bare(variables))
 
 
 def measured(
     engine: tuple[str, ...],
     variables: dict[str, str],
+    bare_s: tuple[float, float],
     meanwhile: Callable[[], None] = lambda: None,
 ) -> Again:
-    """Measures `mimucal reprocess` with such options, where Prefect's database is made already."""
-    before = bare(variables)
+    """Measures `mimucal reprocess` with such options, where Prefect's database is made already.
+
+    bare_s: what `bare` found, in wall and processor time.
+    """
     command = (*MIMUCAL, "reprocess", *engine, "--json")
     for _ in range(2):  # the first makes Prefect's database
         nothing = watched((*command, "--serial", "nobody"), variables)
@@ -81,8 +84,8 @@ def measured(
     return Again(
         done=report["done"] - report["done_before"],
         failed=report["failed"],
-        bare_s=before[0],
-        bare_processor_s=before[1],
+        bare_s=bare_s[0],
+        bare_processor_s=bare_s[1],
         wall_s=seen.wall_s,
         stage_s=report["seconds"],
         processor_s=seen.processor_s,
