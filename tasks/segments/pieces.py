@@ -4,7 +4,7 @@ A column of a hundred million rows is otherwise read again for every question, a
 are as long as itself.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,22 +16,8 @@ def pieces(count: int) -> Iterator[slice]:
     return (slice(start, min(start + ROWS, count)) for start in range(0, count, ROWS))
 
 
-def extent(values: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest of (n ≥ 1,) values; NaN both where one is."""
-    return _extremes(values, 0, lambda piece: piece)
-
-
 def extreme_steps(t: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest difference between neighbours of (n ≥ 2,) values."""
-    return _extremes(t, 1, np.diff)
-
-
-def _extremes(
-    values: np.ndarray, shared: int, of: Callable[[np.ndarray], np.ndarray]
-) -> tuple[float, float]:
-    """shared: values that a piece has in common with the next."""
-    each = (of(values[p.start : p.stop + shared]) for p in pieces(len(values) - shared))
-    lows, highs = zip(*((float(piece.min()), float(piece.max())) for piece in each), strict=True)
-    if any(map(np.isnan, lows)):
-        return np.nan, np.nan
-    return min(lows), max(highs)
+    """Smallest and largest difference of neighbours among (n ≥ 2,) values; both NaN if one is."""
+    steps = (np.diff(t[piece.start : piece.stop + 1]) for piece in pieces(len(t) - 1))
+    extremes = np.array([(step.min(), step.max()) for step in steps])
+    return float(extremes[:, 0].min()), float(extremes[:, 1].max())

@@ -1,6 +1,6 @@
 """Segment means that transmission errors do not spoil, with what their noise is made of."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, MEASURED, Recording, Segment, Stream
 from tasks.segments.median import median
-from tasks.segments.pieces import extent, pieces
+from tasks.segments.one_pass import Pass, one_pass
 
 Origin = Literal["label", "found"]
 
@@ -20,7 +20,6 @@ SAMPLE_ROWS = 2000  # rows that centre and scale are taken from; enough for a me
 REACH = 10.0  # robust standard deviations beyond which a row is not this segment's signal
 NEAR_STEPS = 4.5  # steps of a coarse channel that its noise can reach
 STEP_ROWS = 8000  # rows that the step is looked for in
-BLOCKS = 32  # finest blocks of the Allan variances
 MIN_ROWS = 4  # a segment with fewer has no mean to speak of
 LONGEST_BURST = 3  # rows: a corrupted frame or two; anything longer moved
 
@@ -100,8 +99,8 @@ def far_rows(channel: np.ndarray, step: float = 0.0) -> np.ndarray | None:
 
     Rows a few steps of the channel away are near. A channel that was not recorded (NaN) has none.
     """
-    centres, reaches = _bulk(_sampled(channel)[None], np.array([step]))
-    return _beyond(channel, float(centres[0]), float(reaches[0]))
+    samples = _samples([channel])
+    return _far_by_channel([channel], one_pass([channel]), samples, np.array([step])).get(0)
 
 
 def _bulk(samples: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -117,13 +116,6 @@ def _bulk(samples: np.ndarray, step: np.ndarray) -> tuple[np.ndarray, np.ndarray
     resolution = 8 * np.finfo(float).eps * np.abs(centre)
     floor = np.maximum(resolution, NEAR_STEPS * step / REACH)
     return centre, REACH * np.maximum(np.maximum(spread, (high - low) / 4.1), floor)
-
-
-def _beyond(channel: np.ndarray, centre: float, reach: float) -> np.ndarray | None:
-    low, high = extent(channel)
-    if not (high > centre + reach or low < centre - reach):
-        return None
-    return np.abs(channel - centre) > reach
 
 
 def _sampled(channel: np.ndarray) -> np.ndarray:
@@ -157,23 +149,8 @@ def _widened(corrupt: np.ndarray) -> np.ndarray:
     return count[np.minimum(row + burst + 1, len(corrupt))] > count[np.maximum(row - burst, 0)]
 
 
-def block_means(values: Sequence[np.ndarray]) -> np.ndarray:
-    """Means (c, blocks) of c channels (n,) over BLOCKS blocks; fewer where there are fewer rows."""
-    count = len(values[0])
-    blocks = min(BLOCKS, 1 << (count.bit_length() - 1))
-    size = count // blocks
-    return np.array([c[: size * blocks].reshape(blocks, size).mean(axis=1) for c in values])
-
-
-def _means(values: Sequence[np.ndarray], blocks: np.ndarray) -> np.ndarray:
-    """Means (c,) of channels (n,): of their `block_means` (c, blocks) and the rows after them."""
-    size = len(values[0]) // blocks.shape[1]
-    after = np.array([channel[size * blocks.shape[1] :].sum() for channel in values])
-    return (size * blocks.sum(axis=1) + after) / len(values[0])
-
-
 def allan_variances(means: np.ndarray, seconds: float) -> tuple[np.ndarray, np.ndarray]:
-    """Allan variances of `block_means` (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
+    """Allan variances of block means (c, blocks) at block lengths seconds/32, /16, /8, /4, /2.
 
     Returns variances (levels, c) and block lengths (levels,) s.
     """
@@ -202,23 +179,24 @@ def summarise(
     values = imu.views(CHANNELS, rows)
     step = steps(imu) if step is None else step
     seconds = float(t[-1] - t[0]) * len(t) / max(1, len(t) - 1)
-    kept, stamps, left_out, longest_burst = values, t, 0, 0
+    left_out, longest_burst = 0, 0
     samples = _samples(values)
-    far = {} if segment.kind == "rotation" else _far_by_channel(values, samples, step)
+    read = one_pass(values, _angle(t, segment))
+    far = {} if segment.kind == "rotation" else _far_by_channel(values, read, samples, step)
     if far:
         corrupt = _widened(np.any(list(far.values()), axis=0))
-        kept, stamps = [channel[~corrupt] for channel in values], t[~corrupt]
+        kept = [channel[~corrupt] for channel in values]
         samples = _samples(kept)
+        read = one_pass(kept, _angle(t[~corrupt], segment))
         left_out, longest_burst = int(corrupt.sum()), longest_run(corrupt)
-    blocks = block_means(kept)
-    allan, tau = allan_variances(blocks - _turning(kept, stamps, segment), seconds)
+    allan, tau = allan_variances(read.blocks - read.periodic, seconds)
     return SegmentMean(
         segment=segment,
         origin=origin,
         rows=len(t),
         t_start=float(t[0]),
         t_end=float(t[0]) + seconds,
-        mean=_means(kept, blocks),
+        mean=read.mean,
         allan=allan,
         tau=tau,
         left_out=left_out,
@@ -229,36 +207,27 @@ def summarise(
     )
 
 
-def _turning(values: Sequence[np.ndarray], t: np.ndarray, segment: Segment) -> np.ndarray:
-    """Block means (6, blocks) of what comes back once a turn at a held rate: it is no noise.
+def _angle(t: np.ndarray, segment: Segment) -> Callable[[slice], np.ndarray] | None:
+    """The angle (rad) turned at a held rate by some of the rows at t (n,) s.
 
-    The ripple of the table, the level parts of Earth's rotation and of gravity average out over
-    whole turns; where less than one was made, nothing is known of them (zeros). Least squares of
-    a constant, a cosine and a sine; the constant is left in.
+    What comes back once a turn is no noise: the ripple of the table, the level parts of Earth's
+    rotation and of gravity average out over whole turns. Where less than one was made, nothing is
+    known of them: None.
     """
     rate = np.radians(segment.rate_deg_s or 0.0)
     if segment.kind != "rate" or abs(rate) * (t[-1] - t[0]) < 2.0 * np.pi:
-        return np.zeros((len(values), 1))
-    both, squares, along = np.empty((2, len(t))), np.zeros((3, 3)), np.zeros((len(values), 3))
-    for rows in pieces(len(t)):
-        # By the tangent of half the angle, which numpy has nine times as fast as cosine and sine.
-        half = np.tan(0.5 * rate * (t[rows] - t[0]))
-        square = half**2
-        shapes = np.array([1.0 + square, 1.0 - square, 2.0 * half]) / (1.0 + square)
-        both[:, rows] = shapes[1:]
-        squares += [shapes @ shape for shape in shapes]
-        along += [shapes @ channel[rows] for channel in values]
-    amplitude = np.linalg.solve(squares, along.T)[1:]
-    return np.asarray(amplitude.T @ block_means(list(both)))
+        return None
+    return lambda rows: rate * (t[rows] - t[0])
 
 
 def _far_by_channel(
-    values: Sequence[np.ndarray], samples: np.ndarray, step: np.ndarray
+    values: Sequence[np.ndarray], read: Pass, samples: np.ndarray, step: np.ndarray
 ) -> dict[int, np.ndarray]:
     """The far rows of each channel that has any."""
-    bulks = zip(values, *_bulk(samples, step), strict=True)
-    flags = ((channel, _beyond(*bulk)) for channel, bulk in enumerate(bulks))
-    return {channel: far for channel, far in flags if far is not None}
+    centre, reach = _bulk(samples, step)
+    # A comparison with NaN, of a channel that was not recorded, is false.
+    with_far = np.flatnonzero((read.high > centre + reach) | (read.low < centre - reach)).tolist()
+    return {c: np.abs(values[c] - centre[c]) > reach[c] for c in with_far}
 
 
 def summarise_all(

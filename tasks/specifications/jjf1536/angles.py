@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.recording import ANGLE, GYRO, Recording, Segment, Stream
+from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
     GYRO_COLUMNS,
     Origin,
     SegmentMean,
     allan_variances,
-    block_means,
     far_rows,
     longest_run,
     steps,
@@ -148,7 +148,7 @@ def _with_angles(base: SegmentMean, gain: Increments) -> SegmentMean:
     mean[GYRO_COLUMNS] = gain.increment.sum(axis=1) / seconds
     step[GYRO_COLUMNS] = 0.0  # the rounding of the angle is counted once, as its noise
     rate = gain.increment * gain.increment.shape[1] / seconds
-    variances, tau = allan_variances(block_means(rate), seconds)
+    variances, tau = allan_variances(one_pass(rate).blocks, seconds)
     allan = np.zeros((len(tau), len(mean)))
     allan[:, GYRO_COLUMNS] = variances
     far[GYRO_COLUMNS] = gain.outlying.sum(axis=1)

@@ -5,9 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from schemas.recording import ACCEL, GYRO, Segment, Stream
+from tasks.segments.one_pass import one_pass
 from tasks.segments.summarise import (
     allan_variances,
-    block_means,
     coarsely_quantised,
     steps,
     summarise,
@@ -78,7 +78,7 @@ def test_a_segment_without_rows_has_no_summary() -> None:
 
 def test_allan_variance_of_white_noise_falls_with_the_block_length() -> None:
     values = np.random.default_rng(1).normal(0.0, 1.0, (320_000, 6))
-    variances, tau = allan_variances(block_means(list(values.T)), 3200.0)
+    variances, tau = allan_variances(one_pass(list(values.T)).blocks, 3200.0)
     expected = 0.01 / tau  # unit variance at 100 Hz
     assert np.allclose(variances[:3].mean(axis=1), expected[:3], rtol=0.3)
 
