@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import suppress
+from itertools import islice
 from typing import TYPE_CHECKING, TypeVar
 
 from schemas.base import Unusable
@@ -54,11 +55,9 @@ def _while_connected(
     with Client(scheduler, timeout=ANSWER_S) as client:
         waiting, running = iter(list(left)), dict[Future, int]()
         while True:
-            for k in waiting:
-                future = client.submit(work, left[k], pure=False)
-                running[future] = k
-                if len(running) >= WAITING * _threads(client):
-                    break
+            most = WAITING * _threads(client)
+            for k in islice(waiting, max(0, most - len(running))):
+                running[client.submit(work, left[k], pure=False)] = k
             if not running:
                 return
             with suppress(TimeoutError):

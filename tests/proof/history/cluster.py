@@ -21,6 +21,7 @@ from tests.proof.history.watch import environment
 
 WORKERS = 2
 COPIED = (tables.units, tables.runs, tables.equipment, tables.sources)  # of an import
+UNPROFILED = {"DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "false"}  # nobody looks at it
 KEYS = {"AWS_ACCESS_KEY_ID": "of-a-proof", "AWS_SECRET_ACCESS_KEY": "of-a-proof"}
 
 
@@ -66,7 +67,7 @@ class Cluster:
     def _start(self, program: str, *arguments: str) -> "subprocess.Popen[bytes]":
         return subprocess.Popen(
             [sys.executable, "-m", f"distributed.cli.{program}", *arguments, "--no-dashboard"],
-            env=self.variables | {"PYTHONPATH": os.getcwd()},
+            env=self.variables | UNPROFILED | {"PYTHONPATH": os.getcwd()},
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
 
