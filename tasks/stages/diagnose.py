@@ -128,7 +128,11 @@ def _clock(home: Home) -> Iterator[Examined]:
 def _settings(home: Home) -> Iterator[Examined]:
     """The laboratory's own files: one that cannot be read stops what needs it."""
     looks = (
-        (settings.LABORATORY, settings.laboratory, "certificates need one: see the README"),
+        (
+            settings.LABORATORY,
+            settings.laboratory,
+            "certificates need one: deploy/guide/certificates.md",
+        ),
         (settings.RECALL, settings.recall, "nobody is reminded without one"),
     )
     for name, look, without in looks:
