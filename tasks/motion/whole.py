@@ -6,14 +6,13 @@ Frames as in `mimu-recording/1`: n is East-North-Up.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
-from tasks.motion.interval_means import mean_motion
 from tasks.motion.pose import POSE, Tracking, tracked_motion
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
@@ -112,7 +111,30 @@ def whole_motion(recording: Recording, t: np.ndarray | None = None) -> Motion:
     if not span:
         return motion
     before, after = _motion_at(recording, at - 0.5 * span), _motion_at(recording, at + 0.5 * span)
-    return mean_motion(motion, before, after, span)
+    return _mean_motion(motion, before, after, span)
+
+
+def _mean_motion(middle: Motion, before: Motion, after: Motion, span: float) -> Motion:
+    """The motion of intervals `span` s long, by that of their middles and of both ends.
+
+    Its rate is the mean over the interval: of encoders the angle between the ends, of anything
+    else by Simpson's rule. What gives the force is the mean of both ends, as such a unit's
+    accelerometers are read. Unknown where any of the three is.
+    """
+    if middle.axes is None or before.axes is None or after.axes is None:
+        rate = (before.rate + 4.0 * middle.rate + after.rate) / 6.0
+    else:
+        mean = (after.axes.angles - before.axes.angles) / span
+        own = np.einsum("nk,nki->ni", mean - middle.axes.speeds, middle.axes.directions)
+        rate = middle.rate + own
+    moved = before.translation, after.translation
+    return replace(
+        middle,
+        up=0.5 * (before.up + after.up),
+        north=0.5 * (before.north + after.north),
+        rate=rate,
+        translation=None if moved[0] is None or moved[1] is None else 0.5 * (moved[0] + moved[1]),
+    )
 
 
 def north_at_rest(recording: Recording, t: np.ndarray) -> np.ndarray:

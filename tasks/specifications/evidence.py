@@ -10,7 +10,7 @@ from schemas.recording import AXES, UPS, Axis, Kind, Recording, Segment, Up
 from tasks.motion.whole import north_at_rest
 from tasks.segments.rates import TurningPoint
 from tasks.segments.summarise import CHANNELS, SegmentMean, coarsely_quantised
-from tasks.specifications.earth_rotation import EarthRotationGain
+from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.uncertainty.type_a import ChannelNoise, covariance_of_means
 
 SAMPLES = 20  # times within a rest at which north is looked up

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from schemas.calibration import Information, Item
 from tasks.calibrate.information.entry import entry
-from tasks.specifications.earth_rotation import EarthRotationGain, earth_rotation_message
+from tasks.specifications.earth_gain import EarthRotationGain, earth_rotation_message
 from tasks.words import Message, message
 
 ITEM = "gyro_g_sensitivity"

@@ -8,7 +8,7 @@ import numpy as np
 from schemas.recording import AXES
 from schemas.text import Remark
 from tasks.motion.table import EARTH_RATE
-from tasks.specifications.earth_rotation import earth_rotation_message
+from tasks.specifications.earth_gain import earth_rotation_message
 from tasks.specifications.estimate import DEG, MATRIX, UNDETERMINED, Estimates
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf2003.positions import is_paired

@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.recording import AXES, UPS, Axis
 from schemas.text import Remark
-from tasks.specifications.earth_rotation import earth_rotation_message
+from tasks.specifications.earth_gain import earth_rotation_message
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.gravity_fit import GravityFit
 from tasks.specifications.joint.moves import MovesFit

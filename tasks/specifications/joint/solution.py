@@ -16,7 +16,7 @@ from tasks.model.terms.standard import (
     GYRO_MATRIX,
     STANDARD_TERMS,
 )
-from tasks.specifications.earth_rotation import EarthRotationGain
+from tasks.specifications.earth_gain import EarthRotationGain
 from tasks.specifications.estimate import UNDETERMINED, Estimate, Estimates, linear_estimate
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.joint.equipment import EquipmentResponse, equipment_response
