@@ -12,6 +12,7 @@ import sqlalchemy as sql
 from storage.catalogue import database, run_index, tables
 from storage.home import Home
 from tests import postgres
+from tests.bench.measure import processor_s_of
 from tests.proof.history.cluster import catalogue
 from tests.proof.history.watch import MIMUCAL, environment, watched
 
@@ -52,8 +53,11 @@ def _measured(name: str, home: Home, variables: dict[str, str]) -> Listed:
         rows = len(run_index.all_runs(home))
         wall.append(time.perf_counter() - began)
         work.append(time.process_time() - worked)
-    command = watched((*MIMUCAL, "runs"), variables)
-    return Listed(name, rows, median(wall), median(work), command.wall_s, command.processor_s)
+    command = (*MIMUCAL, "runs")
+    command_s = watched(command, variables).wall_s
+    return Listed(
+        name, rows, median(wall), median(work), command_s, processor_s_of(command, variables)
+    )
 
 
 def _fill(home: Home) -> None:

@@ -34,8 +34,11 @@ class Watched:
 
 
 def environment(**changes: str) -> dict[str, str]:
-    """Of a process that is measured: no settings of others, one thread for linear algebra."""
-    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PREFECT_", "MIMUCAL_"))}
+    """Of a process that is measured: no settings of others, one thread for linear algebra, and
+    byte code kept as it is for a user.
+    """
+    others = ("PREFECT_", "MIMUCAL_", "PYTHONDONTWRITEBYTECODE")
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(others)}
     return kept | {"OPENBLAS_NUM_THREADS": "1", "AWS_EC2_METADATA_DISABLED": "true"} | changes
 
 
