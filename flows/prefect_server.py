@@ -19,7 +19,7 @@ from schemas.base import Unusable
 from storage.home import Home
 
 LOG = "server.log"
-START_UP_S = 120.0
+START_UP_S = 600.0  # with every core busy it takes minutes; a server that ends is seen at once
 TERMINATION_S = 5.0
 _SET_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl(2)
 
@@ -87,7 +87,10 @@ def _start(folder: Path) -> None:
     try:  # the socket listens already: the answer comes once the server is there
         httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
     except httpx.HTTPError as error:
-        raise RuntimeError(f"Prefect's server did not start, see {folder / LOG}") from error
+        raise Unusable(
+            f"Prefect's server did not start ({folder / LOG} has its own words); free the computer "
+            "of other work, or name a server in PREFECT_API_URL"
+        ) from error
 
 
 def _end(server: "subprocess.Popen[bytes]") -> None:

@@ -18,6 +18,7 @@ from tests.tasks.station.in_memory import InMemoryStation
 from tests.tasks.station.over_sockets import over_sockets
 
 SPEED, SPEED_IN_MEMORY = 100.0, 160.0  # times the clock
+SLOW_ANSWERS = {"modbus_slow": 10.0}  # at which an answer is late by 2 s of the station's time
 DWELL_S = 31.0  # what the specification asks, and a little more
 AT_REST = 1e-3  # deg/s
 REST_STEPS = 60_000  # ms in which it comes to rest, where nobody sees it
@@ -99,7 +100,7 @@ def run_in_memory(
 
 
 def _over_sockets(fault: StationFault, config: VirtualStation) -> Outcome:
-    with running(config, SPEED, [fault]) as station:
+    with running(config, SLOW_ANSWERS.get(fault.name, SPEED), [fault]) as station:
         sink = Sink()
         try:
             acquired, sentence = over_sockets(station, procedure_of(fault.name), sink), ""
