@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from tasks.explain.events.bias_at_rest import find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
 from tasks.explain.events.event import Event, Events
@@ -28,11 +29,16 @@ def events_in_readings(
     triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
     on the recording's own clock, s.
     """
+    estimated = find_bias_at_rest(t, readings, motion)
+    if estimated is not None:
+        readings = readings - estimated.applied(t, np.zeros(readings.shape))
     quantisers = [quantiser_of(column) for column in readings.T]
     repeats = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
-    zone, zeroed = find_dead_zone(readings, motion, quantisers)
-    masked |= zeroed
+    zone: Event | None = estimated
+    if zone is None:
+        zone, zeroed = find_dead_zone(readings, motion, quantisers)
+        masked |= zeroed
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():

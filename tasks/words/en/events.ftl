@@ -14,6 +14,7 @@ events-dead-zone = small readings are set to zero: { $limits }
 events-dead-zone-at = { $channel } below { $threshold } ({ $count } readings)
 events-dead-zone-less = { $channel } below { $threshold } ({ $count } readings), which is taken off all larger ones
 events-zeroed = in { $rests } rests the bias is estimated anew and taken off, in the { $channels }: their means lie at zero
+events-bias-at-rest = while no rate has left ±{ $quiet } rad/s for { $wait } s the bias is estimated, with a time constant of { $tau } s, and taken off all readings of the { $channels } from then on
 events-jitter = the time stamps scatter by { $jitter } ms about even instants, at which the readings were taken
 events-lost-samples = samples are lost and later time stamps slip: { $losses }
 events-lost-samples-at = { $lost } at { $time } s

@@ -14,6 +14,7 @@ events-dead-zone = 小读数被置零：{ $limits }
 events-dead-zone-at = { $channel }低于 { $threshold }（{ $count } 个读数）
 events-dead-zone-less = { $channel }低于 { $threshold }（{ $count } 个读数），较大的读数也都减去了这一阈值
 events-zeroed = 在 { $rests } 段静止中，零偏被重新估计并扣除，通道：{ $channels }，其均值落在零处
+events-bias-at-rest = 角速率在 { $wait } s 内均未超出 ±{ $quiet } rad/s 时，固件以 { $tau } s 的时间常数估计零偏，并从此后{ $channels }的全部读数中减去
 events-jitter = 时间戳在均匀采样时刻附近散布 { $jitter } ms，而读数取自均匀时刻
 events-lost-samples = 样本丢失，其后的时间戳随之滑移：{ $losses }
 events-lost-samples-at = { $time } s 处 { $lost } 个

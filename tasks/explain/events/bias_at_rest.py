@@ -1,0 +1,198 @@
+"""Gyro bias that the firmware estimates while it believes the unit rests, and takes off always.
+
+While no gyro has left ± `quiet` for `wait` seconds, an estimate b follows the readings r with the
+time constant τ; what is written is y = r − b. So db/dt = y/τ there, and b is 1/τ times the
+integral of what was written in those rows: a regressor that the recording itself holds, noise
+included. A slow motion within ± `quiet` is taken for bias, and stays in all later readings.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from schemas.discrepancy import FoundParameter
+from tasks.explain.channels import GYROS
+from tasks.explain.events.event import Event, channel_names
+from tasks.explain.events.noise import noise_by_rate
+from tasks.model.plain_fit import plain_prediction
+from tasks.model.terms.standard import regressors
+from tasks.motion.samples import in_blocks
+from tasks.motion.whole import Motion
+from tasks.words import message
+
+QUIETS = tuple(np.geomspace(0.01, 0.16, 5).tolist())  # rad/s
+WAITS = (0.25, 0.5, 1.0, 2.0)  # s
+STARTS = 3  # of them that are refined
+STEPS = (0.5, 0.25, 0.1, 0.03)  # relative, by which each is refined
+LONGEST = 5.0  # s: slower estimates are not told from a bias that drifts
+BLOCK = 8  # rows, in whose means readings are compared
+CELL = 1.0  # s, within which what is left may go together
+CLEAR = 10.0  # standard deviations
+ALIKE = 0.3  # of 1/τ: axes that differ by less have one estimate
+APART = 4.0  # standard deviations by which axes may differ
+TELLING = 0.05  # of the information on 1/τ, from which on an axis must agree
+
+
+@dataclass(frozen=True)
+class BiasAtRest(Event):
+    """t: (n,) s. taken_off: (n, 3) rad/s, the estimate that the readings lack."""
+
+    t: np.ndarray
+    taken_off: np.ndarray
+
+    def applied(self, t: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        read = predicted.copy()
+        for axis in GYROS:
+            read[:, axis] -= np.interp(t, self.t, self.taken_off[:, axis])
+        return read
+
+
+@dataclass(frozen=True)
+class _Follows:
+    """Readings that an estimate with some `quiet` and `wait` explains.
+
+    rate: 1/τ of all axes. gain: whitened sum of squares that it removes. information, rates: (3,)
+    on 1/τ of each axis.
+    """
+
+    quiet: float
+    wait: float
+    gain: float
+    rate: float
+    information: np.ndarray
+    rates: np.ndarray
+
+
+def find_bias_at_rest(t: np.ndarray, readings: np.ndarray, motion: Motion) -> BiasAtRest | None:
+    """The bias estimated at rest of readings (n, 6); None where that does not explain them."""
+    fit = _Whitened.of(t, readings, motion)
+    if fit is None:
+        return None
+    best = _best(fit)
+    if best.gain < CLEAR**2 or best.rate * LONGEST < 1.0:
+        return None
+    dispersion = fit.dispersion(best)
+    telling = best.information > TELLING * best.information.sum()
+    off = np.abs(best.rates - best.rate)[telling]
+    u = np.sqrt(dispersion / best.information[telling])
+    alike = (off < np.maximum(APART * u, ALIKE * best.rate)).all()
+    if best.gain < CLEAR**2 * dispersion or not alike:
+        return None
+    return _event(fit, best, dispersion)
+
+
+def _best(fit: "_Whitened") -> _Follows:
+    """The `quiet` and `wait` that explain most; none is refined where none explains anything."""
+    tried = [fit.follows(*one) for one in product(QUIETS, WAITS)]
+    first = sorted(tried, key=lambda one: -one.gain)[:STARTS]
+    refined = []
+    for best in first if first[0].gain > CLEAR else ():
+        for step in STEPS:
+            near = [fit.follows(*one) for one in _near(best, step)]
+            best = max(near, key=lambda one: one.gain)
+        refined.append(best)
+    return max((*first, *refined), key=lambda one: one.gain)
+
+
+def _near(best: _Follows, step: float) -> Iterator[tuple[float, float]]:
+    scales = (1.0 - step, 1.0, 1.0 + step)
+    yield from ((q * best.quiet, w * best.wait) for q, w in product(scales, scales))
+
+
+@dataclass(frozen=True)
+class _Whitened:
+    """Gyro readings in blocks over their noise, less what the standard's model makes of them.
+
+    written: (n, 3) readings; size: (n,) the largest of a row. used: rows that blocks are made of.
+    weight, left: (blocks, 3). bases: of each axis (blocks, k) orthonormal, what the model reads.
+    """
+
+    t: np.ndarray
+    written: np.ndarray
+    size: np.ndarray
+    interval: float
+    used: np.ndarray
+    weight: np.ndarray
+    left: np.ndarray
+    bases: tuple[np.ndarray, ...]
+
+    @classmethod
+    def of(cls, t: np.ndarray, readings: np.ndarray, motion: Motion) -> "_Whitened | None":
+        """None where too little is known of gyros or motion."""
+        written = readings[:, list(GYROS)]
+        known = np.isfinite(written).all(axis=1) & motion.felt[:, list(GYROS)].all(axis=1)
+        used = np.flatnonzero(known)
+        if len(used) < 100 * BLOCK:
+            return None
+        noise = noise_by_rate(readings - plain_prediction(readings, motion), motion)
+        noise = noise[:, list(GYROS)]
+        if not (noise[used] > 0.0).all():
+            return None
+        weight = np.sqrt(BLOCK) / _means(noise[used])
+        bases, left = [], np.empty(weight.shape)
+        for axis in GYROS:
+            columns = _means(regressors(motion, axis)[used]) * weight[:, axis, None]
+            base = np.linalg.svd(columns, full_matrices=False)
+            kept = base[1] > 1e-9 * base[1][0]
+            bases.append(base[0][:, kept])
+            own = _means(written[used, axis, None])[:, 0] * weight[:, axis]
+            left[:, axis] = own - bases[axis] @ (bases[axis].T @ own)
+        size = np.where(known, np.abs(np.nan_to_num(written)).max(axis=1), np.inf)
+        interval = float(np.median(np.diff(t)))
+        return cls(t, np.nan_to_num(written), size, interval, used, weight, left, tuple(bases))
+
+    def integral(self, quiet: float, wait: float) -> np.ndarray:
+        """(n, 3) rad, of what was written while the unit was believed to rest."""
+        rows = np.arange(len(self.size))
+        moved = np.maximum.accumulate(np.where(self.size < quiet, -1, rows))
+        rests = rows - moved > wait / self.interval
+        written = np.where(rests[:, None], self.written, 0.0)
+        return np.asarray(written.cumsum(axis=0) * self.interval)
+
+    def regressor(self, quiet: float, wait: float) -> np.ndarray:
+        """(blocks, 3) the integral over the noise, less what the model can make of it."""
+        found = _means(self.integral(quiet, wait)[self.used]) * self.weight
+        for axis, base in enumerate(self.bases):
+            found[:, axis] -= base @ (base.T @ found[:, axis])
+        return found
+
+    def follows(self, quiet: float, wait: float) -> _Follows:
+        """How much an estimate explains; nothing where the readings move away from it."""
+        column = self.regressor(quiet, wait)
+        information = (column**2).sum(axis=0)
+        pull = -(column * self.left).sum(axis=0)
+        total = float(information.sum())
+        rate = max(float(pull.sum()) / total, 0.0) if total > 0.0 else 0.0
+        rates = np.divide(pull, information, out=np.zeros(3), where=information > 0.0)
+        return _Follows(quiet, wait, rate**2 * total, rate, information, rates)
+
+    def dispersion(self, found: _Follows) -> float:
+        """What is left, in means over cells, beside what white noise would leave; one at least."""
+        left = self.left + found.rate * self.regressor(found.quiet, found.wait)
+        blocks = max(1, round(CELL / (BLOCK * self.interval)))
+        cells = in_blocks(left, blocks).mean(axis=1) * np.sqrt(blocks)
+        return max(1.0, float(np.mean(cells**2)))
+
+
+def _means(values: np.ndarray) -> np.ndarray:
+    """(blocks, k) of values (n, k)."""
+    return np.asarray(in_blocks(values, BLOCK).mean(axis=1))
+
+
+def _event(fit: _Whitened, found: _Follows, dispersion: float) -> BiasAtRest:
+    tau = 1.0 / found.rate
+    u = float(np.sqrt(dispersion / found.information.sum())) * tau**2
+    parameters = (
+        FoundParameter(name="wait", value=found.wait, unit="s", u=STEPS[-1] * found.wait),
+        FoundParameter(name="quiet", value=found.quiet, unit="rad/s", u=STEPS[-1] * found.quiet),
+        FoundParameter(name="tau", value=tau, unit="s", u=u),
+    )
+    description = message(
+        "events-bias-at-rest", channels=channel_names(GYROS), wait=f"{found.wait:.2g}",
+        quiet=f"{found.quiet:.2g}", tau=f"{tau:.2g}",
+    )  # fmt: skip
+    p_value = float(np.exp(-0.5 * found.gain / dispersion))
+    taken_off = found.rate * fit.integral(found.quiet, found.wait)
+    return BiasAtRest("dead_zone", GYROS, parameters, p_value, description, fit.t, taken_off)

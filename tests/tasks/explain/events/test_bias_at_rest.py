@@ -1,0 +1,57 @@
+"""A bias that the firmware follows at rest is found with its constants; a warm-up is not."""
+
+import numpy as np
+import pytest
+from made_up import mean_readings, motion, noisy
+
+from tasks.explain.events.bias_at_rest import find_bias_at_rest
+from tasks.explain.events.detect import events_in_readings
+from tasks.words import texts
+
+MADE = motion(minutes=2.0)
+INTERVAL = float(np.median(np.diff(MADE.t)))
+
+
+def followed(readings: np.ndarray, quiet: float, wait: float, tau: float) -> np.ndarray:
+    """What a firmware writes that follows the gyros' bias while no rate exceeds `quiet`."""
+    written, bias, quiet_for = readings.copy(), np.zeros(3), 0.0
+    for row, rates in enumerate(readings[:, :3]):
+        quiet_for = quiet_for + INTERVAL if np.all(np.abs(rates - bias) < quiet) else 0.0
+        if quiet_for > wait:
+            bias = bias + (rates - bias) * INTERVAL / (tau + INTERVAL)
+        written[row, :3] = rates - bias
+    return written
+
+
+@pytest.mark.parametrize(("quiet", "wait", "tau"), [(0.05, 1.0, 0.8), (0.03, 0.6, 2.0)])
+def test_a_bias_followed_at_rest_is_found_and_put_back(
+    quiet: float, wait: float, tau: float
+) -> None:
+    readings = noisy(mean_readings(MADE), 1)
+    written = followed(readings, quiet, wait, tau)
+    event = find_bias_at_rest(MADE.t, written, MADE)
+    assert event is not None
+    assert {one.name: one.value for one in event.parameters}["tau"] == pytest.approx(tau, rel=0.2)
+    put_back = written - event.applied(MADE.t, np.zeros(written.shape))
+    lost = np.abs(readings - written)[:, :3].max()
+    assert np.abs(put_back - readings)[:, :3].max() < 0.2 * lost
+
+
+def test_its_description_says_what_the_firmware_does() -> None:
+    events = events_in_readings(
+        MADE.t, followed(noisy(mean_readings(MADE), 2), 0.05, 1.0, 0.8), MADE
+    )
+    (event,) = events.events
+    assert event.effect == "dead_zone"
+    assert all(texts(event.description).values())
+
+
+@pytest.mark.parametrize("tau", [2.0, 20.0, 60.0])
+def test_a_bias_that_warms_up_is_not_one_followed_at_rest(tau: float) -> None:
+    readings = noisy(mean_readings(MADE), 3)
+    readings[:, :3] += np.array([6e-3, -4e-3, 2e-3]) * np.exp(-MADE.t / tau)[:, None]
+    assert find_bias_at_rest(MADE.t, readings, MADE) is None
+
+
+def test_a_slow_turn_of_the_unit_is_no_bias() -> None:
+    assert find_bias_at_rest(MADE.t, noisy(mean_readings(MADE), 4), MADE) is None
