@@ -89,13 +89,15 @@ class Carrier(Frozen):
 class Moment(Frozen):
     """From or up to which run an effect is there; `earliest` and `latest` hold 95 %.
 
-    at, earliest, latest: ISO 8601, else the recording's name.
+    at, earliest, latest: ISO 8601, else the recording's name. without: the carrier's nearest run
+    that the effect is surely not in; the change itself lies between it and the runs of the 95 %.
     """
 
     run: str
     at: str
     earliest: str
     latest: str
+    without: str = ""
 
 
 class PooledValue(FoundParameter):

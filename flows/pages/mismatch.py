@@ -11,25 +11,27 @@ from flows.pages.mismatch_data import data
 from flows.pages.page import Page, View
 from flows.pages.parts import Cell, facts, link, table
 from flows.pages.states import StepState, badge
-from schemas.discrepancy import FoundParameter, Verdict
+from schemas.discrepancy import FoundParameter, Moved, Verdict
 from schemas.pages.mismatch import (
     Carried,
     EffectSeen,
     ExplainedRun,
     MismatchQuestion,
     MismatchShown,
+    PaperMoved,
     Papers,
     ReviewShown,
     Shown,
+    UncertainTime,
 )
-from schemas.review import Touched
+from schemas.review import Moment
 from tasks.explain.report.names import parameter_text
 from tasks.specifications.items import symbol
 from tasks.words import message
 from tasks.words.quantities import multiple
 
 ASKED = ("effect", "station", "model", "serial")
-FEW = 8  # carriers listed
+FEW, MOST_PAPERS = 8, 50  # carriers and certificates listed
 
 
 def layout(shown: MismatchShown, view: View, question: MismatchQuestion) -> Component:
@@ -110,15 +112,15 @@ def _carried(carried: Carried, view: View) -> Component:
     finding = carried.finding
     evidence = finding.evidence
     carrier = view.say(message(f"pages-mismatch-level.{finding.level}")) + f" {finding.carrier}"
-    since = f"{finding.since.at[:10]}" if finding.since else None
-    until = f"{finding.until.at[:10]}" if finding.until else None
     sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
-    leaning = f"{evidence.runs_that_show_it} / {evidence.runs}"
     shown = facts(
         [
-            (message("pages-mismatch-fact.since"), since),
-            (message("pages-mismatch-fact.until"), until),
-            (message("pages-mismatch-fact.shown"), leaning),
+            (message("pages-mismatch-fact.since"), finding.since and _moment(finding.since, view)),
+            (message("pages-mismatch-fact.until"), finding.until and _moment(finding.until, view)),
+            (
+                message("pages-mismatch-fact.shown"),
+                f"{evidence.runs_that_show_it} / {evidence.runs}",
+            ),
             (message("pages-mismatch-fact.sizes"), sizes),
         ],
         view,
@@ -126,19 +128,52 @@ def _carried(carried: Carried, view: View) -> Component:
     head = dmc.Group([
         dmc.Title(carrier, order=4), dmc.Text(view.say(carried.title), fw="bold"),
     ])  # fmt: skip
-    moved = {(t.item, t.element): t.in_U for t in sorted(finding.touched, key=_size)}
-    most = sorted(moved.items(), key=lambda each: -abs(each[1]))[:FEW]
-    elements = ", ".join(f"{symbol(*element)} {multiple(in_U)} U" for element, in_U in most)
-    if elements:
-        shown = dmc.Stack([shown, facts(
-            [(message("pages-mismatch-fact.moved"), elements)], view)], gap="xs")  # fmt: skip
     text = dmc.Text(view.say(finding.statement), size="sm", c="dimmed")
     parts = [head, shown, text, *_touched(carried.papers, carried.query, view)]
+    parts += [_uncertain(each, view) for each in carried.uncertain]
+    parts += _moved(carried.moved, view)
     return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
 
 
-def _size(touched: Touched) -> float:
-    return abs(touched.in_U)
+def _moment(moment: Moment, view: View) -> str:
+    """The day, and the days between which the change lies with 95 %."""
+    at, earliest, latest, without = (
+        day[:10] for day in (moment.at, moment.earliest, moment.latest, moment.without)
+    )
+    if not without:
+        return f"{at} (95 %: {earliest} … {latest})"
+    low, high = (without, latest) if without < earliest else (earliest, without)
+    return view.say(message("pages-mismatch-between", at=at, low=low, high=high))
+
+
+def _uncertain(time: UncertainTime, view: View) -> Component:
+    counted = message(
+        "pages-mismatch-uncertain", issued=time.papers.issued, since=time.query["since"],
+        until=time.query["until"],
+    )  # fmt: skip
+    return dmc.Group([dmc.Text(view.say(counted), size="sm"), _runs_link(time.query, view)])
+
+
+def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
+    """What it changes in the certificates of reviewed runs, element by element."""
+    if not papers:
+        return []
+    rows = [
+        (
+            html.Span(link(paper.number, "/runs", certificate=paper.number), className="whole"),
+            html.Span(link(paper.run, "/run", id=paper.run), className="whole"),
+            ", ".join(_in_U(each) for each in paper.moved),
+        )
+        for paper in papers[:MOST_PAPERS]
+    ]
+    headings = [message(f"pages-mismatch-moved.{name}") for name in ("paper", "run", "elements")]
+    about = message("pages-mismatch-moved", count=len(papers), listed=len(rows))
+    return [dmc.Text(view.say(about), size="sm", fw="bold"), table(headings, rows, view)]
+
+
+def _in_U(moved: Moved) -> str:
+    """«B_ax −1.5 U»; a no-break space keeps them together."""
+    return f"{symbol(moved.item, moved.element)} {multiple(moved.in_U)} U".replace(" ", "\u00a0")
 
 
 def _parameter(parameter: FoundParameter, view: View) -> str:
@@ -149,26 +184,32 @@ def _touched(papers: Papers | None, query: dict[str, str] | None, view: View) ->
     """The certificates that may be wrong, with the way to their runs."""
     if papers is None:
         return []
-    listed = ", ".join(papers.numbers) + (" …" if papers.issued > len(papers.numbers) else "")
     counted = message("pages-mismatch-touched", issued=papers.issued, drafts=papers.drafts)
     parts: list[Component] = [dmc.Text(view.say(counted), size="sm", fw="bold")]
-    if query:
-        way = view.say(message("pages-mismatch-their-runs"))
-        parts.append(link(way, "/runs", **query))
-    return [dmc.Group(parts), dmc.Text(listed, size="sm")]
+    parts += [_runs_link(query, view)] if query else []
+    listed = [link(number, "/runs", certificate=number) for number in papers.numbers]
+    listed += [dmc.Text("…")] if papers.issued > len(papers.numbers) else []
+    return [dmc.Group(parts), dmc.Group(listed, gap="xs", className="small")]
+
+
+def _runs_link(query: dict[str, str], view: View) -> Component:
+    return link(view.say(message("pages-mismatch-their-runs")), "/runs", **query)
 
 
 def _effect(seen: EffectSeen, view: View) -> Component:
-    names = ("station", "model", "unit")
     carriers = [
-        (message(f"pages-mismatch-level.{name}"), _shares(getattr(seen, f"by_{name}")))
-        for name in names
+        (
+            message(f"pages-mismatch-level.{level}"),
+            _shares(getattr(seen, f"by_{level}"), seen, field),
+        )
+        for level, field in (("station", "station"), ("model", "model"), ("unit", "serial"))
     ]
     days = f"{seen.since} … {seen.until}" if seen.since else None
-    moved = ", ".join(f"{symbol(m.item, m.element)} {multiple(m.in_U)} U" for m in seen.moved)
+    moved = ", ".join(map(_in_U, seen.moved))
+    counted = view.say(message("pages-mismatch-in-runs", count=seen.runs))
     head = dmc.Group([
         dmc.Title(view.say(seen.title), order=4), dmc.Code(seen.effect),
-        dmc.Text(view.say(message("pages-mismatch-in-runs", count=seen.runs))),
+        link(counted, "/mismatch", effect=seen.effect),
     ])  # fmt: skip
     shown = facts(
         [(message("pages-mismatch-fact.days"), days), *carriers,
@@ -179,10 +220,15 @@ def _effect(seen: EffectSeen, view: View) -> Component:
     return dmc.Card(dmc.Stack([head, shown, *touched], gap="xs"), withBorder=True)
 
 
-def _shares(shares: Sequence[Shown]) -> Component:
-    lines = [f"{each.name}: {each.shown} / {each.of}" for each in shares[:FEW]]
-    lines += ["…"] if len(shares) > FEW else []
-    return dmc.Stack([dmc.Text(line, size="sm") for line in lines], gap=0)
+def _shares(shares: Sequence[Shown], seen: EffectSeen, field: str) -> Component:
+    """Each carrier leads to its runs with the effect."""
+    lines = [
+        link(f"{each.name}: {each.shown} / {each.of}", "/mismatch", effect=seen.effect,
+             **{field: each.name})
+        for each in shares[:FEW]
+    ]  # fmt: skip
+    lines += [dmc.Text("…")] if len(shares) > FEW else []
+    return dmc.Stack(lines, gap=0, className="small")
 
 
 def _runs(runs: Sequence[ExplainedRun], view: View) -> Component:

@@ -2,12 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from datetime import date
+from datetime import date, timedelta
 from typing import Any
 
 import sqlalchemy as sql
 
 from schemas.certificate import LIVE
+from schemas.discrepancy import Moved
 from schemas.pages.mismatch import (
     Carried,
     EffectSeen,
@@ -15,11 +16,13 @@ from schemas.pages.mismatch import (
     FoundShown,
     MismatchQuestion,
     MismatchShown,
+    PaperMoved,
     Papers,
     ReviewShown,
     Shown,
+    UncertainTime,
 )
-from schemas.review import Moment, ReviewFinding
+from schemas.review import ReviewFinding, Touched
 from storage import last_review
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_runs
@@ -31,6 +34,7 @@ from tasks.words import statement
 NEWEST, LISTED, MOST_MOVED = 100, 12, 4
 RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
 CARRIED_BY = {"station": "station", "unit": "serial", "model": "model"}  # fields of the run list
+DAY = timedelta(days=1)
 Explained = dict[str, Any]
 
 
@@ -74,38 +78,86 @@ def _review(home: Home) -> ReviewShown | None:
 
 
 def _carried(finding: ReviewFinding, home: Home) -> Carried:
-    field, since, until = CARRIED_BY.get(finding.level), _day(finding.since), _day(finding.until)
-    title = statement(effect_name(finding.effect))
+    title, moved = statement(effect_name(finding.effect)), _moved(finding.touched, home)
+    field = CARRIED_BY.get(finding.level)
     if field is None:
-        return Carried(title=title, finding=finding, query=None, papers=None)
+        return Carried(
+            title=title, finding=finding, query=None, papers=None, uncertain=(), moved=moved
+        )
     model, _, serial = finding.carrier.rpartition(" ") if field == "serial" else ("", "", "")
-    query = {field: serial or finding.carrier} | ({"model": model} if model else {})
-    days = {name: str(day) for name, day in (("since", since), ("until", until)) if day}
-    own = {"station": RUN.station, "serial": UNIT.serial, "model": UNIT.model}
-    which = [own[name] == value for name, value in query.items()]
-    which += [RUN.recorded_on >= since] if since else []
-    which += [RUN.recorded_on <= until] if until else []
-    return Carried(title=title, finding=finding, query=query | days,
-                   papers=_papers(sql.and_(*which), home))  # fmt: skip
+    own = {field: serial or finding.carrier} | ({"model": model} if model else {})
+    since, until = (_day(each and each.at) for each in (finding.since, finding.until))
+    return Carried(
+        title=title, finding=finding, query=own | _asked_days(since, until),
+        papers=_papers(_papers_of(_which(own, since, until), home)),
+        uncertain=tuple(_uncertain(own, finding, home)), moved=moved,
+    )  # fmt: skip
 
 
-def _day(moment: Moment | None) -> date | None:
+def _moved(touched: Sequence[Touched], home: Home) -> tuple[PaperMoved, ...]:
+    """By certificate, under the number that it has by now."""
+    by_name: dict[str, list[Moved]] = {}
+    for each in touched:
+        moved = Moved(item=each.item, element=each.element, in_U=each.in_U)
+        by_name.setdefault(each.certificate, []).append(moved)
+    is_named = sql.or_(PAPER.number.in_(by_name), PAPER.draft.in_(by_name))
+    rows = database.rows(home, sql.select(PAPER.number, PAPER.draft, PAPER.run).where(is_named))
+    found = [
+        PaperMoved(number=row.number, run=row.run, moved=tuple(moved))
+        for row in rows
+        for name, moved in by_name.items()
+        if name in (row.number, row.draft)
+    ]
+    return tuple(sorted(found, key=lambda paper: -max(abs(m.in_U) for m in paper.moved)))
+
+
+def _uncertain(own: dict[str, str], finding: ReviewFinding, home: Home) -> Iterable[UncertainTime]:
+    """The days between the last run that is surely without the effect and the first that shows it,
+    and those between the last that shows it and the next without.
+    """
+    ends = [(moment.without, moment.at) for moment in [finding.since] if moment]
+    ends += [(moment.at, moment.without) for moment in [finding.until] if moment]
+    for before, after in ends:
+        first, last = _day(before), _day(after)
+        if first is not None and last is not None and last - first > DAY:
+            days = first + DAY, last - DAY
+            papers = _papers(_papers_of(_which(own, *days), home))
+            yield UncertainTime(query=own | _asked_days(*days), papers=papers)
+
+
+def _day(at: str | None) -> date | None:
     """The day of a moment; None for one that is the name of a recording."""
     try:
-        return date.fromisoformat(moment.at[:10]) if moment else None
+        return date.fromisoformat(at[:10]) if at else None
     except ValueError:
         return None
 
 
-def _papers(which: sql.ColumnElement[bool], home: Home) -> Papers:
+def _asked_days(since: date | None, until: date | None) -> dict[str, str]:
+    return {name: str(day) for name, day in (("since", since), ("until", until)) if day}
+
+
+def _which(own: dict[str, str], since: date | None, until: date | None) -> sql.ColumnElement[bool]:
+    columns = {"station": RUN.station, "serial": UNIT.serial, "model": UNIT.model}
+    which = [columns[name] == value for name, value in own.items()]
+    which += [RUN.recorded_on >= since] if since else []
+    which += [RUN.recorded_on <= until] if until else []
+    return sql.and_(*which)
+
+
+def _papers_of(which: sql.ColumnElement[bool], home: Home) -> Sequence[sql.Row[Any]]:
+    """run, number and state of the certificates that count on such runs, the newest first."""
     asked = (
-        sql.select(PAPER.number, PAPER.state)
+        sql.select(PAPER.run, PAPER.number, PAPER.state)
         .select_from(tables.certificates.join(tables.runs, RUN.id == PAPER.run))
         .join(tables.units, UNIT.id == RUN.unit)
         .where(which, PAPER.state.in_(LIVE))
-        .order_by(PAPER.kept_at.desc())
+        .order_by(PAPER.kept_at.desc(), PAPER.number)
     )
-    rows = database.rows(home, asked)
+    return database.rows(home, asked)
+
+
+def _papers(rows: Sequence[sql.Row[Any]]) -> Papers:
     issued = [row.number for row in rows if row.state == "issued"]
     return Papers(
         issued=len(issued), drafts=len(rows) - len(issued), numbers=tuple(issued[:LISTED])
@@ -120,23 +172,26 @@ def _effects(
     for run in runs:
         for effect in dict.fromkeys(found["effect"] for found in run["findings"]):
             with_effect.setdefault(effect, []).append(run)
+    of_explained = RUN.id.in_(sql.select(tables.explained.c.run))
+    papers = _papers_of(of_explained, home) if with_effect else []
     for effect, own in sorted(with_effect.items(), key=lambda each: (-len(each[1]), each[0])):
         if question.effect in (None, effect):
-            yield _effect(effect, own, runs, home)
+            yield _effect(effect, own, runs, papers)
 
 
 def _effect(
-    effect: str, own: Sequence[Explained], runs: Sequence[Explained], home: Home
-) -> EffectSeen:
+    effect: str, own: Sequence[Explained], runs: Sequence[Explained],
+    papers: Sequence[sql.Row[Any]],
+) -> EffectSeen:  # fmt: skip
     briefs = [f["brief"] for run in own for f in run["findings"] if f["effect"] == effect]
     most = max(briefs, key=lambda brief: max((abs(m.in_U) for m in brief.moved), default=0.0))
     days = [run["recorded_on"] for run in own if run["recorded_on"]]
-    ids = [run["run"] for run in own]
+    ids = {run["run"] for run in own}
     return EffectSeen(
         effect=effect, title=briefs[-1].title, runs=len(own), since=min(days, default=None),
         until=max(days, default=None), by_station=_by("station", own, runs),
         by_model=_by("model", own, runs), by_unit=_by("serial", own, runs),
-        moved=most.moved[:MOST_MOVED], papers=_papers(RUN.id.in_(ids), home),
+        moved=most.moved[:MOST_MOVED], papers=_papers([row for row in papers if row.run in ids]),
     )  # fmt: skip
 
 

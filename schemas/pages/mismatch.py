@@ -29,15 +29,35 @@ class Papers(Frozen):
     numbers: tuple[str, ...] = ()
 
 
+class UncertainTime(Frozen):
+    """The days in which an effect may have been there already, or still. query: the fields of the
+    list of runs that name the carrier's runs of that time; papers: certificates on these.
+    """
+
+    query: dict[str, str]
+    papers: Papers
+
+
+class PaperMoved(Frozen):
+    """A certificate on a reviewed run, and its elements that the effect moves, the most first."""
+
+    number: str
+    run: str
+    moved: tuple[Moved, ...]
+
+
 class Carried(Frozen):
     """What a review found. query: the fields of the list of runs that name the carrier's runs; null
-    where the catalogue does not tell them. papers: certificates on these.
+    where the catalogue does not tell them. papers: certificates on these. moved: those of reviewed
+    runs with what it changes in them, the most first.
     """
 
     title: Statement
     finding: ReviewFinding
     query: dict[str, str] | None
     papers: Papers | None
+    uncertain: tuple[UncertainTime, ...]
+    moved: tuple[PaperMoved, ...]
 
 
 class ReviewShown(Frozen):

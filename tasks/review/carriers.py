@@ -99,11 +99,15 @@ def chance(evidence: Evidence, spread: Spread, beyond: float) -> float:
 
 @dataclass(frozen=True)
 class Change:
-    """A carrier's run from which on, or up to which, and the first and last that it may be."""
+    """A carrier's run from which on, or up to which, and the first and last that it may be.
+
+    without: its run before the first of a beginning, after the last of an end.
+    """
 
     run: int
     earliest: int
     latest: int
+    without: int
 
 
 def refined(pool: Pool, one: Carried, tried: int) -> Carried:
@@ -167,7 +171,8 @@ def change_of(pool: Pool, one: Carried, side: str) -> Change | None:
     likely = [k for k, gain in gains.items() if gain > max(gains.values()) - CONFIDENT]
     own = runs_of(pool, one.window.level, one.window.carrier)
     last = side == "last"  # of a window that ends before run `at`
-    return Change(*(int(own[k - last]) for k in (at, min(likely), max(likely))))
+    without = max(likely) + 1 if last else min(likely) - 1
+    return Change(*(int(own[k - last]) for k in (at, min(likely), max(likely), without)))
 
 
 def tried_of(pool: Pool, windows: Sequence[Sequence[Window]]) -> int:

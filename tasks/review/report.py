@@ -103,8 +103,11 @@ def _alternative(pool: Pool, best: Carried, other: Carried) -> Carrier:
 def _moment(pool: Pool, change: Change | None) -> Moment | None:
     if change is None:
         return None
-    run, earliest, latest = (pool.runs[k] for k in (change.run, change.earliest, change.latest))
-    return Moment(run=run.run, at=run.at, earliest=earliest.at, latest=latest.at)
+    runs = (change.run, change.earliest, change.latest, change.without)
+    run, earliest, latest, without = (pool.runs[k] for k in runs)
+    return Moment(
+        run=run.run, at=run.at, earliest=earliest.at, latest=latest.at, without=without.at
+    )
 
 
 def _parameters(found: Found) -> tuple[PooledValue, ...]:

@@ -514,6 +514,15 @@ pages-mismatch-level =
     .site = Site
 pages-mismatch-touched = Certificates on these runs: { $issued } issued, { $drafts } drafts
 pages-mismatch-their-runs = the runs
+pages-mismatch-between = { $at } (95 %: between { $low } and { $high })
+pages-mismatch-uncertain = From { $since } to { $until } no run decides whether it was there: { $issued } more issued certificates
+pages-mismatch-moved = { $count ->
+    [one] What it moves in the certificate of a reviewed run, in U of the certificate
+   *[other] What it moves in { $count } certificates of reviewed runs, in U of the certificate; the { $listed } that it moves most
+}
+    .paper = Certificate
+    .run = Run
+    .elements = Elements
 pages-mismatch-in-runs = { $count ->
     [one] in { $count } run
    *[other] in { $count } runs

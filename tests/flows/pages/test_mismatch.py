@@ -20,7 +20,15 @@ from schemas.discrepancy import (
     ReportedFinding,
 )
 from schemas.pages.mismatch import MismatchQuestion
-from schemas.review import KeptReview, Moment, PooledEvidence, PooledValue, Review, ReviewFinding
+from schemas.review import (
+    KeptReview,
+    Moment,
+    PooledEvidence,
+    PooledValue,
+    Review,
+    ReviewFinding,
+    Touched,
+)
 from schemas.text import Statement
 from storage import dataframes, last_review
 from storage.catalogue import explanations, run_index
@@ -58,13 +66,15 @@ def discrepancy(effect: str | None) -> Discrepancy:
     )  # fmt: skip
 
 
-def review(level: str, carrier: str, since: str) -> KeptReview:
-    moment = Moment(run="r1", at=since, earliest=since, latest=since)
+def review(
+    level: str, carrier: str, since: str, without: str = "", touched: tuple[Touched, ...] = ()
+) -> KeptReview:
+    moment = Moment(run="r1", at=since, earliest=since, latest=since, without=without)
     value = PooledValue(name="east", value=1e-4, unit="rad", u=1e-5, spread=0.0)
     evidence = PooledEvidence(delta_bic=100.0, per_run_z_median=3.0, runs_that_show_it=5, runs=6)
     finding = ReviewFinding.model_validate({
         "effect": "axis_tilt", "level": level, "carrier": carrier, "since": moment,
-        "parameters": (value,), "evidence": evidence, "statement": SAID,
+        "parameters": (value,), "evidence": evidence, "statement": SAID, "touched": touched,
     })  # fmt: skip
     answer = Review(
         runs=6, verdict="explained", detection=Detection(p_value=0.0, false_alarm_rate=0.01),
@@ -135,6 +145,45 @@ def test_a_carrier_of_the_last_review_names_its_certificates(
     assert carried.papers is not None
     assert carried.papers.issued == (later["state"] == "issued").sum() > 0
     assert set(carried.papers.numbers) <= set(later["number"])
+
+
+def test_certificates_of_the_time_in_which_it_may_have_begun_are_counted_beside(home: Home) -> None:
+    last_review.keep(review("station", "ST-01", "2025-01-05T08:00", "2024-03-10T08:00"), home)
+    shown = data(EVERYTHING, home).review
+    assert shown is not None
+    (between,) = shown.findings[0].uncertain
+    assert between.query == {"station": "ST-01", "since": "2024-03-11", "until": "2025-01-04"}
+    own = dataframes.certificates(home)
+    there = own[(own["station"] == "ST-01") & (own["state"] == "issued")]
+    days = there["recorded_on"]
+    inside = (days > date(2024, 3, 10)) & (days < date(2025, 1, 5))
+    assert between.papers.issued == inside.sum() > 0
+    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    assert "between 2024-03-10 and 2025-01-05" in text
+
+
+def test_a_touched_certificate_says_by_how_much_and_leads_to_its_run(home: Home) -> None:
+    own = dataframes.certificates(home).iloc[0]
+    by = {"accel_bias": -3.5, "gyro_bias": 0.5}
+    touched = tuple(
+        Touched(certificate=own["number"], item=item, element="x", in_U=in_U)
+        for item, in_U in by.items()
+    )
+    last_review.keep(review("station", "ST-01", "2025-01-05", touched=touched), home)
+    shown = data(EVERYTHING, home)
+    assert shown.review is not None
+    (paper,) = shown.review.findings[0].moved
+    assert (paper.number, paper.run) == (own["number"], own["run"])
+    assert {moved.item: moved.in_U for moved in paper.moved} == by
+    text = str(PAGE.layout(shown, View(), EVERYTHING).to_plotly_json())
+    assert f"/run?id={own['run']}" in text
+    assert "B_ax\\xa0−3.5\\xa0U" in text
+
+
+def test_an_effect_of_single_runs_leads_to_these_runs(home: Home) -> None:
+    text = str(PAGE.layout(data(EVERYTHING, home), View(), EVERYTHING).to_plotly_json())
+    assert "'/mismatch?effect=axis_tilt'" in text
+    assert "'/mismatch?effect=axis_tilt&station=ST-01'" in text
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])

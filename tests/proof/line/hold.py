@@ -35,6 +35,7 @@ independent plant; `mimucal review` pools these, and `mimucal explain` answers {
 | what | answered | held against |
 |---|---:|---|
 | numbers of the Quality page that the catalogue has, too | {same} of {numbers} | SQL, and numpy |
+| numbers of Line, Runs, Unit, Due and Mismatch | {same_others} of {numbers_others} | the same |
 | the tilted station on the Mismatch page | {found} | {truth} |
 | since | {since} | {since_truth} |
 | size, east and north (µrad) | {size} | {size_truth} |

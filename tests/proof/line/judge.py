@@ -5,6 +5,7 @@ import sqlite3
 import urllib.request
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from typing import Any
 from urllib.parse import urlencode
 
@@ -12,6 +13,7 @@ import numpy as np
 
 from storage.home import Home
 from tests.pages_server import served
+from tests.proof.line import own_pages
 from tests.proof.line.own_numbers import Own, own_numbers
 
 TILTED = ("accel_rate_sensitivity", "xy")
@@ -35,37 +37,42 @@ class Judged:
 
 def judge(home: Home, answer: dict[str, Any]) -> Judged:
     """Asks the pages of a home, and holds what they answer against the truth."""
+    database = sqlite3.connect(home.path / "catalog.sqlite")
     with served(home) as address:
         quality = [(asked, _get(address, "quality", asked)) for asked in ASKED]
         mismatch = _get(address, "mismatch", {})
         tilted = _get(address, "quality", dict(zip(("item", "element"), TILTED, strict=True)))
-    database = sqlite3.connect(home.path / "catalog.sqlite")
+        others = list(own_pages.pairs(database, partial(_get, address)))
     compared = [
         (f"{asked} {name}", told, own)
         for asked, shown in quality
         for name, told, own in _pairs(shown, own_numbers(database, shown, asked))
     ]
-    wrong = [f"{what}: {told} and not {own}" for what, told, own in compared if not same(told, own)]
+    wrong, wrong_elsewhere = (
+        [f"{what}: {told} and not {own}" for what, told, own in each if not same(told, own)]
+        for each in (compared, others)
+    )
     carried, faults = _carried(mismatch, answer, database)
     off = [each["station"] for each in tilted["stations"]
            if each["U"] and abs(each["difference"]) > 2.0 * each["U"]]  # fmt: skip
-    named, others, false = _single(mismatch, answer)
+    named, elsewhere, false = _single(mismatch, answer)
     if off != [answer["station"]]:
         faults.append(f"the stations that are off are {off}")
     told = {
         "same": len(compared) - len(wrong), "numbers": len(compared), "truth": answer["station"],
         "since_truth": answer["since"][:10], "off": ", ".join(off) or "none",
         "size_truth": f"{1e6 * answer['east_rad']:.0f}, {1e6 * answer['north_rad']:.0f}",
-        "named": named, "others": others, **carried,
+        "named": named, "others": elsewhere, **carried,
+        "same_others": len(others) - len(wrong_elsewhere), "numbers_others": len(others),
     }  # fmt: skip
-    return Judged(told, (*wrong[:5], *faults, *false))
+    return Judged(told, (*wrong[:5], *wrong_elsewhere[:5], *faults, *false))
 
 
-def same(told: float | None, own: float | None) -> bool:
-    """To the last digits of a double."""
-    if told is None or own is None:
-        return told is own
-    return bool(np.isclose(told, own, rtol=1e-9, atol=1e-15))
+def same(told: Any, own: Any) -> bool:
+    """Numbers to the last digits of a double, all else as it is."""
+    if isinstance(told, int | float) and isinstance(own, int | float):
+        return bool(np.isclose(told, own, rtol=1e-9, atol=1e-15))
+    return bool(told == own)
 
 
 def _get(address: str, page: str, asked: dict[str, str]) -> dict[str, Any]:
@@ -110,7 +117,14 @@ def _carried(
     if answer["effect"] != finding["effect"]:
         faults.append(f"the review names {finding['effect']}")
     since = finding["since"]["at"] if finding["since"] else ""
-    cells["since"] = f"{since[:10]}, {carried['papers']['issued']} issued certificates"
+    without = finding["since"]["without"] if finding["since"] else ""
+    open_ = sum(each["papers"]["issued"] for each in carried["uncertain"])
+    cells["since"] = (
+        f"between {without[:10]} and {since[:10]}; {carried['papers']['issued']} issued "
+        f"certificates since then, {open_} between"
+    )
+    if not without <= answer["since"] <= since:
+        faults.append(f"it is said to begin between {without} and {since}")
     if not _begins(since, answer, database):
         faults.append(
             f"it is said to begin at {since}, not at the first run after {answer['since']}"

@@ -28,6 +28,7 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
     assert finding.since.run in finding.statement.en
     assert finding.since.run in finding.statement.zh
     assert finding.since.earliest <= finding.since.at <= finding.since.latest
+    assert finding.since.without < finding.since.earliest
     assert finding.evidence.runs_that_show_it > 0.8 * finding.evidence.runs
     assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
 
