@@ -12,6 +12,7 @@ from storage.catalogue import results
 from storage.home import Home
 from tasks.specifications.items import item_title, symbol
 from tasks.words import message, statement
+from tasks.words.quantities import plain, power_of_ten
 from tasks.words.rounding import column
 from tasks.words.units import unit_text
 
@@ -44,25 +45,26 @@ def layout(shown: BudgetShown, view: View, _: BudgetQuestion) -> Component:
         (
             f"{view.say(Statement(en=each.name, zh=each.name_zh))} ({each.symbol})",
             f"{each.kind}, {view.say(message(f'pages-distribution.{each.distribution}'))}",
-            f"{each.u:.3g} {unit_text(each.unit)}",
-            f"{each.sensitivity:.3g}",
-            f"{each.contribution:.3g} {unit}",
+            f"{plain(each.u)} {unit_text(each.unit)}",
+            plain(each.sensitivity),
+            f"{plain(each.contribution)} {unit}",
             f"{100 * each.share:.1f} %",
             each.source,
         )
         for each in budget.inputs
     ]
     printed = column([budget.value], [budget.U], budget.k)
-    power = f"×10^{printed.exponent} " if printed.exponent else ""
+    power = f"{power_of_ten(printed.exponent)} ".lstrip()
     summary = message(
-        "pages-budget-summary", symbol=shown.symbol, value=f"{printed.values[0]} {power}{unit}",
-        u=f"{budget.u_c:.3g} {unit}", k=f"{budget.k:.3g}",
+        "pages-budget-summary", item=shown.title, symbol=shown.symbol,
+        value=f"{printed.values[0]} {power}{unit}",
+        u=f"{plain(budget.u_c)} {unit}", k=f"{budget.k:.3g}",
         expanded=f"{printed.uncertainties[0]} {power}{unit}",
     )  # fmt: skip
     headings = [message(f"pages-budget-column.{name}") for name in names]
     return dmc.Stack(
         [
-            dmc.Text(f"{view.say(shown.title)}: {view.say(summary)}"),
+            dmc.Text(view.say(summary)),
             table(headings, rows, view),
         ]
     )

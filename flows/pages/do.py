@@ -55,10 +55,11 @@ def data(_: DoQuestion, home: Home) -> DoShown:
 
 
 def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
-    """A form for each order that the role allows; the orders given here below."""
+    """A form for each order that the role allows; the orders given here; who may give which."""
     allowed = [action for action in FIELDS if view.visitor.may(action)]
     forms = [_form(action, shown, question, view) for action in allowed]
-    nothing = dmc.Alert(view.say(message("pages-do-nothing")), color="gray")
+    why = "pages-do-nothing" if view.visitor.name else "pages-do-nobody"
+    nothing = dmc.Alert(view.say(message(why)), color="gray")
     return dmc.Stack(
         [
             dmc.SimpleGrid(forms, cols={"base": 1, "sm": 2, "xl": 3}) if forms else nothing,
@@ -66,6 +67,7 @@ def layout(shown: DoShown, view: View, question: DoQuestion) -> Component:
             dmc.Title(view.say(message("pages-do-orders")), order=3),
             dmc.Box(_orders(shown.orders, view), id="do-orders"),
             dcc.Interval(id="do-again", interval=REFRESH_MS),
+            dmc.Title(view.say(message("pages-do-roles")), order=3),
             _roles(view),
         ]
     )
@@ -97,6 +99,8 @@ def _field(
 
 
 def _orders(given: tuple[GivenOrder, ...], view: View) -> Component:
+    if not given:
+        return dmc.Text(view.say(message("pages-do-no-order")), size="sm")
     kinds: dict[str, Kind] = {"running": "open", "done": "good", "failed": "bad"}
     rows = [
         (
@@ -118,7 +122,9 @@ def _roles(view: View) -> Component:
     rows = [
         (
             view.say(message(f"pages-action.{action}")),
-            ", ".join(view.say(message(f"pages-role.{role}")) for role in roles),
+            view.say(
+                message("pages-roles", roles=tuple(message(f"pages-role.{r}") for r in roles))
+            ),
         )
         for action, roles in MAY.items()
     ]

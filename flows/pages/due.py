@@ -105,7 +105,7 @@ def _column(name: str, view: View) -> dict[str, Any]:
         "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
         "client": {"minWidth": 150},
         "certificate": {"minWidth": 165},
-        "state": {"cellRenderer": "State", "sortable": False, "minWidth": 150},
+        "state": {"cellRenderer": "State", "sortable": False, "minWidth": 175},
         "messages": {"filter": "agNumberColumnFilter"},
     }
     more = of_column.get(name, {})

@@ -115,8 +115,8 @@ def _carried(carried: Carried, view: View) -> Component:
     sizes = dmc.Stack([dmc.Text(_parameter(p, view)) for p in finding.parameters], gap=0)
     shown = facts(
         [
-            (message("pages-mismatch-fact.since"), finding.since and _moment(finding.since, view)),
-            (message("pages-mismatch-fact.until"), finding.until and _moment(finding.until, view)),
+            (message("pages-mismatch-fact.since"), _moment(finding.since, view)),
+            (message("pages-mismatch-fact.until"), _moment(finding.until, view)),
             (
                 message("pages-mismatch-fact.shown"),
                 f"{evidence.runs_that_show_it} / {evidence.runs}",
@@ -135,8 +135,10 @@ def _carried(carried: Carried, view: View) -> Component:
     return dmc.Card(dmc.Stack(parts, gap="xs"), withBorder=True, className="carried")
 
 
-def _moment(moment: Moment, view: View) -> str:
+def _moment(moment: Moment | None, view: View) -> str | None:
     """The day, and the days between which the change lies with 95 %."""
+    if moment is None:
+        return None
     at, earliest, latest, without = (
         day[:10] for day in (moment.at, moment.earliest, moment.latest, moment.without)
     )

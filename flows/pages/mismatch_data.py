@@ -86,7 +86,7 @@ def _carried(finding: ReviewFinding, home: Home) -> Carried:
         )
     model, _, serial = finding.carrier.rpartition(" ") if field == "serial" else ("", "", "")
     own = {field: serial or finding.carrier} | ({"model": model} if model else {})
-    since, until = (_day(each and each.at) for each in (finding.since, finding.until))
+    since, until = (_day(each.at) if each else None for each in (finding.since, finding.until))
     return Carried(
         title=title, finding=finding, query=own | _asked_days(since, until),
         papers=_papers(_papers_of(_which(own, since, until), home)),

@@ -26,6 +26,7 @@ from schemas.pages.run import ElementShown, LimitShown, RunQuestion, RunShown, S
 from schemas.text import Remark, Statement
 from storage.home import Home
 from tasks.words import message
+from tasks.words.quantities import power_of_ten
 from tasks.words.units import unit_text
 
 OF_FEW = 3  # segments; a remark that names more of them stands once, above the table
@@ -115,7 +116,7 @@ def _items(shown: RunShown, view: View) -> Component:
 
 def _element(shown: ElementShown, view: View) -> list[tuple[Any, ...]]:
     """A row for each limit of an element, and one for an element without."""
-    power = f"×10^{shown.exponent} " if shown.exponent else ""
+    power = f"{power_of_ten(shown.exponent)} ".lstrip()
     unit = f" {power}{'' if shown.unit == '1' else unit_text(shown.unit)}".rstrip()
     first = (
         view.say(shown.title),

@@ -1,10 +1,12 @@
 """One run out of the store: what its page shows, from the functions that reports use."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import sqlalchemy as sql
 from pydantic import TypeAdapter, ValidationError
 
+from flows.pages.specification_order import place
 from schemas.base import Unusable
 from schemas.calibration import Calibration, SegmentUsed
 from schemas.decision import LimitDecision
@@ -93,7 +95,9 @@ def _segments(manifest: Manifest, made: Calibration | None) -> Iterator[SegmentS
 def _elements(made: Calibration, limits: tuple[LimitDecision, ...]) -> Iterator[ElementShown]:
     for name, item in made.items.items():
         printed = column(list(item.value.values()), [item.U.get(e) for e in item.value], item.k)
-        for i, (element, value) in enumerate(item.value.items()):
+        elements = list(item.value)
+        for element in sorted(elements, key=partial(place, name)):
+            i, value = elements.index(element), item.value[element]
             of_this = [each for each in limits if (each.item, each.element) == (name, element)]
             yield ElementShown(
                 item=name, title=statement(item_title(name)), element=element,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from flows.pages.run_data import certificate_shown
+from flows.pages.specification_order import place
 from schemas.base import Unusable
 from schemas.pages.unit import (
     LISTED,
@@ -95,7 +96,7 @@ def _elements(line: UnitLine, limits: _Limits, home: Home) -> Iterator[ElementHi
     measured: dict[Element, dict[str, tuple[Any, ...]]] = defaultdict(dict)
     for run, item, element, *numbers in units.readings_of(line.id, home):
         measured[item, element][run] = tuple(numbers)
-    for item, element in sorted(measured, key=_place):
+    for item, element in sorted(measured, key=lambda of: place(*of)):
         of_runs = measured[item, element]
         readings = [
             _reading(run, of_runs[run[0]]) for run in runs if run[0] in of_runs
@@ -144,13 +145,3 @@ def _years(day: date) -> float:
 
 def _number(number: float | None) -> float:
     return np.nan if number is None else number
-
-
-def _place(of: Element) -> tuple[int, int, str, str]:
-    """The place of an element in the specifications' order."""
-    item, element = of
-    if item not in ITEMS:
-        return len(ITEMS), 0, item, element
-    elements = ITEMS[item].elements
-    inner = elements.index(element) if element in elements else len(elements)
-    return list(ITEMS).index(item), inner, item, element

@@ -2,12 +2,14 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from flows.pages.quality.element import of_element
+from flows.pages.specification_order import place
 from schemas.base import Unusable
 from schemas.pages.quality import (
     Choices,
@@ -22,13 +24,12 @@ from storage.catalogue.certificates import AS_LEFT
 from storage.home import Home
 from tasks.quality.retests import RETEST_DAYS, first_runs
 from tasks.quality.yields import shares, yields
-from tasks.specifications.items import ITEMS, item_title, symbol
+from tasks.specifications.items import item_title, symbol
 from tasks.words import statement
 
 Runs = pd.DataFrame
 COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in_at", "validity",
            "missing", "verdict", "purpose")  # fmt: skip
-ORDER = list(ITEMS)
 
 
 def data(question: QualityQuestion, home: Home) -> QualityShown:
@@ -145,14 +146,9 @@ def _by_item(runs: Runs, model: str | None, home: Home) -> tuple[Yield, ...]:
             of[item] += 1
             passed[item] += is_valid[run] and not not_passed
     invalid = sum(not valid for run, valid in is_valid.items() if run not in certified)
-    items = sorted(of, key=_place)
+    items = sorted(of, key=place)
     table = shares([passed[item] for item in items], [of[item] + invalid for item in items], items)
     return _listed(table)
-
-
-def _place(item: str) -> tuple[int, str]:
-    """The place of an item in the specifications' order."""
-    return (ORDER.index(item) if item in ORDER else len(ORDER)), item
 
 
 def _choices(runs: Runs, question: QualityQuestion, home: Home) -> Choices:
@@ -179,8 +175,8 @@ def _items(model: str, home: Home) -> tuple[ItemChoice, ...]:
         units[item] = unit
     return tuple(
         ItemChoice(item=item, title=statement(item_title(item)), unit=units[item],
-                   elements=tuple(found[item]))
-        for item in sorted(found, key=_place)
+                   elements=tuple(sorted(found[item], key=partial(place, item))))
+        for item in sorted(found, key=place)
     )  # fmt: skip
 
 

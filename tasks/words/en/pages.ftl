@@ -22,7 +22,7 @@ pages-no-database = The catalogue cannot be reached; this page asks again by its
 
 pages-line = Line
     .about = What each station does now, and what the line has made today
-pages-line-no-station = No run was acquired from a station in this home yet.
+pages-line-no-station = No run was acquired from a station in this home yet; `mimucal acquire STATION`, or an order on the page Do, starts one.
 pages-line-today = Today, { $day } (UTC)
 pages-line-queue = Queue
 pages-line-no-server = No Prefect server is named (PREFECT_API_URL), so there is no queue: orders are carried out where they are given.
@@ -186,7 +186,7 @@ pages-signals-rows =
 pages-budget = Budget
     .about = What the uncertainty of one element is made of
 pages-budget-of = Budget of
-pages-budget-summary = { $symbol } = { $value }, u = { $u }, k = { $k }, U = { $expanded }
+pages-budget-summary = { $item }: { $symbol } = { $value }, u = { $u }, k = { $k }, U = { $expanded }
 pages-budget-column =
     .input = Input quantity
     .kind = Type, distribution
@@ -204,7 +204,11 @@ pages-distribution =
 
 pages-do = Do
     .about = Orders, as far as your role allows; every one of them is in the trail
-pages-do-nothing = Your role looks at the pages and gives no orders.
+pages-do-nothing = Your role looks at the pages and gives no orders; the table below says whose does.
+pages-do-nobody = Nobody has a password in this home yet, so the pages only show: after `mimucal user add NAME --role administrator` and a log-in, orders are given here.
+pages-do-no-order = No order was given yet.
+pages-roles = { $roles }
+pages-do-roles = Who may give which order
 pages-do-orders = Orders given here since the pages are served
 pages-do-refused = Refused
 pages-do-done = { $action }: { $subject }

@@ -22,7 +22,7 @@ pages-no-database = 无法访问目录数据库；本页会自动重试
 
 pages-line = 产线
     .about = 各工位当前的工作，以及产线今日的产出
-pages-line-no-station = 此数据目录中尚未从任何工位采集过数据。
+pages-line-no-station = 此数据目录中尚未从任何工位采集过数据；执行 `mimucal acquire STATION` 或在“操作”页下达指令即可开始测量。
 pages-line-today = 今日 { $day }（UTC）
 pages-line-queue = 队列
 pages-line-no-server = 未指定 Prefect 服务器（PREFECT_API_URL），因此没有队列：指令在发出之处执行。
@@ -185,7 +185,7 @@ pages-signals-rows =
 pages-budget = 不确定度评定表
     .about = 一个分量的不确定度由哪些输入量构成
 pages-budget-of = 不确定度评定表：
-pages-budget-summary = { $symbol } = { $value }，u = { $u }，k = { $k }，U = { $expanded }
+pages-budget-summary = { $item }：{ $symbol } = { $value }，u = { $u }，k = { $k }，U = { $expanded }
 pages-budget-column =
     .input = 输入量
     .kind = 类别与分布
@@ -203,7 +203,11 @@ pages-distribution =
 
 pages-do = 操作
     .about = 您的角色所允许的操作；每一项都记入审计记录
-pages-do-nothing = 您的角色只能查看页面，不能下达指令。
+pages-do-nothing = 您的角色只能查看页面，不能下达指令；下表列出各指令所需的角色。
+pages-do-nobody = 此数据目录中尚未设置用户，页面仅供查看：执行 `mimucal user add NAME --role administrator` 并登录后，即可在此下达指令。
+pages-do-no-order = 尚未下达指令。
+pages-roles = { $roles }
+pages-do-roles = 各指令所需的角色
 pages-do-orders = 自页面启动以来在此下达的指令
 pages-do-refused = 已拒绝
 pages-do-done = { $action }：{ $subject }

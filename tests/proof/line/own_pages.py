@@ -148,10 +148,10 @@ def _drift(
             rows.append((level, years, one["value"], one["u"]))
     if len(rows) < 2:
         return None, None
-    levels, years, values, u = (np.array(column) for column in zip(*rows, strict=True))
+    levels, times, values, u = (np.array(column) for column in zip(*rows, strict=True))
     names = np.unique(levels)
-    centre = years.mean()
-    design = np.column_stack([levels == name for name in names] + [years - centre]) / u[:, None]
+    columns = [levels == name for name in names] + [times - times.mean()]
+    design = np.column_stack(columns) / u[:, None]
     if np.linalg.matrix_rank(design) < design.shape[1]:
         return None, None
     solution, *_ = np.linalg.lstsq(design, values / u, rcond=None)

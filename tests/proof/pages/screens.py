@@ -8,6 +8,8 @@ from pathlib import Path
 from shutil import which
 from typing import TYPE_CHECKING
 
+import sqlalchemy as sql
+
 from flows.pages.register import PAGES
 from schemas.base import Unusable
 from storage.catalogue import tables
@@ -61,9 +63,11 @@ def run_screens(seed: int, count: int, out: Path | None) -> None:
 
 def _addresses(home: Home) -> Iterator[tuple[str, str]]:
     """Name and address of every page, and of those that need one a run and a unit of the store."""
-    run = next(recorded_runs(home), None)
+    paper = tables.certificates.c
+    issued = {row.run for row in rows(home, sql.select(paper.run).where(paper.state == "issued"))}
+    run = next((run for run in recorded_runs(home) if run in issued), None)
     if run is None:
-        raise Unusable(f"{home.path} has no run with a recording; take another seed.")
+        raise Unusable(f"{home.path} has no recording with a certificate; take another seed.")
     found = rows(home, tables.runs.select().where(tables.runs.c.id == run))
     element = "item=gyro_bias&element=x"
     asked = {
