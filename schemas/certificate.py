@@ -21,6 +21,7 @@ DEFAULT_PREFIX = "MIMU"
 DEFAULT_SCHEME = "{prefix}-{year}-{serial:04d}"
 State = Literal["draft", "checked", "issued", "amended", "withdrawn"]
 LIVE: tuple[State, ...] = ("draft", "checked", "issued")  # it counts, or may come to
+INVALID_RUN = "invalid-run"  # ends the purpose of a report of an invalid run
 StepName = Literal["draft", "check", "issue"]
 PrintedIn = Literal["zh", "en", "both"]
 PRINTED_IN: dict[PrintedIn, tuple[str, ...]] = {  # the large one first
@@ -221,7 +222,7 @@ class Certificate(Frozen):
         if self.as_found is not None:
             words.append("as-left")
         if calibration.validity.verdict == "invalid":
-            words.append("invalid-run")
+            words.append(INVALID_RUN)
         return " ".join(words)
 
     def step(self, name: StepName) -> Step | None:

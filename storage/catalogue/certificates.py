@@ -7,7 +7,7 @@ import sqlalchemy as sql
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from schemas.base import Frozen, Unusable, first_fault
-from schemas.certificate import Certificate, Laboratory, Order, State
+from schemas.certificate import INVALID_RUN, Certificate, Laboratory, Order, State
 from schemas.decision import Verdict
 from storage.catalogue import database, lineage, tables
 from storage.catalogue.run_index import Run
@@ -191,6 +191,7 @@ def newest_issued(
 ) -> dict[int, sql.Row[Any]]:
     """The newest issued certificate of each unit, by the unit's number in the catalogue.
 
+    The report of an invalid run certifies nothing, and leaves the one before it the newest.
     Newest: by the day of calibration (of issue, where that is unknown), then of issue. which: a
     condition on `certificates` and `units`.
     """
@@ -200,7 +201,10 @@ def newest_issued(
     asked = sql.select(*columns, unit.manufacturer, unit.model, unit.serial).join_from(
         tables.certificates, tables.units
     )
-    issued = asked.where(paper.state == "issued", sql.true() if which is None else which)
+    of_valid_run = sql.not_(sql.func.coalesce(paper.purpose, "").endswith(INVALID_RUN))
+    issued = asked.where(
+        paper.state == "issued", of_valid_run, sql.true() if which is None else which
+    )
     return {row.unit: row for row in database.rows(home, issued.order_by(*age, paper.kept_at))}
 
 

@@ -104,9 +104,10 @@ def content(certificate: Certificate) -> Content:
     configuration, order = certificate.configuration, certificate.order
     deviating = deviations(calibration, configuration, order.waived_conditions if order else ())
     marked = certificate.state != "issued"
+    kind = "invalid-run" if calibration.validity.verdict == "invalid" else "calibration"
     return Content(
         number=certificate.number,
-        title=message("certificate-title"),
+        title=message(f"certificate-title.{kind}"),
         watermark=message(f"certificate-watermark.{certificate.state}") if marked else None,
         laboratory=cover.party_name(laboratory.party if laboratory else None),
         laboratory_address=cover.party_address(laboratory.party if laboratory else None),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from datetime import UTC, date, datetime
 
 from schemas.base import Unusable
-from schemas.calibration import Calibration, Method
+from schemas.calibration import Calibration
 from schemas.certificate import AsFound, Certificate, Order, Replaced, Step
 from schemas.configuration import configuration_of
 from schemas.decision import Decision
@@ -91,7 +91,7 @@ def certify(
         state="draft",
         calibrated_on=calibrated_on,
         issued_on=today,
-        due=due_date(calibrated_on or today, order, calibration.method),
+        due=due_date(calibrated_on or today, order, calibration),
         laboratory=laboratory,
         order=order,
         manifest=manifest,
@@ -109,11 +109,15 @@ def certify(
     return keep_draft(drawn, home, now)
 
 
-def due_date(from_day: date, order: Order | None, method: Method) -> date | None:
-    """When a unit comes back that was calibrated on a day; None where the order agrees on none."""
-    if order is None or not order.agrees_on_recalibration:
+def due_date(from_day: date, order: Order | None, calibration: Calibration) -> date | None:
+    """When a unit comes back that was calibrated on a day (ISO/IEC 17025:2017, 7.8.4.3).
+
+    None where the order agrees on none, and after an invalid run, which calibrated nothing.
+    """
+    invalid = calibration.validity.verdict == "invalid"
+    if invalid or order is None or not order.agrees_on_recalibration:
         return None
-    months = order.interval_months or SPECIFICATIONS[method].interval_months
+    months = order.interval_months or SPECIFICATIONS[calibration.method].interval_months
     return reminders.due_date(from_day, months)
 
 

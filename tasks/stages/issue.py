@@ -167,7 +167,7 @@ def _numbered(connection: sql.Connection, certificate: Certificate, now: datetim
     series = numbers.series_of(scheme, prefix, today.year)
     dated: dict[str, object] = {"issued_on": today}
     if certificate.calibrated_on is None:
-        dated["due"] = due_date(today, certificate.order, certificate.calibration.method)
+        dated["due"] = due_date(today, certificate.order, certificate.calibration)
     number = numbers.next_number(connection, series)
     return certificate.model_copy(update={"number": number, **dated})
 

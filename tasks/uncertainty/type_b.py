@@ -174,16 +174,17 @@ def ahrs_zero_offset(
 
 
 def ahrs_misalignment(
-    equipment: Equipment, misalignment: float, shares: np.ndarray, angles: np.ndarray
+    equipment: Equipment, misalignment: float, k: float, shares: np.ndarray, angles: np.ndarray
 ) -> tuple[Contribution, ...]:
     """L of eq. (7) to (9) and (17), Σ sₖNₖ/Σ sₖθₖ over turns by θₖ (n,) rad, as a ratio (rad).
 
     shares: s (n,), +1 and −1 for one turn each way. A turned angle wrong by α changes the
-    divisor: c = −L·√Σsₖ²/Σsₖθₖ, −L/(360°·n)/√2 for two turns of n·360°. The fixture carries over
-    whole: c = 1 (silent).
+    divisor: c = −L·√Σsₖ²/Σsₖθₖ, −L/(360°·n)/√2 for two turns of n·360°. An axis off its
+    heading by the fixture's α turns the axis that reads, whose scale factor is K, by α of each
+    turn: c = K (silent).
     """
     c = -misalignment * float(np.linalg.norm(shares) / (shares @ angles))
-    return _lines(c, *equipment.angles) + _lines(1.0, *equipment.squareness)
+    return _lines(c, *equipment.angles) + _lines(k, *equipment.squareness)
 
 
 def resolution(half_width: float, unit: str, sensitivity: float) -> Contribution:

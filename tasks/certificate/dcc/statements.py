@@ -55,8 +55,12 @@ def statements(certificate: Certificate, record: bytes) -> Element:
     }
     return dcc.statements(
         verdict(decision, verdict_words(decision), *scope, *_lines(printed.conformity)),
-        _sentences("certificate-title", _lines((*printed.front, *printed.laboratory_fields))),
-        *(_sentences(f"certificate-label-{name}", lines) for name, lines in parts.items() if lines),
+        _sentences(printed.title, _lines((*printed.front, *printed.laboratory_fields))),
+        *(
+            _sentences(message(f"certificate-label-{name}"), lines)
+            for name, lines in parts.items()
+            if lines
+        ),
         *_replaced(certificate),
         *_units(certificate),
         _record(certificate, record),
@@ -73,8 +77,8 @@ def _lines(fields: tuple[Field, ...]) -> list[Sayable]:
     return [message("dcc-field", label=each.label, value=each.value) for each in fields]
 
 
-def _sentences(name: str, lines: Sequence[Sayable]) -> Element:
-    return dcc.statement(named(message(name)), described(*lines, tag="declaration"))
+def _sentences(name: Sayable, lines: Sequence[Sayable]) -> Element:
+    return dcc.statement(named(name), described(*lines, tag="declaration"))
 
 
 def _replaced(certificate: Certificate) -> list[Element]:

@@ -12,7 +12,7 @@ from tasks.specifications.estimate import ClauseResult, merged
 from tasks.specifications.items import AHRS_ITEMS
 from tasks.specifications.jjf1536.evidence import AhrsEvidence, gather_ahrs, is_zero_position
 from tasks.specifications.jjf1536.misalignment import misalignment_items
-from tasks.specifications.jjf1536.scale import scale_items
+from tasks.specifications.jjf1536.scale import SCALE_FACTOR, scale_items
 from tasks.specifications.jjf1536.zero import ZERO_OFFSET, zero_items
 from tasks.specifications.specification import Section, Specification
 from tasks.uncertainty.equipment import JJF1536 as EQUIPMENT
@@ -73,12 +73,13 @@ def estimate(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
 
     Of the accumulated angles angle_* where they were recorded, else of the rates gyro_*.
     """
-    zero = zero_items(evidence, equipment)
+    scale, zero = scale_items(evidence, equipment), zero_items(evidence, equipment)
+    known = scale.items[SCALE_FACTOR].elements, zero.items[ZERO_OFFSET].elements
     return merged(
         (
-            scale_items(evidence, equipment),
+            scale,
             zero,
-            misalignment_items(evidence, zero.items[ZERO_OFFSET].elements, equipment),
+            misalignment_items(evidence, *known, equipment),
             ClauseResult(remarks=tuple(_sampling_remarks(evidence))),
         )
     )

@@ -53,10 +53,12 @@ class WholeTurns:
 
 
 def misalignment_items(
-    evidence: AhrsEvidence, offset: Estimates, equipment: Equipment
+    evidence: AhrsEvidence, scale: Estimates, offset: Estimates, equipment: Equipment
 ) -> ClauseResult:
     """L (3, 3) of eq. (17), degrees; the first index reads, the second turns.
 
+    scale: K of 7.1 by axis, with which a tilt of the turning axis is read; 1 where it is not
+    determined. Eq. (17) does not divide by K: its uncertainty counts to second order only.
     offset: B of 7.2 by axis, deg/s; it counts only where forward and back took different times.
     """
     zero = scaled(offset, 1.0 / DEG)
@@ -68,7 +70,9 @@ def misalignment_items(
         if why is not None:
             return why
         elements = {
-            AXES[i] + axis: _ratio(evidence, i, turns, zero[AXES[i]], equipment).scaled(DEG)
+            AXES[i] + axis: _ratio(
+                evidence, i, turns, _value_or_one(scale[AXES[i]]), zero[AXES[i]], equipment
+            ).scaled(DEG)
             for i in range(3)
             if i != j
         }
@@ -97,8 +101,17 @@ def _not_determined(evidence: AhrsEvidence, turns: WholeTurns) -> Message | None
     return None
 
 
+def _value_or_one(scale: Estimate) -> float:
+    return scale.value if scale.determined else 1.0
+
+
 def _ratio(
-    evidence: AhrsEvidence, channel: int, turns: WholeTurns, zero: Estimate, equipment: Equipment
+    evidence: AhrsEvidence,
+    channel: int,
+    turns: WholeTurns,
+    scale: float,
+    zero: Estimate,
+    equipment: Equipment,
 ) -> Estimate:
     """(N₊ − N₋)/(2·2π·n), rad, with the lines of its budget.
 
@@ -111,7 +124,7 @@ def _ratio(
         gain[i] += evidence.segments[i].seconds * per_angle
     ratio = linear_estimate(evidence, channel, gain)
     longer = float(gain.sum()) if zero.determined else 0.0
-    lines = ahrs_misalignment(equipment, ratio.value, share, turns.angle)
+    lines = ahrs_misalignment(equipment, ratio.value, scale, share, turns.angle)
     if longer:
         ratio = replace(ratio, value=ratio.value - longer * zero.value)
         lines = (*lines, _zero_line(zero, longer))

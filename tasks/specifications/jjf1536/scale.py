@@ -21,6 +21,7 @@ from tasks.uncertainty.equipment import Equipment
 from tasks.words import Message, message, remark
 
 CLAUSE = "JJF 1536-2015, 7.1.2 eq. (10)-(15)"
+SCALE_FACTOR = "ahrs_scale_factor"
 
 Rests = tuple[tuple[int, ...], tuple[int, ...]]  # before and after the rate points
 
@@ -44,7 +45,7 @@ def scale_items(evidence: AhrsEvidence, equipment: Equipment) -> ClauseResult:
         )
 
     item = ItemEstimate(undetermined(AXES), CLAUSE, readings)
-    scale = item_by_axis("ahrs_scale_factor", item, of_axis)
+    scale = item_by_axis(SCALE_FACTOR, item, of_axis)
     return replace(scale, remarks=(*scale.remarks, *_other_rate_remarks(evidence)))
 
 

@@ -1,6 +1,8 @@
 ## The certificate: texts, by specification and method where they differ, and labels.
 
-certificate-title = Calibration Certificate
+certificate-title =
+    .calibration = Calibration Certificate
+    .invalid-run = Report of an Invalid Run
 certificate-not-given = not given
 certificate-quoted = { $text }
 certificate-watermark =

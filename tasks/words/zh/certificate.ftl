@@ -1,6 +1,8 @@
 ## The certificate: texts, by specification and method where they differ, and labels.
 
-certificate-title = 校准证书
+certificate-title =
+    .calibration = 校准证书
+    .invalid-run = 测量无效报告
 certificate-not-given = 未提供
 certificate-quoted = { $text }
 certificate-watermark =

@@ -25,6 +25,6 @@ reading-jjf1536-product = 逆矩阵后的“+”应为乘号：A = L⁻¹·(N �
 reading-jjf1536-attitude = 由式(B.1)，航向角为 atan2(−T12, T22)，横滚角为 atan2(−T31, T33)，取全象限。
 reading-joint-method = 专利文本公式缺失，理解为：对全部动态、静态采样以最小二乘（按协方差加权）求标度因数与安装误差之积及偏值，再由静止采样修正偏值和 g 敏感系数，迭代至收敛。
 reading-joint-g-earth = 已知纬度且静止数据不与之矛盾时，地球自转为已知输入：g 敏感系数不含地球自转，与式(7)的值不同。
-reading-joint-fit-offset = 拟合零位取绕该轴各角速率点读数减去 K·角速率（K 为联合拟合值）的均值，含该姿态下的偏值、g 敏感项及地球自转。
+reading-joint-fit-offset = 拟合零偏取绕该轴各角速率点读数减去 K·角速率（K 为联合拟合值）的均值，含该姿态下的偏值、g 敏感项及地球自转。
 reading-joint-gravity-alone = 仅以重力为参考：各静止位置满足 |K⁻¹·(a − B)| = g。此时体坐标系由加速度计定义：z 为 z 加速度计敏感轴，y 位于 y、z 敏感轴平面内；K_yx、K_zx、K_zy 按定义为零。
 reading-joint-gravity-moves = 无转台时，陀螺矩阵由静止位置之间的运动求得：对运动期间的陀螺输出积分，应使前一静止位置的竖直方向转到后一位置的竖直方向。

@@ -103,7 +103,7 @@ def certificate_of(unit: LineUnit, run: LineRun, manifest: Manifest, number: str
     )
     return Certificate(
         number=number, state="issued" if issued else "draft", calibrated_on=day,
-        issued_on=moment.date(), due=due_date(day, order, run.calibration.method),
+        issued_on=moment.date(), due=due_date(day, order, run.calibration),
         laboratory=LABORATORY.model_copy(update={"equipment": (standard,)}), order=order,
         manifest=manifest, calibration=run.calibration, decision=run.decision, steps=steps,
     )  # fmt: skip

@@ -13,6 +13,7 @@ from schemas.equipment import MeasurementStandard
 from schemas.recording import Recording
 from schemas.text import Remark
 from schemas.tolerance import Tolerance
+from schemas.validation import ValidationRecord
 from storage import settings
 from tasks import conformity
 from tasks.calibrate.calibrate import calibrate
@@ -23,6 +24,7 @@ from tasks.specifications.register import BY_STANDARD
 from tasks.stages.certify import due_date
 from tasks.validation import record
 from tasks.validation.coverage import simulate
+from tasks.version import code_version
 from tasks.words import statement
 from tests.own_limits import as_table_1
 
@@ -69,6 +71,7 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     passed = _certificate(recording, whole, tolerance)
     moved = tuple(history(passed, tuple(_earlier(passed))))
     passed = passed.model_copy(update={"curves": (*passed.curves, *moved)})
+    assert passed.decision.verdict == "pass", passed.decision.reasons
     yield "pass", passed
     yield "fail", _certificate(recording, measured, _limits(given, wider=0.02))
     yield "inconclusive", _certificate(recording, _calibrated(recording, own=False), tolerance)
@@ -89,6 +92,13 @@ def cases(method: str) -> Iterator[tuple[str, Certificate]]:
     assert passed.order is not None
     order = passed.order.model_copy(update={"client": LONG})
     yield "long-names", passed.model_copy(update={"manifest": named, "order": order})
+
+
+def _validated() -> ValidationRecord:
+    """The shipped record, as one of this code."""
+    shipped = record.shipped()
+    assert shipped is not None
+    return shipped.model_copy(update={"code_version": code_version()})
 
 
 def _earlier(certificate: Certificate) -> Iterator[Certificate]:
@@ -143,14 +153,13 @@ def _calibrated(recording: Recording, own: bool = True) -> Calibration:
 def _certificate(recording: Recording, result: Calibration, tolerance: Tolerance) -> Certificate:
     laboratory = settings.read(PAPERS / "laboratory.toml", Laboratory)
     order = settings.read(FOLDERS[result.method] / "order.toml", Order)
-    shipped = record.shipped()
-    named = statement(record.named(shipped, result))
+    named = statement(record.named(_validated(), result))
     return Certificate(
         number="DEMO-2026-0042",
         state="issued",
         calibrated_on=DAY,
         issued_on=DAY,
-        due=due_date(DAY, order, result.method),
+        due=due_date(DAY, order, result),
         laboratory=laboratory.model_copy(update={"equipment": EQUIPMENT}),
         order=order,
         manifest=recording.manifest,
@@ -170,5 +179,5 @@ def _decision(
     deviating = conformity.deviations(result, configuration, order.waived_conditions)
     unmet = (each.printed for each in deviating if not each.waived)
     smaller = conformity.smaller_than_stated(result, EQUIPMENT)
-    doubts = record.doubts_of(record.shipped(), result)
+    doubts = record.doubts_of(_validated(), result)
     return conformity.decide(result, tolerance, (*smaller, *unmet), doubts)

@@ -8,7 +8,7 @@ from schemas.certificate import PRINTED_IN
 from tasks.certificate.faces import faces_of
 from tests.proof.papers.cases import FOLDERS, cases
 
-DOTS_PER_POINT = 1.25
+DOTS_PER_POINT = 2.0
 
 
 def run_papers(folder: Path | None, *_: object) -> None:

@@ -9,13 +9,14 @@ from schemas.base import Unusable
 from schemas.calibration import Calibration
 from schemas.certificate import Certificate, Replaced
 from schemas.recording import Recording
+from schemas.text import Remark
 from storage.catalogue import (
     certificates,
     database,
     keep_certificate,
-    listing,
     numbers,
     results,
+    run_index,
     runs,
 )
 from storage.home import Home
@@ -86,7 +87,7 @@ def test_certificate_comes_back_as_it_went_in(fresh: Home, kept: Keep) -> None:
     (entry,) = certificates.register(fresh)
     assert (fresh.path / entry.pdf).read_bytes() == PDF
     assert (entry.number, entry.verdict, entry.due) == ("A-1", "pass", date(2027, 11, 21))
-    assert entry.result == results.of_run(listing.find(entry.run, fresh), fresh)[0].id
+    assert entry.result == results.of_run(run_index.find(entry.run, fresh), fresh)[0].id
 
 
 def test_a_number_that_is_taken_is_refused_and_its_files_stay(fresh: Home, kept: Keep) -> None:
@@ -134,7 +135,7 @@ def test_keys_of_drafts_are_free_ones(fresh: Home, kept: Keep) -> None:
 
 
 def _recording(home: Home) -> Recording:
-    return runs.load(listing.all_runs(home)[0], home)
+    return runs.load(run_index.all_runs(home)[0], home)
 
 
 def test_certificate_points_to_the_result_that_it_prints(
@@ -188,3 +189,14 @@ def test_neither_drafts_nor_what_was_amended_or_withdrawn_has_a_due_date(
         with database.changing(fresh) as connection:
             keep_certificate.change_state(connection, "A-1", state)
         assert certificates.due(fresh, ever) == []
+
+
+def test_the_report_of_an_invalid_run_leaves_the_certificate_before_it_the_newest(
+    fresh: Home, kept: Keep
+) -> None:
+    valid = kept("A-1", calibrated_on=date(2025, 1, 5), due=date(2026, 1, 5))
+    wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
+    invalid = valid.calibration.model_copy(update={"remarks": (wrong,)})
+    later = {"number": "A-2", "calibrated_on": date(2025, 6, 1), "due": None}
+    keep(valid.model_copy(update={"calibration": invalid, **later}), fresh, PDF)
+    assert [line.certificate for line in certificates.due(fresh, date(2027, 1, 1))] == ["A-1"]

@@ -20,10 +20,10 @@ from storage.catalogue import (
     certificates,
     database,
     equipment,
-    listing,
     reminders,
     reprocessing,
     results,
+    run_index,
     runs,
     tables,
     trail,
@@ -61,7 +61,7 @@ def test_migrations_and_tables_do_not_drift_on_postgresql(shared_catalogue: Home
 
 
 def test_looking_makes_no_folder_with_postgresql(shared_catalogue: Home) -> None:
-    assert listing.all_runs(shared_catalogue) == []
+    assert run_index.all_runs(shared_catalogue) == []
     assert not shared_catalogue.path.exists()
 
 
@@ -73,7 +73,7 @@ def test_store_works_the_same_on_postgresql(
 ) -> None:
     home, recording = shared_catalogue, small()
     run = runs.add(recording, home)[0]
-    assert runs.add(recording, home)[0] == run == listing.find(run.id[:4], home)
+    assert runs.add(recording, home)[0] == run == run_index.find(run.id[:4], home)
     results.save(calibrated(run), home)
     results.save(calibrated(run, 0.5), home)
     assert [result.why for result in results.of_run(run, home)] == [
@@ -98,7 +98,7 @@ path = Path(arguments[0])
 print(runs.add(recordings.read(path), home, source=path)[0].id)
 """
     said = at_once(script, shared_catalogue, str(tmp_path / "source"), processes=3)
-    (run,) = listing.all_runs(shared_catalogue)
+    (run,) = run_index.all_runs(shared_catalogue)
     assert said == [f"{run.id}\n"] * 3
 
 
@@ -180,7 +180,7 @@ def test_catalogue_of_a_newer_program_is_refused_on_postgresql(shared_catalogue:
     with database.engine(shared_catalogue).begin() as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '9999'"))
     with pytest.raises(Unusable, match="update mimucal"):
-        listing.all_runs(shared_catalogue)
+        run_index.all_runs(shared_catalogue)
 
 
 def test_history_is_made_again_and_asked_for_as_in_sqlite(

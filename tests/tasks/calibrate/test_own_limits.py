@@ -82,6 +82,5 @@ def test_the_same_holds_of_a_unit_that_accumulates_angles(
         scale = items["ahrs_scale_factor"]
         assert scale.U[axis] >= rate * abs(scale.value[axis]) * SHOWN
         for other in AXES.replace(axis, ""):
-            # To first order: the budget takes the scale factor, within a percent of 1, for 1.
-            lean = math.degrees(math.sin(fixture))
+            lean = math.degrees(math.sin(fixture)) * abs(scale.value[axis])
             assert items["ahrs_misalignment"].U[axis + other] >= lean * SHOWN

@@ -227,6 +227,7 @@ def test_the_first_page_says_that_a_run_is_invalid() -> None:
     unlike = Remark(code="c", en="Unlike.", zh="不符。", run="invalid")
     made = content(certificate(calibration(remarks=(unlike,))))
     assert made.scope == (
-        "本次测量无效：不对被校单元作任何判定",
+        "本次测量无效：不对被校对象作任何判定",
         "the run is invalid: nothing is decided on the unit",
     )
+    assert made.title == ("测量无效报告", "Report of an Invalid Run")

@@ -74,10 +74,11 @@ def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep) -> 
     ],
 )
 def test_a_unit_comes_back_only_where_the_order_agrees_on_it(
-    agreed: dict[str, Any], due: date | None
+    kept: Keep, agreed: dict[str, Any], due: date | None
 ) -> None:
-    assert due_date(date(2026, 5, 2), order(date(2026, 5, 1), **agreed), "jjf2003") == due
-    assert due_date(date(2026, 5, 2), None, "jjf2003") is None
+    calibration = kept()[1]
+    assert due_date(date(2026, 5, 2), order(date(2026, 5, 1), **agreed), calibration) == due
+    assert due_date(date(2026, 5, 2), None, calibration) is None
 
 
 def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificate(
@@ -222,7 +223,10 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
     given = (run, calibration.model_copy(update={"remarks": (wrong,)}), home)
     with pytest.raises(Unusable, match="is invalid: Two clocks; measure again"):
         certify(*given, Inputs(tolerance=tolerance()))
-    reported = certify(*given, Inputs(tolerance=tolerance(), invalid_run=True)).certificate
+    agreed = order(date(2026, 5, 1), recalibration_agreed=True)
+    asked = Inputs(tolerance=tolerance(), order=agreed, invalid_run=True)
+    reported = certify(*given, asked).certificate
+    assert reported.due is None
     assert {decided.verdict for decided in reported.decision.limits} == {"inconclusive"}
     assert "the run is invalid: nothing is decided on the unit" in reported.decision.reasons
 

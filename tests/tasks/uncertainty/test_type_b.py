@@ -186,7 +186,7 @@ def test_jjf1536_items() -> None:
         math.hypot(5 * ARCSECOND / 3600.0, EARTH_RATE / 2 * equipment.fixture.u)
     )
     turns = 20.0 * math.pi * np.array([1.0, -1.0])
-    misalignment = type_b.ahrs_misalignment(equipment, 0.1, np.array([1.0, -1.0]), turns)
+    misalignment = type_b.ahrs_misalignment(equipment, 0.1, 1.0, np.array([1.0, -1.0]), turns)
     table = 0.1 / (20.0 * math.pi) / math.sqrt(2.0) * 5 * ARCSECOND
     assert u_of(misalignment) == pytest.approx(math.hypot(table, 5 * ARCSECOND / math.sqrt(3.0)))
 

@@ -66,6 +66,13 @@ def test_misalignment_moves_alone_and_is_named_by_the_axis_that_reads(
     check(ahrs_run(L=planted(i, j, 0.001)), **{element: 0.001 * DEG})
 
 
+def test_a_tilted_axis_is_read_with_the_scale_factor_of_the_axis_that_reads(ahrs_run) -> None:
+    budgets = result(ahrs_run(K=(1.0, 1.5, 1.0))).items["ahrs_misalignment"].budgets
+    for element, scale in (("yx", 1.5), ("zx", 1.0)):
+        (tilt,) = (line for line in budgets[element].inputs if line.symbol == "α4")
+        assert tilt.sensitivity == pytest.approx(scale * DEG, rel=1e-6)
+
+
 def test_rates_as_input_give_the_same_values(ahrs_run, as_gyro) -> None:
     errors = {"K": (1.01, 0.99, 1.002), "L": planted(2, 0, 0.002), "B": (0.01, -0.02, 0.03)}
     recording = ahrs_run(**errors)
