@@ -58,10 +58,11 @@ Values = Callable[[int, int, int], np.ndarray]  # unit, station, day -> (p,)
 def fleet(
     seed: int, values: Values, *, runs: int = 80, units: int = 12, stations: int = 4,
     station_of: Callable[[int], int] | None = None, same_name: tuple[str, ...] = (),
+    alike: tuple[str, str] | None = None,
 ) -> Pool:  # fmt: skip
     """Runs day after day of units that go from station to station, or stay on their own.
 
-    same_name: terms that are forms of the first one.
+    same_name: terms that are forms of the first one. alike: two terms that differ by a twentieth.
     """
     rng = np.random.default_rng(seed)
     shared = rng.standard_normal((ROWS, sum(SIZES))) / np.sqrt(ROWS)
@@ -70,6 +71,9 @@ def fleet(
         unit = int(rng.integers(units))
         station = station_of(unit) if station_of else int(rng.integers(stations))
         columns = shared + 0.2 * rng.standard_normal(shared.shape) / np.sqrt(ROWS)
+        if alike is not None:
+            one, other = map(place, alike)
+            columns[:, other] = columns[:, one] + 0.05 * columns[:, other]
         carriers = {
             "unit": f"U{unit}", "station": f"S{station}", "model": f"M{unit % 2}", "site": "here"
         }  # fmt: skip

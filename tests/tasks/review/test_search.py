@@ -8,7 +8,8 @@ from tasks.review.carriers import Carried
 from tasks.review.evidence import Evidence, at_unit_information
 from tasks.review.hypotheses import Effect
 from tasks.review.mixed import spreads
-from tasks.review.search import Found, price_of_more, search
+from tasks.review.rivals import price_of_more
+from tasks.review.search import Found, search
 from tasks.review.windows import Window
 from tests.tasks.review.fleet import NOTHING, SIZES, fleet, of, place
 
@@ -71,6 +72,20 @@ def test_a_unit_that_differs_in_another_form_than_the_others_do_is_none_either()
     alike = fleet(11, values, runs=160, same_name=("size_effect", "gyro_g2_sensitivity"))
     assert [carrier(one)[1:] for one in search(different)[0]] == [("unit", "U5")]
     assert search(alike)[0] == ()
+
+
+ALIKE = ("size_effect", "gyro_g2_sensitivity")
+
+
+def test_effects_that_the_runs_hardly_tell_apart_are_named_together() -> None:
+    def at_a_station(unit: int, station: int, day: int) -> np.ndarray:
+        return of("size_effect", IN_ONE_RUN * (station == 2))
+
+    (apart,), (together,) = (search(fleet(12, at_a_station, alike=a))[0] for a in (None, ALIKE))
+    assert {each.effect.name for each in apart.others} == set()
+    assert {apart.best.effect.name} == {"size_effect"}
+    named = {together.best.effect.name, *(each.effect.name for each in together.others)}
+    assert named == set(ALIKE)
 
 
 def test_two_effects_are_found_one_after_the_other() -> None:
