@@ -3,7 +3,7 @@
 Both kinds name what they read: `time` (s), `angle` (deg) and `rate` (deg/s) of a table, the
 columns of the environment stream of a chamber, and whatever the flags ask for. Commands are lists
 of steps with the values given: an axis's `angle` (deg), `rate`, `speed` (its amount), `direction`
-(1 or -1) and `acceleration`, and a fixture's attitude `qw` to `qz`.
+(1 or -1) and `acceleration`, a fixture's attitude `qw` to `qz`, and a chamber's `temperature`.
 """
 
 import string
@@ -24,7 +24,7 @@ WORDS: Mapping[str, int] = {
 Bank = Literal["holding", "input", "coil", "discrete"]
 BIT_BANKS = ("coil", "discrete")
 Given = Literal[
-    "angle", "rate", "speed", "direction", "acceleration", "qw", "qx", "qy", "qz"
+    "angle", "rate", "speed", "direction", "acceleration", "qw", "qx", "qy", "qz", "temperature"
 ]  # fmt: skip
 TRIPS = ("fault", "emergency_stop", "interlock", "watchdog")
 FLAGS = (*TRIPS, "moving", "settled", "homed", "arrived")

@@ -1,4 +1,4 @@
-"""What may be asked of a table and of the fixture on it."""
+"""What may be asked of a table, of the fixture on it and of the chamber around both."""
 
 from typing import Annotated, Self
 
@@ -23,11 +23,28 @@ class MotionLimits(Frozen):
         return self
 
 
+class ChamberLimits(Frozen):
+    """Between which temperatures a chamber may be set, and how fast its air changes, K/min."""
+
+    temperature_degc: tuple[Finite, Finite]
+    rate_k_min: Positive
+
+    @model_validator(mode="after")
+    def _low_before_high(self) -> Self:
+        if self.temperature_degc[0] >= self.temperature_degc[1]:
+            raise ValueError("temperature_degc needs the lowest temperature first")
+        return self
+
+
 class Limits(Frozen):
-    """axes: of a table axis, by its name. fixture: of fixture, unit and cable, on every axis."""
+    """axes: of a table axis, by its name. fixture: of fixture, unit and cable, on every axis.
+
+    chamber: null: its temperature cannot be set.
+    """
 
     axes: dict[str, MotionLimits] = Field(default_factory=dict)
     fixture: MotionLimits = MotionLimits()
+    chamber: ChamberLimits | None = None
 
     def of(self, axis: str) -> tuple[tuple[str, MotionLimits], ...]:
         """Everything that limits an axis, with the name of what is limited."""

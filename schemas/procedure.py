@@ -12,7 +12,11 @@ from schemas.recording import Axis, Mount, Standard, Up
 
 
 class Position(Frozen):
-    """A rest at table angles. axis: the axis of the unit that it serves, if it serves one."""
+    """A rest at table angles. axis: the axis of the unit that it serves, if it serves one.
+
+    chamber_degc: to which the chamber is set as the rest begins, and where it stays until a later
+    step sets it anew; nothing waits for the air or the unit to get there.
+    """
 
     kind: Literal["position"] = "position"
     name: str
@@ -20,6 +24,7 @@ class Position(Frozen):
     up: Up
     axis: Axis | None = None
     turn_deg: Finite | None = None
+    chamber_degc: Finite | None = None
     angles_deg: tuple[Finite, ...]
     dwell_s: Finite = Field(gt=0)
 

@@ -11,6 +11,8 @@ from schemas.limits import Limits
 from schemas.recording import Mount, Station, Unit
 from schemas.unit_link import UnitLink
 
+SET_TEMPERATURE = "set_temperature"  # of a chamber's commands
+
 
 class UnitOnTable(Frozen):
     """A further unit on the same table: its line, how it sits in the fixture, and what it is."""
@@ -24,8 +26,8 @@ class StationFile(Frozen):
     """A station to acquire from: its devices, the manifest's station part, unit and fixture.
 
     mount: how the unit sits in its fixture. fixture: who turns the fixture over, a person or a
-    device. limits: what a procedure may ask of table and fixture. other_units: those that are
-    measured in the same run.
+    device. limits: what a procedure may ask of table, fixture and chamber. other_units: those that
+    are measured in the same run.
     """
 
     format: Literal["mimu-station/2"] = "mimu-station/2"
@@ -39,6 +41,15 @@ class StationFile(Frozen):
     limits: Limits = Limits()
     equipment: tuple[MeasurementStandard, ...] = ()
     other_units: tuple[UnitOnTable, ...] = ()
+
+    @model_validator(mode="after")
+    def _a_chamber_with_limits_can_be_set(self) -> Self:
+        commands = getattr(self.chamber, "commands", None)
+        if self.limits.chamber and commands is not None and SET_TEMPERATURE not in commands:
+            raise ValueError(
+                f"limits.chamber allows temperatures, and chamber.commands has no {SET_TEMPERATURE}"
+            )
+        return self
 
     @model_validator(mode="after")
     def _units_are_apart(self) -> Self:

@@ -1,10 +1,11 @@
-"""What a station can do with a unit: its table's axes, its largest rate and acceleration."""
+"""What a station can do with a unit: its table's axes, rates and acceleration, its chamber."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.base import Unusable
+from schemas.limits import ChamberLimits
 from schemas.recording import Mount, Recording, Station
 from schemas.station import StationFile
 from tasks.motion.whole import whole_motion
@@ -19,7 +20,8 @@ class Abilities:
     """A table and the unit on it.
 
     rates_deg_s: of each axis, outermost first. acceleration_deg_s2: of all. endless: of each axis,
-    whether it turns on and on.
+    whether it turns on and on. chamber: None where its temperature cannot be set, or is not known
+    to be.
     """
 
     station: Station
@@ -27,6 +29,7 @@ class Abilities:
     rates_deg_s: tuple[float, ...]
     acceleration_deg_s2: float
     endless: tuple[bool, ...]
+    chamber: ChamberLimits | None = None
 
     @classmethod
     def of_station(cls, file: StationFile) -> "Abilities":
@@ -50,11 +53,15 @@ class Abilities:
         ]
         endless = tuple(file.limits.is_endless(name) for name in names)
         acceleration = min(accelerations, default=ACCELERATION_DEG_S2)
-        return cls(file.station, file.mount, rates, acceleration, endless)
+        return cls(
+            file.station, file.mount, rates, acceleration, endless, file.limits.chamber
+        )  # fmt: skip
 
     @classmethod
     def of_recording(cls, recording: Recording) -> "Abilities":
-        """What the recording's own table did; raises Unusable where no encoders tell it."""
+        """What the recording's own table did; raises Unusable where no encoders tell it. Whether
+        it has a chamber no recording tells.
+        """
         manifest, axes = recording.manifest, whole_motion(recording).axes
         if axes is None:
             raise Unusable(

@@ -1,6 +1,9 @@
-"""What a procedure can be made of at a station: swings, rates, turns, rests in every attitude."""
+"""What a procedure can be made of at a station: swings, rates, turns, rests in every attitude,
+rests that are heated and cooled.
+"""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any, cast
@@ -8,7 +11,8 @@ from typing import Any, cast
 import numpy as np
 
 from schemas.base import Unusable
-from schemas.procedure import Position, RateRun, Sweep, Turns
+from schemas.limits import ChamberLimits
+from schemas.procedure import EnvironmentLimits, Position, RateRun, Refix, Sweep, Turns
 from schemas.recording import Axis, Up
 from tasks.experiment.abilities import Abilities
 from tasks.motion.table import axis_directions, payload_attitude
@@ -22,6 +26,9 @@ SWINGS, EACH_SLOWER = 16, 0.02  # no two rates alike, so that each segment has a
 SWING_S, RATE_S, REST_S, TUMBLE_S, SOAK_S = 0.2, 6.0, 10.0, 1.0, 180.0
 SHARES = (1.0, 0.5, 0.25, 0.1)  # of the largest rate
 HEADINGS = (0.0, 90.0, 180.0, 270.0)
+ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
+HOT_DEGC, ROOM_DEGC = 40.0, 20.0
+HEATED_S = (120.0, 420.0)  # as long it cools; a unit follows the air in minutes
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,17 @@ class Block:
 
     name: str
     steps: tuple[Step, ...]
+
+    @property
+    def moves(self) -> bool:
+        """Whether the table moves between or during its steps."""
+        return not stands_still(self.steps)
+
+
+def stands_still(steps: Sequence[Step | Refix]) -> bool:
+    """Whether they are rests at the same angles."""
+    rests = [each.angles_deg for each in steps if isinstance(each, Position)]
+    return len(rests) == len(steps) and len(set(rests)) == 1
 
 
 @dataclass(frozen=True)
@@ -65,11 +83,27 @@ def blocks_of(abilities: Abilities) -> tuple[Block, ...]:
     soak = Position(name="rest", item=ITEM, up=first.up, axis=first.axis,
                     angles_deg=first.angles_deg, dwell_s=SOAK_S)  # fmt: skip
     found.append(Block("rest", (soak,)))
+    if abilities.chamber is not None:
+        found.extend(_heated(soak, abilities.chamber))
     if _outermost_is_vertical(abilities):
         upright = {one.axis: one for one in reversed(reached)}
         for one in sorted(upright.values(), key=lambda each: each.axis):
             found.extend(_about(one, abilities))
     return tuple(found)
+
+
+def _heated(rest: Position, chamber: ChamberLimits) -> Iterator[Block]:
+    """Heating, then cooling back to the room's temperature."""
+    low, high = chamber.temperature_degc
+    degc = {"heated": min(HOT_DEGC, high), "cooled": min(max(ROOM_DEGC, low), high)}
+    for seconds in HEATED_S:
+        steps = tuple(
+            rest.model_copy(
+                update={"name": f"{name}_{seconds:.0f}s", "chamber_degc": each, "dwell_s": seconds}
+            )
+            for name, each in degc.items()
+        )
+        yield Block(f"heated_{seconds:.0f}s", steps)
 
 
 def attitudes(abilities: Abilities) -> list[Attitude]:
@@ -133,3 +167,22 @@ def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
 
 def _rounded(rates: list[float]) -> tuple[float, ...]:
     return tuple(round(rate, 1) for rate in rates)
+
+
+def steps_of(blocks: Sequence[Block]) -> list[Step]:
+    """Their steps in turn, those of a block that comes again with names of their own."""
+    used, steps = Counter[str](), list[Step]()
+    for block in blocks:
+        used[block.name] += 1
+        mark = f"_{used[block.name]}" if used[block.name] > 1 else ""
+        steps += [step.model_copy(update={"name": f"{step.name}{mark}"}) for step in block.steps]
+    return steps
+
+
+def room_of(steps: Sequence[Step], room: EnvironmentLimits) -> EnvironmentLimits:
+    """The room, as wide as the steps set the chamber."""
+    low, high = room.temperature_degc
+    set_to = [each.chamber_degc for each in steps
+              if isinstance(each, Position) and each.chamber_degc is not None]  # fmt: skip
+    wider = (min([low, *set_to]), max([high, *set_to]))
+    return room.model_copy(update={"temperature_degc": wider})

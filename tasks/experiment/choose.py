@@ -9,18 +9,28 @@ from math import ceil
 
 import numpy as np
 
-from schemas.procedure import EnvironmentLimits, Procedure
-from schemas.recording import Manifest
+from schemas.procedure import Procedure
+from schemas.recording import Manifest, Recording
 from tasks.experiment.abilities import Abilities
-from tasks.experiment.blocks import Block, Step, blocks_of
+from tasks.experiment.blocks import (
+    ROOM,
+    Block,
+    Step,
+    blocks_of,
+    room_of,
+    stands_still,
+    steps_of,
+)
 from tasks.experiment.separation import (
     FINE_HZ,
+    STILL_HZ,
     Separation,
     UnitNoise,
     enough,
     left_by_real_fit,
     probability_right,
 )
+from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
 from tasks.explain.confounding.compare import HOLDS
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
@@ -35,7 +45,6 @@ SPARE = 0.9  # of the blocks: fewer are tried where so many would be enough
 REPEATS = 25  # of one block
 SETTLE_S = 0.1
 PRICE = 4.0  # chi-squared of each parameter: ln(1 + n) with some fifty stretches that tell of it
-ROOM = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 85.0))
 LITTLE = 0.02  # share of what should be shown: by no more than its inverse more is tried at once
 NOTHING = ""  # the standard's model with none of the competing effects
 
@@ -80,7 +89,8 @@ class Experiment:
 
     rivals: what else would fit a recording of one of them, and is not suspected itself. like:
     manifest of the unit's recording, with the station's part. name: of the procedure. base: the
-    procedure whose warm-up, settling, rates of moves and room it keeps, if there is one.
+    procedure whose warm-up, settling, rates of moves and room it keeps, if there is one. thermal:
+    how the unit follows the chamber, where it can be set.
     """
 
     models: Mapping[str, Model]
@@ -90,6 +100,7 @@ class Experiment:
     name: str
     base: Procedure | None = None
     rivals: Mapping[str, Model] = field(default_factory=dict)
+    thermal: ThermalResponse | None = None
 
     @property
     def every(self) -> Mapping[str, Model]:
@@ -104,6 +115,11 @@ class Experiment:
             for truth, other in product(self.models, self.every)
             if truth not in (NOTHING, other) and HOLDS.get(truth) != other
         )
+
+    def planned(self, procedure: Procedure) -> Recording:
+        """What the table and the unit's thermometer would record of a procedure."""
+        rate = STILL_HZ if stands_still(procedure.steps) else FINE_HZ
+        return planned_recording(procedure, self.like, rate, self.thermal)
 
     def bound(self, pair: Pair) -> float:
         """Chi-squared that names the true one alone: a pair's difference; beside nothing what makes
@@ -158,11 +174,21 @@ class Experiment:
     def _extended(
         self, chosen: Sequence["_Measured"], needed: float, minutes: float
     ) -> list["_Measured"]:
-        """With as many blocks more as linear forms need."""
-        more = list(chosen)
-        so_far: dict[Pair, Separation] = {}
-        for one in more:
-            so_far = _sum(so_far, one.separations)
+        """With as many blocks more as linear forms need. Where they do not get there, a long block
+        that shows little at first may still show more than all that was taken in its place.
+        """
+        more = self._one_by_one(chosen, needed, minutes)
+        fitting = [one for one in self._measured if one.seconds <= 60.0 * minutes]
+        if chosen or not fitting or self._share(_total(more)) >= needed:
+            return more
+        most = max(fitting, key=lambda one: self._share(one.separations))
+        other = self._one_by_one([most], needed, minutes)
+        return max(more, other, key=lambda some: self._share(_total(some)))
+
+    def _one_by_one(
+        self, chosen: Sequence["_Measured"], needed: float, minutes: float
+    ) -> list["_Measured"]:
+        more, so_far = list(chosen), _total(chosen)
         while self._share(so_far) < needed:
             used = Counter(one.block.name for one in more)
             left_s = 60.0 * minutes - sum(one.seconds for one in more)
@@ -190,8 +216,8 @@ class Experiment:
         return max(min(beyond, default=0.0), 0.0)
 
     def _judged(self, chosen: Sequence["_Measured"]) -> Choice:
-        procedure = self._procedure(_steps([one.block for one in chosen]))
-        planned = planned_recording(procedure, self.like, FINE_HZ)
+        procedure = self._procedure(steps_of([one.block for one in chosen]))
+        planned = self.planned(procedure)
         shown: dict[Pair, float] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
             observed = self.noise.observed(planned, self.models[truth])
@@ -207,12 +233,19 @@ class Experiment:
 
     @cached_property
     def _measured(self) -> tuple["_Measured", ...]:
-        return tuple(self._measure(block) for block in blocks_of(self.abilities))
+        blocks = blocks_of(self.abilities)
+        return tuple(self._measure(one) for one in blocks if not (one.moves and self._drifts))
+
+    @property
+    def _drifts(self) -> bool:
+        """Whether time alone moves what competes, whatever the table does."""
+        terms = (term for model in self.models.values() for term in model.terms)
+        return all(term.time_course == "drift" for term in terms if term.name in self.models)
 
     def _measure(self, block: Block) -> "_Measured":
         """By its second turn: the way to where it begins is gone once, however often it comes."""
-        twice = self._procedure(_steps([block, block]))
-        planned = planned_recording(twice, self.like, FINE_HZ)
+        twice = self._procedure(steps_of([block, block]))
+        planned = self.planned(twice)
         segments = planned.manifest.segments or ()
         begins, ends = segments[len(segments) // 2 - 1].t_end, segments[-1].t_end
         found: dict[Pair, Separation] = {}
@@ -230,7 +263,7 @@ class Experiment:
         slowest, acceleration = min(able.rates_deg_s), able.acceleration_deg_s2
         return Procedure(
             name=self.name, title=title.en, title_zh=title.zh, standard="other",
-            environment=base.environment if base else ROOM,
+            environment=room_of(steps, base.environment if base else ROOM),
             warm_up_s=base.warm_up_s if base else 0.0,
             settle_s=base.settle_s if base else SETTLE_S,
             move_rate_deg_s=min(base.move_rate_deg_s, slowest) if base else slowest,
@@ -248,17 +281,14 @@ class _Measured:
     separations: Mapping[Pair, Separation]
 
 
+def _total(some: Sequence[_Measured]) -> dict[Pair, Separation]:
+    total: dict[Pair, Separation] = {}
+    for one in some:
+        total = _sum(total, one.separations)
+    return total
+
+
 def _sum(
     first: Mapping[Pair, Separation], more: Mapping[Pair, Separation]
 ) -> dict[Pair, Separation]:
     return {pair: first[pair] + one if pair in first else one for pair, one in more.items()}
-
-
-def _steps(blocks: Sequence[Block]) -> list[Step]:
-    """Their steps in turn, those of a block that comes again with names of their own."""
-    used, steps = Counter[str](), list[Step]()
-    for block in blocks:
-        used[block.name] += 1
-        mark = f"_{used[block.name]}" if used[block.name] > 1 else ""
-        steps += [step.model_copy(update={"name": f"{step.name}{mark}"}) for step in block.steps]
-    return steps

@@ -5,8 +5,6 @@ from collections.abc import Mapping, Sequence
 from schemas.base import Unusable
 from schemas.recording import Recording
 from tasks.experiment.choose import Choice, Experiment
-from tasks.experiment.separation import FINE_HZ
-from tasks.experiment.track import planned_recording
 from tasks.explain.explain import explain, fitted_effects
 from tasks.explain.explanation import UNNAMED
 from tasks.model.model import Model
@@ -18,7 +16,7 @@ def rivals_of(
     """What `explain` cannot tell from an effect in the proposed recording, or puts in its place,
     each fitted to it with the effects that are there anyhow.
     """
-    planned = planned_recording(choice.procedure, experiment.like, FINE_HZ)
+    planned = experiment.planned(choice.procedure)
     rehearsed = experiment.noise.recording(planned, experiment.models[name])
     found: dict[str, Model] = {}
     for rival in _names_beside(name, rehearsed, others):

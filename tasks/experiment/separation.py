@@ -22,7 +22,7 @@ from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.motion.samples import sample_interval
 
-FINE_HZ = 1000.0  # of a motion that is planned
+FINE_HZ, STILL_HZ = 1000.0, 100.0  # of a motion that is planned, and of none
 QUIET = 1e-4  # rad/s, m/s²: so that noise is told of something
 PROBABILITY = 0.95  # of one name, the right one, from which a recording decides
 
@@ -31,33 +31,40 @@ PROBABILITY = 0.95  # of one name, the right one, from which a recording decides
 class UnitNoise:
     """Of a unit and its reference as a recording of it has them. rate: Hz, of `noises`.
 
-    every: of the rows of a motion told at FINE_HZ those that the unit and its reference tell.
+    intervals: s, between the samples of the unit and those of its reference.
     """
 
     noises: tuple[Noise, ...]
     rate: float
     full: FullRate
-    every: tuple[int, int]
+    intervals: tuple[float, float]
 
     @classmethod
     def of(cls, recording: Recording, fit: FittedSelection) -> "UnitNoise":
         streams = (recording.imu, recording.table or recording.imu)
-        unit, reference = (max(1, round(FINE_HZ * sample_interval(one.t))) for one in streams)
+        unit, reference = (sample_interval(one.t) for one in streams)
         full = full_rate(as_mean_rates(recording))
         return cls(fit.noises, fit.blocks.rate, full, (unit, reference))
 
+    def _rows(self, fine: Recording) -> tuple[slice, slice]:
+        """Those of a planned motion that the unit and its reference tell."""
+        step = sample_interval(fine.imu.t)
+        unit, reference = (slice(None, None, max(1, round(s / step))) for s in self.intervals)
+        return unit, reference
+
     def observed(self, fine: Recording, truth: Model) -> Blocks:
         """Blocks of what a unit of the true model reads on a motion that was planned, weighted as
-        its own are. fine: told at FINE_HZ; the reference tells it as seldom as it does, so that
-        what happens between its samples is as unknown as it will be.
+        its own are. fine: told closely; the reference tells it as seldom as it does, so that what
+        happens between its samples is as unknown as it will be.
         """
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
         readings += np.random.default_rng(0).normal(scale=QUIET, size=readings.shape)
-        columns = dict(zip(CHANNELS, readings.T.copy(), strict=True))
+        columns = {**fine.imu.columns, **dict(zip(CHANNELS, readings.T.copy(), strict=True))}
+        unit, reference = self._rows(fine)
         seen = replace(
             fine,
-            imu=Stream(fine.imu.t, columns).at(slice(None, None, self.every[0])),
-            table=fine.table and fine.table.at(slice(None, None, self.every[1])),
+            imu=Stream(fine.imu.t, columns).at(unit),
+            table=fine.table and fine.table.at(reference),
         )
         full = self._as_usual(full_rate(seen))
         variance = self.full.rest_variance.reshape(2, 3).mean(axis=1)
@@ -71,22 +78,26 @@ class UnitNoise:
 
     def recording(self, fine: Recording, truth: Model) -> Recording:
         """What a unit of the true model may record on a motion that was planned, with white noise
-        as it has it at rest. fine: told at FINE_HZ.
+        as it has it at rest. fine: told closely.
         """
+        rows, reference = self._rows(fine)
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
-        unit = readings[:: self.every[0]]
+        unit = readings[rows]
         deviation = np.sqrt(self.full.rest_variance)
         noisy = unit + np.random.default_rng(0).normal(size=unit.shape) * deviation
-        columns = dict(zip(CHANNELS, noisy.T.copy(), strict=True))
+        columns = {
+            **fine.imu.at(rows).columns,
+            **dict(zip(CHANNELS, noisy.T.copy(), strict=True)),
+        }
         return replace(
             fine,
-            imu=Stream(fine.imu.t[:: self.every[0]], columns),
-            table=fine.table and fine.table.at(slice(None, None, self.every[1])),
+            imu=Stream(fine.imu.t[rows], columns),
+            table=fine.table and fine.table.at(reference),
         )
 
     def _as_usual(self, full: FullRate) -> FullRate:
-        """With what the unit's recording has besides, as it was there on average: no table moves
-        a temperature.
+        """With what the unit's recording has besides, as it was there on average: a table moves
+        no temperature, and a chamber that one alone.
         """
         rows = len(full.motion.t)
         usual = {

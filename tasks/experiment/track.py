@@ -6,6 +6,7 @@ import numpy as np
 
 from schemas.procedure import Procedure
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Segment, Stream
+from tasks.experiment.temperature import SetPoint, ThermalResponse
 from tasks.station.plan import SERVO_S, PlannedSegment, plan
 
 WHOLE = 360.0
@@ -14,7 +15,10 @@ QUIET = 1e-4  # rad/s, m/s²: what the unit reads, so that noise is told of some
 
 @dataclass
 class _Track:
-    """Angles (deg) of each axis at even steps, piece by piece, and what is measured meanwhile."""
+    """Angles (deg) of each axis at even steps, piece by piece, and what is measured meanwhile.
+
+    set_points: of the chamber.
+    """
 
     step_s: float
     angles: np.ndarray
@@ -22,6 +26,7 @@ class _Track:
     count: int = 0
     pieces: list[np.ndarray] = field(default_factory=list)
     segments: list[Segment] = field(default_factory=list)
+    set_points: list[SetPoint] = field(default_factory=list)
 
     @property
     def now(self) -> float:
@@ -76,10 +81,14 @@ def _profile(distance: float, rate: float, acceleration: float, step_s: float) -
     return np.asarray((up + even + top * last - 0.5 * acceleration * last**2) / distance)
 
 
-def planned_recording(procedure: Procedure, like: Manifest, rate_hz: float) -> Recording:
-    """The table's stream and the labels of a procedure; the unit reads a little noise.
+def planned_recording(
+    procedure: Procedure, like: Manifest, rate_hz: float, thermal: ThermalResponse | None = None
+) -> Recording:
+    """The table's stream and the labels of a procedure; the unit reads a little noise, and its
+    temperature where the chamber is set.
 
-    like: the manifest of a recording at that station. Steps at `rate_hz` from time 0.
+    like: the manifest of a recording at that station. thermal: how the unit follows the chamber.
+    Steps at `rate_hz` from time 0.
     Raises ValueError for a step that turns the unit over in its fixture: it was not planned for.
     """
     track = _Track(1.0 / rate_hz, np.zeros(len(like.station.table_axes or ())))
@@ -98,6 +107,8 @@ def planned_recording(procedure: Procedure, like: Manifest, rate_hz: float) -> R
     }  # fmt: skip
     noise = np.random.default_rng(0).normal(scale=QUIET, size=(6, len(t)))
     readings = dict(zip((*GYRO, *ACCEL), noise, strict=True))
+    if thermal is not None and track.set_points:
+        readings["temperature"] = thermal.course(t, track.set_points)
     return Recording(like.model_copy(update=fields), Stream(t, readings), Stream(t, columns))
 
 
@@ -112,6 +123,8 @@ def _follow(track: _Track, segment: PlannedSegment, procedure: Procedure) -> Non
         track.to_speed(axis, segment.rate_deg_s, acceleration)
     track.stay(settle_s, axis)
     start = track.now
+    if segment.chamber_degc is not None:
+        track.set_points.append((start, segment.chamber_degc))
     if segment.turn_by_deg is not None:
         track.turn(axis, segment.turn_by_deg, abs(segment.rate_deg_s), acceleration)
         track.stay(SERVO_S, axis)

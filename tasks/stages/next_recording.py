@@ -44,6 +44,7 @@ def next_recording(
     from tasks.experiment.choose import Experiment
     from tasks.experiment.open_question import open_question
     from tasks.experiment.separation import UnitNoise
+    from tasks.experiment.temperature import ThermalResponse
 
     _refuse_several_units(of)
     question = None
@@ -67,6 +68,7 @@ def next_recording(
     experiment = Experiment(
         question.models, UnitNoise.of(recording, question.fit), abilities, like,
         f"decide_{'_'.join(question.names)}", base,
+        thermal=ThermalResponse.of(recording, abilities.chamber) if abilities.chamber else None,
     )  # fmt: skip
     return _answer(experiment, question, recording, order)
 

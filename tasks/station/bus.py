@@ -110,6 +110,9 @@ class BusChamber:
     async def climate(self) -> Climate:
         return await self.bus.do(self.chamber.climate())
 
+    async def set_temperature(self, degc: float) -> None:
+        await self.bus.do(self.chamber.set_temperature(degc))
+
 
 @dataclass(frozen=True)
 class BusFixture:

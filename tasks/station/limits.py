@@ -1,4 +1,4 @@
-"""A whole procedure held against the limits of table and fixture, before anything moves."""
+"""A whole procedure held against what a station may be asked for, before anything moves."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -32,6 +32,7 @@ def check_limits(procedure: Procedure, station: StationFile) -> None:
                 f"table has the axes {', '.join(names)}: correct the name"
             )
     for segment in plan(procedure):
+        _check_chamber(segment, procedure, station)
         for motion in motions(segment, procedure):
             for what, limits in station.limits.of(names[motion.axis]):
                 if broken := _broken(motion, limits, procedure.acceleration_deg_s2):
@@ -41,6 +42,26 @@ def check_limits(procedure: Procedure, station: StationFile) -> None:
                         f"{station.station.id} is limited to less: change the procedure, or the "
                         f"limits of the station file if they are wrong"
                     )
+
+
+def _check_chamber(segment: PlannedSegment, procedure: Procedure, station: StationFile) -> None:
+    if segment.chamber_degc is None:
+        return
+    wanted = (
+        f"segment {segment.name} of procedure {procedure.name} sets the chamber to "
+        f"{segment.chamber_degc:g} °C"
+    )
+    if station.limits.chamber is None:
+        raise Unusable(
+            f"{wanted}, and the station file of {station.station.id} has no limits.chamber: state "
+            f"there what the chamber can do, or choose a procedure that leaves it as it is"
+        )
+    low, high = station.limits.chamber.temperature_degc
+    if not low <= segment.chamber_degc <= high:
+        raise Unusable(
+            f"{wanted}, and limits.chamber of station {station.station.id} allows {low:g} to "
+            f"{high:g} °C: change the procedure, or the station file if its limits are wrong"
+        )
 
 
 def motions(segment: PlannedSegment, procedure: Procedure) -> Iterator[Motion]:

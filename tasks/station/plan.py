@@ -19,7 +19,8 @@ class PlannedSegment:
 
     planned_s: what all of that is expected to take, from the end of the segment before. refix: the
     unit is turned over before. fixture: the attitude of the fixture, None as long as it is that of
-    the station file. turn_by_deg: whole turns in place of a dwell.
+    the station file. turn_by_deg: whole turns in place of a dwell. chamber_degc: to which the
+    chamber is set as the dwell begins.
     """
 
     name: str
@@ -33,6 +34,7 @@ class PlannedSegment:
     spin_axis: int | None = None
     rate_deg_s: float = 0.0
     turn_by_deg: float | None = None
+    chamber_degc: float | None = None
     refix: Refix | None = None
     fixture: Mount | None = None
 
@@ -100,7 +102,10 @@ def _segments_of(
     )
     match step:
         case Position():
-            yield replace(common, dwell_s=step.dwell_s, turn_deg=step.turn_deg)
+            yield replace(
+                common, dwell_s=step.dwell_s, turn_deg=step.turn_deg,
+                chamber_degc=step.chamber_degc,
+            )  # fmt: skip
         case Sweep():
             for stop in step.stops_deg:
                 angles = list(step.angles_deg)

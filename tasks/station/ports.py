@@ -119,9 +119,12 @@ class Climate:
 
 
 class Chamber(Protocol):
-    """What measures the air around the unit, and its supply."""
+    """What measures the air around the unit, and its supply; some set the air's temperature."""
 
     async def climate(self) -> Climate: ...
+
+    async def set_temperature(self, degc: float) -> None:
+        """Let the air go to a temperature, and return at once."""
 
 
 class Fixture(Protocol):

@@ -110,6 +110,8 @@ class Sequencer:
             t_start = round(max(t_start, late_s), 6)
         self.recorder.fill("ramp" if planned.kind == "rate" else "move", "transition", settled_s)
         self.recorder.fill("settle", "settle", t_start)
+        if planned.chamber_degc is not None:
+            await self.bench.chamber.set_temperature(planned.chamber_degc)
         if planned.kind == "rotation":
             t_end = await self._turn(planned)
         else:

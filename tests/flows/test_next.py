@@ -39,7 +39,8 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
         question = OpenQuestion(("time_offset", "bandwidth"), {}, fit)  # type: ignore[arg-type]
         monkeypatch.setattr(open_question, "open_question", lambda *_: question)
         monkeypatch.setattr(separation.UnitNoise, "of", lambda *_: None)
-        monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: None)
+        able = SimpleNamespace(chamber=None)
+        monkeypatch.setattr(abilities.Abilities, "of_recording", lambda *_: able)
         monkeypatch.setattr(Experiment, "shortest", lambda *_: Choice(PROCEDURE, 1.5, left, 30.0))
         monkeypatch.setattr(Experiment, "left_by", lambda *_: 2.0)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from schemas.base import Unusable
 from schemas.devices import ModbusChamber, ModbusFixture, TextChamber, TextFixture
 from schemas.procedure import Refix
+from schemas.station import SET_TEMPERATURE
 from tasks.station.drivers.backend import Backend
 from tasks.station.ports import Climate
 
@@ -27,6 +28,10 @@ class DescribedChamber:
         values = await self.backend.read(names)
         measured = {name: float(values.get(name, float("nan"))) for name in MEASURED}
         return Climate(float(values.get("time", float("nan"))), **measured)
+
+    async def set_temperature(self, degc: float) -> None:
+        """Let the air go to a temperature."""
+        await self.backend.command(SET_TEMPERATURE, {"temperature": degc})
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from schemas.base import Finite, Frozen
 from schemas.equipment import ErrorBound, LimitName, MeasurementStandard
+from schemas.limits import ChamberLimits
 from schemas.recording import Mount, TableAxis
 from schemas.station import StationFile
 from tasks.station import stations
@@ -52,7 +53,7 @@ class TableDesign(Frozen):
 
 
 class Air(Frozen):
-    """What the chamber keeps."""
+    """What the chamber keeps until it is set to another temperature."""
 
     temperature_degc: Finite = 20.0
     humidity_percent: Finite = 45.0
@@ -71,6 +72,7 @@ class VirtualStation(Frozen):
     gravity_m_s2: Finite = Field(default=9.8015, gt=9.7, lt=9.9)
     heading_deg: Finite = 0.0
     table: TableDesign = TableDesign()
+    chamber: ChamberLimits = ChamberLimits(temperature_degc=(0.0, 50.0), rate_k_min=4.0)
     air: Air = Air()
     mount: Mount = Mount()
     unit: UnitTruth = Field(default_factory=lambda: draw_unit(1))
@@ -116,6 +118,7 @@ def station_file(
             "table_axes": config.table.axes,
             "clock_speed": speed,
         },
+        "limits": {"chamber": config.chamber},
         "equipment": _equipment(len(config.table.axes)),
     })  # fmt: skip
 

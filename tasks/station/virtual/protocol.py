@@ -90,7 +90,8 @@ CHAMBER_REGISTERS = (
     _register("supply_voltage", 4, "float32", "V", "supply of the unit under test"),
     _register("pressure", 6, "float32", "hPa", "air pressure"),
     _register("station_time", 8, "uint64", "us", "when these were measured"),
-)
+    _register("target", 12, "float32", "degC", "where the air goes", writable=True),
+)  # fmt: skip
 
 FIXTURE_REGISTERS = (
     _register("qw", 0, "float32", "1", "attitude of the fixture on the payload, as quaternion",

@@ -193,7 +193,7 @@ class TableRegisters(DeviceRegisters):
 
 
 class ChamberRegisters(DeviceRegisters):
-    """Device 2; none of it is writable."""
+    """Device 2."""
 
     def __init__(self, simulation: Simulation) -> None:
         super().__init__(simulation, CHAMBER_REGISTERS)
@@ -213,7 +213,17 @@ class ChamberRegisters(DeviceRegisters):
             "supply_voltage": air.supply_v,
             "pressure": air.pressure_hpa,
             "station_time": self.simulation.table.steps * STEP_US,
+            "target": self.simulation.chamber.target,
         }
+
+    def is_sane(self, name: str, value: Value) -> bool:
+        """Whether it is a temperature that the chamber can keep."""
+        low, high = self.simulation.config.chamber.temperature_degc
+        return low <= value <= high
+
+    def take(self, name: str, axis: int | None, value: Value) -> None:
+        """Sets out for a temperature."""
+        self.simulation.chamber.go_to(self.simulation.table.now, value)
 
 
 class FixtureRegisters(DeviceRegisters):

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tasks.station.virtual.body import Body
+from tasks.station.virtual.chamber import VirtualChamber
 from tasks.station.virtual.config import STEP_S, Air, VirtualStation
 from tasks.station.virtual.faults import Condition, StationFault, condition
 from tasks.station.virtual.fixture import VirtualFixture
@@ -28,6 +29,7 @@ class Simulation:
         self.config = config
         self.faults = tuple(faults)
         self.table = VirtualTable(config.table)
+        self.chamber = VirtualChamber(config.chamber, config.air.temperature_degc)
         self.condition = Condition()
         self.fixture = VirtualFixture(config.mount)
         self.is_supplied = True
@@ -45,8 +47,9 @@ class Simulation:
     def air(self) -> Air:
         """What the chamber measures."""
         now = self.condition
+        degc = self.chamber.degc(self.table.now)
         faulty = {
-            "temperature_degc": now.air_degc,
+            "temperature_degc": degc if now.air_degc is None else now.air_degc,
             "humidity_percent": now.humidity_percent,
             "supply_v": now.supply_v,
         }

@@ -18,6 +18,14 @@ RATES_HZ = (50, 100)
 RATES_DEG_S = ((30.0, 120.0), (40.0, 100.0, 200.0), (20.0, 150.0))
 
 
+WITH_CHAMBER = 0.5  # of the stations
+
+
+def has_chamber(seed: int, number: int) -> bool:
+    """Whether the station of a case has a chamber whose temperature can be set."""
+    return bool(np.random.default_rng([seed, number, 176]).uniform() < WITH_CHAMBER)
+
+
 def draw(seed: int, number: int) -> tuple[Case, str]:
     """A short recording of the specification's sequence, and the effect that it has."""
     rng = np.random.default_rng([seed, number, 175])

@@ -9,16 +9,20 @@ from schemas.next_recording import NextRecording
 from schemas.orders import NextOrder
 from schemas.procedure import Procedure
 from schemas.recording import Recording
+from schemas.station import StationFile
 from storage import settings
 from storage.catalogue import runs
 from storage.home import Home
+from tasks.experiment.abilities import Abilities
 from tasks.experiment.open_question import open_question
 from tasks.experiment.separation import left_by_real_fit
 from tasks.explain.explain import explain
 from tasks.stages.next_recording import next_recording
-from tests.proof.next.draw import draw
+from tests.proof.next.draw import draw, has_chamber
 from tests.proof.plant.case import Case
+from tests.proof.plant.chamber import STATED_K_S
 from tests.proof.plant.simulate import simulate
+from tests.tasks.station.sample_stations import sample
 
 MINUTES = 15.0
 SEED_AFTER = 1_000_003  # added to the case's: the proposed run has noise of its own
@@ -27,16 +31,18 @@ SEED_AFTER = 1_000_003  # added to the case's: the proposed run has noise of its
 class Answer(Frozen):
     """A case that was played to its end.
 
-    effect: the truth. opened: the effects that are open after the first recording, none where
-    `explain` names everything by itself. predicted, repeated: chi-squared expected of the proposal,
-    and of the first recording once more; minutes, base_minutes: that they take. found: the names of
-    each finding of the proposed recording, with those that it cannot tell from it. achieved:
-    chi-squared by which it tells the truth from the nearest other; None without a recording or
-    where the truth is not among them. refusal: why `next` proposes nothing.
+    effect: the truth. chamber: whether the station can set its chamber. opened: the effects that
+    are open after the first recording, none where `explain` names everything by itself. predicted,
+    repeated: chi-squared expected of the proposal, and of the first recording once more; minutes,
+    base_minutes: that they take. found: the names of each finding of the proposed recording, with
+    those that it cannot tell from it. achieved: chi-squared by which it tells the truth from the
+    nearest other; None without a recording or where the truth is not among them. refusal: why
+    `next` proposes nothing.
     """
 
     number: int
     effect: str
+    chamber: bool = False
     opened: tuple[str, ...] = ()
     predicted: float | None = None
     probability: float | None = None
@@ -79,14 +85,39 @@ def played(seed: int, number: int) -> Answer:
         return Answer(number=number, effect=effect, refusal=str(error))
     if question is None:
         return Answer(number=number, effect=effect)
+    chamber = has_chamber(seed, number)
     with TemporaryDirectory() as folder:
-        return _decided(number, effect, case, recording, Path(folder))
+        station = _station_with_chamber(recording, Path(folder)) if chamber else None
+        answer = _decided(number, effect, case, recording, Path(folder), station)
+    return answer.model_copy(update={"chamber": chamber})
 
 
-def _decided(number: int, effect: str, case: Case, recording: Recording, folder: Path) -> Answer:
+def _station_with_chamber(recording: Recording, folder: Path) -> str:
+    """A station file: the recording's own table, and a chamber that can be set."""
+    able, file = Abilities.of_recording(recording), sample()
+    axes = {
+        axis.name: {
+            "rate_deg_s": rate, "acceleration_deg_s2": able.acceleration_deg_s2,
+            "angle_deg": None if endless else (-360.0, 360.0),
+        }
+        for axis, rate, endless in zip(
+            able.station.table_axes or (), able.rates_deg_s, able.endless, strict=True
+        )
+    }  # fmt: skip
+    file["limits"]["axes"] = axes
+    file["limits"]["chamber"]["rate_k_min"] = 60.0 * STATED_K_S
+    file |= {"station": able.station, "mount": able.mount, "unit": recording.manifest.unit}
+    path = folder / "station.json"
+    path.write_text(StationFile.model_validate(file).model_dump_json(), encoding="utf-8")
+    return str(path)
+
+
+def _decided(
+    number: int, effect: str, case: Case, recording: Recording, folder: Path, station: str | None
+) -> Answer:
     home, out = Home(folder / "home"), folder / "next.json"
     run, _ = runs.add(recording, home)
-    order = NextOrder(runs=(run.id,), minutes=MINUTES, out=str(out))
+    order = NextOrder(runs=(run.id,), minutes=MINUTES, out=str(out), station=station)
     try:
         answer = next_recording([run], home, order)
     except Unusable as error:

@@ -1,6 +1,7 @@
 """A procedure file as a plan: how the plant's bench runs what somebody else wrote down."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
@@ -64,12 +65,15 @@ def plan_of_procedure(procedure: Procedure, table: TableShape) -> Plan:
     for step in procedure.steps:
         match step:
             case Position():
-                legs += _rest(bench, step, step.angles_deg, step.name, step.turn_deg)
+                move, rest = _rest(bench, step, step.angles_deg, step.name, step.turn_deg)
+                legs += [*move, replace(rest, chamber=step.chamber_degc)]
             case Sweep():
                 for stop in step.stops_deg:
                     angles = list(step.angles_deg)
                     angles[step.table_axis] = stop
-                    legs += _rest(bench, step, tuple(angles), f"{step.name}_{stop:g}", stop)
+                    name = f"{step.name}_{stop:g}"
+                    move, rest = _rest(bench, step, tuple(angles), name, stop)
+                    legs += [*move, rest]
             case RateRun():
                 legs += _rates(bench, step)
             case Turns():
@@ -86,9 +90,9 @@ def _label(step: Position | Sweep | RateRun | Turns, **more: Any) -> dict[str, A
 
 def _rest(
     bench: _Bench, step: Position | Sweep, angles: tuple[float, ...], name: str, turn: float | None
-) -> Iterator[Leg]:
-    yield from bench.move(angles)
-    yield Leg(name, "static", step.dwell_s, 0, _label(step, turn_deg=turn))
+) -> tuple[list[Leg], Leg]:
+    move = list(bench.move(angles))
+    return move, Leg(name, "static", step.dwell_s, 0, _label(step, turn_deg=turn))
 
 
 def _rates(bench: _Bench, step: RateRun) -> Iterator[Leg]:

@@ -13,7 +13,8 @@ class Leg:
     label: further fields of the manifest's segment. fixing: which mounting of the unit it
     belongs to. goto: angles in rad to move to, one for each table axis, or None.
     ramp: (rate before, rate after) of the first axis in rad/s, or None; equal rates keep turning.
-    turn: angle in rad by which the first axis turns from rest to rest, or None.
+    turn: angle in rad by which the first axis turns from rest to rest, or None. chamber: °C to
+    which the chamber is set as it begins, or None.
     """
 
     name: str
@@ -24,6 +25,7 @@ class Leg:
     goto: tuple[float, ...] | None = None
     ramp: tuple[float, float] | None = None
     turn: float | None = None
+    chamber: float | None = None
 
 
 def follow(leg: Leg, start: np.ndarray, since: np.ndarray) -> np.ndarray:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.proof.plant.case import Case
+from tests.proof.plant.chamber import heating, set_points
 from tests.proof.plant.seeds import generator
 
 REFERENCE = 25.0  # °C, where temperature coefficients count from
@@ -36,10 +37,11 @@ def weather(case: Case, t: np.ndarray) -> Weather:
     follows, slope = _wave(t, swing / np.hypot(1.0, turned), period, phase - np.arctan(turned))
     start, rise, tau = rng.uniform(2.0, 4.0), rng.uniform(7.0, 10.0), rng.uniform(330.0, 520.0)
     decay = np.exp(-np.maximum(t, 0.0) / tau)
+    heated = heating(case, t, set_points(case), mean, tau)
     return Weather(
-        temperature=mean + follows + start + rise * (1.0 - decay),
-        temperature_rate=slope + rise / tau * decay,
-        air=mean + air,
+        temperature=mean + follows + start + rise * (1.0 - decay) + heated.unit,
+        temperature_rate=slope + rise / tau * decay + heated.unit_rate,
+        air=mean + air + heated.air,
         humidity=rng.uniform(40.0, 50.0) + _wander(rng, t, 5.0),
         supply=_supply(rng, t),
         pressure=rng.uniform(1005.0, 1022.0) + _wander(rng, t, 0.4),

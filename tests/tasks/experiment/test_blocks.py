@@ -1,11 +1,15 @@
 """What a station can make a procedure of follows from its table."""
 
+from dataclasses import replace
+
 import pytest
 
 from schemas.base import Unusable
+from schemas.limits import ChamberLimits
+from schemas.procedure import EnvironmentLimits
 from schemas.recording import Mount, Station, TableAxis
 from tasks.experiment.abilities import Abilities
-from tasks.experiment.blocks import attitudes, blocks_of
+from tasks.experiment.blocks import attitudes, blocks_of, room_of
 
 VERTICAL, EAST = TableAxis(name="a", direction=(0, 0, 1)), TableAxis(name="b", direction=(1, 0, 0))
 LEVEL, INNER = Mount(), TableAxis(name="c", direction=(0, 0, 1))
@@ -46,6 +50,19 @@ def test_an_axis_that_does_not_turn_on_and_on_is_not_spun() -> None:
 
 def test_an_axis_that_is_not_vertical_is_not_spun() -> None:
     assert [block.name for block in blocks_of(able(EAST, VERTICAL))] == ["tumble", "rest"]
+
+
+def test_a_chamber_is_heated_and_cooled_within_its_limits_while_the_table_rests() -> None:
+    warm = ChamberLimits(temperature_degc=(22.0, 35.0), rate_k_min=3.0)
+    station = replace(able(VERTICAL, EAST, INNER), chamber=warm)
+    assert not [one for one in blocks_of(able(VERTICAL, EAST, INNER)) if "heated" in one.name]
+    found = [one for one in blocks_of(station) if "heated" in one.name]
+    assert found
+    for block in found:
+        assert not block.moves
+        assert [step.chamber_degc for step in block.steps] == [35.0, 22.0]
+    hot = EnvironmentLimits(temperature_degc=(15.0, 25.0), humidity_percent=(20.0, 80.0))
+    assert room_of(found[0].steps, hot).temperature_degc == (15.0, 35.0)
 
 
 def test_no_axis_up_is_said() -> None:

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from schemas.limits import ChamberLimits
 from schemas.procedure import EnvironmentLimits, Position, Procedure, RateRun, Refix, Turns
 from schemas.recording import Manifest, Mount, Station, TableAxis, Unit
+from tasks.experiment.temperature import ThermalResponse
 from tasks.experiment.track import planned_recording
 from tasks.station.plan import plan
 
@@ -62,6 +64,19 @@ def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times() ->
     for rows, rate in ((fast, 200.0), (back, -200.0)):
         assert np.diff(found[rows, 0]) * HZ == pytest.approx(rate, rel=1e-6)
         assert t[rows][-1] - t[rows][0] == pytest.approx(1.5, abs=2 / HZ)
+
+
+def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it() -> None:
+    chamber = ChamberLimits(temperature_degc=(0, 50), rate_k_min=600.0)
+    heated = REST.model_copy(update={"name": "hot", "chamber_degc": 40.0, "dwell_s": 20.0})
+    planned = planned_recording(
+        procedure(REST, heated), MANIFEST, HZ, ThermalResponse(25.0, 20.0, 5.0, chamber)
+    )
+    degc, (_, hot) = planned.imu.columns["temperature"], planned.manifest.segments or ()
+    assert degc[planned.imu.t < hot.t_start] == pytest.approx(25.0)
+    assert 40.0 < degc[-1] < 45.0
+    cold = planned_recording(procedure(REST), MANIFEST, HZ)
+    assert "temperature" not in cold.imu.columns
 
 
 def test_turns_are_whole_ones_forward_and_back_from_rest_to_rest() -> None:

@@ -105,6 +105,9 @@ class InMemoryChamber:
             air.supply_v, air.pressure_hpa,
         )  # fmt: skip
 
+    async def set_temperature(self, degc: float) -> None:
+        self._simulation.chamber.go_to(self._simulation.table.now, degc)
+
 
 class InMemoryFixture:
     def __init__(self, simulation: Simulation) -> None:

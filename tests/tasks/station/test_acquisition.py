@@ -92,6 +92,17 @@ def test_labels_cover_the_run_without_holes(run):
         assert t[-1] >= segments[-1].t_end - 0.02
 
 
+def test_a_rest_sets_the_chamber_and_the_unit_warms(short: Procedure, new_sink: Any) -> None:
+    sink = new_sink()
+    first = short.steps[0].model_copy(update={"dwell_s": 30.0, "chamber_degc": 28.0})
+    InMemoryStation(VirtualStation()).acquire(short.model_copy(update={"steps": (first,)}), sink)
+    (hot,) = (each for each in sink.manifests[-1].segments if each.kind == "static")
+    air = sink.stream("environment")
+    before, after = air.t < hot.t_start, air.t > hot.t_end - 2.0
+    assert air.columns["temperature"][before].max() == pytest.approx(20.0, abs=0.01)
+    assert air.columns["temperature"][after].min() == pytest.approx(22.0, abs=0.2)
+
+
 def test_the_chamber_is_read_from_the_beginning_to_the_end(exact):
     segments, t = exact.acquired.manifest.segments, exact.kept.stream("environment").t
     assert t[0] < segments[0].t_end

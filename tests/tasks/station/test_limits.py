@@ -1,4 +1,4 @@
-"""A procedure against the limits of table and fixture."""
+"""A procedure against the limits of table, fixture and chamber."""
 
 import pytest
 
@@ -9,6 +9,7 @@ from schemas.station import StationFile
 from tasks.station import procedures
 from tasks.station.limits import check_limits
 from tasks.station.virtual.config import VirtualStation, station_file
+from tests.tasks.station.sample_stations import sample
 
 JJF2003 = procedures.load("jjf2003")
 
@@ -51,6 +52,38 @@ def test_a_procedure_within_the_limits_is_let_through(limits):
 def test_what_is_too_much_is_named_with_its_segment_and_limit(limits, sentence):
     with pytest.raises(Unusable, match=sentence):
         check_limits(JJF2003, limited(limits))
+
+
+def heated(degc: float) -> Procedure:
+    steps = JJF2003.steps[:2]
+    hot = steps[1].model_copy(update={"chamber_degc": degc})
+    return JJF2003.model_copy(update={"steps": (steps[0], hot)})
+
+
+@pytest.mark.parametrize(
+    ("limits", "sentence"),
+    [
+        ({}, r"position_\+x_\S+ .* sets the chamber to 45 °C, and .* has no limits.chamber"),
+        (
+            {"chamber": {"temperature_degc": (5.0, 40.0), "rate_k_min": 3.0}},
+            r"sets the chamber to 45 °C, and limits.chamber of station \S+ allows 5 to 40 °C",
+        ),
+    ],
+)
+def test_a_temperature_that_the_chamber_may_not_have_is_refused(limits, sentence):
+    with pytest.raises(Unusable, match=sentence):
+        check_limits(heated(45.0), limited(limits))
+
+
+def test_a_temperature_within_the_chamber_s_limits_is_let_through():
+    check_limits(heated(40.0), station_file(VirtualStation(), 1.0, "nowhere", 1, 2))
+
+
+def test_limits_of_a_chamber_that_cannot_be_set_are_refused():
+    fields = sample()
+    del fields["chamber"]["commands"]
+    with pytest.raises(ValueError, match=r"chamber\.commands has no set_temperature"):
+        StationFile.model_validate(fields)
 
 
 def test_turns_count_from_where_they_begin_to_where_they_end():

@@ -115,7 +115,7 @@ def test_a_write_is_taken_whole_or_not_at_all(console):
     assert console.read("target_rate", 0) == before
 
 
-def test_the_chamber_can_be_read_and_not_written(console):
+def test_the_chamber_reads_its_air(console):
     assert console.read_chamber("temperature") == pytest.approx(20.0)
     assert console.read_chamber("humidity") == pytest.approx(45.0)
     assert console.client.write_registers(0, [1, 2], device_id=2).exception_code == 2

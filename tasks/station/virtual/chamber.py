@@ -1,0 +1,24 @@
+"""The chamber: its air goes to a set-point at an even rate and stays there."""
+
+from schemas.limits import ChamberLimits
+
+MINUTE_S = 60.0
+
+
+class VirtualChamber:
+    """Begins where the air is, and stays there until it is told otherwise."""
+
+    def __init__(self, design: ChamberLimits, degc: float) -> None:
+        self._rate = design.rate_k_min / MINUTE_S
+        self.target = degc
+        self._since_s, self._from = 0.0, degc
+
+    def go_to(self, now_s: float, degc: float) -> None:
+        """Sets out for a temperature from where the air is."""
+        self._from, self._since_s = self.degc(now_s), now_s
+        self.target = degc
+
+    def degc(self, now_s: float) -> float:
+        """Of the air at a station time (s)."""
+        way = self._rate * (now_s - self._since_s)
+        return self._from + min(max(self.target - self._from, -way), way)
