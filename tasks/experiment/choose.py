@@ -243,11 +243,14 @@ class Experiment:
         return all(term.time_course == "drift" for term in terms if term.name in self.models)
 
     def _measure(self, block: Block) -> "_Measured":
-        """By its second turn: the way to where it begins is gone once, however often it comes."""
-        twice = self._procedure(steps_of([block, block]))
-        planned = self.planned(twice)
+        """By its second turn: the way to where it begins is gone once, however often it comes. What
+        fades since the unit was switched on by its first.
+        """
+        turns = 1 if self._drifts else 2
+        planned = self.planned(self._procedure(steps_of([block] * turns)))
         segments = planned.manifest.segments or ()
-        begins, ends = segments[len(segments) // 2 - 1].t_end, segments[-1].t_end
+        begins = 0.0 if self._drifts else segments[len(segments) // 2 - 1].t_end
+        ends = segments[-1].t_end
         found: dict[Pair, Separation] = {}
         for truth in dict.fromkeys(truth for truth, _ in self.pairs):
             observed = self.noise.observed(planned, self.models[truth])

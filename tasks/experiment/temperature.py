@@ -20,13 +20,15 @@ SetPoint = tuple[float, float]  # s, °C
 
 @dataclass(frozen=True)
 class ThermalResponse:
-    """usual_degc: of the unit, and air_degc of the room, before anything is set. lag_s: time
-    constant by which the unit follows the air.
+    """usual_degc: of the unit when it is warm, and air_degc of the room, before anything is set.
+    warm_up_k: by which it was colder when it was switched on. lag_s: time constant by which it
+    warms up and follows the air.
     """
 
     usual_degc: float
-    air_degc: float
+    warm_up_k: float
     lag_s: float
+    air_degc: float
     chamber: ChamberLimits
 
     @classmethod
@@ -35,12 +37,12 @@ class ThermalResponse:
         degc = recording.imu.columns.get("temperature")
         if degc is None:
             return None
-        usual, room = float(np.nanmedian(degc)), recording.environment
-        air = usual if room is None else float(np.nanmedian(room.columns["temperature"]))
-        return cls(usual, air, _lag(recording.imu.t, degc), chamber)
+        room, median = recording.environment, float(np.nanmedian(degc))
+        air = median if room is None else float(np.nanmedian(room.columns["temperature"]))
+        return cls(*_warm_up(recording.imu.t, degc), air_degc=air, chamber=chamber)
 
     def course(self, t: np.ndarray, set_points: Sequence[SetPoint]) -> np.ndarray:
-        """(n,) °C of the unit at even times t (s), as if it were in balance with the air before."""
+        """(n,) °C of the unit at even times t (s) since it was switched on."""
         step = float(t[1] - t[0])
         most = self.chamber.rate_k_min / MINUTE_S
         air = np.full(len(t), self.air_degc)
@@ -50,21 +52,25 @@ class ThermalResponse:
             way = most * (t[later] - at)
             air[later] = from_degc + np.clip(target - from_degc, -way, way)
         stays = np.exp(-step / self.lag_s)
-        return self.usual_degc + lfilter([1.0 - stays], [1.0, -stays], air - self.air_degc)
+        heated = lfilter([1.0 - stays], [1.0, -stays], air - self.air_degc)
+        return np.asarray(self.usual_degc - self.warm_up_k * np.exp(-t / self.lag_s) + heated)
 
 
-def _lag(t: np.ndarray, degc: np.ndarray) -> float:
-    """Time constant (s) of a warm-up: the exponential that fits best."""
+def _warm_up(t: np.ndarray, degc: np.ndarray) -> tuple[float, float, float]:
+    """°C in the end, K by which it was colder, and time constant (s): the exponential that fits
+    best.
+    """
     known = np.isfinite(degc)
     cell = ((t[known] - t[known][0]) / CELL_S).astype(int)
     counts = np.maximum(np.bincount(cell), 1)
     means = np.bincount(cell, degc[known]) / counts
     middles = np.arange(len(means)) * CELL_S
     if len(means) < 4 or np.ptp(means) < TOLD:
-        return USUAL_LAG
-    missed = []
+        return float(np.median(means)), 0.0, USUAL_LAG
+    tried = []
     for lag in LAGS:
-        columns = np.column_stack([np.ones(len(means)), np.exp(-middles / lag)])
-        found, *_ = np.linalg.lstsq(columns, means, rcond=None)
-        missed.append(((means - columns @ found) ** 2).sum())
-    return float(LAGS[int(np.argmin(missed))])
+        columns = np.column_stack([np.ones(len(means)), -np.exp(-middles / lag)])
+        (end, colder), *_ = np.linalg.lstsq(columns, means, rcond=None)
+        missed = float(((means - columns @ (end, colder)) ** 2).sum())
+        tried.append((missed, float(end), float(colder), float(lag)))
+    return min(tried)[1:]

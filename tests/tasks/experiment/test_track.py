@@ -70,7 +70,7 @@ def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it() -> Non
     chamber = ChamberLimits(temperature_degc=(0, 50), rate_k_min=600.0)
     heated = REST.model_copy(update={"name": "hot", "chamber_degc": 40.0, "dwell_s": 20.0})
     planned = planned_recording(
-        procedure(REST, heated), MANIFEST, HZ, ThermalResponse(25.0, 20.0, 5.0, chamber)
+        procedure(REST, heated), MANIFEST, HZ, ThermalResponse(25.0, 0.0, 5.0, 20.0, chamber)
     )
     degc, (_, hot) = planned.imu.columns["temperature"], planned.manifest.segments or ()
     assert degc[planned.imu.t < hot.t_start] == pytest.approx(25.0)
