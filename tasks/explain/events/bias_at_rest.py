@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from scipy.signal import lfilter
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import GYROS
@@ -26,13 +27,15 @@ QUIETS = tuple(np.geomspace(0.01, 0.16, 5).tolist())  # rad/s
 WAITS = (0.25, 0.5, 1.0, 2.0)  # s
 STARTS = 3  # of them that are refined
 STEPS = (0.5, 0.25, 0.1, 0.03)  # relative, by which each is refined
+BRIEFEST = 0.2  # s of waiting: less is no rest
 LONGEST = 5.0  # s: slower estimates are not told from a bias that drifts
 BLOCK = 8  # rows, in whose means readings are compared
-CELL = 1.0  # s, within which what is left may go together
+CELLS = (1.0, 5.0)  # s, within which what is left may go together
+LAGS = (0.3, 1.0, 3.0)  # s of a reference, or of what smooths it
 CLEAR = 10.0  # standard deviations
-ALIKE = 0.3  # of 1/τ: axes that differ by less have one estimate
-APART = 4.0  # standard deviations by which axes may differ
-TELLING = 0.05  # of the information on 1/τ, from which on an axis must agree
+ALIKE = 0.3  # of 1/τ: axes and halves that differ by less have one estimate
+APART = 4.0  # standard deviations by which they may differ
+TELLING = 0.05  # of the information on 1/τ, from which on an axis or a half must agree
 
 
 @dataclass(frozen=True)
@@ -53,8 +56,8 @@ class BiasAtRest(Event):
 class _Follows:
     """Readings that an estimate with some `quiet` and `wait` explains.
 
-    rate: 1/τ of all axes. gain: whitened sum of squares that it removes. information, rates: (3,)
-    on 1/τ of each axis.
+    rate: 1/τ of all axes. gain: whitened sum of squares that it removes. information, rates: (5,)
+    on 1/τ of each axis, then of the earlier and the later half of the information.
     """
 
     quiet: float
@@ -74,7 +77,7 @@ def find_bias_at_rest(t: np.ndarray, readings: np.ndarray, motion: Motion) -> Bi
     if best.gain < CLEAR**2 or best.rate * LONGEST < 1.0:
         return None
     dispersion = fit.dispersion(best)
-    telling = best.information > TELLING * best.information.sum()
+    telling = best.information > TELLING * best.information[-2:].sum()
     off = np.abs(best.rates - best.rate)[telling]
     u = np.sqrt(dispersion / best.information[telling])
     alike = (off < np.maximum(APART * u, ALIKE * best.rate)).all()
@@ -98,7 +101,8 @@ def _best(fit: "_Whitened") -> _Follows:
 
 def _near(best: _Follows, step: float) -> Iterator[tuple[float, float]]:
     scales = (1.0 - step, 1.0, 1.0 + step)
-    yield from ((q * best.quiet, w * best.wait) for q, w in product(scales, scales))
+    for q, w in product(scales, scales):
+        yield q * best.quiet, max(w * best.wait, BRIEFEST)
 
 
 @dataclass(frozen=True)
@@ -133,7 +137,8 @@ class _Whitened:
         weight = np.sqrt(BLOCK) / _means(noise[used])
         bases, left = [], np.empty(weight.shape)
         for axis in GYROS:
-            columns = _means(regressors(motion, axis)[used]) * weight[:, axis, None]
+            columns = np.column_stack([regressors(motion, axis), _of_reference(motion, axis)])
+            columns = _means(columns[used]) * weight[:, axis, None]
             base = np.linalg.svd(columns, full_matrices=False)
             kept = base[1] > 1e-9 * base[1][0]
             bases.append(base[0][:, kept])
@@ -161,19 +166,32 @@ class _Whitened:
     def follows(self, quiet: float, wait: float) -> _Follows:
         """How much an estimate explains; nothing where the readings move away from it."""
         column = self.regressor(quiet, wait)
-        information = (column**2).sum(axis=0)
-        pull = -(column * self.left).sum(axis=0)
-        total = float(information.sum())
+        information, pull = column**2, -column * self.left
+        course = information.sum(axis=1).cumsum()
+        half, total = int(np.searchsorted(course, 0.5 * course[-1])), float(course[-1])
         rate = max(float(pull.sum()) / total, 0.0) if total > 0.0 else 0.0
-        rates = np.divide(pull, information, out=np.zeros(3), where=information > 0.0)
+        information, pull = (
+            np.append(each.sum(axis=0), [each[:half].sum(), each[half:].sum()])
+            for each in (information, pull)
+        )
+        rates = np.divide(pull, information, out=np.zeros(5), where=information > 0.0)
         return _Follows(quiet, wait, rate**2 * total, rate, information, rates)
 
     def dispersion(self, found: _Follows) -> float:
         """What is left, in means over cells, beside what white noise would leave; one at least."""
         left = self.left + found.rate * self.regressor(found.quiet, found.wait)
-        blocks = max(1, round(CELL / (BLOCK * self.interval)))
-        cells = in_blocks(left, blocks).mean(axis=1) * np.sqrt(blocks)
-        return max(1.0, float(np.mean(cells**2)))
+        rows = [max(1, round(cell / (BLOCK * self.interval))) for cell in CELLS]
+        cells = [in_blocks(left, count).mean(axis=1) * np.sqrt(count) for count in rows]
+        return max(1.0, *(float(np.mean(each**2)) for each in cells))
+
+
+def _of_reference(motion: Motion, axis: int) -> np.ndarray:
+    """(n, k) what errors of a reference follow: its rate late, its angle, its acceleration."""
+    rate, interval = np.nan_to_num(motion.rate[:, axis]), motion.interval
+    kept = [float(np.exp(-interval / lag)) for lag in LAGS]
+    late = [lfilter([1.0 - keep], [1.0, -keep], rate) for keep in kept]
+    angle, acceleration = rate.cumsum() * interval, np.nan_to_num(motion.acceleration[:, axis])
+    return np.column_stack([*late, angle, acceleration])
 
 
 def _means(values: np.ndarray) -> np.ndarray:
@@ -183,7 +201,7 @@ def _means(values: np.ndarray) -> np.ndarray:
 
 def _event(fit: _Whitened, found: _Follows, dispersion: float) -> BiasAtRest:
     tau = 1.0 / found.rate
-    u = float(np.sqrt(dispersion / found.information.sum())) * tau**2
+    u = float(np.sqrt(dispersion / found.information[-2:].sum())) * tau**2
     parameters = (
         FoundParameter(name="wait", value=found.wait, unit="s", u=STEPS[-1] * found.wait),
         FoundParameter(name="quiet", value=found.quiet, unit="rad/s", u=STEPS[-1] * found.quiet),

@@ -31,7 +31,7 @@ BESIDE = 4.0  # times the threshold: three times as wide as what is missing
 MIN_CODES = 3  # below the threshold: fewer are the step of the output
 MIDDLE = (1.2, 1.8)  # of the threshold: a step as wide would leave nothing there, either
 MIN_MIDDLE = 3
-WITHIN, MIN_WITHIN = 4.0, 0.95  # noise by which a zero may lie beyond, and the share that does not
+WITHIN, MIN_WITHIN = 4.0, 0.95  # errors by which a zero may lie beyond, and the share that does not
 CLEAR = 10.0  # times its uncertainty: a threshold that is taken off
 ROUNDS = 2
 STILL, MIN_REST = 0.005, 200  # rad/s, rows of a rest
@@ -136,6 +136,7 @@ def _set_to_zero(
     masked = np.zeros(readings.shape, bool)
     masked[:, list(holes)] = zero[:, list(holes)]
     noise: dict[int, float] = {}
+    error: dict[int, float] = {}  # of the prediction, the reference's own included
     whole = readings.copy()
     for c in less:
         whole[:, c] += np.sign(whole[:, c]) * holes[c][0]
@@ -144,14 +145,15 @@ def _set_to_zero(
         masked[:] = False
         for c, (threshold, _) in holes.items():
             beyond = np.abs(predicted[:, c]) > 2.0 * threshold
-            left = np.diff((whole - predicted)[beyond, c])
-            noise[c] = max(float(np.nanstd(left)) / np.sqrt(2.0), 1e-3 * threshold)
+            left = (whole - predicted)[beyond, c]
+            error[c] = float(np.nanstd(left))
+            noise[c] = max(float(np.nanstd(np.diff(left))) / np.sqrt(2.0), 1e-3 * threshold)
             masked[:, c] = zero[:, c] | (np.abs(predicted[:, c]) < threshold + WITHIN * noise[c])
         predicted = plain_prediction(whole, motion, masked)
     found = {
         c: hole
         for c, hole in holes.items()
-        if _within(predicted[zero[:, c], c], hole[0] + WITHIN * noise[c])
+        if _within(predicted[zero[:, c], c], hole[0] + WITHIN * max(noise[c], error[c]))
     }
     masked[:, [c for c in range(readings.shape[1]) if c not in found]] = False
     if not found:

@@ -1,8 +1,10 @@
 """Which events a recording has: those that hurt a regression before it, weaker ones after it."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from tasks.explain.events.bias_at_rest import find_bias_at_rest
+from tasks.explain.events.bias_at_rest import BiasAtRest, find_bias_at_rest
 from tasks.explain.events.bursts import find_bursts
 from tasks.explain.events.dead_zone import find_dead_zone
 from tasks.explain.events.event import Event, Events
@@ -11,7 +13,7 @@ from tasks.explain.events.jitter import find_jitter
 from tasks.explain.events.lines import find_lines
 from tasks.explain.events.lost_samples import find_lost_samples, gap_remarks
 from tasks.explain.events.noise import noise_by_rate, without_dead
-from tasks.explain.events.quantisation import find_quantisation, quantiser_of
+from tasks.explain.events.quantisation import Quantiser, find_quantisation, quantiser_of
 from tasks.explain.events.repeats import find_repeats
 from tasks.explain.events.residual import Residual
 from tasks.explain.events.saturation import find_saturation
@@ -29,16 +31,13 @@ def events_in_readings(
     triad was not recorded. motion: at the same rows, NaN where it is not known. start: of t = 0
     on the recording's own clock, s.
     """
-    estimated = find_bias_at_rest(t, readings, motion)
-    if estimated is not None:
-        readings = readings - estimated.applied(t, np.zeros(readings.shape))
     quantisers = [quantiser_of(column) for column in readings.T]
+    zone, zeroed = _zone(t, readings, motion, quantisers)
+    if isinstance(zone, BiasAtRest):  # all other events act before it
+        readings = readings - zone.applied(t, np.zeros(readings.shape))
     repeats = find_repeats(readings, motion, quantisers)
     limits, masked = find_saturation(readings, motion, quantisers)
-    zone: Event | None = estimated
-    if zone is None:
-        zone, zeroed = find_dead_zone(readings, motion, quantisers)
-        masked |= zeroed
+    masked |= zeroed
     predicted = plain_prediction(readings, motion, masked)
     used = np.where(masked, np.nan, readings)
     if masked.any():
@@ -60,6 +59,20 @@ def events_in_readings(
     # In the order in which they act: when a reading was taken, limit, rounding, threshold.
     last = tuple(event for event in (steps, zone, spikes) if event is not None)
     return Events(events + last, masked | at_spikes, gap_remarks(t))
+
+
+def _zone(
+    t: np.ndarray, readings: np.ndarray, motion: Motion, quantisers: Sequence[Quantiser | None]
+) -> tuple[Event | None, np.ndarray]:
+    """What firmware does to small rates, and the readings (n, 6) bool that say nothing for it.
+
+    An estimate of the bias is a closer account of rests whose means lie at zero, and masks none.
+    """
+    zone, zeroed = find_dead_zone(readings, motion, quantisers)
+    if zone is not None and zone.thresholds:
+        return zone, zeroed
+    estimated = find_bias_at_rest(t, readings, motion)
+    return (zone, zeroed) if estimated is None else (estimated, np.zeros(readings.shape, bool))
 
 
 def events_in_residual(

@@ -9,6 +9,7 @@ motion that was found, read by the same encoders or cameras and smoothed again, 
 """
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -54,8 +55,8 @@ def fitted_to_reference_noise(
         errors = standard.prediction(true) - standard.prediction(read)
         more = _normal_equations(evidence, replace(full, readings=errors, motion=read), masked)
         normal, right = normal + more[0], right + more[1]
-        by_chance = by_chance + _gains(evidence, *more)
         made = _gains(evidence, normal / draws, right / draws)
+        by_chance = by_chance + (made if draws == 1 else _gains(evidence, *more))
         owed = {
             number
             for number, gain in enumerate(made)
@@ -94,15 +95,16 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndar
     """What each finding earns beside the others."""
     normal = normal + np.diag(evidence.prior)
 
-    def earned(rows: np.ndarray) -> float:
-        return float(right[rows] @ inverse(normal[np.ix_(rows, rows)]) @ right[rows])
+    @cache
+    def earned(rows: tuple[int, ...]) -> float:
+        some = list(rows)
+        return float(right[some] @ inverse(normal[np.ix_(some, some)]) @ right[some])
 
-    others = np.setdiff1d(np.arange(len(right)), evidence.known)
-    gains = []
-    for own, _ in evidence.own:
-        without = np.setdiff1d(others, own)
-        gains.append(earned(np.union1d(without, own).astype(int)) - earned(without))
-    return np.array(gains)
+    others = set(range(len(right))) - set(evidence.known)
+    return np.array([
+        earned(tuple(sorted(others | set(own)))) - earned(tuple(sorted(others - set(own))))
+        for own, _ in evidence.own
+    ])  # fmt: skip
 
 
 def simulated_reading(

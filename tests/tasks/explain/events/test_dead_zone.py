@@ -1,5 +1,7 @@
 """Readings set to zero and a bias taken off at rest are told; small and coarse ones are not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_up import SIGMA, counted, mean_readings, motion, noisy
@@ -127,3 +129,13 @@ def test_readings_that_are_zero_by_the_thousand_are_no_chance() -> None:
     (event,) = found(readings).events
     assert event.effect == "dead_zone"
     assert event.p_value < 1e-100
+
+
+def test_zeros_are_told_by_a_reference_that_errs_slowly() -> None:
+    """As tracked poses do: neighbouring predictions err alike."""
+    threshold, readings = 0.004, noisy(mean_readings(MADE), 6)
+    gyros = readings[:, :3]
+    gyros[np.abs(gyros) < threshold] = 0.0
+    off = 0.008 * np.sin(2.0 * np.pi * 0.3 * MADE.t)[:, None] * np.ones(3)
+    events = events_in_readings(MADE.t, readings, replace(MADE, rate=MADE.rate + off))
+    assert "dead_zone" in [event.effect for event in events.events]
