@@ -75,13 +75,19 @@ def print_impact(impact: Impact) -> None:
 def print_pruned(pruned: Pruned) -> None:
     """What can be spared, or was deleted, and what was not."""
     rows = [
-        (each.run, each.what, str(each.taken_in_at)[:10], f"{each.size / 1e6:.1f}", each.where)
+        (
+            each.run or "–",
+            each.what,
+            str(each.taken_in_at)[:10],
+            f"{each.size / 1e6:.1f}",
+            each.where,
+        )
         for each in pruned.found
     ]
     if rows:
         print_rows("Not needed", ("run", "what", "taken in", "MB", "where"), rows)
     if pruned.refused:
-        left = [(each.run, each.what, each.why) for each in pruned.refused]
+        left = [(each.run or each.where, each.what, each.why) for each in pruned.refused]
         print_rows("Not deleted", ("run", "what", "why"), left)
     total = sum(each.size for each in pruned.found) / 1e6
     done = "deleted" if pruned.deleted else "can go; nothing was deleted, --delete does it"

@@ -152,12 +152,14 @@ class Impact(Frozen):
 class Dispensable(Frozen):
     """What nothing in the store needs. size: bytes of the files.
 
-    A recording goes with its run; columns alone can be made again from the raw recording.
+    A recording goes with its run; columns alone can be made again from the raw recording. A draft
+    is a file of a certificate's draft that was broken off: no run is known of it, and
+    `taken_in_at` is when it was written.
     """
 
-    what: Literal["recording", "columns"]
-    run: str
-    recording_id: str
+    what: Literal["recording", "columns", "draft"]
+    run: str | None = None
+    recording_id: str | None = None
     taken_in_at: datetime
     where: str
     size: int
@@ -166,8 +168,9 @@ class Dispensable(Frozen):
 class Refused(Frozen):
     """What was not deleted after all, and why, as a sentence."""
 
-    what: Literal["recording", "columns"]
-    run: str
+    what: Literal["recording", "columns", "draft"]
+    run: str | None = None
+    where: str
     why: str
 
 

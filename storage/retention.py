@@ -1,4 +1,5 @@
-"""What the store may do without: recordings that nothing stands on, and columns beside raw ones.
+"""What the store may do without: recordings that nothing stands on, columns beside raw ones, and
+files of drafts that were broken off.
 
 A run with a result or a certificate, as found or as left, of whatever state, keeps its raw
 recording for good. Its columns can be made again from it.
@@ -7,6 +8,7 @@ recording for good. Its columns can be made again from it.
 from collections.abc import Callable, Iterator
 from datetime import UTC, date, datetime, time
 from functools import partial
+from pathlib import Path
 
 import sqlalchemy as sql
 
@@ -18,6 +20,7 @@ from storage.catalogue import certificates, database, explanations, runs, tables
 from storage.catalogue.certificates import Entry, record_of
 from storage.catalogue.run_index import Run, runs_where
 from storage.home import Home
+from storage.left_drafts import left_drafts
 
 OF_RUN = (  # rows that go with their run
     tables.findings, tables.explained, tables.reprocessed, tables.equipment, tables.sources,
@@ -32,7 +35,8 @@ def dispensable(before: date, home: Home) -> list[Dispensable]:
     older, needed = runs_where(home, tables.runs.c.taken_in_at < begins), _needed(home)
     blobs = blobs_of(home)
     sizes = {each.name: each.size for name in ("raw", "columns") for each in blobs.kept(name)}
-    return [each for run in older for each in _of_run(run, run.id in needed, sizes, blobs)]
+    of_runs = [each for run in older for each in _of_run(run, run.id in needed, sizes, blobs)]
+    return [*of_runs, *(draft for draft in _drafts(home) if draft.taken_in_at < begins)]
 
 
 def delete(
@@ -47,10 +51,10 @@ def delete(
     deleted, refused = [], []
     for done, each in enumerate(found, start=1):
         try:
-            (_delete_recording if each.what == "recording" else _delete_columns)(each, person, home)
+            DELETE[each.what](each, person, home)
             deleted.append(each)
         except Unusable as why:
-            refused.append(Refused(run=each.run, what=each.what, why=str(why)))
+            refused.append(Refused(run=each.run, what=each.what, where=each.where, why=str(why)))
         progress(done, len(found))
     return deleted, refused
 
@@ -65,6 +69,15 @@ def _of_run(run: Run, needed: bool, sizes: dict[str, int], blobs: Blobs) -> Iter
         yield dispensable(what="recording", where=blobs.where(raw), size=size)
     elif raw in sizes and columns in sizes:
         yield dispensable(what="columns", where=blobs.where(columns), size=sizes[columns])
+
+
+def _drafts(home: Home) -> Iterator[Dispensable]:
+    register = certificates.register(home)
+    known = {home.path / name for entry in register for name in entry.files}
+    for path in left_drafts(home, known):
+        file = path.stat()
+        written = datetime.fromtimestamp(file.st_mtime, UTC)
+        yield Dispensable(what="draft", taken_in_at=written, where=str(path), size=file.st_size)
 
 
 def _needed(home: Home) -> set[str]:
@@ -122,7 +135,20 @@ def _delete_columns(each: Dispensable, person: str, home: Home) -> None:
     blobs_of(home).remove_folder(f"columns/{run.digest}")
 
 
+def _delete_draft(each: Dispensable, person: str, home: Home) -> None:
+    path = Path(each.where)
+    if each not in _drafts(home):
+        raise Unusable("a certificate came to have it, or somebody else deleted it.")
+    with database.changing(home) as connection:
+        trail.add(connection, person, "delete draft", path.name, size=each.size)
+    path.unlink(missing_ok=True)
+
+
+DELETE = {"recording": _delete_recording, "columns": _delete_columns, "draft": _delete_draft}
+
+
 def _log(connection: sql.Connection, each: Dispensable, person: str, digest: str) -> None:
+    assert each.run is not None
     trail.add(
         connection, person, f"delete {each.what}", each.run,
         recording_id=each.recording_id, digest=digest, size=each.size,

@@ -1,6 +1,5 @@
 """Whether everything in the home is still what it was when it was stored."""
 
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -18,11 +17,15 @@ from storage.catalogue.runs import from_columns
 from storage.formats.content import fingerprint
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
+from storage.left_drafts import age_s, is_of_draft
 from storage.verify_trail import RESTORE, against_trail, number_gaps
 from storage.whole_files import is_as_kept
 
 DRAFT_AGE_S = 3600.0  # a younger draft may belong to an import that is still running
 LEFT_OVER = "no certificate in the catalogue has it; move it away"
+BROKEN_OFF = (
+    "left by a draft that was broken off; `mimucal prune --delete` removes it after an hour"
+)
 ISSUE_S = 60.0  # a younger file may be of a certificate that is just being kept
 SILENT_S = 60.0  # an acquisition writes every second; one that is silent so long has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
@@ -181,8 +184,8 @@ def _unknown(blobs: Blobs, runs: list[Run]) -> Iterator[Found]:
 def _unknown_papers(home: Home, register: list[Entry]) -> Iterator[Found]:
     known = {home.path / name for entry in register for name in entry.files}
     for path in sorted(home.certificates.glob("*")):
-        if path not in known and _age_s(path) > ISSUE_S:
-            yield str(path), LEFT_OVER
+        if path not in known and age_s(path) > ISSUE_S:
+            yield str(path), BROKEN_OFF if is_of_draft(path) else LEFT_OVER
 
 
 def _left_over(where: str, age_s: float) -> Iterator[Found]:
@@ -194,13 +197,9 @@ def _left_over(where: str, age_s: float) -> Iterator[Found]:
 
 def _abandoned(home: Home) -> Iterator[Found]:
     for path in sorted(home.acquiring.glob("*.mcap")):
-        if _age_s(path) > SILENT_S:
+        if age_s(path) > SILENT_S:
             yield (
                 str(path),
                 "an acquisition that was broken off; `mimucal import --salvage` takes in what "
                 "is whole of it, then delete the file",
             )
-
-
-def _age_s(path: Path) -> float:
-    return time.time() - path.stat().st_mtime

@@ -1,6 +1,7 @@
 """What may go, goes with an entry in the trail; what a result or a certificate needs stays."""
 
 import json
+import os
 from collections.abc import Callable
 from datetime import UTC, date, datetime, timedelta
 
@@ -140,3 +141,31 @@ def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(
         f"s3://lab/mimu/columns/{unused.digest}", "s3://lab/mimu/raw/notes.txt"
     }  # fmt: skip
     assert all("the catalogue does not know it" in why for why in faults.values())
+
+
+def test_a_draft_that_was_broken_off_is_named_and_goes(
+    fresh: Home, small: Build, calibrated: Calibrated, certified: Callable[..., Certificate]
+) -> None:
+    recording = small()
+    keep(certified(recording, calibrated(kept(fresh, recording)), "A-1"), fresh, b"%PDF")
+    left = [
+        fresh.certificates / name
+        for name in ("draft-rabc.0123456789ab.pdf", ".draft-rabc.0123456789ab.json.1f.part")
+    ]
+    other = fresh.certificates / "A-2.pdf"  # may be evidence
+    for path in (*left, other):
+        path.write_bytes(b"%PDF")
+        os.utime(path, times=(0, 0))
+    young = fresh.certificates / "draft-rabd.0123456789ab.pdf"
+    young.write_bytes(b"%PDF")
+    named = {fault.what: fault.why for fault in verify(fresh)[1]}
+    assert [str(path) in named and "mimucal prune" in named[str(path)] for path in left] == [
+        True
+    ] * 2
+    assert delete(fresh) == []
+    assert (young.exists(), other.exists(), *(path.exists() for path in left)) == (
+        True, True, False, False,
+    )  # fmt: skip
+    gone = [entry.subject for entry in trail.entries(fresh) if entry.action == "delete draft"]
+    assert gone == sorted(path.name for path in left)
+    assert {fault.what for fault in verify(fresh)[1]} == {str(other)}

@@ -22,7 +22,7 @@ jjf2003-no-line = { $axes }：式(4)要求绕该轴至少两个恒定角速率
 jjf2003-line-scatter = 绕 { $axis } 轴转动时，各点对式(4)直线的离散超过噪声（{ $channels } 倍），不确定度已按此放大。
 jjf2003-turned-angle = 标度因数由已知转角得到，而非 7.2.1 的恒定角速率法。
 
-jjf2003-no-rate = 没有绕 { $axis } 轴可用的角速率点且记录了加速度计的数据
+jjf2003-no-rate = 没有绕 { $axis } 轴、且记录了加速度计数据的可用角速率点
 jjf2003-not-vertical = 转动时重力不沿 { $axis } 轴，或记录未说明
 jjf2003-no-rest-beside = 缺少 { $axis } 轴朝天或朝地的静止数据
 jjf2003-p-one-direction = { $axis } 轴：p 仅由一个转动方向得到，随方向变号的影响未抵消。

@@ -9,10 +9,12 @@ from time import monotonic
 from schemas.certificate import Step
 from storage.catalogue import certificates, runs
 from storage.home import Home
-from storage.verify import LEFT_OVER, verify
+from storage.verify import BROKEN_OFF, LEFT_OVER, verify
 from tests.drafts import LABORATORY, MORNING, calibration_of, certificate_of, recording_of
 from tests.keep import keep
 from tests.proof.issue.workers import SERVER, issuing
+
+IN_NOBODYS_WAY = (LEFT_OVER, BROKEN_OFF)
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def faults_of(home: Home, keys: Sequence[str]) -> list[str]:
 def lasting(home: Home) -> list[str]:
     """What `verify` finds but for files that no certificate has, which stand in nobody's way."""
     found = verify(home)[1]
-    return [f"{fault.what}: {fault.why}" for fault in found if fault.why != LEFT_OVER]
+    return [f"{fault.what}: {fault.why}" for fault in found if fault.why not in IN_NOBODYS_WAY]
 
 
 def left_over(home: Home) -> list[str]:
