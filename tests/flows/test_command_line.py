@@ -457,6 +457,15 @@ def test_calibrating_by_the_standard_starts_without_what_other_recordings_need(
     assert heavy == {"numpy", "pyarrow", "sqlalchemy", "fluent"}
 
 
+def test_a_certificate_is_drafted_without_prefect_where_no_server_is_named(
+    mimucal, plant_clean
+) -> None:
+    run = mimucal("import", plant_clean).out.split()[0]
+    text, heavy = loaded("certify", run, "--by", "Li")
+    assert "mimucal check draft-" in text
+    assert heavy & {"prefect", "pandas", "alembic", "pymodbus"} == set()
+
+
 def test_an_ahrs_recording_is_calibrated_by_its_own_specification(mimucal, shared) -> None:
     done = mimucal("calibrate", shared / "plant/ahrs_clean", "--json")
     assert (done.code, done.json["method"]) == (0, "jjf1536")
