@@ -90,7 +90,8 @@ class Experiment:
     rivals: what else would fit a recording of one of them, and is not suspected itself. like:
     manifest of the unit's recording, with the station's part. name: of the procedure. base: the
     procedure whose warm-up, settling, rates of moves and room it keeps, if there is one. thermal:
-    how the unit follows the chamber, where it can be set.
+    how the unit follows the chamber, where it can be set. by_silence: the one that is left where
+    none of the others shows.
     """
 
     models: Mapping[str, Model]
@@ -101,6 +102,7 @@ class Experiment:
     base: Procedure | None = None
     rivals: Mapping[str, Model] = field(default_factory=dict)
     thermal: ThermalResponse | None = None
+    by_silence: str = NOTHING
 
     @property
     def every(self) -> Mapping[str, Model]:
@@ -113,7 +115,7 @@ class Experiment:
         return tuple(
             (truth, other)
             for truth, other in product(self.models, self.every)
-            if truth not in (NOTHING, other) and HOLDS.get(truth) != other
+            if truth not in (NOTHING, other, self.by_silence) and HOLDS.get(truth) != other
         )
 
     def planned(self, procedure: Procedure) -> Recording:

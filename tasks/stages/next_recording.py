@@ -23,6 +23,7 @@ from tasks.words import Message, clauses, message, statement
 REHEARSALS = 2  # of a procedure: each may show what else fits it
 NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
 LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
+BY_TIME = ("thermal_transient",)
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ def _apart_from_rivals(
     """The shortest; for one suspected effect again, where others would fit that recording too."""
     from tasks.experiment.rehearsal import rivals_of
 
-    choice = experiment.shortest(minutes)
+    choice = _unmoved_by_silence(experiment, question).shortest(minutes)
     if len(question.names) > 1:
         return choice
     for _ in range(REHEARSALS):
@@ -125,6 +126,24 @@ def _apart_from_rivals(
         experiment = replace(experiment, rivals={**experiment.rivals, **new})
         choice = experiment.shortest(minutes)
     return choice
+
+
+def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "Experiment":
+    """Where the chamber moves all but one of the effects, that one is left where none shows."""
+    from tasks.experiment.choose import NOTHING
+
+    name = _left_by_silence(question)
+    if name is None or experiment.thermal is None:
+        return experiment
+    model = question.models[name]
+    nothing = model.without({key for key in model.places if key[0] == name})
+    return replace(experiment, by_silence=name, rivals={NOTHING: nothing})
+
+
+def _left_by_silence(question: "OpenQuestion") -> str | None:
+    """The effect that goes by the time since power-on alone, whatever the chamber does."""
+    competes = len(question.names) > 1
+    return next((name for name in question.names if competes and name in BY_TIME), None)
 
 
 def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Path:
@@ -150,6 +169,10 @@ def _sentence(
         "percent": f"{100.0 * choice.probability:.0f}", "repeated": f"{repeated:.1f}",
         "base": f"{minutes:.1f}", "longest": f"{order.minutes:g}", "needed": f"{choice.needed:.0f}",
     }  # fmt: skip
+    silent = _left_by_silence(question)
+    if choice.is_enough and silent is not None:
+        left = effect_name(silent)
+        return message("next-decides-by-silence", effects=effects, silent=left, **figures)
     if choice.is_enough:
         return message("next-decides", effects=effects, **figures)
     why = _why(choice)

@@ -1,6 +1,7 @@
 # 判别试验
 next-title = 判别试验
 next-decides = 预计 { $minutes } min 的一次记录即可区分{ $effects }：两者相差的 χ² 为 { $left }，{ $percent } % 的记录能给出唯一正确的名称。原试验再做一遍（{ $base } min）只能得到 { $repeated }。
+next-decides-by-silence = 预计 { $minutes } min 的一次升温、降温记录即可区分{ $effects }：与最接近者相差的 χ² 为 { $left }，{ $percent } % 的记录能给出唯一正确的名称；若零偏不随箱温变化，则为{ $silent }。原试验再做一遍（{ $base } min）只能得到 { $repeated }。
 next-undecided = 本台站在 { $longest } min 内所能做的任何记录都不能区分{ $effects }：最好的一种相差的 χ² 为 { $left }，而需要 { $needed }；{ $percent } % 的记录能给出唯一正确的名称。{ $why }可用以下试验区分：{ $other }。
 next-impossible = 本台站在 { $longest } min 内所能做的任何记录都不能区分{ $effects }：最好的一种相差的 χ² 为 { $left }，而需要 { $needed }；{ $percent } % 的记录能给出唯一正确的名称。{ $why }也可指定其他台站（--station）。
 next-nothing-moves = 无论本转台如何运动，它们对读数的影响都相同。

@@ -1,5 +1,6 @@
 """The shortest procedure is enough for what it promises, and an impossible one is none."""
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -52,3 +53,13 @@ def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
     assert choice.is_enough
     assert 0.0 < choice.minutes <= 15.0
     assert choice.left >= enough(choice.bound)
+
+
+def test_what_is_left_where_nothing_shows_need_not_show_itself() -> None:
+    names = dict.fromkeys(("temperature_bias", "thermal_transient"))
+    plain = Experiment(names, None, None, None, "d")  # type: ignore[arg-type]
+    silent = replace(plain, by_silence="thermal_transient", rivals={NOTHING: None})  # type: ignore[dict-item]
+    assert ("thermal_transient", "temperature_bias") in plain.pairs
+    assert silent.pairs == (
+        ("temperature_bias", "thermal_transient"), ("temperature_bias", NOTHING)
+    )  # fmt: skip
