@@ -144,10 +144,13 @@ class Separation:
 
 
 def left_by_real_fit(model: Model, observed: Blocks, noises: Sequence[Noise]) -> float:
-    """Chi-squared that a model leaves where it is fitted in its real form."""
+    """Chi-squared that a model leaves where it is fitted in its real form, with that of what its
+    prior has to give way for: a wander that takes all of it is paid for.
+    """
     found = fitted(model, observed, noises)
     misfit = observed.readings - found.prediction(observed.motion)
-    return equations_of([], misfit, observed, noises).normal()[2]
+    given_way = float(found.prior[found.free] @ found.values[found.free] ** 2)
+    return equations_of([], misfit, observed, noises).normal()[2] + given_way
 
 
 def probability_right(left: float, bound: float) -> float:
