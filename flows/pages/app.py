@@ -12,9 +12,12 @@ from flows.pages.access import guard
 from flows.pages.files import files as certificate_files
 from flows.pages.login import login
 from flows.pages.preferences import view_of_request
-from flows.pages.register import FIRST
+from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home
+
+UNUSED = ("/deps/polyfill@", "/dash_table/")  # for browsers of 2015; tables that no page has
+GRID = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
 
 
 class Application(Dash):
@@ -33,14 +36,23 @@ class Application(Dash):
     ) -> str:
         """The first document, before any script has run."""
         view = view_of_request()
+        needed = [tag for tag in scripts.splitlines() if not any(each in tag for each in UNUSED)]
+        scripts = "\n".join(needed)
+        early = GRID if _shows_grid() else ""
         return f"""<!DOCTYPE html>
 <html lang="{view.language}"
  data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}">
 <head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-{metas}<title>{title}</title>{favicon}{css}</head>
+{metas}<title>{title}</title>{favicon}{css}{early}</head>
 <body>{app_entry}<footer>{config}{scripts}{renderer}</footer></body>
 </html>"""
+
+
+def _shows_grid() -> bool:
+    """Whether the page asked for begins with a grid, whose script Dash loads after all others."""
+    name = request.path.strip("/")
+    return any(page.name == name for page in PAGES if page.has_grid) and "id" not in request.args
 
 
 def make_app(home: Home) -> Application:

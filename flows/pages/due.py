@@ -187,4 +187,4 @@ def _standard(each: StandardDue, shown: DueShown, view: View) -> tuple[Any, ...]
     )
 
 
-PAGE = Page("due", DueQuestion, DueShown, data, layout)
+PAGE = Page("due", DueQuestion, DueShown, data, layout, has_grid=True)

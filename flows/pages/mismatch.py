@@ -215,7 +215,7 @@ def _effect(seen: EffectSeen, view: View) -> Component:
     ])  # fmt: skip
     shown = facts(
         [(message("pages-mismatch-fact.days"), days), *carriers,
-         (message("pages-mismatch-fact.moved"), moved or None)],
+         (message("pages-mismatch-fact.moved"), dmc.Text(moved, size="sm") if moved else None)],
         view,
     )  # fmt: skip
     touched = _touched(seen.papers, None, view)

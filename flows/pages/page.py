@@ -46,8 +46,8 @@ class Page:
     question: the model of the query string, with a default for each field that may be left out.
     answer: the model that `data` gives, which is the JSON; `data` raises Unusable for what cannot
     be answered. layout: shows the answer to a question in a view. in_navigation: whether the
-    header leads to it. refresh_s: after how long it is asked for again, for a page that is live.
-    callbacks: registers what the page does by itself.
+    header leads to it. has_grid: whether its lists are grids. refresh_s: after how long it is asked
+    for again, for a page that is live. callbacks: registers what the page does by itself.
     """
 
     name: str
@@ -56,6 +56,7 @@ class Page:
     data: Callable[[Any, Home], Frozen]
     layout: Callable[[Any, View, Any], Component]
     in_navigation: bool = True
+    has_grid: bool = False
     refresh_s: float | None = None
     callbacks: Callable[[Dash, Home], None] | None = None
 

@@ -58,4 +58,4 @@ def callbacks(app: Dash, home: Home) -> None:
         return found, view.say(message("pages-runs-count", count=total))
 
 
-PAGE = Page("runs", RunsQuestion, RunsShown, data, layout, callbacks=callbacks)
+PAGE = Page("runs", RunsQuestion, RunsShown, data, layout, has_grid=True, callbacks=callbacks)

@@ -198,4 +198,4 @@ def _adjustments(of_item: list[ElementHistory], view: View) -> Component:
     return table(headings, [tuple(cell or None for cell in row) for row in rows], view)
 
 
-PAGE = Page("unit", UnitQuestion, UnitShown, data, layout)
+PAGE = Page("unit", UnitQuestion, UnitShown, data, layout, has_grid=True)

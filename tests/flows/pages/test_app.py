@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from flask.testing import FlaskClient
 
-from flows.pages.app import make_app
+from flows.pages.app import GRID, UNUSED, make_app
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from flows.pages.shell import page_at
@@ -50,6 +50,15 @@ def test_nothing_on_the_first_document_comes_from_elsewhere(client: FlaskClient)
     assert "default-src 'self'" in policy
     assert "http" not in policy
     assert document.headers["X-Frame-Options"] == "DENY"
+
+
+def test_a_page_with_a_grid_asks_for_the_grids_script_at_once(client: FlaskClient) -> None:
+    document = client.get("/runs").text
+    assert GRID in document.partition("</head>")[0]
+    assert client.get(GRID.partition('src="')[2].partition('"')[0]).status_code == 200
+    assert GRID not in client.get("/line").text
+    assert GRID not in client.get("/unit?id=1").text
+    assert not [name for name in UNUSED if name in document]
 
 
 def test_language_and_theme_are_those_of_the_cookies_else_the_browsers(client: FlaskClient) -> None:

@@ -11,13 +11,9 @@ from flows.pages.app import make_app
 from storage.catalogue import connection, database, runs
 from storage.home import Home
 from tests.drafts import draft, recording_of
-from tests.shared import chromium
+from tests.watched_page import watched_page
 
 HOSTILE = "<img src=x onerror=alert(1)>\"'\U0001f600" + "x" * 10_000
-OPTIONS = (
-    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-    "--disable-component-update --disable-sync --no-proxy-server --disable-dev-shm-usage"
-)
 
 pytestmark = pytest.mark.real_time
 
@@ -45,21 +41,8 @@ def faults() -> list[str]:
 
 @pytest.fixture(scope="module")
 def page(address: str, faults: list[str]) -> Iterator:
-    """A page of a tablet's width that notes every error, dialog and request to another host."""
-    path = chromium()
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS.split())
-        page = browser.new_page(viewport={"width": 820, "height": 1100}, locale="zh-CN")
-        page.set_default_timeout(120_000)  # ms, for a machine that is busy with other work
-        page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("dialog", lambda dialog: (faults.append(dialog.message), dialog.dismiss()))
-        ours = (address, "data:", "blob:")
-        page.on("request", lambda r: None if r.url.startswith(ours) else faults.append(r.url))
+    with watched_page(address, faults, "zh-CN") as page:
         yield page
-        browser.close()
 
 
 def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, faults) -> None:

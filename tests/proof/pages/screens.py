@@ -103,6 +103,7 @@ def _looked_at(
         if name == "run":
             for tab in range(1, TABS):
                 page.click(f"#run-tabs [role=tab] >> nth={tab}")
+                page.wait_for_selector(f"#run-tabs [role=tab]:nth-child({tab + 1})[data-active]")
                 if tab == SIGNALS:
                     page.wait_for_selector("#signals-rows:not(:empty)")
                 _picture(page, folder / f"run-{tab}-{width}-{language}-{theme}.png")

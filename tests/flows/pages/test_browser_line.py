@@ -1,0 +1,95 @@
+"""Quality and Mismatch of a line in a browser: opened, filtered, and down to single runs."""
+
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+
+from schemas.review import KeptReview
+from storage import last_review
+from storage.catalogue import explanations, run_index
+from storage.dataframes import runs
+from storage.home import Home
+from tests.flows.pages.test_mismatch import discrepancy, review
+from tests.pages_server import served
+from tests.proof.line.draw import Line
+from tests.watched_page import watched_page
+
+POINT = """() => {
+    const drawn = document.querySelector('#quality-chart .js-plotly-plot');
+    const {xaxis, yaxis} = drawn._fullLayout, points = drawn._fullData[0];
+    const {left, top} = drawn.getBoundingClientRect();
+    const across = xaxis._offset + xaxis.d2p(points.x[5]);
+    return [left + across, top + yaxis._offset + yaxis.d2p(points.y[5])];
+}"""
+
+pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
+
+
+@pytest.fixture(scope="module")
+def kept(line_store: tuple[Home, Line]) -> tuple[Home, str]:
+    """The line, with a station that a review found tilted and one run that shows it; that run."""
+    home = line_store[0]
+    table = runs(home).sort_values("recorded_on")
+    run = str(table[table["station"] == "ST-01"]["id"].iloc[-1])
+    at = datetime(2026, 11, 1, tzinfo=UTC)
+    explanations.keep(run_index.find(run, home), discrepancy("axis_tilt"), "<p>told</p>", at, home)
+    found: KeptReview = review("station", "ST-01", "2025-01-05T08:00", "2024-11-01T08:00")
+    last_review.keep(found, home)
+    return home, run
+
+
+@pytest.fixture(scope="module")
+def faults() -> list[str]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def page(kept: tuple[Home, str], faults: list[str]) -> Iterator[Any]:
+    with served(kept[0]) as address, watched_page(address, faults, "en-GB") as page:
+        page.goto(address)
+        yield page
+
+
+def test_quality_is_filtered_and_a_point_of_its_chart_opens_its_run(page, faults) -> None:
+    page.click("header a:has-text('Quality')")
+    page.wait_for_selector("#page >> text=MX-110")
+    page.click("#quality-model")
+    page.click("[role=option]:has-text('MX-120')")
+    page.wait_for_url("**model=MX-120**")
+    page.click("#quality-station")
+    page.click("[role=option]:has-text('ST-02')")
+    page.wait_for_url("**station=ST-02**")
+    page.wait_for_selector("text=Control chart")
+    page.click("#quality-station")
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#quality-chart .js-plotly-plot .nsewdrag")
+    page.locator("#quality-chart").scroll_into_view_if_needed()
+    across, down = page.evaluate(POINT)
+    page.mouse.move(across, down)
+    page.wait_for_selector("#quality-chart .hovertext")
+    page.mouse.click(across, down)
+    page.wait_for_url("**/run?id=*")
+    page.wait_for_selector("#run-tabs")
+    assert faults == []
+
+
+def test_mismatch_leads_from_the_station_to_its_runs_and_from_an_effect_to_its(
+    page, kept, faults
+) -> None:
+    page.click("header a:has-text('Mismatch')")
+    page.wait_for_selector(".carried >> text=Station ST-01")
+    page.click("a[href='/mismatch?effect=axis_tilt']")
+    page.wait_for_url("**/mismatch?effect=axis_tilt")
+    page.wait_for_selector(f"table a:has-text('{kept[1]}')")
+    rows = page.locator("#page tbody tr").all_inner_texts()
+    assert all("mismatch, explained" in row for row in rows)
+    page.click(".carried a:has-text('the runs') >> nth=0")
+    page.wait_for_url("**/runs?station=ST-01&since=2025-01-05")
+    page.wait_for_selector(".ag-cell a")
+    stations = page.locator(".ag-cell[col-id=station]").all_inner_texts()
+    assert set(stations) == {"ST-01"}
+    page.click(f".ag-cell a:has-text('{kept[1]}')")
+    page.wait_for_selector("#run-tabs")
+    assert faults == []
