@@ -27,6 +27,8 @@ LANGUAGES, THEMES = ("en", "zh"), ("light", "dark")
 TABS, SIGNALS = 6, 2  # of the page of a run
 COMPOSED = ("unit-one", "due", "run-2", "quality")
 SETTLED_MS = 900  # after the last answer, for pictures that are drawn behind the text
+DRAWN = """() => [...document.querySelectorAll(`[id*='"type":"picture"}']`)]
+    .every((place) => place.querySelector('.main-svg'))"""
 ARGUMENTS = (
     "--no-sandbox --disable-gpu --disable-quic --disable-background-networking "
     "--disable-component-update --disable-sync --no-proxy-server --disable-dev-shm-usage"
@@ -126,5 +128,6 @@ def _composed(browser: "Browser", folder: Path) -> None:
 
 def _picture(page: "Page", path: Path) -> None:
     page.wait_for_load_state("networkidle")
+    page.wait_for_function(DRAWN)
     time.sleep(SETTLED_MS / 1000)
     page.screenshot(path=path, full_page=True)
