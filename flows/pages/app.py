@@ -16,7 +16,7 @@ from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home
 
-UNUSED = ("/deps/polyfill@", "/dash_table/")  # for browsers of 2015; tables that no page has
+UNUSED = "/dash_table/"  # tables that no page has
 GRID = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
 
 
@@ -36,7 +36,7 @@ class Application(Dash):
     ) -> str:
         """The first document, before any script has run."""
         view = view_of_request()
-        needed = [tag for tag in scripts.splitlines() if not any(each in tag for each in UNUSED)]
+        needed = [tag for tag in scripts.splitlines() if UNUSED not in tag]
         scripts = "\n".join(needed)
         early = GRID if _shows_grid() else ""
         return f"""<!DOCTYPE html>

@@ -58,7 +58,7 @@ def test_a_page_with_a_grid_asks_for_the_grids_script_at_once(client: FlaskClien
     assert client.get(GRID.partition('src="')[2].partition('"')[0]).status_code == 200
     assert GRID not in client.get("/line").text
     assert GRID not in client.get("/unit?id=1").text
-    assert not [name for name in UNUSED if name in document]
+    assert UNUSED not in document
 
 
 def test_language_and_theme_are_those_of_the_cookies_else_the_browsers(client: FlaskClient) -> None:
