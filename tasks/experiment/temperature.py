@@ -13,7 +13,7 @@ MINUTE_S = 60.0
 CELL_S = 5.0  # of a thermometer's means
 LAGS = np.geomspace(30.0, 1500.0, 40)  # s, that are tried
 USUAL_LAG = 300.0  # s, of a unit of which no warm-up tells it
-TOLD = 1.0  # K: a warm-up by less tells no time constant
+LEAST_WARM_UP_K = 1.0  # a smaller one shows no time constant
 
 SetPoint = tuple[float, float]  # s, °C
 
@@ -65,7 +65,7 @@ def _warm_up(t: np.ndarray, degc: np.ndarray) -> tuple[float, float, float]:
     counts = np.maximum(np.bincount(cell), 1)
     means = np.bincount(cell, degc[known]) / counts
     middles = np.arange(len(means)) * CELL_S
-    if len(means) < 4 or np.ptp(means) < TOLD:
+    if len(means) < 4 or np.ptp(means) < LEAST_WARM_UP_K:
         return float(np.median(means)), 0.0, USUAL_LAG
     tried = []
     for lag in LAGS:
