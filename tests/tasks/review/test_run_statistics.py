@@ -8,7 +8,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import Recording
 from schemas.review import RunStatistics
-from storage import statistics as kept
+from storage import run_statistics as kept
 from storage.home import Home
 from tasks.review.pool import Pool, ReviewedRun, pooled
 from tasks.review.run_statistics import VERSION, statistics_of
