@@ -16,14 +16,6 @@ from tests.pages_server import served
 from tests.proof.line.draw import Line
 from tests.watched_page import watched_page
 
-POINT = """() => {
-    const drawn = document.querySelector('#quality-chart .js-plotly-plot');
-    const {xaxis, yaxis} = drawn._fullLayout, points = drawn._fullData[0];
-    const {left, top} = drawn.getBoundingClientRect();
-    const across = xaxis._offset + xaxis.d2p(points.x[5]);
-    return [left + across, top + yaxis._offset + yaxis.d2p(points.y[5])];
-}"""
-
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 
 
@@ -54,19 +46,16 @@ def page(kept: tuple[Home, str], faults: list[str]) -> Iterator[Any]:
 
 def test_quality_is_filtered_and_a_point_of_its_chart_opens_its_run(page, faults) -> None:
     page.click("header a:has-text('Quality')")
-    page.wait_for_selector("#page >> text=MX-110")
-    page.click("#quality-model")
-    page.click("[role=option]:has-text('MX-120')")
-    page.wait_for_url("**model=MX-120**")
-    page.click("#quality-station")
-    page.click("[role=option]:has-text('ST-02')")
-    page.wait_for_url("**station=ST-02**")
-    page.wait_for_selector("text=Control chart")
-    page.click("#quality-station")
-    page.keyboard.press("Escape")
-    page.wait_for_selector("#quality-chart .js-plotly-plot .nsewdrag")
-    page.locator("#quality-chart").scroll_into_view_if_needed()
-    across, down = page.evaluate(POINT)
+    for choice, chosen in (("model", "MX-120"), ("station", "ST-02")):
+        page.click(f"#quality-{choice}")
+        page.click(f"[role=option]:has-text('{chosen}') >> visible=true")
+        page.wait_for_url(f"**{choice}={chosen}**")
+        page.reload()  # the address keeps what was chosen; a page that changes closes its lists
+        page.wait_for_selector("#quality-chart .scatterlayer .points path")
+    point = page.locator("#quality-chart .scatterlayer .points path").first
+    point.scroll_into_view_if_needed()
+    drawn = point.bounding_box()
+    across, down = drawn["x"] + drawn["width"] / 2, drawn["y"] + drawn["height"] / 2
     page.mouse.move(across, down)
     page.wait_for_selector("#quality-chart .hovertext")
     page.mouse.click(across, down)
