@@ -82,16 +82,13 @@ class UnitNoise:
         """
         rows, reference = self._rows(fine)
         readings = np.nan_to_num(truth.prediction(self._as_usual(full_rate(fine)).motion))
-        unit = readings[rows]
+        unit, imu = readings[rows], fine.imu.at(rows)
         deviation = np.sqrt(self.full.rest_variance)
         noisy = unit + np.random.default_rng(0).normal(size=unit.shape) * deviation
-        columns = {
-            **fine.imu.at(rows).columns,
-            **dict(zip(CHANNELS, noisy.T.copy(), strict=True)),
-        }
+        columns = {**imu.columns, **dict(zip(CHANNELS, noisy.T.copy(), strict=True))}
         return replace(
             fine,
-            imu=Stream(fine.imu.t[rows], columns),
+            imu=Stream(imu.t, columns),
             table=fine.table and fine.table.at(reference),
         )
 

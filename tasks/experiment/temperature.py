@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from schemas.limits import ChamberLimits
 from schemas.recording import Recording
+from tasks.motion.lag import first_order_lag
 
 MINUTE_S = 60.0
 CELL_S = 5.0  # of a thermometer's means
@@ -51,8 +51,7 @@ class ThermalResponse:
             from_degc = float(air[later][0])
             way = most * (t[later] - at)
             air[later] = from_degc + np.clip(target - from_degc, -way, way)
-        stays = np.exp(-step / self.lag_s)
-        heated = lfilter([1.0 - stays], [1.0, -stays], air - self.air_degc)
+        heated = first_order_lag(air - self.air_degc, step, self.lag_s)
         return np.asarray(self.usual_degc - self.warm_up_k * np.exp(-t / self.lag_s) + heated)
 
 

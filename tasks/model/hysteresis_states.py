@@ -7,7 +7,8 @@ value while the drive stands still.
 from functools import lru_cache
 
 import numpy as np
-from scipy.signal import lfilter
+
+from tasks.motion.lag import first_order_lag
 
 
 def signs(speed: np.ndarray, still: float) -> np.ndarray:
@@ -50,8 +51,7 @@ def faded(speed: np.ndarray, t: np.ndarray, seconds: float, still: float) -> np.
 
 def late_sign(speed: np.ndarray, t: np.ndarray, seconds: float, still: float) -> np.ndarray:
     """The sign of the motion through a lag of first order: learnt and forgotten in time."""
-    stays = np.exp(-float(np.median(np.diff(t))) / seconds)
-    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], signs(speed, still)))
+    return first_order_lag(signs(speed, still), float(np.median(np.diff(t))), seconds)
 
 
 def last_peak(speed: np.ndarray, still: float) -> np.ndarray:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.signal import lfilter
 
 from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import GYROS
@@ -19,6 +18,7 @@ from tasks.explain.events.event import Event, channel_names
 from tasks.explain.events.noise import noise_by_rate
 from tasks.model.plain_fit import plain_prediction
 from tasks.model.terms.standard import regressors
+from tasks.motion.lag import first_order_lag
 from tasks.motion.samples import in_blocks
 from tasks.motion.whole import Motion
 from tasks.words import message
@@ -187,11 +187,10 @@ class _Whitened:
 
 def _of_reference(motion: Motion, axis: int) -> np.ndarray:
     """(n, k) what errors of a reference follow: its rate late, its angle, its acceleration."""
-    rate, interval = np.nan_to_num(motion.rate[:, axis]), motion.interval
-    kept = [float(np.exp(-interval / lag)) for lag in LAGS]
-    late = [lfilter([1.0 - keep], [1.0, -keep], rate) for keep in kept]
-    angle, acceleration = rate.cumsum() * interval, np.nan_to_num(motion.acceleration[:, axis])
-    return np.column_stack([*late, angle, acceleration])
+    rate = np.nan_to_num(motion.rate[:, axis])
+    late = [first_order_lag(rate, motion.interval, lag) for lag in LAGS]
+    acceleration = np.nan_to_num(motion.acceleration[:, axis])
+    return np.column_stack([*late, rate.cumsum() * motion.interval, acceleration])
 
 
 def _means(values: np.ndarray) -> np.ndarray:

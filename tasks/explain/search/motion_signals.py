@@ -1,8 +1,8 @@
 """When a unit was moved, and what lags behind."""
 
 import numpy as np
-from scipy.signal import lfilter
 
+from tasks.motion.lag import first_order_lag
 from tasks.motion.whole import Motion
 
 TURNING_UP = 0.02  # of a unit vector in a second: gravity's direction changes
@@ -46,5 +46,4 @@ def repositioning(motion: Motion) -> np.ndarray:
 
 def lagged(signal: np.ndarray, t: np.ndarray, tau: float) -> np.ndarray:
     """First-order lag of a signal (n,), from rest."""
-    keep = np.exp(-float(np.median(np.diff(t))) / tau)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], np.nan_to_num(signal)))
+    return first_order_lag(np.nan_to_num(signal), float(np.median(np.diff(t))), tau)

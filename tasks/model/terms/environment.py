@@ -1,11 +1,11 @@
 """What follows the unit's surroundings: temperature, supply."""
 
 import numpy as np
-from scipy.signal import lfilter
 
 from schemas.recording import Recording
 from tasks.model.parameters import DEG, Printed, each_channel, same, triads
 from tasks.model.term import Parameter, SensorTerm, Term
+from tasks.motion.lag import first_order_lag
 from tasks.motion.samples import bridged
 from tasks.motion.whole import Motion
 
@@ -50,9 +50,8 @@ def late_temperature_bias(seconds: float) -> SensorTerm:
 
 def _late(signal: np.ndarray, step: float, seconds: float) -> np.ndarray:
     """Signal (n,) through a lag of first order that was in balance before it began."""
-    stays = np.exp(-step / seconds)
     known = bridged(signal[:, None])[:, 0]
-    return np.asarray(lfilter([1.0 - stays], [1.0, -stays], known, zi=[stays * known[0]])[0])
+    return first_order_lag(known, step, seconds, start=known[0])
 
 
 # A scale factor that follows the unit's own temperature.
