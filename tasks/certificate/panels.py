@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from schemas.curve import Curve, FigureName
-from tasks.pages.chart import AFTER, BEFORE, GREY, PALE
+from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE
 from tasks.specifications.items import ITEMS
 from tasks.words.quantities import plain, power_of_ten
 from tasks.words.units import unit_text

@@ -36,7 +36,7 @@ from tasks.explain.confounding.compare import HOLDS
 from tasks.explain.confounding.linear_forms import DISTINGUISHABLE
 from tasks.explain.evidence.shares import WEAK
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
+from tasks.explain.whitening import Noise
 from tasks.model.model import Model
 from tasks.station.plan import plan
 from tasks.words import message, statement

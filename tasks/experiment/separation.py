@@ -15,9 +15,9 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
-from tasks.explain.regression.spectrum import Noise, equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
+from tasks.explain.whitening import Noise, equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.motion.samples import sample_interval

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from schemas.history import Reprocessing
-from tasks.pages.chart import AFTER, BEFORE, GREY, PALE, draw
+from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw
 from tasks.specifications.items import item_title
 from tasks.words import say
 

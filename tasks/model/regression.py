@@ -1,7 +1,7 @@
 """Whitened normal equations of a linearised model: what every fit of a list of terms solves.
 
 Whoever knows the noise whitens: by the variance of each row (`tasks.model.fit`), in the transformed
-domain (`tasks.explain.regression`). From there on all fits are the same algebra.
+domain (`tasks.explain.whitening`). From there on all fits are the same algebra.
 """
 
 from collections.abc import Callable, Sequence

@@ -15,7 +15,6 @@ from tasks.explain.channels import EVERY
 from tasks.explain.explain import LONG, SEARCH_RATE, without_faults
 from tasks.explain.inputs.angle_rates import as_mean_rates
 from tasks.explain.inputs.event_removal import cleaned
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.design import (
     BandedDesign,
@@ -25,6 +24,7 @@ from tasks.explain.search.design import (
     normal_equations,
 )
 from tasks.explain.search.stepwise import initial_noises
+from tasks.explain.whitening import Noise
 from tasks.model.catalogue import catalogue
 from tasks.model.regression import inverse
 from tasks.model.term import Column, Term

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from schemas.validation import EVIDENCE, TARGET_SHARE, Coverage, ValidationRecord
-from tasks.pages import draw, inline, page
+from tasks.rendering import draw, inline, page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,11 +12,11 @@ from tasks.explain.confounding.families import (
     group_delays,
     starting_values,
 )
-from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.refit import fitted
 from tasks.explain.search.stepwise import Selected, Selection
+from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.term import Term

@@ -15,9 +15,9 @@ from scipy.special import chdtrc
 from schemas.recording import AXES
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise, transformed, weighted, whitened_gram
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
+from tasks.explain.whitening import Noise, transformed, weighted, whitened_gram
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
+from tasks.explain.whitening import Noise
 from tasks.model.regression import of_channel
 from tasks.model.term import Column
 

@@ -12,7 +12,7 @@ from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.si_units import unit_of
 from tasks.explain.explanation import Refusal
-from tasks.explain.regression.spectrum import equations_of
+from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse
 from tasks.model.term import parameters_of
 from tasks.model.terms.gyro import THRESHOLD

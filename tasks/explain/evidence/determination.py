@@ -9,8 +9,8 @@ from tasks.explain.determined import DeterminedModel
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.scrutiny import COVERAGE, Scrutiny
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.refit import fitted
+from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.model.term import TermKey

@@ -15,8 +15,8 @@ from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.groups import FindingGroup, finding_groups, without_leakage
 from tasks.explain.evidence.held_out import CrossValidation, cross_validation
 from tasks.explain.evidence.scatter import Scatter
-from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
+from tasks.explain.whitening import equations_of
 from tasks.model.regression import WhitenedEquations, inverse
 from tasks.model.term import Parameter, parameters_of
 

@@ -7,9 +7,9 @@ from schemas.discrepancy import FoundParameter
 from tasks.explain.channels import EVERY
 from tasks.explain.explanation import UNNAMED, Finding
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.regression.spectrum import equations_of
 from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import FALSE_ALARMS
+from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.term import places
 from tasks.model.terms.standard import STANDARD_TERMS

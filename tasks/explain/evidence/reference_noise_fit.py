@@ -20,7 +20,7 @@ from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.inputs.blocks import block_means
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.regression.spectrum import equations_of
+from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.motion.pose import PLACE, POSE, Tracking

@@ -10,7 +10,7 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import Explanation
 from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import channel_title
-from tasks.pages.chart import AFTER, BEFORE, draw, time_axis
+from tasks.rendering.chart import AFTER, BEFORE, draw, time_axis
 from tasks.words import say
 from tasks.words.quantities import power_of_ten
 

@@ -17,8 +17,8 @@ from tasks.explain.report.cells import cells_of
 from tasks.explain.report.shares import shares_svg
 from tasks.explain.report.verdict import detected, small_remainders, tested
 from tasks.explain.report.where import where_svg
-from tasks.pages import inline, page
-from tasks.pages.chart import FINDINGS, GREY
+from tasks.rendering import inline, page
+from tasks.rendering.chart import FINDINGS, GREY
 from tasks.version import code_version
 from tasks.words import LANGUAGES, message, say
 from tasks.words.quantities import chi2, percent, quantities

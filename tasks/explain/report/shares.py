@@ -6,7 +6,7 @@ from schemas.discrepancy import Discrepancy
 from tasks.explain.channels import CHANNELS
 from tasks.explain.evidence.shares import MOSTLY_NOISE
 from tasks.explain.report.names import capital, channel_title
-from tasks.pages.chart import AFTER, BEFORE, FINDINGS, GREY, draw
+from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, GREY, draw
 from tasks.words import say
 from tasks.words.quantities import chi2, percent
 

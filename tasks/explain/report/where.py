@@ -12,7 +12,7 @@ from tasks.explain.channels import CHANNELS
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.report.cells import ExcessCells
 from tasks.explain.report.names import capital, channel_title
-from tasks.pages.chart import FINDINGS, GREY, PALE, draw, time_axis
+from tasks.rendering.chart import FINDINGS, GREY, PALE, draw, time_axis
 from tasks.words import say
 from tasks.words.quantities import percent
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import (
+from tasks.explain.whitening import (
     Bands,
     Noise,
     bands_of,

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate
 from tasks.explain.search.design import BandedDesign, with_columns
 from tasks.explain.search.proposals import with_proposed_shapes
@@ -24,6 +23,7 @@ from tasks.explain.search.stepwise import (
     search,
 )
 from tasks.explain.search.time_budget import UNLIMITED, TimeBudget
+from tasks.explain.whitening import Noise
 from tasks.model.model import Model
 from tasks.model.terms.timing import TIME_OFFSET
 

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import idct, rfft, rfftfreq
 
-from tasks.explain.regression.spectrum import ChannelResidual, Noise, transformed
 from tasks.explain.search.candidates import STEP_TIMES, Candidate, columns_of, members_of
 from tasks.explain.search.design import BandedDesign, ChannelDesign, with_columns
 from tasks.explain.search.empirical import SINUSOIDS
 from tasks.explain.search.residuals import residuals
+from tasks.explain.whitening import ChannelResidual, Noise, transformed
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 

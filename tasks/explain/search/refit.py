@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise, equations_of, scores_of
 from tasks.explain.search.candidates import Candidate
+from tasks.explain.whitening import Noise, equations_of, scores_of
 from tasks.model.gauss_newton import Step, gauss_newton
 from tasks.model.model import Model
 from tasks.model.regression import WhitenedEquations

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from tasks.explain.channels import TRIADS
-from tasks.explain.regression.spectrum import (
+from tasks.explain.search.design import BandedDesign
+from tasks.explain.whitening import (
     ChannelResidual,
     Noise,
     transformed,
     triad_noises,
     weighted,
 )
-from tasks.explain.search.design import BandedDesign
 from tasks.model.regression import inverse
 
 UNIT_NOISE = Noise(1.0, 0.0)  # by which every coefficient counts the same

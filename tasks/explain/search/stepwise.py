@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate, members_of
 from tasks.explain.search.design import BandedDesign, NormalEquations, normal_equations
 from tasks.explain.search.residuals import UNIT_NOISE, residual_noises
 from tasks.explain.search.scores import ScoredCandidate, prior_precision, rank
 from tasks.explain.search.time_budget import UNLIMITED, TimeBudget
+from tasks.explain.whitening import Noise
 
 FALSE_ALARMS = 0.005  # of clean recordings, at most
 MAX_SELECTED = 8

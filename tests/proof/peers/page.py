@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from tasks.pages import page
+from tasks.rendering import page
 from tests.proof.peers.score import PeerScore
 from tests.proof.peers.table import Duties, duties_of
 from tests.proof.text import Text, bilingual

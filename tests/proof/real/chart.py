@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tasks.pages.chart import PALE, draw
+from tasks.rendering.chart import PALE, draw
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

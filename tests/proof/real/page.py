@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from tasks.pages import inline, page
+from tasks.rendering import inline, page
 from tests.proof.real.cases import NOT_HIDDEN
 from tests.proof.real.hold import Results
 from tests.proof.real.score import Score, as_data

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tasks.pages.chart import AFTER, BEFORE, FINDINGS
+from tasks.rendering.chart import AFTER, BEFORE, FINDINGS
 from tests.proof.real.chart import Mark, Series, chart
 from tests.proof.real.fact import Recordings
 from tests.proof.real.hand.lines import amplitude

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from tasks.pages import inline, page
+from tasks.rendering import inline, page
 from tasks.words import Sayable, clauses
 from tests.proof.text import Text, bilingual
 from tests.proof.trial.evidence import (

@@ -8,8 +8,8 @@ from scipy.fft import dct
 
 from schemas.recording import Segment
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.design import BandedDesign
+from tasks.explain.whitening import Noise
 from tasks.model.simulate import predict
 from tasks.model.term import Column, Term, nominal_values
 from tasks.model.terms.standard import STANDARD_TERMS, regressors

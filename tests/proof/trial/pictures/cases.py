@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from tasks.pages.chart import PALE, draw
+from tasks.rendering.chart import PALE, draw
 from tests.proof.trial.pictures.outcome import LEGEND, legend, outcome, squares
 from tests.proof.trial.score import Score
 

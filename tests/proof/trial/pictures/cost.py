@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tasks.pages.chart import AFTER, BEFORE, INK, PALE, draw
+from tasks.rendering.chart import AFTER, BEFORE, INK, PALE, draw
 from tests.proof.trial.cost import Cost
 from tests.proof.trial.pictures.outcome import legend
 from tests.proof.trial.score import Score

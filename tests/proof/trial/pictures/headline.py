@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tasks.pages.chart import GREY, INK, draw
+from tasks.rendering.chart import GREY, INK, draw
 from tests.proof.trial.pictures.outcome import (
     LEGEND,
     LIMIT,

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from tasks.pages.chart import GREY
+from tasks.rendering.chart import GREY
 from tests.proof.trial.score import Score
 
 RIGHT, TWIN, ABSTAINED, MISSED, WRONG = "#0072b2", "#56b4e9", "#bbbbbb", "#ffffff", "#d55e00"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tasks.pages.chart import GREY, INK, PALE, draw
+from tasks.rendering.chart import GREY, INK, PALE, draw
 from tests.proof.plant.effects import CATALOGUE, FAMILIES
 from tests.proof.trial.limit import power
 from tests.proof.trial.pictures.outcome import LEGEND, LIMIT, RIGHT, WRONG, legend, outcome, squares

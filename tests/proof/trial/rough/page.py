@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tasks.pages import page
+from tasks.rendering import page
 from tests.proof.text import Text, bilingual
 from tests.proof.trial.rough.score import RoughScore
 from tests.proof.trial.rough.table import AGREE, CASES, COLUMNS, agreement, cases, rows_rough

@@ -8,9 +8,9 @@ from engine_run import GRAVITY
 
 from tasks.explain.evidence.absorption import MIN_LOG_ODDS, absorbed
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
+from tasks.explain.whitening import Noise
 from tasks.model.terms.site import earth_rotation
 from tasks.motion.table import EARTH_RATE
 from tasks.motion.whole import Motion

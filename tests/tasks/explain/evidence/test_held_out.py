@@ -9,7 +9,7 @@ from engine_run import MOVE, NOISY, QUIET, RATE, REST, motion, noise, observed, 
 
 from tasks.explain.evidence.cells import CELL_LENGTH, cell_equations, fold_cells
 from tasks.explain.evidence.held_out import FOLDS, CrossValidation, cross_validation
-from tasks.explain.regression.spectrum import Noise
+from tasks.explain.whitening import Noise
 from tasks.model.simulate import linearise
 from tasks.model.term import Column, nominal_values
 from tasks.model.terms.environment import TEMPERATURE_BIAS

@@ -20,7 +20,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.regression.spectrum import Noise
 from tasks.explain.search.candidates import columns_of
 from tasks.explain.search.design import (
     BandedDesign,
@@ -29,6 +28,7 @@ from tasks.explain.search.design import (
     with_columns,
 )
 from tasks.explain.search.residuals import residual_noises, residuals
+from tasks.explain.whitening import Noise
 from tasks.model.regression import inverse
 from tasks.model.term import Column
 from tasks.model.terms.environment import TEMPERATURE_BIAS

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from schemas.text import Statement
-from tasks.pages import draw, inline, page
+from tasks.rendering import draw, inline, page
 
 TITLE = Statement(en="a < b", zh="甲 < 乙")
 

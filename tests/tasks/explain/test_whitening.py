@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from engine_run import RATE, flicker
 
-from tasks.explain.regression.spectrum import (
+from tasks.explain.whitening import (
     Bands,
     ChannelResidual,
     Noise,

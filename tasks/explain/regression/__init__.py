@@ -1,1 +1,0 @@
-"""Noise by frequency and whitened normal equations."""
