@@ -1,8 +1,11 @@
 """Parameters that an engine states of a rough recording, beside the true ones."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from tests.proof.plant.rotations import from_vector, turned
 from tests.proof.trial.compare import Compared, compared
 from tests.proof.trial.parameters import Truth
 
@@ -18,9 +21,22 @@ def compared_rough(told: dict[str, Any], named: Sequence[dict[str, Any]]) -> Ite
         for each in told["effects"]
         if each["called"] in (each["name"], *SAME_PARAMETERS)
     }
-    true = {name: values for name, values in told["nuisances"].items() if name not in plain}
+    true = {
+        name: _along_reference(told, values) if name == "lever_arm" else values
+        for name, values in told["nuisances"].items()
+        if name not in plain
+    }
     truth = Truth(true | plain, told["parameters"], told["case"]["case"])
     for finding in named:
         if finding["effect"] in truth.effects:
             pairs, _ = compared(truth, finding["effect"], finding["parameters"])
             yield from pairs
+
+
+def _along_reference(told: dict[str, Any], arm: Mapping[str, Any]) -> dict[str, Any]:
+    """A lever arm along the axes of the body that the poses tell, as `explain` states it.
+
+    The plant draws it along the unit's own axes, which are turned against those.
+    """
+    turn = from_vector(np.array(told["case"]["tracking"]["turn"]))
+    return {"r": turned(turn, np.array(arm["r"]))[:, 0].tolist()}

@@ -22,7 +22,11 @@ def scores() -> Scores:
               left: float = 1.5, parameters: dict[str, Any] | None = None,
               **nuisances: dict[str, Any]) -> RoughScore:  # fmt: skip
         told = {
-            "case": {"run": "hand", "case": Case(seed=1).model_dump(mode="json")},
+            "case": {
+                "run": "hand",
+                "case": Case(seed=1).model_dump(mode="json"),
+                "tracking": {"turn": [0.0, 0.0, 0.1]},
+            },
             "effects": [
                 {"called": called, "name": name, "parameters": parameters or KNOWN_STEP}
                 for called, name, _ in hidden
@@ -57,6 +61,19 @@ def test_a_name_that_is_neither_hidden_nor_of_the_reference_is_wrong(
     assert score.wrong == ("hysteresis",)
     assert not score.listed[0].named
     assert scores(told, STEP).wrong == ("hysteresis", "time_offset")
+
+
+def test_a_lever_arm_is_compared_along_the_tracked_body_s_axes(
+    scores: Scores, finding: Finds
+) -> None:
+    stated = {"r_x": 0.0995, "r_y": 0.00998, "r_z": 0.0}
+    told = finding("lever_arm") | {
+        "parameters": [
+            {"name": name, "value": value, "unit": "m", "u": 1e-5} for name, value in stated.items()
+        ]
+    }
+    score = scores([told], lever_arm={"r": [0.1, 0.0, 0.0]})
+    assert [each.inside for each in score.parameters] == [True, True, True]
 
 
 def test_what_is_outside_the_catalogue_has_no_right_name(scores: Scores, finding: Finds) -> None:
