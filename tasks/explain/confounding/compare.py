@@ -31,20 +31,21 @@ def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSel
     with the names that the data do not tell from it.
 
     A nuisance of every model stays as it is, and what makes up for it is left out: tracking smooths
-    places and attitudes unlike each other, so that it is not the unit's for certain.
+    places and attitudes unlike each other, so that it is not the unit's for certain. It is marked
+    with what fits no worse in its place.
     """
-    nuisances = {one.name for one in fit.selection.candidates if one.nuisance}
     for family in FAMILIES:
-        selected = [one for one in fit.selection.selected
-                    if one.candidate.name in family and not one.candidate.nuisance]  # fmt: skip
-        if not selected or any(one.absorbed_by for one in selected):
+        own = [one for one in fit.selection.selected if one.candidate.name in family]
+        selected = [one for one in own if not one.candidate.nuisance]
+        nuisances = [one for one in own if one.candidate.nuisance]
+        if not own or any(one.absorbed_by for one in selected):
             continue
-        if nuisances & set(family):
+        if nuisances and selected:
             fit = fit.without(selected)
-            continue
-        present = tuple(one.candidate for one in selected)
+        present = tuple(one.candidate for one in nuisances or selected)
         forms = tuple(forms_of(family, candidates, present))
-        fit = _Family(family, forms, present, fit).compared()
+        of_family = _Family(family, forms, present, fit)
+        fit = of_family.with_rivals() if nuisances else of_family.compared()
     return fit
 
 
@@ -79,6 +80,32 @@ class _Family:
             return marked(special, ())
         return marked(chosen, group_names(best, map(names_of, near)))
 
+    def with_rivals(self) -> FittedSelection:
+        """What is present as it is, with the names of the effects that fit no worse in its place.
+
+        What makes the unit early is no filter.
+        """
+        if min(group_delays(self.fit.model, self.names)) <= 0.0:
+            return self.fit
+        found = self._fitted(self.present)
+        rivals = [
+            one
+            for form in self._in_place_of(self.present)
+            if (one := self._fitted(form)).plausible
+            and self._cost(one) - self._cost(found) < DISTINGUISHABLE
+        ]
+        names = group_names(self.present, [names_of(one.members) for one in rivals])
+        return marked(found, names)
+
+    def _in_place_of(self, present: Form) -> Iterator[Form]:
+        """Delays and filters other than these that come near by their linear forms."""
+        enough = NEAR * max(map(self._linear.gain, self.forms))
+        for form in self.forms:
+            if form[0].term.stage != "signal" or keys_of(form) == keys_of(present):
+                continue
+            if self._delay_was_taken_back or self._linear.gain(form) > enough:
+                yield form
+
     def _plausible_alone(self, found: Combination) -> list[Combination]:
         """Plausible effects that fit no worse in their real forms than what is not plausible."""
         tried = [one for one in map(self._fitted, self.forms) if one.plausible]
@@ -105,15 +132,12 @@ class _Family:
 
     def _by_real_fits(self) -> FittedSelection:
         """Of one effect each that comes near, then of the best of them with each other."""
-        enough = NEAR * max(map(self._linear.gain, self.forms))
         tried = [self._fitted(self.present)]
         tried += [
             self._fitted(form)
-            for form in self.forms
-            if form[0].term.stage == "signal" and keys_of(form) != keys_of(self.present)
-            and (self._delay_was_taken_back or self._linear.gain(form) > enough)
-            and (self._linear.triads_differ or not is_by_triad(form))
-        ]  # fmt: skip
+            for form in self._in_place_of(self.present)
+            if self._linear.triads_differ or not is_by_triad(form)
+        ]
         alone = min((one for one in tried if len(names_of(one.members)) == 1), key=self._cost,
                     default=tried[0])  # fmt: skip
         if self._linear.triads_differ or self._smooths(alone):

@@ -56,7 +56,7 @@ class LinearForms:
     @cached_property
     def dispersion(self) -> float:
         """Chi-squared per reading of what is left, at least one."""
-        used = int((self.fit.blocks.weight > 0).sum())
+        used = self.fit.blocks.used
         return max(1.0, chi2_of(self.fit.model, self.fit) / used)
 
     @cached_property

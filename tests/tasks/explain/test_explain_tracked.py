@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from schemas.discrepancy import FoundParameter
-from schemas.recording import Recording
+from schemas.recording import Recording, Stream
 from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
@@ -40,6 +41,16 @@ def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
     assert found["seconds"].value == pytest.approx(0.005, abs=3e-4)
     at = parameters(explanation, "lever_arm")
     assert [at[f"r_{a}"].value for a in "xyz"] == pytest.approx(arm, abs=3e-3)
+
+
+def test_a_slow_filter_of_the_unit_is_not_called_a_delay_alone() -> None:
+    """Before poses a delay is nothing of the unit's for certain; a filter is as late."""
+    corner, imu = 4.0, readings()
+    coefficients = butter(2, corner, fs=200.0)
+    columns = {name: lfilter(*coefficients, column) for name, column in imu.columns.items()}
+    explanation = explain(recording(Stream(imu.t, columns)))
+    (late,) = (one for one in explanation.findings if one.effect == "time_offset")
+    assert set(late.group) == {"time_offset", "bandwidth"}
 
 
 def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
