@@ -72,6 +72,27 @@ def transformed(columns: np.ndarray) -> np.ndarray:
     return np.asarray(dct(columns, type=2, norm="ortho", axis=-1))
 
 
+def in_time(coefficients: np.ndarray, padded: int) -> np.ndarray:
+    """Rows (k, padded n) with these first coefficients of the DCT, and no others."""
+    return np.asarray(idct(coefficients, type=2, n=padded, norm="ortho", axis=-1))
+
+
+def in_band(columns: np.ndarray, observed: Blocks) -> np.ndarray:
+    """DCT of each row of (k, n) without the coefficients above the band that is compared."""
+    return transformed(columns)[..., : _compared(columns.shape[-1], observed)]
+
+
+def compared_bands(observed: Blocks) -> Bands:
+    """Bands of the coefficients that are compared."""
+    padded = padded_length(len(observed.t))
+    count = _compared(padded, observed)
+    return bands_of(count, observed.rate * count / padded)
+
+
+def _compared(padded: int, observed: Blocks) -> int:
+    return round(padded * observed.share)
+
+
 @dataclass(frozen=True)
 class Noise:
     """Noise of one channel's blocks: variance of a coefficient at f is w + b/f."""
@@ -175,8 +196,8 @@ def equations_of(
     grams, which = [], []
     for channel, noise in enumerate(noises):
         own, signals = of_channel(columns, misfit, channel)
-        stack = transformed(weighted(signals, observed.weight[:, channel]))
-        grams.append(whitened_gram(stack, observed.rate, noise))
+        stack = weighted(signals, observed.weight[:, channel])
+        grams.append(whitened_gram(stack, observed, noise))
         which.append(own)
     return WhitenedEquations(tuple(grams), tuple(which), len(columns))
 
@@ -196,21 +217,24 @@ def scores_of(
         weight = observed.weight[:, channel]
         rows = np.flatnonzero(weight)
         own, signals = of_channel(columns, misfit, channel)
-        left = transformed(weighted(signals[-1:], weight))[0]
-        whitened = left / noise.variance(_frequencies(len(left), observed.rate))
+        stack = weighted(signals[-1:], weight)
+        left = in_band(stack, observed)[0]
+        whitened = left / noise.variance(_frequencies(len(left), stack.shape[1], observed.rate))
         chi2 += float(left @ whitened)
-        score = (idct(whitened, type=2, norm="ortho")[: len(weight)] * weight)[rows]
+        score = (in_time(whitened, stack.shape[1])[: len(weight)] * weight)[rows]
         for q, signal in zip(own.tolist(), signals[:-1], strict=True):
             right[q] += float(np.nan_to_num(signal[rows]) @ score)
     return right, chi2
 
 
-def _frequencies(count: int, rate: float) -> np.ndarray:
-    """(count,) Hz of each coefficient; of the mean half that of the second."""
-    return np.maximum(np.arange(count), 0.5) * rate / (2 * count)
+def _frequencies(count: int, padded: int, rate: float) -> np.ndarray:
+    """(count,) Hz of the first of `padded` coefficients; of the mean half that of the second."""
+    return np.maximum(np.arange(count), 0.5) * rate / (2 * padded)
 
 
-def whitened_gram(stack: np.ndarray, rate: float, noise: Noise) -> np.ndarray:
-    """Products (k, k) of transformed rows (k, n) of signals at a rate, Hz, divided by the noise."""
-    stack = stack / np.sqrt(noise.variance(_frequencies(stack.shape[1], rate)))
-    return np.asarray(stack @ stack.T)
+def whitened_gram(stack: np.ndarray, observed: Blocks, noise: Noise) -> np.ndarray:
+    """Products (k, k) of weighted rows (k, padded n) of signals, divided by the noise."""
+    rows = in_band(stack, observed)
+    frequencies = _frequencies(rows.shape[1], stack.shape[1], observed.rate)
+    rows = rows / np.sqrt(noise.variance(frequencies))
+    return np.asarray(rows @ rows.T)

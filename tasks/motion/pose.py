@@ -93,7 +93,24 @@ def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> Tracke
         nothing = np.full((len(at), 3), np.nan)
         unknown = Tracking(np.inf, None, frames.interval, 0.0, 0.0)
         return TrackedMotion(*(nothing,) * 5, tracking=unknown)
+    return _motion_of(recording, frames, _tracking(frames), at)
+
+
+def motion_smoothed_twice(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
+    """The motion at the times `at` (n,) s of poses that were smoothed before, in the same band.
+
+    It differs from `tracked_motion` by about what smoothing takes off the motion itself. There
+    must be frames.
+    """
+    frames = _frames(pose)
     tracking = _tracking(frames)
+    smooth = tuple(_smoothed(stretch, frames.interval, tracking) for stretch in frames.spans)
+    return _motion_of(recording, replace(frames, spans=smooth), tracking, at)
+
+
+def _motion_of(
+    recording: Recording, frames: "Frames", tracking: Tracking, at: np.ndarray
+) -> TrackedMotion:
     courses = np.full((5, len(at), 3), np.nan)
     for stretch in frames.spans:
         margin = MARGIN / tracking.edge
@@ -169,9 +186,14 @@ def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
         t = np.minimum(np.arange(part.t[0], part.t[-1], interval), part.t[-1])
         measured = Rotation.from_quat(part.stack(POSE), scalar_first=True)
         attitude = Slerp(part.t, measured)(t)
-        turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
-        turned = np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
-        yield Stretch(t, attitude, turned, interpolated(t, part.t, part.stack(PLACE)))
+        place = interpolated(t, part.t, part.stack(PLACE))
+        yield Stretch(t, attitude, _turned(attitude), place)
+
+
+def _turned(attitude: "Rotation") -> np.ndarray:
+    """(n, 3) rad, the small turns from attitude to attitude added up."""
+    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
 
 
 def _tracking(frames: Frames) -> Tracking:
@@ -195,10 +217,10 @@ def _within(
     stretch: Stretch, interval: float, tracking: Tracking, at: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Vertical, north, rate, its change and translation (n, 3) each, within one stretch."""
-    from scipy.spatial.transform import Rotation, Slerp
+    from scipy.spatial.transform import Slerp
 
     smooth, rate, change = derivatives(stretch.turned, interval, tracking.attitude)
-    attitude = stretch.attitude * Rotation.from_rotvec(smooth - stretch.turned)
+    attitude = _corrected(stretch, smooth)
     inwards = Slerp(stretch.t, attitude)(at).inv()
     moved = np.full((len(at), 3), np.nan)
     if tracking.place is not None:
@@ -207,6 +229,22 @@ def _within(
     columns = inwards.as_matrix()
     rate, change = (interpolated(at, stretch.t, each) for each in (rate, change))
     return columns[:, :, 2], columns[:, :, 1], rate, change, moved
+
+
+def _smoothed(stretch: Stretch, interval: float, tracking: Tracking) -> Stretch:
+    """The stretch with attitudes and places as smoothing leaves them."""
+    attitude = _corrected(stretch, derivatives(stretch.turned, interval, tracking.attitude)[0])
+    place = stretch.place
+    if tracking.place is not None:
+        place = derivatives(place, interval, tracking.place)[0]
+    return Stretch(stretch.t, attitude, _turned(attitude), place)
+
+
+def _corrected(stretch: Stretch, smooth: np.ndarray) -> "Rotation":
+    """The stretch's attitudes, turned on from their added turns to smooth ones (n, 3) rad."""
+    from scipy.spatial.transform import Rotation
+
+    return stretch.attitude * Rotation.from_rotvec(smooth - stretch.turned)
 
 
 def _rests(recording: Recording, frames: Frames) -> np.ndarray:

@@ -17,7 +17,7 @@ from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.inputs.blocks import Blocks
 from tasks.explain.search.candidates import Candidate, columns_of
 from tasks.explain.search.stepwise import Selected
-from tasks.explain.whitening import Noise, transformed, weighted, whitened_gram
+from tasks.explain.whitening import Noise, weighted, whitened_gram
 from tasks.model.regression import inverse
 from tasks.model.terms.standard import GYRO_G_SENSITIVITY, regressors
 
@@ -68,7 +68,7 @@ def _gains(
         return 0.0, 0.0, 0.0, 0
     base = regressors(blocks.motion, number).T
     signals = weighted([*base, effect, blocks.readings[:, number]], blocks.weight[:, number])
-    gram = whitened_gram(transformed(signals), blocks.rate, noise)
+    gram = whitened_gram(signals, blocks, noise)
     count = len(AXES)  # the absorbing parameters of a channel are the last of its base
     first = len(base) - count
     shared = gram[:first, first:]

@@ -23,6 +23,7 @@ from tasks.explain.evidence.shares import (
     without_form_errors,
     without_shadows,
 )
+from tasks.explain.evidence.smoothing_error import with_smoothing_error
 from tasks.explain.explanation import FITTED, UNNAMED, Explanation, Finding
 from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.inputs.reference import ReferencePrediction
@@ -46,6 +47,7 @@ def explanation_of(
     reference: the prediction by which the readings were reduced to those of an ideal unit.
     ordered: just these terms were asked for, and each is told, whatever speaks against it.
     """
+    evidence = with_smoothing_error(evidence, recording, full, events.masked)
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)
     standard = fitted(model_of((), fit.blocks), fit.blocks, fit.noises)
     predicted, nominal = fit.model.prediction(full.motion), standard.prediction(full.motion)

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import Noise
+from tasks.explain.whitening import Noise, in_band, in_time, weighted
 from tasks.model.regression import of_channel
 from tasks.model.term import Column
 
@@ -65,7 +65,7 @@ def cell_equations(
     for channel, noise in enumerate(noises):
         which, signals = of_channel(columns, misfit, channel)
         level = observed.weight[:, channel] / np.sqrt(noise.white)
-        stack = np.nan_to_num(np.column_stack(signals)) * level[:, None]
+        stack = _low_passed(signals, level, observed)
         own = np.zeros((len(edges) - 1, len(which) + 1, len(which) + 1))
         for n, (start, stop) in enumerate(pairwise(edges)):
             part, one = stack[start:stop], level[start:stop]
@@ -77,6 +77,14 @@ def cell_equations(
         grams.append(own)
         every.append(which)
     return CellEquations(tuple(grams), tuple(every), len(columns))
+
+
+def _low_passed(signals: Sequence[np.ndarray], level: np.ndarray, observed: Blocks) -> np.ndarray:
+    """(n, k) signals (n,) times a level (n,), without what lies above the band that is compared."""
+    if observed.share == 1.0:
+        return np.nan_to_num(np.column_stack(signals)) * level[:, None]
+    stack = weighted(signals, level)
+    return in_time(in_band(stack, observed), stack.shape[1])[:, : len(level)].T
 
 
 def fold_cells(observed: Blocks) -> np.ndarray:

@@ -27,7 +27,8 @@ class Evidence:
 
     own: for each group the columns that are its own and what they are multiplied by now.
     prior: (q,) precision beforehand. known: columns of physics whose factor is one. scatter:
-    between the cells of the recording, against which the evidence is counted.
+    between the cells of the recording, against which the evidence is counted. smoothing_error: (q,)
+    by which the smoothing of poses may have moved each column's factor.
     """
 
     fit: FittedSelection
@@ -38,6 +39,7 @@ class Evidence:
     own: tuple[tuple[list[int], np.ndarray], ...]
     known: tuple[int, ...]
     prior: np.ndarray
+    smoothing_error: np.ndarray
 
     @classmethod
     def of(cls, fit: FittedSelection) -> "Evidence":
@@ -80,12 +82,13 @@ class Evidence:
             tuple(own),
             tuple(known),
             prior,
+            np.zeros(len(prior)),
         )
 
     @cached_property
     def used(self) -> int:
         """Readings that the fit used."""
-        return int((self.fit.blocks.weight > 0).sum())
+        return self.fit.blocks.used
 
     def gain(self, *numbers: int) -> float:
         """Chi-squared lost when some findings are left out and all else is fitted again."""
@@ -173,11 +176,14 @@ class Evidence:
         return [free[q] if q < len(free) else None for q in self.own[number][0]]
 
     def u(self, number: int) -> np.ndarray:
-        """(k,) standard uncertainties of its own columns, counted against what is left."""
+        """(k,) standard uncertainties of its own columns, counted against what is left, with what
+        the smoothing of poses may have moved them by.
+        """
         model, mine = self.fit.model, self.own[number][0]
         u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))
         by_cells = self.scatter.u(number)
-        return np.array([u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)])
+        own = [u[q] if q < len(u) else by_cells[k] for k, q in enumerate(mine)]
+        return np.hypot(own, self.smoothing_error[mine])
 
     def correlation(self, number: int) -> np.ndarray:
         """(k, k) of its own columns; known physics goes with nothing."""

@@ -32,7 +32,6 @@ def reference_deviation(
     gain = _chi2(ideal, fit) - _chi2(standard, fit)
     if chdtrc(count, max(gain, 0.0)) > FALSE_ALARMS:
         return []
-    used = (fit.blocks.weight > 0).sum()
     return [
         Finding(
             effect=UNNAMED,
@@ -44,7 +43,7 @@ def reference_deviation(
             parameters=_clear_deviations(standard, ideal.values),
             contribution=predicted - ideal.prediction(full.motion),
             gain=gain,
-            delta_bic=gain - count * float(np.log(used)),
+            delta_bic=gain - count * float(np.log(fit.blocks.used)),
             held_out_gain=0.5 * gain - count,
         )
     ]

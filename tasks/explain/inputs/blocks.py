@@ -32,7 +32,8 @@ class Blocks:
 
     t: (n,) s from the start of the run, block centres. readings: (n, 6); 0 where not used.
     weight: (n, 6) root of the weight of a block, 1 for a full one at rest, 0: not used.
-    motion: at the blocks, with all that was recorded. rate: blocks a second.
+    motion: at the blocks, with all that was recorded. rate: blocks a second. band: Hz up to which
+    readings are compared; all there is by default.
     segment: (n,) index into `segments`, −1 between them. floor: (6,) variance of a weighted block
     that the output's step and the errors of the reference make by themselves: a model that leaves
     less has taken the noise of the reference for the unit's.
@@ -46,6 +47,17 @@ class Blocks:
     segment: np.ndarray
     segments: tuple[Segment, ...]
     floor: np.ndarray
+    band: float = np.inf
+
+    @property
+    def share(self) -> float:
+        """Of the frequencies below half the rate those that are compared."""
+        return min(1.0, 2.0 * self.band / self.rate)
+
+    @property
+    def used(self) -> int:
+        """Number of independent readings."""
+        return max(1, round(self.share * np.count_nonzero(self.weight)))
 
 
 def block_means(
@@ -53,18 +65,19 @@ def block_means(
 ) -> Blocks:
     """Block means at a rate (Hz), or the rows themselves where they are slower.
 
-    Where poses tell the motion up to some frequency only, blocks are as long as that asks for.
-    masked: (n, 6) bool, samples that must not be used. fewest: 200, or 30 that are as long as poses
-    ask, unless it is given. Raises Unusable where there are fewer; where none of them is known.
+    Where poses tell the motion up to some frequency only, nothing is compared above it. Blocks are
+    not longer for that: effects that follow products of rates do not follow those of their means.
+    masked: (n, 6) bool, samples that must not be used. fewest: 200, or as many as make 30 of the
+    band's, unless it is given. Raises Unusable where there are fewer; where none is known.
     """
     t = full.motion.t
     own = 1.0 / max(sample_interval(t), 1e-9)
-    needed = MIN_BLOCKS
-    if full.motion.tracking is not None:
-        seen = min(rate, 2.0 * full.motion.tracking.edge)
-        rate, needed = seen, max(MIN_OF_POSES, round(MIN_BLOCKS * seen / rate))
     # A block between two batches of stamps would have no row, and its neighbours none beside them.
     step = max(1, round(own / rate), int(np.ceil(own * longest_step(t) - UNEVEN)))
+    band, needed = np.inf, MIN_BLOCKS
+    if full.motion.tracking is not None:
+        band = full.motion.tracking.edge
+        needed = max(needed, round(MIN_OF_POSES * own / step / (2.0 * band)))
     block = ((t + 0.5 / own) * own / step).astype(int)
     count = int(block[-1]) + 1
     if count < (needed if fewest is None else fewest):
@@ -82,7 +95,7 @@ def block_means(
     segment = full.segment[first]
     weight = np.sqrt(counts / step) * _segment_weight(full)[segment]
     at_rest = full.rest_variance / step
-    known_errors = full.reference_noise.variance(motion, step / own)
+    known_errors = _reference_errors(full, motion, step / own, band)
     # Rows of an AHRS are as slow as the corners: what is read between them errs as far as it reads.
     reach = REACH if full.span else NEXT
     weight /= np.sqrt(1.0 + _corners(motion, known_errors, reach) / at_rest)
@@ -97,7 +110,17 @@ def block_means(
     floor = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     used = np.maximum((weight > 0).sum(axis=0), 1)
     floor = floor + np.nansum(weight**2 * known_errors, axis=0) / used
-    return Blocks(motion.t, readings, weight, motion, own / step, segment, full.segments, floor)
+    return Blocks(
+        motion.t, readings, weight, motion, own / step, segment, full.segments, floor, band
+    )
+
+
+def _reference_errors(full: FullRate, motion: Motion, width: float, band: float) -> np.ndarray:
+    """(n, 6) variance of blocks `width` s long whose white noise would be, below the band's edge
+    (Hz), as large as the errors of the reference: those of poses all lie there.
+    """
+    longest = max(width, 0.5 / band)
+    return full.reference_noise.variance(motion, longest) * longest / width
 
 
 def _sums(values: np.ndarray, block: np.ndarray, count: int) -> np.ndarray:

@@ -12,14 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tasks.explain.inputs.blocks import Blocks
-from tasks.explain.whitening import (
-    Bands,
-    Noise,
-    bands_of,
-    padded_length,
-    transformed,
-    weighted,
-)
+from tasks.explain.whitening import Bands, Noise, compared_bands, in_band, weighted
 from tasks.model.regression import inverse, of_channel
 from tasks.model.term import Column
 from tasks.model.terms.standard import regressors
@@ -88,7 +81,7 @@ def banded_design(
 
     half: (p,) half of each parameter's plausible range.
     """
-    bands = bands_of(padded_length(len(blocks.t)), blocks.rate)
+    bands = compared_bands(blocks)
     channels = tuple(
         _channel_design(blocks, readings, columns, bands, channel)
         if blocks.weight[:, channel].any()
@@ -105,13 +98,13 @@ def _channel_design(
     weight = blocks.weight[:, channel]
     stack = weighted(regressors(blocks.motion, channel).T, weight)
     basis = np.linalg.qr(stack.T)[0].T
-    parts = [_at_unit_size(stack)]
+    parts = [_at_unit_size(stack, blocks)]
     for first in range(0, len(signals), TOGETHER):
         rest = _projected(weighted(signals[first : first + TOGETHER], weight), basis)
-        parts.append(_at_unit_size(rest))
+        parts.append(_at_unit_size(rest, blocks))
     rows, size = (np.concatenate(each) for each in zip(*parts, strict=True))
     grams = _products(rows, rows, bands, size, size)
-    base, reading = transformed(stack), transformed(rest[-1])
+    base, reading = in_band(stack, blocks), in_band(rest[-1], blocks)
     return ChannelDesign(which, base, reading, grams, tuple(rows), size, basis)
 
 
@@ -150,7 +143,7 @@ def _with_columns(
     if not at:
         return channel
     rest = _projected(weighted(signals, design.blocks.weight[:, number]), channel.basis)
-    new, new_size = _at_unit_size(rest)
+    new, new_size = _at_unit_size(rest, design.blocks)
     rows, size, grams = list(channel.rows), channel.size.copy(), channel.grams.copy()
     size[at] = new_size
     for place, row in zip(at, new, strict=True):
@@ -158,7 +151,7 @@ def _with_columns(
     crossed = _products(new, np.array(rows), design.bands, new_size, size)
     grams[:, at, :] = crossed
     grams[:, :, at] = crossed.transpose(0, 2, 1)
-    reading = channel.reading if readings is None else transformed(rest[-1])
+    reading = channel.reading if readings is None else in_band(rest[-1], design.blocks)
     return replace(channel, reading=reading, grams=grams, rows=tuple(rows), size=size)
 
 
@@ -173,11 +166,11 @@ def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
     return stack
 
 
-def _at_unit_size(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _at_unit_size(stack: np.ndarray, blocks: Blocks) -> tuple[np.ndarray, np.ndarray]:
     """Transformed rows in single precision, each divided by its root mean square."""
     size = np.sqrt(np.einsum("kn,kn->k", stack, stack) / stack.shape[1])
     size[size == 0] = 1.0
-    return transformed((stack / size[:, None]).astype(np.float32)), size
+    return in_band((stack / size[:, None]).astype(np.float32), blocks), size
 
 
 def _products(

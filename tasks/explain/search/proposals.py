@@ -9,13 +9,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.fft import idct, rfft, rfftfreq
+from scipy.fft import rfft, rfftfreq
 
 from tasks.explain.search.candidates import STEP_TIMES, Candidate, columns_of, members_of
 from tasks.explain.search.design import BandedDesign, ChannelDesign, with_columns
 from tasks.explain.search.empirical import SINUSOIDS
 from tasks.explain.search.residuals import residuals
-from tasks.explain.whitening import ChannelResidual, Noise, transformed
+from tasks.explain.whitening import ChannelResidual, Noise, in_band, in_time, padded_length
 from tasks.model.regression import inverse
 from tasks.model.term import Term
 
@@ -102,20 +102,20 @@ def _score(design: BandedDesign, c: int, left: ChannelResidual, noise: Noise) ->
     """(n,) residual divided by the noise's covariance: its product with a column is a score."""
     weight = design.blocks.weight[:, c]
     whitened = left.coefficients / noise.of_coefficients(design.bands)
-    return np.asarray(idct(whitened, type=2, norm="ortho")[: len(weight)] * weight)
+    return in_time(whitened, padded_length(len(weight)))[: len(weight)] * weight
 
 
 def _step_gains(
     design: BandedDesign, c: int, channel: ChannelDesign, score: np.ndarray, noise: Noise
 ) -> np.ndarray:
     """(n,) chi-squared that a step at each time would gain in one channel."""
-    count, length = len(score), channel.base.shape[1]
+    count, length = len(score), padded_length(len(score))
     root = np.sqrt(noise.of_coefficients(design.bands))
     at = np.linspace(0.02 * count, 0.98 * count, STEP_GRID).astype(int)
     steps = np.zeros((STEP_GRID, length))
     for row, start in zip(steps, at, strict=True):
         row[start:count] = design.blocks.weight[start:, c]
-    steps = transformed(steps) / root
+    steps = in_band(steps, design.blocks) / root
     base = channel.base / root
     shared = steps @ base.T
     size = (steps**2).sum(axis=1)

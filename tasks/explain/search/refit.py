@@ -76,10 +76,10 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
     def scores(columns: Sequence[Column], misfit: np.ndarray) -> tuple[np.ndarray, float]:
         return scores_of(columns, misfit, blocks, noises)
 
-    used = max(1, int(np.count_nonzero(blocks.weight)))
-
     def settled(model: Model, step: Step) -> bool:
-        dispersion = max(1.0, step.misfit / used)  # u is as much larger as the model is wrong
+        dispersion = max(
+            1.0, step.misfit / blocks.used
+        )  # u is as much larger as the model is wrong
         moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
         return not moves.any() or step.gain < NO_GAIN * dispersion
 

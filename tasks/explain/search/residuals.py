@@ -9,7 +9,7 @@ from tasks.explain.search.design import BandedDesign
 from tasks.explain.whitening import (
     ChannelResidual,
     Noise,
-    transformed,
+    in_band,
     triad_noises,
     weighted,
 )
@@ -52,7 +52,7 @@ def _residual(
     signals = [design.columns[p][number] for p in members if number in design.columns[p]]
     columns = channel.base
     if signals:
-        more = transformed(weighted(signals, design.blocks.weight[:, number]))
+        more = in_band(weighted(signals, design.blocks.weight[:, number]), design.blocks)
         columns = np.vstack([columns, more])
     level = 1.0 / noise.of_coefficients(design.bands)
     solved = inverse((columns * level) @ columns.T)

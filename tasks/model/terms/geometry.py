@@ -14,7 +14,10 @@ from tasks.words import message
 
 @dataclass(frozen=True)
 class LeverArm(Term):
-    """The accelerometers at r, one common point, from where the rotation axes meet."""
+    """The accelerometers at r, one common point, from where the rotation axes meet.
+
+    r runs along the axes in which the motion is told: of a tracked body its own.
+    """
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
         turning = np.cross(motion.rate, np.cross(motion.rate, values))

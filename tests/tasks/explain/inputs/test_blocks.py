@@ -11,9 +11,12 @@ from schemas.recording import Manifest, Recording, Segment, Stream, TableAxis
 from tasks.explain.channels import CHANNELS
 from tasks.explain.inputs.blocks import Blocks, block_means
 from tasks.explain.inputs.full_rate import FullRate, full_rate
+from tasks.model.model import Model
+from tasks.model.terms.geometry import LEVER_ARM
+from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.reference_noise import EXACT
 from tasks.motion.whole import Motion
-from tests.moved_by_hand import recording
+from tests.moved_by_hand import poses, recording
 
 GRAVITY, RATE, REST, RESTS = 9.8, 100.0, 10.0, 6  # m/s², Hz, s
 SIGMA = np.repeat([1e-4, 2e-3], 3)
@@ -208,10 +211,27 @@ def test_an_exact_reference_leaves_the_weights_as_they_are() -> None:
     assert block_means(full, 25.0).weight == pytest.approx(exact.weight, rel=1e-3, abs=1e-3)
 
 
-def test_blocks_are_no_shorter_than_poses_tell_the_motion() -> None:
+def test_readings_are_compared_only_up_to_where_poses_tell_the_motion() -> None:
     full = full_rate(recording())
     assert full.motion.tracking is not None
-    assert block_means(full, 50.0).rate == pytest.approx(2.0 * full.motion.tracking.edge, rel=0.05)
+    blocks = block_means(full, 50.0)
+    assert blocks.rate == pytest.approx(50.0)
+    assert blocks.band <= full.motion.tracking.edge
+    assert blocks.used == pytest.approx(2.0 * blocks.band / 50.0 * (blocks.weight > 0).sum(), abs=1)
+
+
+def test_what_follows_products_of_rates_is_predicted_alike_on_blocks_and_rows() -> None:
+    reference = poses(turn_noise=0.01, place_noise=0.01)  # tells slow motion only
+    full = full_rate(recording(reference=reference))
+    standard = Model.of(STANDARD_TERMS)
+    arm = standard.with_term(LEVER_ARM)
+    arm.values[-3:] = 0.1, 0.05, -0.1
+    added = arm.prediction(full.motion) - standard.prediction(full.motion)
+    blocks = block_means(replace(full, readings=added), 50.0)
+    by_blocks = arm.prediction(blocks.motion) - standard.prediction(blocks.motion)
+    used = blocks.weight[:, 3] > 0
+    off = (by_blocks - blocks.readings)[used, 3:]
+    assert off.std() < 0.01 * blocks.readings[used, 3:].std()
 
 
 def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect() -> None:

@@ -1,0 +1,44 @@
+"""What smoothing the poses of a tracked body takes off its motion, and how far that moves a fit.
+
+The filter that keeps the noise of poses out of their derivatives takes a little of the motion too,
+most of it near the end of the band. What it takes follows the motion, so that no scatter shows it:
+parameters that follow the same motion make up for it. How much it takes, the smoothed poses tell
+when they are smoothed again.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from schemas.recording import Recording
+from tasks.explain.evidence.columns import fitted_columns
+from tasks.explain.evidence.evidence import Evidence
+from tasks.explain.inputs.blocks import block_means
+from tasks.explain.inputs.full_rate import FullRate
+from tasks.explain.whitening import equations_of
+from tasks.model.regression import inverse
+from tasks.motion.pose import motion_smoothed_twice
+
+
+def with_smoothing_error(
+    evidence: Evidence, recording: Recording, full: FullRate, masked: np.ndarray
+) -> Evidence:
+    """The evidence, with u that covers what smoothing the poses moves its parameters by.
+
+    masked: (n, 6) bool, readings that are not used.
+    """
+    pose = recording.reference
+    if full.motion.tracking is None or pose is None or not evidence.groups:
+        return evidence
+    again = motion_smoothed_twice(recording, pose, full.motion.t + full.start)
+    twice = replace(
+        full.motion, up=again.up, north=again.north, rate=again.rate,
+        translation=again.translation,
+    )  # fmt: skip
+    fit = evidence.fit
+    lost = fit.model.prediction(full.motion) - fit.model.prediction(twice)
+    blocks = block_means(replace(full, readings=lost), fit.blocks.rate, masked, fewest=1)
+    columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
+    normal, right, _ = equations_of(columns, blocks.readings, blocks, fit.noises).normal()
+    moved = inverse(normal + np.diag(evidence.prior)) @ right
+    return replace(evidence, smoothing_error=np.abs(moved))
