@@ -36,13 +36,16 @@ class MeasurementStandard(Frozen):
 
     limits: what its certificate says it may be off by, which goes into the budgets and is printed
     in the place of `accuracy`. It may be used from `calibrated_on` to `valid_until`.
+    traceable: whether its certificate shows an unbroken chain of calibrations to the SI.
     """
 
     name: str
     name_zh: str
     serial: str
     accuracy: str
+    accuracy_zh: str = ""
     certificate: str
+    traceable: bool = True
     calibrated_on: date | None = None
     valid_until: date | None = None
     limits: dict[LimitName, ErrorBound] = Field(default_factory=dict)

@@ -181,10 +181,17 @@ def _standards(certificate: Certificate) -> tuple[StandardRow, ...]:
 
 
 def _traceability(certificate: Certificate) -> Message:
-    """To what the results are traceable (ISO/IEC 17025:2017, 7.8.4.1 c), by which certificates."""
+    """To what the results are traceable (ISO/IEC 17025:2017, 7.8.4.1 c), by which certificates.
+
+    Nothing is claimed for an invalid run, nor by standards without a traceable certificate.
+    """
+    if certificate.calibration.validity.verdict == "invalid":
+        return message("certificate-traceability.invalid-run")
     standards = certificate.laboratory.equipment if certificate.laboratory else ()
     bare = tuple(
-        given(each.name, each.name_zh) for each in standards if not literal(each.certificate)
+        given(each.name, each.name_zh)
+        for each in standards
+        if not (each.traceable and literal(each.certificate))
     )
     if len(bare) == len(standards):
         return message("certificate-traceability.none")

@@ -62,7 +62,7 @@ def size(half_width: float, unit: str, is_latitude: bool) -> str:
 def accuracy(standard: MeasurementStandard) -> Sayable:
     """What a standard may be off by: the limits that go into the budgets, else as it was given."""
     if not standard.limits:
-        return given(standard.accuracy)
+        return given(standard.accuracy, standard.accuracy_zh)
     return clauses(
         [
             message(

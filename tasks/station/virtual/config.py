@@ -181,7 +181,7 @@ def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
     rows: tuple[tuple[str, Message, str, dict[LimitName, float]], ...] = (
         ("T1", message("station-virtual-turntable", axes=axes), "", table),
         ("F1", message("station-virtual-fixture"), "", {"fixture": 3 * ARCSECOND}),
-        ("C1", message("station-virtual-chamber"), "0.5 °C, 3 %RH", {}),
+        ("C1", message("station-virtual-chamber"), "±0.5 °C, ±3 % RH", {}),
     )
     return tuple(
         MeasurementStandard(
@@ -189,7 +189,8 @@ def _equipment(axes: int) -> tuple[MeasurementStandard, ...]:
             name_zh=say(name, "zh"),
             serial=f"VIRTUAL-{serial}",
             accuracy=accuracy,
-            certificate="virtual, not traceable",
+            certificate="VIRTUAL",
+            traceable=False,
             valid_until=date(2099, 12, 31),
             limits={
                 limit: ErrorBound(half_width=half_width, distribution="rectangular")

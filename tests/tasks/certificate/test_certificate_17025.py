@@ -6,11 +6,12 @@ from typing import Any
 import pytest
 from lxml import etree
 from pypdf import PdfReader
-from sample_certificate import certificate, content, laboratory, manifest, order
+from sample_certificate import calibration, certificate, content, laboratory, manifest, order
 from test_certificate_as_found import adjusted
 
 from schemas.certificate import Contact
 from schemas.configuration import Configuration
+from schemas.text import Remark
 from tasks.certificate.content import Content
 from tasks.certificate.faces import faces_of
 from tasks.certificate.pdf import render
@@ -80,7 +81,7 @@ def test_whether_it_was_adjusted_or_sampled_is_always_told() -> None:
     ("certificates", "says"),
     [
         (("A", "B"), "by the certificates named there."),
-        (("A", ""), "for Thermo-hygrometer none is named."),
+        (("A", ""), "none is given for Thermo-hygrometer."),
         (("", ""), "no metrological traceability is claimed"),
     ],
 )
@@ -93,6 +94,30 @@ def test_traceability_is_claimed_by_certificates_alone(
     )
     made = content(certificate(laboratory=laboratory(equipment=equipment)))
     assert says in made.traceability[1]
+
+
+def test_standards_that_are_not_traceable_carry_no_claim() -> None:
+    equipment = tuple(
+        standard.model_copy(update={"traceable": False}) for standard in laboratory().equipment
+    )
+    made = content(certificate(laboratory=laboratory(equipment=equipment)))
+    assert "no metrological traceability is claimed" in made.traceability[1]
+
+
+def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
+    invalid = calibration().model_copy(
+        update={"remarks": (Remark(code="x", run="invalid", en="Invalid.", zh="无效。"),)}
+    )
+    made = content(certificate(calibration=invalid))
+    assert "no metrological traceability is claimed" in made.traceability[1]
+
+
+def test_the_accuracy_of_a_standard_is_printed_in_both_languages() -> None:
+    standard = (
+        laboratory().equipment[0].model_copy(update={"accuracy": "class 1", "accuracy_zh": "1级"})
+    )
+    made = content(certificate(laboratory=laboratory(equipment=(standard,))))
+    assert made.standards[0].accuracy == ("1级", "class 1")
 
 
 def test_without_an_agreed_date_of_recalibration_none_is_printed() -> None:
