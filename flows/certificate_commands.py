@@ -16,7 +16,7 @@ def check(
     reason: options.Reason = None,
     as_json: options.Json = False,
 ) -> None:
-    """Note that a person checked the draft of a certificate."""
+    """Record that a person has checked the draft of a certificate."""
     from schemas.certificate_orders import CheckOrder
 
     _step("check", CheckOrder, as_json, certificate=certificate, by=by, reason=reason)
@@ -29,7 +29,7 @@ def issue(
     reason: options.Reason = None,
     as_json: options.Json = False,
 ) -> None:
-    """Issue a certificate that was checked: it gets its number, and is never changed again."""
+    """Issue a checked certificate: it receives its number and is frozen."""
     from schemas.certificate_orders import IssueOrder
 
     _step("issue", IssueOrder, as_json, certificate=certificate, by=by, reason=reason)
@@ -50,9 +50,9 @@ def amend(
     invalid_run: options.InvalidRun = False,
     as_json: options.Json = False,
 ) -> None:
-    """Draft a certificate that replaces an issued one, from today's result of its run.
+    """Draft a certificate that replaces an issued one, from the current result of its run.
 
-    It is checked and issued as every draft is; with its issue the old one becomes amended.
+    The draft is checked and issued like any other; on issue, the old one is marked as amended.
     """
     from schemas.certificate_orders import AmendOrder
 
@@ -83,7 +83,7 @@ def withdraw(
 ) -> None:
     """Withdraw an issued certificate.
 
-    Its files stay as they are.
+    Its files remain unchanged.
     """
     from schemas.certificate_orders import WithdrawOrder
 
@@ -92,9 +92,9 @@ def withdraw(
 
 @app.command(epilog="Example: mimucal trail --as csv")
 def trail(form: options.TrailForm = "table", as_json: options.Json = False) -> None:
-    """Who did what and when, for an auditor.
+    """Print the audit trail: who did what, and when.
 
-    `verify` says whether it is whole.
+    `verify` checks that it is complete and unaltered.
     """
     from flows.print_trail import print_trail
 

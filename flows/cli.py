@@ -110,7 +110,7 @@ def demo(
     seed: options.Seed = 1,
     as_json: options.Json = False,
 ) -> None:
-    """The main job, whole, on this machine.
+    """Run the complete workflow on this machine.
 
     From a virtual station to the certificate and the reminder.
     """
@@ -127,9 +127,9 @@ def calibrate(
     terms: options.Terms = None,
     as_json: options.Json = False,
 ) -> None:
-    """Estimate every item the run allows.
+    """Estimate every item that the run allows.
 
-    Says which items it cannot give, and why.
+    States which items could not be determined, and why.
     """
     from flows.carry_out import carry_out
     from schemas.orders import CalibrateOrder, order_of
@@ -160,9 +160,9 @@ def certify(
     by: options.Operator = None,
     as_json: options.Json = False,
 ) -> None:
-    """Decide on a run, and make the draft of its certificate.
+    """Assess a run against its limits and draft its certificate.
 
-    It takes the place of the draft before it. An invalid run is refused.
+    The draft replaces an earlier one of the same run. An invalid run is refused.
     """
     from flows.carry_out import carry_out
     from flows.print_certificate import print_certificate
@@ -197,10 +197,10 @@ def acquire(
 ) -> None:
     """Run a procedure on a station, real or virtual.
 
-    What was recorded survives whatever happens. Ctrl-Z has it rest before the next segment, and
-    Ctrl-Z again has it go on; Ctrl-C ends it, and --resume goes on with it later.
-    Exits with 3 for a run that is kept but invalid, with 1 where one of several units was given
-    up on the way; the runs of the others are kept.
+    Recorded data are kept whatever happens. Ctrl-Z pauses before the next segment and continues
+    when pressed again; Ctrl-C stops the run, and --resume continues it later.
+    Exits with 3 if the run was kept but is invalid, and with 1 if one of several units was
+    abandoned; the runs of the others are kept.
     """
     from flows.carry_out import as_flow_run
     from flows.print_acquired import print_acquired

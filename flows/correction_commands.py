@@ -11,9 +11,9 @@ app = typer.Typer()
 
 @app.command(epilog="Example: mimucal export r8b7e8cc74921 --as kalibr")
 def export(result: options.Calibrated, form: options.As, as_json: options.Json = False) -> None:
-    """Print the correction that a result gives, for firmware and other software.
+    """Print the correction given by a result, for firmware and other software.
 
-    With its formulas, units, uncertainties and an example.
+    Includes its formulas, units, uncertainties and an example.
     """
     from flows.printing import print_json
     from flows.run_orders import home_of
@@ -36,9 +36,9 @@ def apply(
     out: options.CorrectedFolder,
     as_json: options.Json = False,
 ) -> None:
-    """Write a recording with its unit's errors taken off.
+    """Write a recording corrected for its unit's errors.
 
-    The folder is a recording that `calibrate` reads.
+    The output folder is a recording that `calibrate` can read.
     """
     from flows.carry_out import carry_out
     from flows.printing import print_json

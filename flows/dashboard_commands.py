@@ -11,7 +11,7 @@ app = typer.Typer()
 def dashboard(host: options.Host = "127.0.0.1", port: options.PagesPort = 8765) -> None:
     """Serve the operations pages until Ctrl-C.
 
-    Line, runs, units, quality, mismatch and what falls due, in Chinese and English.
+    Line, runs, units, quality, mismatch and due dates, in Chinese and English.
     """
     from flows.pages.serve import serve
     from storage.home import home

@@ -12,7 +12,7 @@ app = typer.Typer(help="The laboratory's measurement standards, their certificat
 
 @app.command(epilog='Example: mimucal equipment add turntable.toml --by "Wang Li"')
 def add(file: options.EquipmentFile, by: options.By = None) -> None:
-    """Take the standards of a file into the register."""
+    """Add the measurement standards in a file to the register."""
     from schemas.equipment import EquipmentFile
     from storage import settings
     from storage.catalogue import equipment
@@ -25,9 +25,9 @@ def add(file: options.EquipmentFile, by: options.By = None) -> None:
 
 @app.command(epilog='Example: mimucal equipment renew turntable.toml --by "Wang Li"')
 def renew(file: options.EquipmentFile, by: options.By = None) -> None:
-    """Give standards of the register the new certificates of a file.
+    """Add new certificates in a file to standards of the register.
 
-    The earlier ones stay: a run has the one that counted on its day.
+    Earlier ones are kept: a run uses the certificate that was valid on its day.
     """
     from schemas.equipment import EquipmentFile
     from storage import settings
@@ -41,7 +41,7 @@ def renew(file: options.EquipmentFile, by: options.By = None) -> None:
 
 @app.command(name="list", epilog="Example: mimucal equipment list --json")
 def list_(as_json: options.Json = False) -> None:
-    """The standards with the certificates that count today."""
+    """List the standards with the certificates valid today."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import equipment
     from storage.home import home

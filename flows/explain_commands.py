@@ -19,7 +19,7 @@ def explain(
 ) -> None:
     """Find where model and run differ, and which physics is missing.
 
-    Several runs of one unit are explained together: weak evidence adds up.
+    Several runs of one unit are analysed together, so that weak evidence accumulates.
     """
     from flows.carry_out import carry_out
     from schemas.orders import ExplainOrder
@@ -50,7 +50,7 @@ def next_recording(
     station: options.AbleStation = None,
     as_json: options.Json = False,
 ) -> None:
-    """The shortest recording that decides what `explain` leaves open.
+    """Propose the shortest recording that decides what `explain` leaves open.
 
     Writes a procedure for `acquire --procedure`.
     """
@@ -81,9 +81,9 @@ def simulate(
     calibration: options.OwnResult = None,
     as_json: options.Json = False,
 ) -> None:
-    """Write what a unit with a calibration would have read on a run's motion.
+    """Simulate the readings of a calibrated unit for the motion of a run.
 
-    The recording is one that `explain --simulated` reads.
+    Writes a recording for `explain --simulated`.
     """
     from flows.carry_out import carry_out
     from schemas.orders import SimulateOrder

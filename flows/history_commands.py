@@ -24,9 +24,9 @@ def reprocess(
     dry_run: options.WouldBeDone = False,
     as_json: options.Json = False,
 ) -> None:
-    """Make the newest results of past runs again with today's code, and say what changed.
+    """Recompute the latest results of past runs with the current code and report what changed.
 
-    New results stand beside the old, which stay. Broken off, the same command goes on.
+    New results are stored beside the old ones. After an interruption, the same command continues.
     """
     from flows import print_history
     from flows.carry_out import as_flow_run
@@ -71,9 +71,9 @@ def table(
     form: options.TableForm = "csv",
     out: options.TableFile = None,
 ) -> None:
-    """The store as tables: runs, results, segments or certificates.
+    """Export the store as tables: runs, results, segments or certificates.
 
-    On standard output, or in a file.
+    Written to standard output or to a file.
     """
     from flows.tables import write_table
 
@@ -87,7 +87,7 @@ def impact(
     until: options.Until = None,
     as_json: options.Json = False,
 ) -> None:
-    """Which runs, results and certificates used a measurement standard or a station.
+    """List the runs, results and certificates that used a measurement standard or a station.
 
     Between two days of recording, both included.
     """

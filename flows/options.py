@@ -17,14 +17,14 @@ def _option(metavar: str, text: str, *names: str, **more: Any) -> Any:
 
 def _positive(value: float | None) -> float | None:
     if value is not None and not (math.isfinite(value) and value > 0):
-        raise typer.BadParameter(f"{value} is not a number above 0.")
+        raise typer.BadParameter(f"{value} must be a number greater than 0.")
     return value
 
 
 def _whole_days(value: datetime | None) -> datetime | None:
-    """A day that has come: nothing was calibrated tomorrow."""
+    """A day that is not in the future."""
     if value is not None and value.date() > datetime.now().date():
-        raise typer.BadParameter(f"{value:%Y-%m-%d} is still to come.")
+        raise typer.BadParameter(f"{value:%Y-%m-%d} is in the future.")
     return value
 
 
@@ -42,46 +42,49 @@ ReviewFolder = Annotated[
 ]
 
 Log = Annotated[
-    bool, typer.Option("--log", help="Every change of its state, when and why, and nothing else.")
+    bool, typer.Option("--log", help="Only the log: every change of state with time and cause.")
 ]
 
 METHOD = "jjf2003, joint or jjf1536; default: the recording's standard."
 UNCERTAINTY = (
-    "gum: law of propagation; montecarlo: distributions drawn (JCGM 101); example: as Appendix A "
-    "of the specification does it."
+    "gum: law of propagation; montecarlo: propagation of distributions (JCGM 101); example: as in "
+    "Appendix A of the specification."
 )
 TERMS = (
-    "Physics that `explain` found, taken off the readings first; the result stands beside the one "
-    "without it."
+    "Effects found by `explain` that the readings are corrected for first; the result is kept "
+    "beside the uncorrected one."
 )
 Method = Annotated[str | None, _option("NAME", METHOD)]
 Uncertainty = Annotated[str, _option("NAME", UNCERTAINTY)]
 Terms = Annotated[str | None, _option("NAME,NAME", TERMS)]
 
-CALIBRATED_ON = "Day of calibration, for a recording that does not say when it was made."
-AS_FOUND = "Run of the unit before it was adjusted (an id or a path); RUN is then as left."
+CALIBRATED_ON = "Day of calibration, for a recording that does not state it."
+AS_FOUND = "Run of the unit before adjustment (id or path); RUN is then the run as left."
 AsFound = Annotated[str | None, _option("RUN", AS_FOUND, "--as-found")]
 Budget = Annotated[
     bool, typer.Option("--budget", help="Print the uncertainty budgets on the certificate.")
 ]
 InvalidRun = Annotated[
     bool,
-    typer.Option("--invalid-run", help="Report an invalid run too, without any verdict."),
+    typer.Option("--invalid-run", help="Report even an invalid run, without any verdict."),
 ]
-BY = "Who does it; default: MIMUCAL_USER."
-DRAFTED_BY = "Who drafts it; default: MIMUCAL_USER, else the laboratory's operator."
+BY = "Person who does it; default: MIMUCAL_USER."
+DRAFTED_BY = "Person who drafts it; default: MIMUCAL_USER, else the laboratory's operator."
 USER = "MIMUCAL_USER"
 Certificate = Annotated[
-    str, typer.Argument(metavar="CERTIFICATE", help="Its number, or the key of a draft.")
+    str, typer.Argument(metavar="CERTIFICATE", help="Certificate number, or the key of a draft.")
 ]
 By = Annotated[str | None, _option("NAME", BY, envvar=USER, show_envvar=False)]
 Operator = Annotated[
     str | None, _option("NAME", DRAFTED_BY, "--by", envvar=USER, show_envvar=False)
 ]
-Reason = Annotated[str | None, _option("TEXT", "What stands beside the step in the trail.")]
-Why = Annotated[str, _option("TEXT", "Why; it stands in the trail, and on an amendment.")]
+Reason = Annotated[str | None, _option("TEXT", "Remark on this step in the audit trail.")]
+Why = Annotated[
+    str, _option("TEXT", "Reason, recorded in the audit trail and printed on an amendment.")
+]
 AmendedRun = Annotated[
-    str | None, _option("RUN", "Another run on which it stands; default: that of before.", "--run")
+    str | None,
+    _option("RUN", "Run the new certificate is based on; default: the previous one.", "--run"),
 ]
 TrailForm = Annotated[str, _option("FORM", "table, csv or jsonl.", "--as")]
 Tolerance = Annotated[str | None, _option("FILE", "Limits of the product model (TOML or JSON).")]
@@ -101,7 +104,7 @@ NewFolder = Annotated[Path, _option("DIR", "New folder for the simulated recordi
 Result = Annotated[str | None, _option("RESULT", RESULT)]
 OwnResult = Annotated[str | None, _option("RESULT", OWN_RESULT, "--calibration")]
 Simulated = Annotated[
-    Path | None, _option("PATH", "The same run as another simulator has it: a recording.")
+    Path | None, _option("PATH", "Recording of the same run made by another simulator.")
 ]
 
 CALIBRATED = "Result id, id of a calibrated run, or mimu-calibration/1 file."
@@ -116,7 +119,7 @@ CorrectedFolder = Annotated[
 ]
 
 CalendarOf = Annotated[
-    str | None, _option("CLIENT", "Print the due dates of a client as an iCalendar instead.")
+    str | None, _option("CLIENT", "Print a client's due dates in iCalendar format instead.")
 ]
 NothingSent = Annotated[bool, typer.Option("--dry-run", help="List only; nothing is sent.")]
 OfUnit = Annotated[str, typer.Argument(metavar="SERIAL", help="Serial number of the unit.")]
@@ -130,27 +133,32 @@ Paths = Annotated[
 ]
 Manifest = Annotated[Path | None, _option("FILE", "manifest.json for an MCAP file that has none.")]
 Salvage = Annotated[
-    bool, typer.Option("--salvage", help="Take what is whole of a cut-off MCAP file.")
+    bool, typer.Option("--salvage", help="Recover the intact part of a truncated MCAP file.")
 ]
 Verified = Annotated[
     Path | None,
     typer.Argument(
         metavar="[PATH]",
-        help="A recording, checked as import would, or a certificate's PDF, DCC or record; "
-        "default: all.",
+        help="A recording, checked as on import, or a certificate's PDF, DCC or record; "
+        "default: the whole store.",
     ),
 ]
 Trust = Annotated[
     Path | None,
-    _option("FILE", "Certificates (PEM) under one of which a certificate's signer must stand."),
+    _option("FILE", "Trusted certificates (PEM), one of which must have issued the signer's."),
 ]
 Within = Annotated[int, _option("DAYS", "Days ahead.", min=0, max=MAX_DAYS)]
-Units = Annotated[int, _option("NUMBER", "Simulated units; a record needs 2000.", min=1)]
-Out = Annotated[Path | None, _option("FILE", "Where the record (.json) and its page (.html) go.")]
+Units = Annotated[
+    int, _option("NUMBER", "Number of simulated units; a record requires 2000.", min=1)
+]
+Out = Annotated[
+    Path | None,
+    _option("FILE", "Output file for the record (.json); its page (.html) is written beside it."),
+]
 
 WHAT = "runs, results, segments or certificates."
 TABLE_FILE = (
-    "Where it goes; default: standard output. With --as parquet, a folder is one file for each "
+    "Output file; default: standard output. With --as parquet, a folder receives one file per "
     "station and month (station=…/month=…)."
 )
 What = Annotated[str, typer.Argument(metavar="WHAT", help=WHAT)]
@@ -158,9 +166,9 @@ TableForm = Annotated[str, _option("FORM", "csv or parquet.", "--as")]
 TableFile = Annotated[Path | None, _option("PATH", TABLE_FILE, "--out")]
 EQUIPMENT = "Measurement standard (name, serial number or certificate), or station."
 OF_PROCEDURE = "Name of a procedure, or a standard."
-CODE_VERSION = "Beginning of the version that made the newest result."
+CODE_VERSION = "Version, or its beginning, that produced the latest result."
 SCHEDULER = "Scheduler of the dask cluster (with --engine dask)."
-WORKERS = "Processes; default: one for each processor."
+WORKERS = "Number of processes; default: one per processor."
 CHANGES = "Folder for report.json, changed.csv and changed.svg."
 Since = Annotated[
     datetime | None, _option("YYYY-MM-DD", "First day of recording.", formats=["%Y-%m-%d"])
@@ -181,56 +189,60 @@ Workers = Annotated[int | None, _option("NUMBER", WORKERS, min=1)]
 ChangesFolder = Annotated[str | None, _option("DIR", CHANGES, "--out")]
 Before = Annotated[
     datetime,
-    _option("YYYY-MM-DD", "Taken into the store before this day (UTC).", formats=["%Y-%m-%d"]),
+    _option("YYYY-MM-DD", "Imported before this day (UTC).", formats=["%Y-%m-%d"]),
 ]
 Delete = Annotated[
-    bool, typer.Option("--delete", help="Delete it; without this it is only listed.")
+    bool,
+    typer.Option("--delete", help="Actually delete; without this, candidates are only listed."),
 ]
 DeletedBy = Annotated[
     str | None,
-    _option("NAME", "Who deletes; default: MIMUCAL_USER.", "--by", envvar="MIMUCAL_USER",
+    _option("NAME", "Person who deletes; default: MIMUCAL_USER.", "--by", envvar="MIMUCAL_USER",
             show_envvar=False),
 ]  # fmt: skip
-WouldBeDone = Annotated[
-    bool, typer.Option("--dry-run", help="Say what would be done; nothing is read or made.")
-]
+WouldBeDone = Annotated[bool, typer.Option("--dry-run", help="Only print what would be done.")]
 
-SPEED = "Station seconds in a wall second"
-DEMO_SPEED = f"{SPEED}; default: what the procedure lets it keep up with."
-PORT = "Modbus/TCP port; the unit is on the next. 0: any two that are free."
+SPEED = "Simulated seconds per second of real time"
+DEMO_SPEED = f"{SPEED}; default: as fast as the procedure allows."
+PORT = "Modbus/TCP port; the unit uses the next one. 0: any two free ports."
 Station = Annotated[str, typer.Argument(metavar="STATION", help="Station file (TOML or JSON).")]
 Move = Annotated[
-    bool, typer.Option("--move", help="Also turn each axis of the table by 1 degree and back.")
+    bool, typer.Option("--move", help="Also turn each table axis by 1 degree and back.")
 ]
 Procedure = Annotated[str, _option("NAME|FILE", "Name of a procedure, or a file.")]
 DryRun = Annotated[
     bool,
-    typer.Option("--dry-run", help="Hold the procedure against every limit; nothing moves."),
+    typer.Option(
+        "--dry-run", help="Check the procedure against every limit without moving anything."
+    ),
 ]
 Resume = Annotated[
     bool,
-    typer.Option(
-        "--resume", help="Go on with the run of this unit and procedure that was interrupted."
-    ),
+    typer.Option("--resume", help="Continue the interrupted run of this unit and procedure."),
 ]
 Speed = Annotated[float, _option("FACTOR", f"{SPEED}.", callback=_positive)]
 DemoSpeed = Annotated[float | None, _option("FACTOR", DEMO_SPEED, callback=_positive)]
 Ahrs = Annotated[
     bool,
-    typer.Option("--ahrs", help="One axis and an AHRS, for JJF 1536; else three and a MIMU."),
+    typer.Option(
+        "--ahrs",
+        help="A one-axis table with an AHRS, for JJF 1536, instead of three axes with a MIMU.",
+    ),
 ]
-Seed = Annotated[int, _option("NUMBER", "Which virtual unit.", min=0)]
-Host = Annotated[str, _option("ADDRESS", "Address on which it listens.")]
+Seed = Annotated[int, _option("NUMBER", "Random seed, which selects the virtual unit.", min=0)]
+Host = Annotated[str, _option("ADDRESS", "Address to listen on.")]
 Port = Annotated[int, _option("NUMBER", PORT, min=0, max=LAST_PORT)]
-PagesPort = Annotated[int, _option("NUMBER", "TCP port; 0: any that is free.", min=0, max=65_535)]
-UserName = Annotated[str, typer.Argument(metavar="NAME", help="As the trail has it.")]
+PagesPort = Annotated[int, _option("NUMBER", "TCP port; 0: any free port.", min=0, max=65_535)]
+UserName = Annotated[
+    str, typer.Argument(metavar="NAME", help="Name as recorded in the audit trail.")
+]
 ROLE = "viewer, operator, verifier, issuer or administrator."
 UserRole = Annotated[str, _option("ROLE", ROLE, "--role")]
 Faults = Annotated[
-    list[str] | None, _option("NAME[@SECONDS]", "A fault of the station; may be repeated.")
+    list[str] | None, _option("NAME[@SECONDS]", "Fault to simulate; may be repeated.")
 ]
-StationFile = Annotated[Path, _option("FILE", "Where the file for `mimucal acquire` is written.")]
-Truth = Annotated[Path | None, _option("FILE", "Where the unit's truth is written.")]
+StationFile = Annotated[Path, _option("FILE", "Output: station file for `mimucal acquire`.")]
+Truth = Annotated[Path | None, _option("FILE", "Output: true parameters of the unit.")]
 
 Runs = Annotated[
     list[str],
@@ -238,18 +250,22 @@ Runs = Annotated[
 ]
 Effects = Annotated[
     str | None,
-    _option("EFFECT,EFFECT", "Catalogue names to be told apart; one alone is told from none."
-            " Default: what explain leaves open.", "--for"),
+    _option("EFFECT,EFFECT", "Effects to be distinguished; one alone is tested against its absence."
+            " Default: what `explain` leaves open.", "--for"),
 ]  # fmt: skip
 Minutes = Annotated[
-    float, typer.Option(metavar="MIN", help="The longest that it may take.", callback=_positive)
+    float, typer.Option(metavar="MIN", help="Maximum duration.", callback=_positive)
 ]
 BaseProcedure = Annotated[
     Path | None,
-    _option("FILE", "A procedure whose room, warm-up and settling are kept.", "--procedure"),
+    _option(
+        "FILE",
+        "Procedure whose environment limits, warm-up and settling times are adopted.",
+        "--procedure",
+    ),
 ]
-NewProcedure = Annotated[Path | None, _option("FILE", "New procedure file.", "--out")]
+NewProcedure = Annotated[Path | None, _option("FILE", "Output: procedure file.", "--out")]
 AbleStation = Annotated[
     Path | None,
-    _option("FILE", "Station file; default: what the run's own table did.", "--station"),
+    _option("FILE", "Station file; default: the motions made by the run's own table.", "--station"),
 ]

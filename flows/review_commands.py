@@ -18,7 +18,7 @@ def review(
     out: options.ReviewFolder = None,
     as_json: options.Json = False,
 ) -> None:
-    """Find what no run shows alone: which effect, who carries it, and since when."""
+    """Find effects that only many runs show together, what carries them, and since when."""
     from flows.carry_out import carry_out
     from schemas.orders import ReviewOrder, order_of
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tasks.station.check import Trial
 
 app = typer.Typer(
-    help="Stations: serve a virtual one, try, watch, and write into units.", rich_markup_mode=None
+    help="Serve a virtual station, check and watch stations, load units.", rich_markup_mode=None
 )
 
 
@@ -30,7 +30,7 @@ def serve(
     station_file: options.StationFile = Path("station.json"),
     truth: options.Truth = None,
 ) -> None:
-    """A virtual station as a server, until it is stopped."""
+    """Serve a virtual station until stopped."""
     from tasks.station.virtual import config as virtual
     from tasks.station.virtual.faults import StationFault
     from tasks.station.virtual.servers import serve
@@ -57,7 +57,7 @@ def serve(
 def check(
     station_file: options.Station, move: options.Move = False, as_json: options.Json = False
 ) -> None:
-    """Try every device of a station file, and say what works. Exit 1 where something does not."""
+    """Test every device of a station file and report what works. Exits with 1 on any failure."""
     from flows.printing import print_json, print_rows
     from schemas.station import StationFile
     from storage import settings
@@ -81,9 +81,9 @@ def check(
 def load(
     station_file: options.Station, result: options.Calibrated, as_json: options.Json = False
 ) -> None:
-    """Write the coefficients of a result into the unit, by the lines of the station file.
+    """Load the coefficients of a result into the unit, using the commands in the station file.
 
-    The unit must be the one that was calibrated, and acknowledge each line.
+    The unit must be the calibrated one and acknowledge each command.
     """
     from flows.printing import print_json
     from schemas.orders import ExportOrder, order_of
@@ -108,7 +108,7 @@ def load(
 
 @app.command(epilog="Example: mimucal station status")
 def status(as_json: options.Json = False) -> None:
-    """How the last run of each station stands."""
+    """Show the state of the latest run on each station."""
     from flows.acquisition_view import facts
     from flows.printing import print_json, print_rows
     from storage.home import home

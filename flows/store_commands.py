@@ -16,9 +16,9 @@ def import_(
     salvage: options.Salvage = False,
     as_json: options.Json = False,
 ) -> None:
-    """Take recordings into the store.
+    """Import recordings into the store.
 
-    The same content twice is one run.
+    Identical content imported twice is one run.
     """
     from flows.printing import print_json
     from flows.progress import working
@@ -50,7 +50,7 @@ def import_(
 
 @app.command(epilog="Example: mimucal runs --json")
 def runs(as_json: options.Json = False) -> None:
-    """What is in the store."""
+    """List the runs in the store."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import run_index
     from storage.home import home
@@ -74,7 +74,7 @@ def runs(as_json: options.Json = False) -> None:
 
 @app.command(epilog="Example: mimucal show r8b7e8cc74921 --log")
 def show(run: options.Run, log: options.Log = False, as_json: options.Json = False) -> None:
-    """One run: segments, results, certificates; or its log."""
+    """Show a run: segments, results and certificates, or its log."""
     from flows.show import show_log, show_run
 
     (show_log if log else show_run)(run, as_json)
@@ -84,9 +84,9 @@ def show(run: options.Run, log: options.Log = False, as_json: options.Json = Fal
 def verify(
     path: options.Verified = None, trust: options.Trust = None, as_json: options.Json = False
 ) -> None:
-    """Integrity of the store, of one recording, or of a certificate's file by itself.
+    """Check the integrity of the store, of a recording, or of a certificate file on its own.
 
-    Exits with 1 if there are faults.
+    Exits with 1 if faults are found.
     """
     from flows.printing import print_json
     from flows.progress import counting
@@ -117,9 +117,9 @@ def verify(
 
 @app.command(epilog="Example: mimucal doctor")
 def doctor(as_json: options.Json = False) -> None:
-    """What is wrong with this machine, and what to do.
+    """Diagnose problems of this installation and how to fix them.
 
-    Exits with 1 if anything is.
+    Exits with 1 if any are found.
     """
     from flows.printing import print_rows
     from storage.home import home
@@ -142,10 +142,10 @@ def prune(
     by: options.DeletedBy = None,
     as_json: options.Json = False,
 ) -> None:
-    """What is old and nothing needs: recordings without result or certificate, and columns.
+    """List or delete old data that nothing needs: unused recordings, and columns.
 
-    Columns can be made again from raw. Nothing is deleted without --delete; each deletion is an
-    entry in the trail.
+    Columns can be restored from raw data. Nothing is deleted without --delete; each deletion is
+    entered in the audit trail.
     """
     from flows.print_history import print_pruned
     from flows.progress import counting
@@ -175,10 +175,10 @@ def remind(
     dry_run: options.NothingSent = False,
     as_json: options.Json = False,
 ) -> None:
-    """Send the reminders of recalibration that are to be sent now, and list the units due.
+    """Send the recalibration reminders that are due now, and list the units due.
 
-    recall.toml in the home says to whom. With --calendar: the due dates of a client, as a calendar.
-    Exits with 1 where a message could not be sent; the next call tries again.
+    recall.toml in the home defines the recipients. With --calendar: print a client's due dates.
+    Exits with 1 if a message could not be sent; the next call retries.
     """
     from flows.reminding import print_calendar, print_reminders
 
@@ -190,9 +190,9 @@ def remind(
 
 @app.command(epilog="Example: mimucal interval V00001")
 def interval(serial: options.OfUnit, as_json: options.Json = False) -> None:
-    """Advice on a unit's interval of recalibration, from its own certificates.
+    """Advise on a unit's recalibration interval, based on its own certificates.
 
-    By the reliability method (NCSLI RP-1, ILAC-G24): 95 % within limits at its end.
+    Uses the reliability method (NCSLI RP-1, ILAC-G24): 95 % within limits at its end.
     """
     from dataclasses import asdict
 
@@ -216,7 +216,7 @@ def validate(
     out: options.Out = None,
     as_json: options.Json = False,
 ) -> None:
-    """Show by simulated units and other programs that what is stated holds; keep the record.
+    """Validate the estimation with simulated units and independent programs; keep the record.
 
     A unit passes only on items that a record of this version validates.
     """

@@ -14,9 +14,9 @@ LONGEST = 100  # characters of a name
 
 @app.command(epilog='Example: mimucal user add "Wang Li" --role operator --by "Chen Jie"')
 def add(name: options.UserName, role: options.UserRole, by: options.By = None) -> None:
-    """Add a user, or give one another role and password.
+    """Add a user, or change the role and password of one.
 
-    The password is asked for at a terminal, else it is the first line of standard input.
+    The password is prompted for at a terminal, or read from the first line of standard input.
     """
     from flows.pages.passwords import hashed
     from schemas.access import ROLES
@@ -37,7 +37,7 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
 
 @app.command(name="list", epilog="Example: mimucal user list")
 def list_(as_json: options.Json = False) -> None:
-    """The users with their roles."""
+    """List the users and their roles."""
     from flows.printing import print_json, print_rows
     from storage.catalogue import users
     from storage.home import home
@@ -53,7 +53,7 @@ def list_(as_json: options.Json = False) -> None:
 
 @app.command(epilog='Example: mimucal user remove "Wang Li"')
 def remove(name: options.UserName, by: options.By = None) -> None:
-    """Remove a user; whoever is logged in under the name is so no more."""
+    """Remove a user and end that user's sessions."""
     from storage.catalogue import users
     from storage.home import home
 

@@ -10,7 +10,7 @@ ABSENT = " is not here"
 
 
 def shared_path(name: str) -> Path:
-    """A path in ../shared, as «data/real/ferraris_session».
+    """A path in ../shared, as “data/real/ferraris_session”.
 
     Skips the test that asks for it in a clone without ../shared beside it; `tests/conftest.py`
     counts those in the closing lines. With ../shared there, a file that is missing is a failure.

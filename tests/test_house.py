@@ -78,7 +78,7 @@ def test_a_room_has_few_files_and_each_is_short(room: Path) -> None:
 
 @cache
 def messages() -> frozenset[str]:
-    """Identifiers of the catalogues, «message» and «message.attribute»."""
+    """Identifiers of the catalogues, “message” and “message.attribute”."""
     found = set()
     for source in sorted((CATALOGUES / "en").glob("*.ftl")):
         for entry in parse(source.read_text(encoding="utf-8")).body:
@@ -103,7 +103,7 @@ def strings() -> Iterator[str]:
 
 
 def test_every_message_of_the_catalogues_is_used() -> None:
-    """Whole, put together behind a beginning («item-»), or before an attribute («.heading»)."""
+    """Whole, put together behind a beginning (“item-”), or before an attribute (“.heading”)."""
     said, pages = set(strings()), templates()
     written = said | set(re.findall(r"[\w.-]+", pages))
     begun = tuple(text for text in written if re.fullmatch(r"[a-z0-9]+-([a-z0-9.-]*[-.])?", text))

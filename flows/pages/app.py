@@ -1,6 +1,5 @@
 """The application: the shell, the pages and their JSON, with the headers that keep it at home."""
 
-import re
 from importlib.resources import files
 
 from dash import Dash
@@ -10,7 +9,6 @@ from werkzeug.wrappers import Response
 
 from flows.pages import api, shell
 from flows.pages.access import guard
-from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
 from flows.pages.login import login
 from flows.pages.preferences import view_of_request
@@ -18,9 +16,8 @@ from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home
 
-UNUSED = ("/dash_table/", "/polyfill@")  # tables that no page has, and browsers of before 2018
-GRID = re.compile(r'<script src="([^"]*/dash_ag_grid/[^"]*)"></script>\n?')
-CELLS = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
+UNUSED = "/dash_table/"  # tables that no page has
+GRID = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
 
 
 class Application(Dash):
@@ -39,16 +36,12 @@ class Application(Dash):
     ) -> str:
         """The first document, before any script has run."""
         view = view_of_request()
-        tags = scripts.splitlines()
-        scripts = "\n".join(tag for tag in tags if not any(name in tag for name in UNUSED))
-        early, late = CELLS, ""
-        grid = GRID.search(scripts)
-        if grid and not _shows_grid():
-            early, late = "", f' data-grid="{grid[1]}"'
-            scripts = GRID.sub("", scripts)
+        needed = [tag for tag in scripts.splitlines() if UNUSED not in tag]
+        scripts = "\n".join(needed)
+        early = GRID if _shows_grid() else ""
         return f"""<!DOCTYPE html>
 <html lang="{view.language}"
- data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}"{late}>
+ data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}">
 <head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 {metas}<title>{title}</title>{favicon}{css}{early}</head>
@@ -81,7 +74,6 @@ def make_app(home: Home) -> Application:
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
     app.server.register_blueprint(login(home, guard(app.server, home)))
-    compress(app.server)
     return app
 
 

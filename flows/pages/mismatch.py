@@ -174,7 +174,7 @@ def _moved(papers: Sequence[PaperMoved], view: View) -> list[Component]:
 
 
 def _in_U(moved: Moved) -> str:
-    """«B_ax −1.5 U»; a no-break space keeps them together."""
+    """“B_ax −1.5 U”; a no-break space keeps them together."""
     return f"{symbol(moved.item, moved.element)} {multiple(moved.in_U)} U".replace(" ", "\u00a0")
 
 

@@ -35,7 +35,7 @@ def given(en: str | None, zh: str | None = None) -> Sayable:
 
 
 def day(when: date | None) -> Sayable:
-    """A day, or «not given»."""
+    """A day, or “not given”."""
     return given(when.isoformat() if when else None)
 
 

@@ -236,6 +236,6 @@ def _stopped(now: str, cause: Unusable, recorder: Recorder) -> str:
     segments = recorder.sound[0].manifest.segments
     measured = sum(segment.kind in MEASURED for segment in segments)
     return (
-        f"the run stopped during «{now}»: {cause}; what was recorded until then is kept "
+        f"the run stopped during “{now}”: {cause}; what was recorded until then is kept "
         f"(finished segments: {measured})"
     )

@@ -63,7 +63,7 @@ def _line(template: str, correction: Correction, load: CoefficientLines) -> byte
         text = template.format(**values)
     except (KeyError, IndexError, ValueError, TypeError) as error:
         raise Unusable(
-            f"the line «{template}» of unit_link.load cannot be written ({error}): the "
+            f"the line “{template}” of unit_link.load cannot be written ({error}): the "
             f"coefficients are {', '.join(values)}, of three or of three times three places from 0"
         ) from error
     if load.check == "xor8":
@@ -85,8 +85,8 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
                 port.write(line)
                 if not _is_acknowledged(port, load.acknowledge.encode()):
                     raise Unusable(
-                        f"the unit on {link.url} did not acknowledge «{line.decode().strip()}» "
-                        f"with «{load.acknowledge}» in {ANSWER_S:g} s, and took {number} lines "
+                        f"the unit on {link.url} did not acknowledge “{line.decode().strip()}” "
+                        f"with “{load.acknowledge}” in {ANSWER_S:g} s, and took {number} lines "
                         "before it: read its manual about it, then load again"
                     )
     except (OSError, ValueError) as error:  # pyserial's own is an OSError

@@ -46,7 +46,7 @@ class PlannedSegment:
 
     @property
     def text(self) -> str:
-        """What happens, for the person at the bench: «rate x +200 deg/s»."""
+        """What happens, for the person at the bench: “rate x +200 deg/s”."""
         words = self.name.replace("_", " ")
         return f"{words} deg/s" if self.kind == "rate" else words
 

@@ -7,7 +7,7 @@ from typing import Literal
 
 from tasks.station.ports import AxisState, TableState
 
-# How near a reading has to be before «settled» is believed: the report may still be that of the
+# How near a reading has to be before “settled” is believed: the report may still be that of the
 # set-point before. Whether the rate is right to the specification is for the encoders to say.
 NEAR_DEG = 0.1
 NEAR_RATE = (0.05, 0.5)  # relative, deg/s

@@ -8,7 +8,7 @@ import yaml
 from prefect.exceptions import ParameterTypeError
 from prefect.flows import load_flow_from_entrypoint
 
-ROOT = Path(__file__).parents[2]  # the checkout: deploy/README.md says «in the checkout»
+ROOT = Path(__file__).parents[2]  # the checkout: deploy/README.md says “in the checkout”
 ORDER = ".venv/bin/prefect --no-prompt deploy --all --prefect-file deploy/prefect.yaml"
 FILE = yaml.safe_load((ROOT / "deploy" / "prefect.yaml").read_text(encoding="utf-8"))
 

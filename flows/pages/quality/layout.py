@@ -136,7 +136,7 @@ def _capability(found: CapabilityShown, shown: QualityShown, view: View) -> Comp
 
 
 def _index(index: IndexShown) -> str | None:
-    """«1.33 (1.28 … 1.37)»."""
+    """“1.33 (1.28 … 1.37)”."""
     if index.value is None or index.low is None or index.high is None:
         return None
     value, low, high = (

@@ -55,7 +55,7 @@ UNITS = {
 
 
 def dsi_unit(unit: str, gravity: float) -> DsiUnit:
-    """A unit of a result. gravity: the g of «per g», m/s².
+    """A unit of a result. gravity: the g of “per g”, m/s².
 
     A unit that is not known here is named as it stands, and defined by its name.
     """
@@ -72,5 +72,5 @@ def dsi_unit(unit: str, gravity: float) -> DsiUnit:
 
 
 def gravity_of(certificate: Certificate) -> float:
-    """The g of «per g», m/s²: that of the place, or the standard one where it is not stated."""
+    """The g of “per g”, m/s²: that of the place, or the standard one where it is not stated."""
     return certificate.manifest.station.gravity_m_s2 or STANDARD_GRAVITY

@@ -87,7 +87,7 @@ def _levels(rates: np.ndarray) -> np.ndarray:
 
 
 def _rate_range(levels: np.ndarray, axis: str, cells: Sequence[int]) -> Message:
-    """«at rates about x from −100 to −30 °/s»; axis: empty for the size of the rate."""
+    """“at rates about x from −100 to −30 °/s”; axis: empty for the size of the rate."""
     low, high = levels[cells[0]], levels[cells[-1]]
     if low == high == 0.0 and not axis:
         return message("locate-at-rest")
@@ -174,7 +174,7 @@ def _unordered(
 
 
 def _listed(names: Sequence[Sayable], frame: str | None, cells: Sequence[int]) -> Sayable:
-    """«+x or +y», within the message `frame` where there is one."""
+    """“+x or +y”, within the message `frame` where there is one."""
     either = reduce(lambda a, b: message("locate-or", first=a, second=b), (names[k] for k in cells))
     return message(frame, cells=either) if frame else either
 

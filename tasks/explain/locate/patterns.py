@@ -109,7 +109,7 @@ def densest(cells: Moments, ordered: bool) -> list[int]:
 def _variation(
     partition: Partition, cells: Moments, steps: np.ndarray, share: float, excess: ChannelExcess
 ) -> Message:
-    """«91 % of it follows the temperature: … at …, … at …»."""
+    """“91 % of it follows the temperature: … at …, … at …”."""
     used = np.flatnonzero(cells.rows > 0)
     low, high = (int(used[k]) for k in (steps[used].argmin(), steps[used].argmax()))
     return message(

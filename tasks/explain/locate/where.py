@@ -1,4 +1,4 @@
-"""Where a finding's excess sits: channel, circumstance and segments, never «somewhere».
+"""Where a finding's excess sits: channel, circumstance and segments, never “somewhere”.
 
 The excess of a finding is what the standard's model cannot absorb of its contribution. Each
 channel's part of it is compared with every way of partitioning the run (by rate, by attitude, by
@@ -26,8 +26,8 @@ def locate(explanation: Explanation) -> tuple[tuple[Where, ...], ...]:
     """For each finding where its excess sits, by falling share; the shares add up to 1.
 
     A channel with 5 % or more of the excess has one entry, its share that of the channel. What
-    the others hold is a last entry of dimension «level», their names separated by commas. A
-    finding without excess has one entry, «level», at its first channel.
+    the others hold is a last entry of dimension “level”, their names separated by commas. A
+    finding without excess has one entry, “level”, at its first channel.
     """
     if not explanation.findings:
         return ()

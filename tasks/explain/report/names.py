@@ -13,7 +13,7 @@ from tasks.words.rounding import USUAL_K
 
 
 def channel_title(channels: str) -> Message:
-    """«gyro x» of «gyro_x»; several where an entry of `Where` names several: «gyro_x, gyro_y»."""
+    """“gyro x” of “gyro_x”; several where an entry of `Where` names several: “gyro_x, gyro_y”."""
     names = channels.split(", ")
     titles = (message(f"channel-{name}") if name in CHANNELS else name for name in names)
     return message("list", entries=tuple(titles))
@@ -30,13 +30,13 @@ def element_title(item: str, element: str) -> Sayable:
 
 
 def verdict_title(verdict: str) -> Sayable:
-    """«pass», «fail», «inconclusive»."""
+    """“pass”, “fail”, “inconclusive”."""
     id_ = f"conformity-verdict.{verdict}"
     return message(id_) if known(id_) else verdict
 
 
 def change_title(change: VerdictChange) -> Message:
-    """«fail → pass»."""
+    """“fail → pass”."""
     before, after = verdict_title(change.before), verdict_title(change.after)
     return message("report-change", before=before, after=after)
 
@@ -71,7 +71,7 @@ def _beginning(phrase: Sayable, change: Callable[[str], str]) -> Statement:
 
 
 def parameter_name(name: str) -> Sayable:
-    """«vertical rate» of «vertical_rate», «gyro x» of «gyro_x»; a symbol stays: «r_x»."""
+    """“vertical rate” of “vertical_rate”, “gyro x” of “gyro_x”; a symbol stays: “r_x”."""
     for kind in ("parameter-", "channel-", "triad-"):
         if known(kind + name):
             return message(kind + name)
@@ -82,6 +82,6 @@ def parameter_name(name: str) -> Sayable:
 
 
 def parameter_text(parameter: FoundParameter) -> Message:
-    """«vertical rate = (9.66 ± 0.40) °/h»; U = 2 u."""
+    """“vertical rate = (9.66 ± 0.40) °/h”; U = 2 u."""
     size = quantity(parameter.value, USUAL_K * parameter.u, parameter.unit)
     return message("report-parameter", name=parameter_name(parameter.name), size=size)

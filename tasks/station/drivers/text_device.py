@@ -109,8 +109,8 @@ class TextBackend:
             answer = await self._link.ask(line)
             if answer != self._described.acknowledge:
                 raise Unusable(
-                    f"the device at {self.url} answered «{line}» with «{answer[:80]}» where it "
-                    f"acknowledges with «{self._described.acknowledge}»: read its manual about it"
+                    f"the device at {self.url} answered “{line}” with “{answer[:80]}” where it "
+                    f"acknowledges with “{self._described.acknowledge}”: read its manual about it"
                 )
 
     def close(self) -> None:
@@ -124,8 +124,8 @@ class TextBackend:
         values = answer.values(text)
         if values is None:
             raise Unusable(
-                f"the device at {self.url} answered «{line}» with «{text[:80]}» where the station "
-                f"file expects «{query.answer}»: correct queries there"
+                f"the device at {self.url} answered “{line}” with “{text[:80]}” where the station "
+                f"file expects “{query.answer}”: correct queries there"
             )
         return values
 

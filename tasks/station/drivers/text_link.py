@@ -40,7 +40,7 @@ class TextLink:
             if answer is not None:
                 return answer
         raise Unusable(
-            f"the device at {self.url} does not answer «{line}» ({ATTEMPTS} attempts): check that "
+            f"the device at {self.url} does not answer “{line}” ({ATTEMPTS} attempts): check that "
             f"it is switched on, that the cable is in, and that url, baudrate and terminators of "
             f"the station file are right"
         )
@@ -64,7 +64,7 @@ class TextLink:
             if is_answered:
                 return None
             raise Unusable(
-                f"the device at {self.url} cannot be told «{line}» ({error}): check that it is "
+                f"the device at {self.url} cannot be told “{line}” ({error}): check that it is "
                 f"switched on, and url of the station file"
             ) from error
 

@@ -3,63 +3,63 @@
 # What a recording is compared with.
 explain-model-fitted = the standard's model, its parameters fitted to this recording
 explain-model-calibration = the standard's model with the given calibration
-explain-model-simulation = the simulation that was given
+explain-model-simulation = the given simulation
 
 # What an effect outside the catalogue follows.
-explain-other-parameters = other values of the standard's own parameters
+explain-other-parameters = different values of the standard's own parameters
 explain-jumps = jumps between levels at several times
 behaviour-motion = a motion that differs from the reported one
 behaviour-input = an input that differs from the reported one
-behaviour-sensor = a change that follows the input
-behaviour-signal = a change that follows the course of the signal
-behaviour-event = samples that differ from their neighbours
-explain-remainder = what is left over and follows no pattern that was looked for ({ $share } of the mismatch above noise, mostly from { $low } to { $high } Hz)
-explain-slow-drift = a slow drift that nothing recorded follows
-explain-wave = a wave with a period of about { $period } s
-explain-relaxation = a relaxation after { $event }, e-folding in about { $tau } s
-explain-event-reposition = each move to another position
-explain-event-gravity-turn = each turn of gravity's direction
+behaviour-sensor = an error that depends on the input
+behaviour-signal = an error that depends on the signal's time history
+behaviour-event = samples that deviate from their neighbours
+explain-remainder = a remainder that follows none of the patterns searched for ({ $share } of the mismatch above noise, mostly from { $low } to { $high } Hz)
+explain-slow-drift = a slow drift unrelated to any recorded quantity
+explain-wave = an oscillation with a period of about { $period } s
+explain-relaxation = a relaxation after { $event } with a time constant of about { $tau } s
+explain-event-reposition = each change of position
+explain-event-gravity-turn = each change of gravity's direction
 explain-event-stop = each stop
-explain-follows = readings that follow { $signal }
-explain-lag = readings that follow { $signal }, lagging by about { $tau } s
+explain-follows = an error that follows { $signal }
+explain-lag = an error that follows { $signal } with a lag of about { $tau } s
 explain-signal-own-rate = the rate about its own axis
 explain-signal-squared-rate = the square of the rate
-explain-signal-rate-size = the size of the rate
+explain-signal-rate-size = the magnitude of the rate
 explain-signal-own-force = the specific force along its own axis
-explain-signal-own-force-size = the size of the specific force along its own axis
-explain-product-other-rates = readings that follow the product of the rates about the two other axes
-explain-product-own-rate = readings that follow products of its own rate with the others
-explain-product-other-forces = readings that follow the product of the specific forces on the two other axes
-explain-product-own-force = readings that follow products of its own specific force with the others
-explain-product-squared-other-forces = readings that follow the squares of the other specific forces
-explain-product-squared-other-rates = readings that follow the squares of the rates
-explain-product-squared-own-rate = readings that follow the square of its own rate
-explain-product-rates = readings that follow the rates
-explain-product-other-rate-sizes = readings that follow the sizes of the other rates
-explain-product-fourth-power = readings that follow the fourth power of the rate
-explain-product-angular-acceleration = readings that follow the angular acceleration
-explain-product-angular-acceleration-size = readings that follow the size of the angular acceleration
-explain-recorded-humidity = the humidity
+explain-signal-own-force-size = the magnitude of the specific force along its own axis
+explain-product-other-rates = an error that follows the product of the rates about the other two axes
+explain-product-own-rate = an error that follows products of its own rate with the others
+explain-product-other-forces = an error that follows the product of the specific forces along the other two axes
+explain-product-own-force = an error that follows products of its own specific force with the others
+explain-product-squared-other-forces = an error that follows the squares of the other specific forces
+explain-product-squared-other-rates = an error that follows the squares of the rates
+explain-product-squared-own-rate = an error that follows the square of its own rate
+explain-product-rates = an error that follows the rates
+explain-product-other-rate-sizes = an error that follows the magnitudes of the other rates
+explain-product-fourth-power = an error that follows the fourth power of the rate
+explain-product-angular-acceleration = an error that follows the angular acceleration
+explain-product-angular-acceleration-size = an error that follows the magnitude of the angular acceleration
+explain-recorded-humidity = the relative humidity
 explain-recorded-pressure = the air pressure
 explain-recorded-air-temperature = the air temperature
 explain-recorded-times-input = { $signal } times the input
-explain-harmonic = readings that follow the angle of table axis { $axis }, { $order } times a turn
-explain-lean = a lean of the unit near { $angle }° of table axis { $axis }
+explain-harmonic = an error that follows the angle of table axis { $axis }, { $order } times per revolution
+explain-lean = a tilt of the unit near { $angle }° of table axis { $axis }
 
 # Where the search ends early.
-explain-search-stopped = The search stopped at its budget of { $seconds } s of processor time: what is left was not searched again about the values that were fitted, and effects beside those found were not tried.
+explain-search-stopped = The search stopped at its limit of { $seconds } s of processor time: the residual was not searched again around the fitted values, and effects beyond those found were not tried.
 
 # What the findings do to the calibration items.
-explain-items-by-angles = The items of JJF 1536 come from the accumulated angles, not from the rates that were explained: no consequence was estimated.
-explain-stated-together = { $titles } make up for each other in part in this recording: what they do to the items is stated for them together, since each by itself would move values that the others move back.
-explain-items-not-estimated = What the findings do to the items was not estimated: { $reason }
+explain-items-by-angles = The items of JJF 1536 are computed from accumulated angles, not from the rates analysed here: consequences for them were not estimated.
+explain-stated-together = { $titles } partly compensate each other in this recording: their consequences for the items are stated jointly, because each alone would change values that the others change back.
+explain-items-not-estimated = The consequences of the findings for the items were not estimated: { $reason }
 
 # A calibration of readings that were corrected for findings.
-explain-adopted = Before the clauses were followed, the readings had taken off what the specification's models leave out: { $terms }. The specification does not provide for it.
+explain-adopted = Before the clauses were applied, the readings were corrected for effects that the specification's models omit: { $terms }. The specification does not provide for this.
 explain-adopted-term = { $title } ({ $name })
 explain-adopted-term-parameters = { $title } ({ $name }: { $parameters })
-explain-adopted-not-shown = The recording does not show { $term } above its noise (ΔBIC { $bic }); it was taken off all the same, as ordered.
-explain-adopted-undetermined = The recording does not determine { $parameters } of { $term } better than its size: it was held at nothing while all else was fitted, and nothing was taken off for it; U holds what it may be.
-explain-adopted-motion-unknown = The motion is not known in all rows, and nothing was taken off where it is not: { $segments }.
-explain-not-adopted-random = { $term } was not taken off: its course is random and has no parameter, so that U could not say how well it is known; it stays in the readings, as noise.
+explain-adopted-not-shown = The recording does not show { $term } above its noise (ΔBIC { $bic }); it was corrected for nevertheless, as ordered.
+explain-adopted-undetermined = The recording does not determine { $parameters } of { $term } to better than its own size: it was fixed at zero while the rest was fitted, and no correction was made for it; U includes its possible size.
+explain-adopted-motion-unknown = The motion is not known in all rows; where it is unknown no correction was made: { $segments }.
+explain-not-adopted-random = { $term } was not corrected for: it is random and has no parameter, so that U could not express how well it is known; it remains in the readings as noise.
 explain-budget-line = { $title }, { $parameter }

@@ -1,24 +1,24 @@
 ## What the data show beside the clauses' results. Titles by the key of the result; .text: how it was found.
 
 information-earth-gain = Gain of Earth's rotation in the rests
-    .text = { $shown }. The ± is of type A alone: what latitude, heading and placing add is not evaluated, so the figure stands without U.
+    .text = { $shown }. The ± is type A only: contributions of latitude, heading and placement are not evaluated, so no U is stated.
 information-without-earth = Gyro g-sensitivity without Earth's rotation
-    .text = The vertical part of Earth's rotation, ω_e·sin φ, is taken off the diagonal; { $difference } U is evaluated as the item's.
-information-earth-present = the value by eq. (7) contains it and is off by up to { $times } times its U.
-information-earth-not-shown = this moves it by up to { $times } times U, although the data do not show it: not to be used for simulated or compensated data, from which it would be removed twice.
-information-earth-unknown = this moves it by up to { $times } times U. Whether the value by eq. (7) contains it cannot be decided from the data alone.
+    .text = The vertical component of Earth's rotation, ω_e·sin φ, is subtracted from the diagonal; { $difference } U is evaluated as for the item.
+information-earth-present = the value by eq. (7) includes it and is off by up to { $times } times its U.
+information-earth-not-shown = this changes it by up to { $times } times U, although the data do not show it: not to be used for simulated or compensated data, from which it would be removed twice.
+information-earth-unknown = this changes it by up to { $times } times U. Whether the value by eq. (7) includes it cannot be decided from the data alone.
 
-information-lever-arm = Place of the accelerometers from the rotation axes
-    .text = One common point of the accelerometers, in the body frame, from where the rotation axes meet: from α × r in the ramps and ω × (ω × r) while turning.
+information-lever-arm = Position of the accelerometers relative to the rotation axes
+    .text = One common point of the accelerometers, in the body frame, relative to the intersection of the rotation axes: from α × r in the ramps and ω × (ω × r) during rotation.
 information-without-lever-arm = Accelerometer rate sensitivity without the lever arm
     .text = The value by eq. (12), (13) contains the lever arm; in the ramps the two can be separated. The sign is that of eq. (12).
 
 information-nonlinearity = Scale factor non-linearity
-    .text = Largest residual from the line through the rate points, over the largest output; unit and table together.
+    .text = Largest residual from the line through the rate points divided by the largest output; unit and table combined.
 information-asymmetry = Scale factor asymmetry
-    .text = Slope of the positive rates less that of the negative ones, over their mean.
-information-more-than-noise = More than noise: { $axes }.
-information-no-more-than-noise = No more than noise on any axis.
+    .text = Slope of the positive rates minus that of the negative rates, divided by their mean.
+information-more-than-noise = Exceeds the noise: { $axes }.
+information-no-more-than-noise = Within the noise on every axis.
 
 information-gyro-bias-repeatability = Bias repeatability of the gyros
 information-gyro-scale-repeatability = Scale factor repeatability of the gyros
@@ -40,13 +40,13 @@ information-rests = { $count ->
     } of { $seconds } s
 information-random-walk = White noise from the overlapping Allan deviation of { $source } (IEEE Std 952).
 information-bias-instability = Minimum of the Allan deviation of { $source }, over 0.664.
-information-noise-hidden = { $axes }: the output's step hides the noise.
-information-no-white-noise = { $axes }: white noise does not show.
+information-noise-hidden = { $axes }: the noise is masked by the output's resolution.
+information-no-white-noise = { $axes }: no white noise visible.
 information-averaging-times = Averaging times: { $axes }.
-information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s; longer rests would show it.
+information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s; longer rests would be needed.
 
 information-type-b =
-    .contained = U contains type A and the type B of the equipment.
-    .not-evaluated = Without U, because the limits of the equipment are in no budget of this run.
-    .unit-and-table = A figure of unit and table together: the equipment adds nothing more to its U.
-information-few-degrees-of-freedom = { $axes }: without U, which by Student's t for so few degrees of freedom would reach below zero.
+    .contained = U includes type A and the type B contributions of the equipment.
+    .not-evaluated = No U stated, because no budget of this run includes the limits of the equipment.
+    .unit-and-table = A figure for unit and table combined: the equipment contributes nothing further to its U.
+information-few-degrees-of-freedom = { $axes }: no U stated, because Student's t for so few degrees of freedom would extend below zero.

@@ -1,14 +1,14 @@
 ## What the reference of a recording tells, and what was not taken from it.
 
-reference-smoothed = The poses were smoothed by their own noise: rates are the derivative of the attitude up to { $attitude } Hz, the specific force has the second derivative of the positions up to { $place } Hz. Above, the poses' noise is larger than the motion, and nothing was compared.
-reference-smoothed-attitude = The poses were smoothed by their own noise: rates are the derivative of the attitude up to { $attitude } Hz. Above, the poses' noise is larger than the motion, and nothing was compared.
-reference-without-positions = The poses have no positions (px, py, pz): the specific force of a body that moves is not known. The accelerometers were compared where it rests, { $percent } % of the time; record positions, too.
-reference-lost = The poses say nothing during { $percent } % of the recording: across more than { $frames } missing frames nothing was interpolated, nor was anything compared.
-reference-labels-against-gravity = Labels that gravity contradicts were left out: { $segments }.
+reference-smoothed = The poses were smoothed according to their own noise: rates are the derivative of the attitude up to { $attitude } Hz, and specific force includes the second derivative of the positions up to { $place } Hz. Above these frequencies the noise of the poses exceeds the motion, and nothing was compared.
+reference-smoothed-attitude = The poses were smoothed according to their own noise: rates are the derivative of the attitude up to { $attitude } Hz. Above this frequency the noise of the poses exceeds the motion, and nothing was compared.
+reference-without-positions = The poses contain no positions (px, py, pz), so the specific force of a moving body is unknown. The accelerometers were compared only at rest, { $percent } % of the time; record positions as well.
+reference-lost = The poses are missing during { $percent } % of the recording: gaps of more than { $frames } frames were not interpolated, and nothing was compared there.
+reference-labels-against-gravity = Labels contradicted by gravity were excluded: { $segments }.
 reference-labels-against-rate = Labels whose rate the { $table ->
     [yes] encoders contradict
    *[no] gyros contradict
-} were left out: { $segments }.
-reference-nuisances = A delay of the poses and a vertical that leans are usual between tracking and unit. Both are fitted in every model of such a recording, and are no faults of the unit.
-reference-turned = The tracked body's axes are turned by { $degrees } deg against the unit's. That is usual; the matrices of scale factors and cross couplings hold it, and are not those of the unit alone.
-reference-unit-clock = The station held the unit's clock against the table's as its frames arrived: of a delay of the readings, { $delay } ms ± { $U } ms (k = 2) are the clocks'. What is found beyond is the unit's own.
+} were excluded: { $segments }.
+reference-nuisances = A delay of the poses and a tilted vertical are normal between tracking system and unit. Both are fitted as nuisance parameters in every model of such a recording and are not faults of the unit.
+reference-turned = The axes of the tracked body are rotated by { $degrees }° relative to those of the unit. This is normal; the matrices of scale factors and cross couplings include the rotation and are not those of the unit alone.
+reference-unit-clock = The station compared the clocks of unit and table as frames arrived: of the delay of the readings, { $delay } ms ± { $U } ms (k = 2) is due to the clocks. Any delay found beyond that belongs to the unit.

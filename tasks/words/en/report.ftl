@@ -22,116 +22,116 @@ report-factor = factor { $number } of the { $channel }
 parameter-seconds = delay
 report-place = { $channel } ({ $share }): { $description }
 report-places = It sits in { $places }.
-report-predicted = Segments that the fit did not see become { $times } as probable ({ $nats } nats)
-report-not-predicted = Segments that the fit did not see are not predicted better ({ $nats } nats)
+report-predicted = Segments withheld from the fit become { $times } as probable ({ $nats } nats)
+report-not-predicted = Segments withheld from the fit are predicted no better ({ $nats } nats)
 report-times = { $number } times
 report-more-than-times = more than { $number } times
-report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
-report-why-absorbed = The standard's parameters absorb it whole: it shows in their values, not in what is left over. ΔBIC = { $bic }: { $evidence }, with its parameters paid for.
-report-nothing-removes = No effect of the catalogue and no pattern that was looked for removes it; in χ² per degree of freedom (noise of unit and reference: 1) there stays: { $channels }.
+report-why = It removes { $share } of the mismatch above noise. { $prediction }; ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
+report-why-absorbed = The standard's parameters absorb it completely: it shows in their values, not in the residual. ΔBIC = { $bic }: { $evidence } after the penalty for its parameters.
+report-nothing-removes = No catalogue effect and no pattern that was searched for removes it. Remaining χ² per degree of freedom (noise of unit and reference = 1): { $channels }.
 report-evidence-very-strong = very strong evidence
 report-evidence-strong = strong evidence
 report-evidence-some = some evidence
-report-evidence-none = no evidence by this measure
-report-stays-high = But with it χ² per degree of freedom of the { $channel } stays at { $chi2 } (noise of unit and reference: 1): more is missing there, or the reference is no finer. Evidence and U are counted against what is left, and its size may change when that is found.
+report-evidence-none = no evidence on this scale
+report-stays-high = Even so, χ² per degree of freedom of the { $channel } remains at { $chi2 } (noise of unit and reference = 1): something else is missing there, or the reference is not accurate enough. Evidence and U are scaled to this residual, and the size of the effect may change once its cause is found.
 report-homogeneity = Its parameters { $alike ->
         [0] differ between independent parts of the recording by more than chance ({ $p }){ $named ->
-            [0] : no law of this form holds throughout, and U covers the scatter
-           *[1] , but not by enough to take its name away; U covers the scatter
+            [0] : no law of this form holds throughout; U includes the scatter
+           *[1] , but not by enough to withhold the name; U includes the scatter
         }
        *[1] agree between independent parts of the recording ({ $p })
     }.
-report-group = These make up for each other in this recording, and any of them fits within what is left: { $effects }{ $shared ->
+report-group = These effects are confounded in this recording, and any of them fits within the residual: { $effects }{ $shared ->
         [0] {""}
-       *[other] {""}. What they have in common is { $common } (k = 2)
+       *[other] {""}. Their common part is { $common } (k = 2)
     }.
-report-alternatives = This recording cannot tell it from { $effects }.
-report-no-alternatives = No other effect of the catalogue that was tried fits this recording as well.
-report-to-record = To be sure, record: { $recording }.
-report-moves-most = Of the certificate it moves most: { $element }, from { $before } with it left out to { $after } with it taken into account (k = 2), { $times } U.
-report-moves-in-set = By itself it would move one value of the certificate, { $element }, by { $times } U, but other findings take that back: all together they move it by { $together } U, and only that counts.
-report-to-do = Next: { $next }.
+report-alternatives = This recording cannot distinguish it from { $effects }.
+report-no-alternatives = No other catalogue effect that was tried fits this recording equally well.
+report-to-record = To confirm, record: { $recording }.
+report-moves-most = Largest change on the certificate: { $element }, from { $before } without it to { $after } with it (k = 2), { $times } U.
+report-moves-in-set = On its own it would change { $element } by { $times } U, but the other findings offset that: together they change it by { $together } U, which is what counts.
+report-to-do = Next step: { $next }.
 report-verdict-changes = The verdict on { $item } changes from { $before } to { $after }.
 
 # What has no name.
-report-without-name = without a name: { $pattern }
+report-without-name = unnamed: { $pattern }
 report-pattern = { $pattern }, in the { $channels }
-report-refused-implausible = As «{ $effect }» its { $parameter } would be { $value }, { $larger ->
-        [0] beyond { $limit }, the limit of what a working unit or station has
+report-refused-implausible = As “{ $effect }” its { $parameter } would be { $value }, { $larger ->
+        [0] beyond { $limit }, the limit for a working unit or station
        *[1] { $times } times larger than in any working unit or station (at most { $limit })
-    }, so it is not called that; such a size usually means { $usual }.
+    }; the name is therefore withheld. Such a size usually indicates { $usual }.
 report-usual = { $kind ->
-        [time] a time stamp in another unit (ms for s), or two streams that were not recorded together
-        [length] a length in another unit (mm for m), or axes exchanged or inverted
-        [angle] an attitude that is stated wrongly, deg for rad, or axes exchanged or inverted
-        [alike] another cause of the same course
-       *[scale] a range or unit set wrong (deg for rad, g for m/s², counts per unit), or axes exchanged or inverted
+        [time] a time stamp in the wrong unit (ms for s), or two streams that were not recorded together
+        [length] a length in the wrong unit (mm for m), or swapped or inverted axes
+        [angle] a wrong attitude, deg for rad, or swapped or inverted axes
+        [alike] another cause with the same time history
+       *[scale] a wrong range or unit setting (deg for rad, g for m/s², counts per unit), or swapped or inverted axes
     }
-report-refused-inhomogeneous = It behaves like «{ $effect }», but its size is not the same throughout: { $parameter } changes from { $smallest } to { $largest } { $parts ->
-        [rate] between small and large rates
-        [up] with the axis that is up
+report-refused-inhomogeneous = It behaves like “{ $effect }”, but its size changes: { $parameter } ranges from { $smallest } to { $largest } { $parts ->
+        [rate] between low and high rates
+        [up] depending on which axis is up
         [triad] between gyros and accelerometers
         [axis] from axis to axis
-       *[time] in the course of the run
-    }, which one law would not do; so it is not called that.
-report-refused-channel = It behaves like «{ $effect }», but the { $channel }, which that would change as well, is predicted worse with it; so it is not called that.
-report-refused-undetermined = It behaves like «{ $effect }», but no parameter of that would be larger than its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
-report-refused-reference-noise = It behaves like «{ $effect }», but the errors of the reference by themselves would bring forth as much of it, so it is not called that.
-report-refused-placed = It behaves like «{ $effect }», but labels alone tell where the unit was put, and that has a parameter for everything that { $placed } rests leave: errors of placing would look the same; so it is not called that.
-report-refused-overshadowed = It behaves like «{ $effect }», but what nothing explains in its channels is { $times } times as large as what that would remove, and may well contain it; so it is not called that.
-report-refused-form-error = It behaves like «{ $effect }», but another finding has { $times } times its evidence, and a form a little different from its equation would leave as much; so it is not called that.
-report-refused-incomplete = It behaves like «{ $effect }», but its channels still keep { $times } times the noise (χ² per degree of freedom): something else is at work, and this may be a part of it; so it is not called that.
+       *[time] over the run
+    }, which a single law would not do; the name is therefore withheld.
+report-refused-channel = It resembles “{ $effect }”, but including it makes the prediction of the { $channel } worse, which that effect would also change; the name is therefore withheld.
+report-refused-undetermined = It resembles “{ $effect }”, but none of that effect's parameters exceeds its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
+report-refused-reference-noise = It resembles “{ $effect }”, but errors of the reference alone could produce as much; the name is therefore withheld.
+report-refused-placed = It resembles “{ $effect }”, but the unit's orientation is known from labels alone, and that effect has enough parameters to absorb all that the { $placed } rests leave: placement errors would look the same. The name is therefore withheld.
+report-refused-overshadowed = It resembles “{ $effect }”, but the unexplained residual in its channels is { $times } times larger than what that effect would remove and may well contain it; the name is therefore withheld.
+report-refused-form-error = It resembles “{ $effect }”, but another finding has { $times } times its evidence, and a slight error in the form of that finding's equation would leave as much; the name is therefore withheld.
+report-refused-incomplete = It resembles “{ $effect }”, but its channels still show { $times } times the noise (χ² per degree of freedom): something else is present, and this may be part of it. The name is therefore withheld.
 
 # What to do about it.
-report-next-implausible = check whether there is { $usual }; correct that, and explain again
-report-next-alike = see whether unit and reference are joined stiffly (fixture, shaft, coupling), which filter stands before the output, and whether the reference itself is right; then record the same motion at half and at twice the speed
+report-next-implausible = check for { $usual }; correct it and run explain again
+report-next-alike = check that unit and reference are rigidly connected (fixture, shaft, coupling), which filter precedes the output, and whether the reference itself is correct; then record the same motion at half and at twice the speed
 report-next-inhomogeneous = { $parts ->
-        [rate] record the same motion at three or more speeds: how the size follows the rate tells which physics it is
-        [up] repeat the motion with each axis up, and look at the mounting and the cables as the attitude changes
-        [triad] compare how gyros and accelerometers are filtered and stamped: their output rates, low-passes and time stamps
-        [axis] compare the settings of the axes: range, filter, order of sampling, and how each is mounted
-       *[time] look in the log for what changed during the run (settings, temperature, mounting), and repeat its first part at the end
+        [rate] record the same motion at three or more speeds: how the size depends on rate identifies the physics
+        [up] repeat the motion with each axis up, and inspect mounting and cables as the attitude changes
+        [triad] compare how gyros and accelerometers are filtered and time-stamped: output rates, low-pass filters, time stamps
+        [axis] compare the settings of the axes (range, filter, sampling order) and their mounting
+       *[time] check the log for changes during the run (settings, temperature, mounting), and repeat its first part at the end
     }
-report-next-channel = check sign, scale and filter of the { $channel }, and record the same motion about another axis
-report-next-undetermined = record what would determine it: { $recording }
-report-next-reference-noise = repeat with a finer or smoother encoder: this one's noise hides what the unit does
-report-next-placed = put the unit into each position a second time, or record its attitude (encoders, a tracked pose): what comes again with the attitude is a law, what does not is placing
-report-next-overshadowed = find what is left in these channels first: it is much larger; then explain again
-report-next-incomplete = look at what is left in these channels segment by segment: something with a law of its own is among it; then explain again
+report-next-channel = check the sign, scale and filter of the { $channel }, and record the same motion about another axis
+report-next-undetermined = make a recording that determines it: { $recording }
+report-next-reference-noise = repeat with a finer or smoother encoder: the noise of this one masks the unit's behaviour
+report-next-placed = place the unit in each position a second time, or record its attitude (encoders, a tracked pose): what repeats with attitude is a property of the unit, what does not is placement error
+report-next-overshadowed = first find the cause of the residual in these channels, which is much larger; then run explain again
+report-next-incomplete = examine the residual in these channels segment by segment: it contains an effect with a law of its own; then run explain again
 report-next = { $dimension ->
-        [rate] record steady rates of both signs in at least five steps, and see whether what is left grows with the rate, its size or its square
-        [attitude] record rests with each axis up, down and at 45 deg at two headings, and look at what changes with attitude: cables, clamping, magnets nearby
-        [rotation_phase] turn slowly through whole turns both ways, with the unit at two places on the payload: what keeps its place on the shaft is the table's
-        [frequency] record a rest with the drive on and off, and one at another sample rate: what stops with the drive is vibration, what moves is an alias
-        [temperature] record rests at three steady temperatures, each reached warming and cooling
-        [time] look in the log for what happened then, and run again: what does not come again at the same time is no matter of the motion
-        [after_moves] let each rest last five times as long, reached from both sides, and watch the fixture settle
-        [ramps] record ramps of three accelerations with one trigger seen by both clocks, and look up how the unit filters and stamps its output
-        [recorded] vary that quantity alone while the unit rests
-       *[level] record a rest of an hour and a few plain rates: what is there at rest is noise or drift, the rest is a response to motion
+        [rate] record steady rates of both signs in at least five steps, and check whether the residual grows with the rate, its magnitude or its square
+        [attitude] record rests with each axis up, down and at 45° at two headings, and check what changes with attitude: cables, clamping, nearby magnets
+        [rotation_phase] turn slowly through full revolutions in both directions, with the unit at two places on the payload: what keeps its position on the shaft belongs to the table
+        [frequency] record a rest with the drive on and off, and another at a different sample rate: what stops with the drive is vibration, what shifts is an alias
+        [temperature] record rests at three stable temperatures, each approached by warming and by cooling
+        [time] check the log for what happened at that time, and repeat the run: what does not recur at the same time is unrelated to the motion
+        [after_moves] make each rest five times as long, approached from both sides, and observe how the fixture settles
+        [ramps] record ramps at three accelerations with a trigger common to both clocks, and look up how the unit filters and time-stamps its output
+        [recorded] vary that quantity alone while the unit is at rest
+       *[level] record an hour at rest and a few constant rates: what appears at rest is noise or drift, the remainder is a response to motion
     }
 
 # The verdict.
 report-summary = { $kinds ->
-        [none] Nothing of the mismatch above noise has a name: { $unnamed } of it follows patterns that nothing in the catalogue explains, { $left } follows none
-        [some] { $all } of the mismatch above noise is accounted for ({ $named } by effects with a name, { $unnamed } by patterns without one), { $left } is not
+        [none] No part of the mismatch above noise could be named: { $unnamed } of it follows patterns that no catalogue effect explains, { $left } follows none
+        [some] { $all } of the mismatch above noise is accounted for ({ $named } by named effects, { $unnamed } by unnamed patterns), { $left } is not
        *[all] { $all } of the mismatch above noise is explained, { $left } is not
     }; look first at: { $first }.
-report-first-left = what is left in the { $channel } (χ² = { $chi2 } per degree of freedom)
-report-left = What is left stands above the unit's noise and that of the reference, in χ² per degree of freedom: { $channels }.
+report-first-left = the residual of the { $channel } (χ² = { $chi2 } per degree of freedom)
+report-left = The residual exceeds the noise of unit and reference; χ² per degree of freedom: { $channels }.
 report-left-in = { $channel } { $chi2 }
-report-small = Small remainders: { $remainders }.
+report-small = Minor remainders: { $remainders }.
 report-small-finding = { $title } ({ $share })
 report-no_mismatch = no mismatch
     .headline = No mismatch: the standard's model accounts for this recording
 report-explained = explained
-    .headline = Explained: what the standard's model leaves out is found
+    .headline = Explained: the physics missing from the standard's model was identified
 report-partly_explained = partly explained
-    .headline = Partly explained: something is found, something stays without a name
+    .headline = Partly explained: one part was identified, another remains unnamed
 report-unexplained = unexplained
-    .headline = Unexplained: model and recording differ, and nothing in the catalogue accounts for it
-report-nothing-found = Nothing was found that the standard's model leaves out. On segments that the fit did not see it leaves χ² = { $chi2 } per degree of freedom (noise alone: 1). What is smaller than the noise lets see, or what the standard's parameters absorb whole, this recording cannot show.
-report-tested = Tested were { $channels } channels over { $minutes } min at { $rate } Hz{ $kinds ->
+    .headline = Unexplained: model and recording differ, and nothing in the catalogue accounts for the difference
+report-nothing-found = No physics missing from the standard's model was found. On segments withheld from the fit, χ² per degree of freedom is { $chi2 } (noise alone: 1). Effects below the noise, or fully absorbed by the standard's parameters, cannot be seen in this recording.
+report-tested = { $channels } channels were tested over { $minutes } min at { $rate } Hz{ $kinds ->
         [0] {""}
        *[other] {" "}with { $segments }
     }.
@@ -150,71 +150,71 @@ report-rotation-segments =
         [one] { $count } turn by a known angle
        *[other] { $count } turns by a known angle
     }
-report-detected = The strongest departure from the standard's model has { $p }, corrected for how many were looked for; a mismatch is stated below p = { $limit }, which one clean recording in { $odds } reaches by chance.
-report-left-out = The standard's model leaves out: { $findings }.
+report-detected = The strongest departure from the standard's model has { $p }, corrected for the number of tests; a mismatch is reported below p = { $limit }, which one clean recording in { $odds } reaches by chance.
+report-left-out = Missing from the standard's model: { $findings }.
 report-left-out-size = { $title } ({ $size })
 report-unnamed = { $verdict ->
-        [partly_explained] A part of the excess
-       *[unexplained] What model and recording differ by
-    } is explained by nothing in the catalogue, and is given no name{ $described ->
+        [partly_explained] Part of the mismatch
+       *[unexplained] The mismatch
+    } is not explained by any effect in the catalogue and is left unnamed{ $described ->
         [0] {""}
-       *[other] ; what is seen: { $follows }
+       *[other] ; observed: { $follows }
     }.
-report-gained = On segments that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1).
-report-gained-most = On segments that the fit did not see, χ² per degree of freedom goes from { $before } to { $after } (noise of unit and reference: 1), and the rms residual of the { $channel } falls to { $share }.
+report-gained = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (noise of unit and reference = 1).
+report-gained-most = On segments withheld from the fit, χ² per degree of freedom falls from { $before } to { $after } (noise of unit and reference = 1), and the rms residual of the { $channel } falls to { $share }.
 report-moved = { $findings ->
         [one] Taking it into account
        *[other] Taking all findings into account together
-    } moves { $values ->
+    } changes { $values ->
         [0] no values
         [one] { $values } value
        *[other] { $values } values
-    } of the certificate by more than U{ $verdicts ->
+    } on the certificate by more than U{ $verdicts ->
         [0] {""}
         [one] {" "}and changes { $verdicts } verdict
        *[other] {" "}and changes { $verdicts } verdicts
-    }, most of all { $element }: { $before } → { $after } ({ $times } U).
+    }, above all { $element }: { $before } → { $after } ({ $times } U).
 
 # The page.
 report-title = Model and recording: { $recording }
 report-shares =
-    .caption = Left: share of the mismatch above noise that each finding removes, and what none of them explains. Right: χ² per degree of freedom of what is left in each channel, against the noise of unit and reference (noise alone: 1).
+    .caption = Left: share of the mismatch above noise removed by each finding, and the share that none explains. Right: χ² per degree of freedom of each channel's residual relative to the noise of unit and reference (noise alone: 1).
 report-where = Where
-    .caption = Colour: by how many standard deviations the misfit of the standard's model stands above noise, at the averaging time at which it shows most. The strip above tells rests, rates and turns; bars below a channel tell in which segments a finding sits, the numbers at the right its share.
-    .caption-noise = Colour: by how many standard deviations the misfit of the standard's model stands above white noise, at the averaging time at which it shows most. Single pale cells are the unit's own slow noise: all in all there is no more than chance allows.
-report-what-was-left-out = What was left out
+    .caption = Colour: number of standard deviations by which the misfit of the standard's model exceeds noise, at the averaging time where it is most visible. The strip at the top marks rests, rates and turns; bars below a channel mark the segments in which a finding is located, with its share on the right.
+    .caption-noise = Colour: number of standard deviations by which the misfit of the standard's model exceeds white noise, at the averaging time where it is most visible. Isolated pale cells are the unit's own slow noise; overall there is no more than chance allows.
+report-what-was-left-out = Missing physics
 report-before-after = Before and after
-    .caption = Left: means of the residual over time; pale bars show what swings within a cell. Right: spectrum of the residual divided by the noise of a sample.
-report-left-over = What is left over
-    .caption = Left: means of the residual over time. Right: spectrum of the residual divided by the noise of a sample; a rise at low frequencies is the flicker and drift of the unit's own noise.
-report-held-out = Segments that the fit did not see: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference: 1).
+    .caption = Left: means of the residual over time; pale bars show its variation within a cell. Right: spectrum of the residual divided by the noise of one sample.
+report-left-over = Residual
+    .caption = Left: means of the residual over time. Right: spectrum of the residual divided by the noise of one sample; a rise at low frequencies is the unit's own flicker noise and drift.
+report-held-out = Segments withheld from the fit: χ² per degree of freedom { $before } before, { $after } after (noise of unit and reference = 1).
 report-rms-ratio = rms residual, after / before
-report-certificate = The certificate
-report-nothing-moved = No value of the certificate was found to be moved.
+report-certificate = Effect on the certificate
+report-nothing-moved = No value on the certificate was found to change.
 report-remarks = Remarks
 report-method = Method and false alarms
-    .compared = The readings are compared with models (1) and (2) of JJF 2003-2022, driven by the motion that the table reports and by the gravity that the recording tells: no Earth rotation, no lever arm, a perfect vertical, no temperature, no delay. Every effect of the catalogue is added in turn and all parameters are fitted again together; what is added must predict stretches that its fit did not see.
+    .compared = The readings are compared with models (1) and (2) of JJF 2003-2022, driven by the motion reported by the table and the gravity stated in the recording: no Earth rotation, no lever arm, a true vertical, no temperature dependence, no delay. Each effect of the catalogue is added in turn and all parameters are re-estimated together; an added effect must predict segments withheld from its fit.
 report-origin = Origin
     .recording = recording
-    .digest = digest of its content (SHA-256)
+    .digest = SHA-256 digest of its content
     .model = compared with
     .unit = unit
     .station = station
-    .code = made with
-    .data = as data
+    .code = created with
+    .data = data file
 
 # Heads of the cards and tables.
-report-card-size = How large
+report-card-size = Size
 report-card-refused = Why it has no name
 report-card-equation = Equation
-report-card-why = Why we believe it
-report-card-tests = What else was tested
-report-card-alternatives = Could also be
-report-card-record = To be sure, record
-report-card-certificate = On the certificate
-report-card-next = What to do next
+report-card-why = Evidence
+report-card-tests = Further tests
+report-card-alternatives = Alternatives
+report-card-record = Confirming recording
+report-card-certificate = Effect on the certificate
+report-card-next = Next step
 report-together = all
-report-column-number = no.
+report-column-number = No.
 report-column-parameter = parameter
 report-column-value = value
 report-column-uncertainty = U (k = 2)
@@ -224,19 +224,19 @@ report-column-share = share
 report-column-where = where
 report-column-along = along
 report-column-segments = segments
-report-column-element = value of the certificate
-report-column-before = left out
-report-column-after = taken into account
+report-column-element = certificate value
+report-column-before = without
+report-column-after = with
 report-column-change = change / U
 report-change = { $before } → { $after }
 report-column-verdict = verdict
 report-dimension-rate = rate
 report-dimension-attitude = attitude
-report-dimension-rotation_phase = phase of the turn
+report-dimension-rotation_phase = table angle
 report-dimension-frequency = frequency
 report-dimension-temperature = temperature
 report-dimension-time = time
 report-dimension-after_moves = after moves
 report-dimension-ramps = ramps
 report-dimension-recorded = a recorded quantity
-report-dimension-level = everywhere alike
+report-dimension-level = constant throughout

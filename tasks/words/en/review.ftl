@@ -8,36 +8,36 @@ review-carrier =
     .site = site { $name }
 review-carried = { $effect } in the runs of { $carrier }
 review-summary = { $count ->
-        [one] One effect that
-       *[other] { $count } effects that
-    } the runs have in common: { $findings }
+        [one] One effect
+       *[other] { $count } effects
+    } common to these runs: { $findings }
 review-nothing = { $runs } runs of { $units ->
         [one] one unit
        *[other] { $units } units
     } on { $stations ->
         [one] one station
        *[other] { $stations } stations
-    } have nothing in common that chance, or a spread between units, would not show as well ({ $p }, corrected for all that was tried; 1 clean fleet in 100 would raise a false alarm)
+    } have nothing in common beyond chance and the spread between units ({ $p }, corrected for the number of tests; 1 clean fleet in 100 would raise a false alarm)
 review-evidence = { $runs ->
-        [one] One run has
-       *[other] { $runs } runs add up to
-    } χ² = { $gain }; in a single one it is { $z } times its own standard deviation (median), and { $shown } of them lean towards it
+        [one] One run gives
+       *[other] { $runs } runs together give
+    } χ² = { $gain }; in a single run the effect is { $z } times its standard deviation (median), and { $shown } of them favour it
 review-sizes = { $sizes }
 review-changed =
-    .since = it is there since run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
-    .until = it is there up to run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
-    .since-certain = it is there since run { $run } ({ $at }; with 95 % probability no other)
-    .until-certain = it is there up to run { $run } ({ $at }; with 95 % probability no other)
+    .since = present since run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
+    .until = present until run { $run } ({ $at }; between { $earliest } and { $latest } with 95 % probability)
+    .since-certain = present since run { $run } ({ $at }; 95 % interval contains no other run)
+    .until-certain = present until run { $run } ({ $at }; 95 % interval contains no other run)
 review-deciding-run =
-    .unit = these runs do not tell { $unit } from { $station }: a run of the unit on another station would, or one of another unit on this station
-    .other = these runs do not tell { $carrier } from { $other }: a run of one of them without the other would
-review-touches = certificates on these runs that print what it moves: { $count } of { $looked }; most of all { $certificate }, { $element } by { $times } U
-review-touches-none = nothing that the certificates on these runs print ({ $looked }) is moved by more than 0.05 U
-review-other-names = as likely here: { $names }
-review-separated-by = what would separate them: { $recording }
-review-site = { $station }: estimated from Earth's rotation in { $runs } runs, as no manifest gives it: latitude { $latitude } north or south, heading { $heading } (k = 2)
-review-site-unknown = { $station }: no manifest gives its latitude and heading, and Earth's rotation does not stand out in its { $runs } runs
+    .unit = these runs cannot separate { $unit } from { $station }: a run of the unit on another station would, or one of another unit on this station
+    .other = these runs cannot separate { $carrier } from { $other }: a run of one of them without the other would
+review-touches = certificates on these runs that print affected values: { $count } of { $looked }; largest change: { $certificate }, { $element } by { $times } U
+review-touches-none = no value printed on the certificates of these runs ({ $looked }) changes by more than 0.05 U
+review-other-names = equally likely here: { $names }
+review-separated-by = a recording that would separate them: { $recording }
+review-site = { $station }: estimated from Earth's rotation in { $runs } runs because no manifest states it: latitude { $latitude } north or south, heading { $heading } (k = 2)
+review-site-unknown = { $station }: no manifest states its latitude and heading, and Earth's rotation is not significant in its { $runs } runs
 together-found = { $count } recordings of { $unit } together show { $effects }
-together-nothing = { $count } recordings of { $unit } together show nothing that chance would not show as well ({ $p }, corrected for all that was tried)
-together-evidence = { $effect }: the evidence of the recordings adds up to ΔBIC = { $gain }
-together-alone = { $recording } by itself: { $verdict }
+together-nothing = { $count } recordings of { $unit } together show nothing beyond chance ({ $p }, corrected for the number of tests)
+together-evidence = { $effect }: the combined evidence of the recordings is ΔBIC = { $gain }
+together-alone = { $recording } alone: { $verdict }

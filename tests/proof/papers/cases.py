@@ -50,7 +50,7 @@ LONG = Party(
     name="Joint Stock Company for the Development, Production and Maintenance of Navigation and "
     "Stabilisation Systems of the Northern Provinces, Branch for Inertial Measurement",
     name_zh="北方各省导航与稳定系统研制生产维修股份有限责任公司惯性测量技术分公司第三计量检测中心",
-    address="Building 14, Entrance C, Industrial Estate «Gyroscope», 1284 Long Quay Avenue, "
+    address="Building 14, Entrance C, Industrial Estate “Gyroscope”, 1284 Long Quay Avenue, "
     "Administrative District 7, 518057 Shenzhen, Guangdong, People's Republic of China",
     address_zh="中华人民共和国广东省深圳市南山区陀螺仪工业园长堤大道1284号第14栋C座（518057）",
 )

@@ -1,6 +1,6 @@
 """The generic library: powers and products of what was commanded and recorded beside the unit.
 
-Column names are formulas: factors parted by «·», squares «²», cubes «³». ω: rate, u: the upward
+Column names are formulas: factors parted by “·”, squares “²”, cubes “³”. ω: rate, u: the upward
 vertical, n: North (unit vectors in the body), α: angular acceleration, T and Ṫ: the unit's
 temperature and its rate (the room's where the unit gives none), V: supply, t: time.
 """

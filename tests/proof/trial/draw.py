@@ -46,7 +46,7 @@ class Drawn(Data):
 
     @property
     def label(self) -> str:
-        """«0007», the name of its folders: it tells nothing."""
+        """“0007”, the name of its folders: it tells nothing."""
         return f"{self.number:04d}"
 
 

@@ -176,7 +176,7 @@ def _number(share: float | None) -> str:
 
 
 def rate_words(rate: Rate, interval: bool) -> str:
-    """«12/30», or «40 % [25, 58]»."""
+    """“12/30”, or “40 % [25, 58]”."""
     if rate.share is None or rate.interval is None:
         return "–"
     if not interval:

@@ -157,7 +157,7 @@ def _rate(scores: Sequence[Score], holds: str) -> Rate:
 
 
 def percent(rate: Rate) -> str:
-    """«12 %», with a decimal below ten."""
+    """“12 %”, with a decimal below ten."""
     if rate.share is None:
         return "–"
     share = 100 * rate.share
@@ -165,7 +165,7 @@ def percent(rate: Rate) -> str:
 
 
 def counted(rate: Rate) -> str:
-    """«1 of 120 [0.1, 4.6]», the interval in percent."""
+    """“1 of 120 [0.1, 4.6]”, the interval in percent."""
     if rate.interval is None:
         return "no case"
     low, high = (100 * bound for bound in rate.interval)
@@ -173,5 +173,5 @@ def counted(rate: Rate) -> str:
 
 
 def words(rate: Rate) -> str:
-    """«12 % (36 of 300)»."""
+    """“12 % (36 of 300)”."""
     return f"{percent(rate)} ({rate.count} of {rate.of})"

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from tests.proof.text import Text, bilingual
 
-# By what is true («clean» where nothing is) and what was said: a name, «unnamed» or «nothing».
+# By what is true (“clean” where nothing is) and what was said: a name, “unnamed” or “nothing”.
 KNOWN_CAUSES: Mapping[tuple[str, str], Text] = {
     **dict.fromkeys(
         (("bandwidth", "time_offset"), ("time_offset", "bandwidth")),

@@ -80,7 +80,7 @@ def test_whether_it_was_adjusted_or_sampled_is_always_told() -> None:
 @pytest.mark.parametrize(
     ("certificates", "says"),
     [
-        (("A", "B"), "by the certificates named there."),
+        (("A", "B"), "the certificates stated for them."),
         (("A", ""), "none is given for Thermo-hygrometer."),
         (("", ""), "no metrological traceability is claimed"),
     ],

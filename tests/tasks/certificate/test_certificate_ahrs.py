@@ -17,7 +17,7 @@ from tasks.certificate.pdf import render
 from tasks.conformity import decide
 from tasks.specifications.jjf1536 import JJF1536
 
-# Clause 5.6 to 5.8: X turns, Y reads is «X axis to Y axis», L_yx; the order of Appendix C.
+# Clause 5.6 to 5.8: X turns, Y reads is “X axis to Y axis”, L_yx; the order of Appendix C.
 ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),
          ("Z", "X", "xz"), ("Z", "Y", "yz")]  # fmt: skip
 

@@ -191,7 +191,7 @@ def test_an_unknown_reading_is_printed_by_its_identifier() -> None:
 def test_the_uncertainty_statement_says_what_is_not_in_it() -> None:
     zh, en = content(certificate()).uncertainty[1]
     assert "type A only" in en
-    assert "are not in it" in en
+    assert "are not included" in en
     assert "转台、参考标准和数据采集系统引入的分量未包含在内" in zh
 
 
@@ -281,7 +281,7 @@ def test_settings_are_called_by_their_names_in_every_language_and_have_units() -
         "实验室给出的极限，角位置定位精度：±4.95036″ (certificate 2026-123)；"
         "有效位数：12（取规范示例值）",
         "gravity used: 9.8015 m/s²; latitude used: not given; uncertainty: GUM, type A and B "
-        "combined; limits of the equipment: JJF 2003-2022, Table 1; limit of the laboratory's, "
+        "combined; limits of the equipment: JJF 2003-2022, Table 1; laboratory limit, "
         "angular positioning: ±4.95036″ (certificate 2026-123); "
         "effective bits: 12 (as in the specification's example)",
     )

@@ -28,7 +28,7 @@ def made(ideal_run):
 
 def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
     (zh, en), (flat_zh, flat_en) = printed(whose_limits(made(), JJF2003))
-    assert "recommended limits of JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
+    assert "limits recommended by JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
     assert "latitude assumed known to ±0.05°" in en
     assert "JJF 2003—2022，表 1" in zh
@@ -40,7 +40,7 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
 def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
     result = made(rate=OWN, gravity=OWN)
     (_, en), _ = printed(whose_limits(result, JJF2003))
-    own, others = en.split("recommended limits")
+    own, others = en.split("limits recommended")
     assert "stated by the laboratory: table rate, whole turns, local gravity" in own
     assert "table rate, whole turns" not in others
     assert "local gravity assumed" not in others

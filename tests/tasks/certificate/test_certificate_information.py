@@ -24,7 +24,7 @@ def noise(**changes: Any) -> Information:
         "value": {"x": 0.08433, "y": None, "z": 0.0841},
         "u": {"x": 0.00067, "y": None, "z": 0.0006},
         "U": {"x": 0.00134, "y": None, "z": 0.0012},
-        "en": "From 18 rests. y: the output's step hides the noise.",
+        "en": "From 18 rests. y: the noise is masked by the output's resolution.",
         "zh": "由 18 段静止数据求得。y：输出分辨力掩盖了噪声。",
     }
     return Information(**(given | changes))
@@ -44,7 +44,7 @@ def test_a_quantity_without_any_number_keeps_its_reason() -> None:
     shown = noise(value=nothing, u=nothing, U=nothing)
     (row,) = printed(information_rows(calibration(information={"walk": shown})))
     assert row.lines == ()
-    assert "step hides" in row.sentences[1]
+    assert "masked by" in row.sentences[1]
 
 
 def test_a_value_without_u_has_three_digits_and_no_more() -> None:
@@ -66,7 +66,7 @@ def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     made = calibration()
     made = calibration(information=separated(made.items["gyro_g_sensitivity"], None))
     ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", SPECIFICATIONS[made.method]))
-    assert en.startswith("The value by eq. (7) contains Earth's rotation:")
+    assert en.startswith("The value by eq. (7) includes Earth's rotation:")
     assert "0.0027 (°/s)/g, 11 times U" in en
     assert "即 U 的 11 倍" in zh
 
@@ -77,7 +77,7 @@ def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None
         information=separated(made.items["gyro_g_sensitivity"], None), method="joint"
     )
     ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", SPECIFICATIONS[made.method]))
-    assert en.startswith("The value contains Earth's rotation:")
+    assert en.startswith("The value includes Earth's rotation:")
     assert zh.startswith("上述值含地球自转：")
 
 
@@ -116,7 +116,7 @@ def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
 ) -> None:
     made = calibrate(JJF2003, plant("plant_earth_rotation"), run="r", code_version="v")
     text = text_of(render(certificate(made)))
-    assert "The value by eq. (7) contains Earth's rotation" in text
+    assert "The value by eq. (7) includes Earth's rotation" in text
     assert "式(7)的值含地球自转" in text
     assert "附加信息（不作判定）" in text
 

@@ -25,8 +25,8 @@ def test_what_is_so_of_one_segment_after_the_other_is_told_once_with_the_list() 
     made = content(certificate(calibration(remarks=every)))
     (row,) = made.remarks
     zh, en = row.text
-    assert en.startswith("rate_x_-300: about X the rate varies by 0.0 %. The same holds")
-    assert en.endswith("of 17 more segments.")
+    assert en.startswith("rate_x_-300: about X the rate varies by 0.0 %. The same applies")
+    assert en.endswith("to 17 more segments.")
     assert row.segments == ", ".join(NAMES[1:])
     assert "另有 17 段" in zh
 
@@ -42,7 +42,7 @@ def test_remarks_that_differ_in_more_than_figures_stay_apart() -> None:
 def test_the_reasons_count_the_remarks_that_are_printed() -> None:
     blocking = tuple(unsteady(name, 1, blocks_pass=True) for name in NAMES)
     made = content(certificate(calibration(remarks=blocking)))
-    assert made.reasons[-1][1] == "The remarks below that prevent a pass: 1."
+    assert made.reasons[-1][1] == "Remarks below that prevent a pass: 1."
 
 
 def steps(**persons: str) -> tuple[Step, ...]:

@@ -59,7 +59,7 @@ def test_the_conditions_tell_rates_dwell_positions_and_mounting() -> None:
         ("X", "±10, ±300", "4", "300"), ("Y", "−50", "1", "50"), ("Z", "—", "0", "—"),
     ]  # fmt: skip
     assert [field.value[1] for field in made.fields] == [
-        "29.9 s at rest; 30.0 s at a held rate",
+        "29.9 s at rest; 30.0 s at constant rate",
         "2 rests; 2 directions up: +x, −x; headings 0°, 180° (not each with every axis up)",
         "(1, 0, 0, 0); (0, −1, 0, 0)",
         "not given",
@@ -75,9 +75,9 @@ def test_the_mounting_position_is_printed_where_the_manifest_has_it() -> None:
 @pytest.mark.parametrize(
     ("told", "said"),
     [
-        (None, "is not stated, so whether it was included was not checked"),
-        (300, "is 300 °/s; about Y, Z it was not included (up to 0 °/s)"),
-        (10, "is 10 °/s; about Z it was not included (up to 0 °/s)"),
+        (None, "is not stated, so its inclusion could not be checked"),
+        (300, "is 300 °/s; it was not included about Y, Z (up to 0 °/s)"),
+        (10, "is 10 °/s; it was not included about Z (up to 0 °/s)"),
     ],
 )
 def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
@@ -121,8 +121,7 @@ def test_without_a_day_of_calibration_the_next_counts_from_the_certificate() -> 
     assert made["Date of calibration"] == ("未提供", "not given")
     assert made["Recalibration due"] == (
         "2027-11-19（未提供校准日期，自证书日期起算）",
-        "2027-11-19, counted from the date of the certificate, as that of the calibration is "
-        "not given",
+        "2027-11-19, counted from the date of issue because the date of calibration is not given",
     )
 
 
@@ -149,7 +148,7 @@ def test_the_basis_says_what_was_taken_off_with_its_u() -> None:
     taken = AdoptedTerm(name="lever_arm", title="lever arm", title_zh="杆臂", parameters=(arm,))
     zh, en = content(certificate(calibration(terms=(taken,)))).statement[1]
     assert en.startswith(
-        "Taken off the readings before: lever arm, r_x = (50.00 ± 0.20) mm (k = 2)"
+        "Corrected in the readings beforehand: lever arm, r_x = (50.00 ± 0.20) mm (k = 2)"
     )
     assert "杆臂" in zh
 
@@ -190,7 +189,7 @@ def test_without_limits_there_is_no_statement_of_conformity() -> None:
 def test_what_u_contains_stands_on_the_cover_in_short() -> None:
     assert content(certificate()).uncertainty_in_short == (
         "U 仅含 A 类评定的分量；k = 2，正态分布时包含概率约 95 %。",
-        "U contains type A only; k = 2, about 95 % coverage probability for a normal distribution.",
+        "U includes type A only; k = 2, about 95 % coverage probability for a normal distribution.",
     )
 
 
@@ -202,9 +201,9 @@ def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
 
     bias = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0)
     offset = Limit(item="gyro_fit_offset", unit="deg/s", magnitude=1.0)
-    assert "is not decided on" in said(bias)
-    assert "is not decided on" not in said(offset)
-    assert "g_ii × 1 g and what the unit senses of Earth's rotation" in said(offset)
+    assert "no decision is based on it" in said(bias)
+    assert "no decision is based on it" not in said(offset)
+    assert "g_ii × 1 g and the component of Earth's rotation" in said(offset)
 
 
 def test_both_cross_couplings_are_written_in_one_power_of_ten() -> None:
@@ -219,7 +218,7 @@ def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why() -> None:
     before = Replaced(number="MIMU-2026-0041", issued_on=date(2026, 11, 19), why="wrong address")
     front = content(certificate(replaces=before)).front
     (said,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
-    assert said[1] == "MIMU-2026-0041 of 2026-11-19, because: wrong address"
+    assert said[1] == "MIMU-2026-0041 of 2026-11-19; reason: wrong address"
     assert not [each for each in content(certificate()).front if each.label[0] == "代替证书"]
 
 
@@ -228,6 +227,6 @@ def test_the_first_page_says_that_a_run_is_invalid() -> None:
     made = content(certificate(calibration(remarks=(unlike,))))
     assert made.scope == (
         "本次测量无效：不对被校对象作任何判定",
-        "the run is invalid: nothing is decided on the unit",
+        "the run is invalid: no decision is made on the unit",
     )
     assert made.title == ("测量无效报告", "Report of an Invalid Run")

@@ -76,7 +76,7 @@ def test_a_missing_or_non_finite_element_is_inconclusive(missing: float | None) 
                       tolerance(bias_limit()))  # fmt: skip
     assert decision.verdict == "inconclusive"
     assert decision.limits[2].value is None
-    assert decision.reasons == ("Gyro bias (z) not determined: no cause was given",)
+    assert decision.reasons == ("Gyro bias (z) not determined: no cause stated",)
 
 
 def test_an_element_left_out_of_the_result_is_inconclusive() -> None:
@@ -198,7 +198,7 @@ def test_a_one_sided_limit_without_a_bound_on_u_asks_for_one() -> None:
     decision = with_uncertainty(0.01, 5.0, lower=None)
     assert decision.verdict == "inconclusive"
     assert {made.verdict for made in decision.limits} == {"inconclusive"}
-    assert "is 50.6 %, and nothing bounds U: state U_max" in decision.reasons[0]
+    assert "is 50.6 %, and U is not limited: specify U_max" in decision.reasons[0]
     assert "合格概率为 50.6 %" in decision.reasons_zh[0]
     assert with_uncertainty(0.01, 0.02, lower=None).verdict == "pass"
 
@@ -217,7 +217,7 @@ def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | 
     decision = with_uncertainty(value, U)
     assert decision.verdict == "inconclusive"
     assert decision.reasons == (
-        "Gyro bias (x, y, z): no uncertainty above zero was found, so nothing can be decided",
+        "Gyro bias (x, y, z): no uncertainty above zero was obtained, so no decision is possible",
     )
 
 

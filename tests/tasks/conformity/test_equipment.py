@@ -50,7 +50,7 @@ def test_limits_that_equipment_is_taken_to_meet_give_no_pass(equipment: Equipmen
     assert "Table 1" in reason
     assert "table rate" in reason
     assert "squareness of fixture" in reason
-    assert "a pass needs those of the laboratory's own equipment" in reason
+    assert "a pass requires those of the laboratory's own equipment" in reason
     assert "夹具" in reason_zh
 
 
@@ -90,9 +90,9 @@ def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> No
     result = made_with(own())
     (reason,) = smaller_than_stated(result, [table(rate=1e-4)])
     assert say(reason, "en") == (
-        f"table rate, whole turns: the budget takes ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
-        "the ±0.0001 (rectangular) that C-9 (T-1) states of the equipment: correct one of them, "
-        "and certify again"
+        f"table rate, whole turns: the budget uses ±1×10⁻⁵ (rectangular; {SOURCE}), less than "
+        "the ±0.0001 (rectangular) stated for the equipment by C-9 (T-1): correct one of them and "
+        "certify again"
     )
     assert decide(result, tolerance(bias_limit()), (reason,)).verdict == "inconclusive"
 

@@ -83,7 +83,7 @@ def test_an_effect_without_an_entry_is_spelled_out() -> None:
 def test_variants_of_one_effect_have_titles_of_their_own() -> None:
     titles = [say(t.title, "en") for t in TERMS if t.name in ("rate_ripple", "axis_wobble")]
     assert len(set(titles)) == len(titles)
-    assert "rotation axis that wanders twice a turn" in titles
+    assert "rotation axis that wobbles twice per revolution" in titles
 
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda t: f"{t.name}{t.at}")

@@ -71,7 +71,7 @@ def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
 def test_a_site_that_does_not_stand_out_stays_unknown() -> None:
     site = estimated("ST-01", 2, np.array([1e-6, 0.0]), np.diag([1e-12, 1e-12]))
     assert site.latitude_deg is None
-    assert "does not stand out" in site.statement.en
+    assert "is not significant" in site.statement.en
 
 
 def manifest(model: str, serial: str, **station: object) -> Manifest:

@@ -91,7 +91,7 @@ def test_the_answer_is_that_of_one_recording_with_what_each_says_beside_it() -> 
     assert (said.recording_id, said.verdict) == ("a + b + c", "explained")
     assert [p.name for p in finding.parameters[::3]] == ["p0 (a)", "p0 (b)", "p0 (c)"]
     assert "3 recordings of Maker M 1" in said.statement.en
-    assert said.remarks[0].en == "a by itself: Nothing stands out."
+    assert said.remarks[0].en == "a alone: Nothing stands out."
     clean = fleet(3, lambda unit, station, day: NOTHING, runs=3, units=1, stations=1)
     none = discrepancy_together("Maker M 1", *found_together(clean), alone, alone)
     assert (none.verdict, none.findings) == ("no_mismatch", ())

@@ -48,7 +48,7 @@ def test_a_finding_tells_what_it_moves_the_most_first() -> None:
     assert [(each.element, round(each.in_U, 3)) for each in told.touched] == [
         ("y", -3.0), ("x", 0.2)
     ]  # fmt: skip
-    assert "1 of 3; most of all C-1" in told.statement.en
+    assert "1 of 3; largest change: C-1" in told.statement.en
     assert "C-1" in told.statement.zh
     assert "0.05 U" in with_touched(finding, [], 3).statement.en
     assert with_touched(finding, [], 0) == finding

@@ -17,7 +17,7 @@ format = "mimu-laboratory/1"
 latitude_deg = {latitude}
 party = {{ name = "L", name_zh = "实", address = "a", address_zh = "址" }}
 """
-SENTENCE = "The recording states 39.9° latitude, but the laboratory is at -39.9°."
+SENTENCE = "The recording states a latitude of 39.9°, but that of the laboratory is -39.9°."
 
 
 @pytest.fixture

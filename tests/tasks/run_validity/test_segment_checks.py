@@ -76,7 +76,7 @@ def test_a_stuck_channel_is_named_with_its_value_and_length(plant) -> None:
     recording = edited(plant("plant_clean"), "rest_x", stick)
     (remark,) = remarks(recording, "stuck")
     assert remark.segments == ("rest_x",)
-    assert "gyro_z stood still at 0.25 for 600 rows" in remark.en
+    assert "gyro_z was stuck at 0.25 for 600 rows" in remark.en
 
 
 def test_lost_samples_are_counted_with_the_longest_gap(plant) -> None:

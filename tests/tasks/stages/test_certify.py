@@ -228,7 +228,7 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
     reported = certify(*given, asked).certificate
     assert reported.due is None
     assert {decided.verdict for decided in reported.decision.limits} == {"inconclusive"}
-    assert "the run is invalid: nothing is decided on the unit" in reported.decision.reasons
+    assert "the run is invalid: no decision is made on the unit" in reported.decision.reasons
 
 
 def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep) -> None:

@@ -48,7 +48,7 @@ def test_each_line_is_told_in_the_units_own_units_with_its_check_sum():
 
 def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
     monkeypatch.setattr(load, "ANSWER_S", 0.3)
-    refused = re.escape("did not acknowledge «$WRITE,74,+1.0000*6A» with «$OK»")
+    refused = re.escape("did not acknowledge “$WRITE,74,+1.0000*6A” with “$OK”")
     with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, told):
         with pytest.raises(Unusable, match=refused + r".* took 1 lines before"):
             load_correction(correction(), station(url))
@@ -58,7 +58,7 @@ def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
 @pytest.mark.parametrize(
     ("changes", "serial", "sentence"),
     [({}, "0002", r"of MIMU 0002, and on station LAB-1 there is MIMU 0001"),
-     ({"lines": ["{K_x}"]}, "0001", r"«\{K_x\}» of unit_link.load cannot be written"),
+     ({"lines": ["{K_x}"]}, "0001", r"“\{K_x\}” of unit_link.load cannot be written"),
      ({"lines": ["{C_g[3][0]}"]}, "0001", r"cannot be written \(list index out of range\)")],
 )  # fmt: skip
 def test_what_does_not_fit_is_refused_before_anything_is_told(changes, serial, sentence):

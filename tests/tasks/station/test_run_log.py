@@ -28,7 +28,7 @@ def test_every_state_of_a_run_is_kept_with_its_time_and_cause(short, kept):
     measured = [segment for segment in segments if segment.name in MEASURED]
     for entry, segment in zip(log[2:6], measured, strict=True):
         assert entry.t <= segment.t_start
-    assert log[4].en == "rate x -50 deg/s, segment 3 of 4: next in the procedure."
+    assert log[4].en == "rate x -50 deg/s, segment 3 of 4."
     assert "第 3 段" in log[4].zh
 
 
@@ -48,17 +48,17 @@ def test_an_operator_who_ends_a_run_is_its_cause(short, kept):
 
     with pytest.raises(KeyboardInterrupt):
         InMemoryStation(VirtualStation()).acquire(short, kept, interrupt)
-    assert log_of(kept)[-1].en == "The operator stopped the run."
+    assert log_of(kept)[-1].en == "Run stopped by the operator."
 
 
 def test_an_alarm_is_kept_once_and_counted_for_who_watches(short, kept):
     seen = []
     station = InMemoryStation(VirtualStation(), faults=[StationFault("unit_drops")])
     station.acquire(short, kept, seen.append)
-    noticed = [entry.en for entry in log_of(kept) if entry.en.startswith("Noticed")]
-    assert noticed == ["Noticed: samples of the unit lost."]
+    noticed = [entry.en for entry in log_of(kept) if entry.en.startswith("Alarm")]
+    assert noticed == ["Alarm: lost samples from the unit."]
     (alarm,) = seen[-1].alarms
-    assert alarm.en.startswith("samples of the unit lost (")
+    assert alarm.en.startswith("lost samples from the unit (")
     repeating = [entry for entry in log_of(kept) if entry.state == "repeating"]
     assert len(repeating) == seen[-1].segments - len(MEASURED)
 

@@ -64,14 +64,14 @@ def test_a_unit_that_falls_silent_is_given_up_and_its_neighbour_measured_to_the_
     assert_whole(sinks[1])
     assert 0 < sinks[0].stream("imu").t[-1] < 9.0
     causes = [entry["en"] for entry in sinks[0].manifests[-1].model_extra["log"]]
-    assert "The unit was given up" in causes[-1]
+    assert "The unit was abandoned" in causes[-1]
 
 
 def test_who_watches_hears_which_unit_was_given_up(short, sinks):
     seen: list[Progress] = []
     run(short, sinks, [StationFault("unit_silent", 8.0)], seen.append)
     assert seen[-1].state == "done"
-    assert any(alarm.en.startswith("V00001: The unit was given up") for alarm in seen[-1].alarms)
+    assert any(alarm.en.startswith("V00001: The unit was abandoned") for alarm in seen[-1].alarms)
 
 
 def test_when_every_unit_is_silent_the_run_stops(short, sinks):

@@ -42,7 +42,7 @@ def kept_until(
 ) -> None:
     """finished: segments that were measured at least."""
     sentence = str(stop.value)
-    assert "the run stopped during «" in sentence
+    assert "the run stopped during “" in sentence
     assert f"is kept (finished segments: {len(kept.measured())})" in sentence
     assert kept.measured()[:finished] == MEASURED[:finished]
     for stream in ("imu", "table", "environment"):

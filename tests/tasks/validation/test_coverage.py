@@ -36,7 +36,7 @@ def test_intervals_that_are_too_short_are_no_evidence() -> None:
 def test_intervals_that_are_too_long_are_said_to_be() -> None:
     check = coverage_check(summarise(drawn(0.7, 2000))["item"])
     assert check.passed
-    assert "larger than it need be" in check.en
+    assert "larger than necessary" in check.en
 
 
 def test_a_few_units_are_no_evidence() -> None:

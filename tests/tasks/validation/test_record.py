@@ -179,7 +179,7 @@ def test_an_element_that_the_average_hides_is_doubted(calibration, hidden) -> No
     assert doubt.elements == {"xz", "yz"}
     assert "xz (91.1 %), yz (98.9 %)" in say(doubt.sentence, "en")
     assert say(named(hidden, calibration), "en").endswith(
-        "8 of 9 items in full; not validated are Gyro cross coupling coefficient xz, yz"
+        "8 of 9 items in full; not validated: Gyro cross coupling coefficient xz, yz"
     )
     assert '<td>xz</td><td class="number">91.1 %</td>' in validation_html(hidden)
 

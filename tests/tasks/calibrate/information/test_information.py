@@ -90,7 +90,7 @@ def test_short_rests_give_no_bias_instability_and_say_so() -> None:
 def test_a_step_that_hides_the_noise_leaves_it_null_and_says_so() -> None:
     found = result(resting(60.0, 1, step=1e-3)).information["gyro_angle_random_walk"]
     assert found.value["x"] is None
-    assert "x: the output's step hides the noise" in found.en
+    assert "x: the noise is masked by the output's resolution" in found.en
     assert found.value["y"] is not None
 
 
@@ -149,7 +149,7 @@ def test_a_curved_scale_factor_is_found_in_the_rate_points(ideal_run) -> None:
     curved = Recording(recording.manifest, Stream(recording.imu.t, columns), digest="0" * 64)
     found = result(curved).information["gyro_scale_nonlinearity"]
     assert found.value["x"] > 100 * found.value["y"] > 0.0
-    assert "More than noise: x" in found.en
+    assert "Exceeds the noise: x" in found.en
 
 
 def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_run) -> None:
@@ -180,7 +180,7 @@ def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_ru
         table = np.sqrt(sum(line.contribution**2 for line in lines)) / item.value[axis]
         assert found.u[axis] >= 1e6 * np.sqrt(2.0) * table > 0.0
         assert found.U[axis] == pytest.approx(2.0 * found.u[axis])
-    assert "type B of the equipment" in found.en
+    assert "type B contributions of the equipment" in found.en
 
 
 def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run) -> None:

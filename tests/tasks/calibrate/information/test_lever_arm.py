@@ -43,13 +43,13 @@ def test_ramps_tell_the_lever_arm_from_the_rate_sensitivity(plant, shared) -> No
     assert separated.about == "accel_rate_sensitivity"
     equipment = type_b(items_of(recording)["accel_rate_sensitivity"], separated.value)
     assert all(u >= b > 0 for u, b in zip(separated.u.values(), equipment, strict=True))
-    assert "type B of the equipment" in arm.en
+    assert "type B contributions of the equipment" in arm.en
 
 
 def test_without_a_budget_of_the_rate_sensitivity_there_is_no_uncertainty(plant) -> None:
     found = lever_arm_information(gather(plant("plant_lever_arm")), {})
     assert set(found["lever_arm"].U.values()) == {None}
-    assert "Without U" in found["lever_arm"].en
+    assert "No U stated" in found["lever_arm"].en
 
 
 def test_without_a_lever_arm_there_is_none(plant, shared) -> None:

@@ -184,7 +184,7 @@ def test_waves_per_turn_are_counted(run: Recording, motion: Motion) -> None:
     ripple = 1e-3 * np.cos(5 * angle + 0.3) * (np.abs(speed) > 0.1)
     (where,) = locate(explained(run, in_channels(len(ripple), gyro_y=ripple)))
     assert one(where).dimension == "rotation_phase"
-    assert "5 waves per turn of the outer axis" in one(where).description.en
+    assert "5 cycles per revolution of the outer axis" in one(where).description.en
 
 
 def test_what_goes_by_the_temperature_is_told_with_its_values(run: Recording) -> None:
@@ -271,7 +271,7 @@ def test_what_the_standard_takes_up_whole_is_said_to_be_nowhere(
 ) -> None:
     (where,) = locate(explained(run, in_channels(len(motion.t))))
     assert one(where).dimension == "level"
-    assert "takes it up whole" in one(where).description.en
+    assert "fully absorbed" in one(where).description.en
 
 
 def test_no_finding_has_no_place(run: Recording) -> None:

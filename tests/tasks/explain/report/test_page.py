@@ -99,7 +99,7 @@ def test_what_was_written_by_others_is_escaped(page_of) -> None:
 
 def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of) -> None:
     page = page_of("no_mismatch")
-    assert "The certificate</span>" not in page
+    assert "Effect on the certificate</span>" not in page
     assert "with the findings" not in page
     assert "p = 0.41" in page
 

@@ -51,7 +51,7 @@ def test_evidence_is_said_in_plain_words() -> None:
 
 def test_a_gain_that_unseen_stretches_do_not_bear_out_is_said() -> None:
     en, zh = texts(answer(explanation(finding(held_out_gain=-3.2))))
-    assert "are not predicted better (−3.2 nats)" in en
+    assert "are predicted no better (−3.2 nats)" in en
     assert "未见改善" in zh
 
 
@@ -62,8 +62,8 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
     )
     en, zh = texts(answer(explanation(pair)))
     wobble = in_languages(effect_name("axis_wobble"))
-    assert f"cannot tell it from {wobble['en']} or not yet in the list." in en
-    assert "To be sure, record: the outer axis turned by 90°." in en
+    assert f"cannot distinguish it from {wobble['en']} or not yet in the list." in en
+    assert "To confirm, record: the outer axis turned by 90°." in en
     assert f"{wobble['zh']}或not yet in the list。" in zh
     assert "应补充记录：外轴转 90°。" in zh
 
@@ -71,9 +71,9 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
 def test_what_has_no_name_is_described_by_what_it_follows() -> None:
     discrepancy = answer(explanation(unnamed(), verdict="unexplained"))
     en, zh = texts(discrepancy)
-    assert "Without a name: a relaxation of 12 s after each move." in en
+    assert "Unnamed: a relaxation of 12 s after each move." in en
     assert "未命名：每次运动后 12 s 的松弛。" in zh
-    assert "given no name" in discrepancy.statement.en
+    assert "left unnamed" in discrepancy.statement.en
     assert "不予命名" in discrepancy.statement.zh
 
 
@@ -90,7 +90,7 @@ def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> No
 def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
     gone = [BIAS.model_copy(update={name: None}) for name in ("before", "after", "U")]
     en, _ = texts(answer(explanation(finding()), tuple(gone)))
-    assert "of the certificate" not in en
+    assert "on the certificate" not in en
 
 
 def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> None:
@@ -102,28 +102,31 @@ def test_the_verdict_on_the_whole_certificate_is_not_counted_as_an_item() -> Non
 
 def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
     told = answer(explanation()).statement
-    assert "6 channels over 2.75 min at 20 Hz" in told.en
+    assert "6 channels were tested over 2.75 min at 20 Hz" in told.en
     assert "2 rests, 2 constant rates, 1 turn by a known angle" in told.en
     assert "p = 0.41" in told.en
     assert "one clean recording in" in told.en
-    assert "χ² = 1.00" in told.en
+    assert "χ² per degree of freedom is 1.00" in told.en
     assert "6 个通道" in told.zh
     assert "误报" in told.zh
 
 
 def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
     told = answer(explanation(finding()), (BIAS,), (CHANGE,)).statement
-    assert "leaves out: Table not level (east = (1.234 ± 0.022) mrad)" in told.en
+    assert (
+        "Missing from the standard's model: Table not level (east = (1.234 ± 0.022) mrad)"
+        in told.en
+    )
     assert "from 2.91 to 1.02" in told.en
     assert "accelerometer x falls to 31 %" in told.en
-    assert "1 value of the certificate" in told.en
+    assert "1 value on the certificate" in told.en
     assert "转台不水平" in told.zh
 
 
 def test_a_partly_explained_recording_says_both_parts() -> None:
     told = answer(explanation(finding(), unnamed(), verdict="partly_explained")).statement
     assert "Table not level" in told.en
-    assert ". A part of the excess" in told.en
+    assert ". Part of the mismatch" in told.en
     assert "其余部分" in told.zh
 
 

@@ -26,22 +26,20 @@ def test_the_largest_finding_is_what_to_look_at_first() -> None:
 def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first() -> None:
     left = np.array([1.0, 31.4, 2.0, 1.0, 1.0, 1.0])
     said = answer(explanation(finding(share=0.2), left_over=left)).statement.en
-    assert "look first at: what is left in the gyro y (χ² = 31.40 per degree of freedom)" in said
+    assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in said
     assert "χ² per degree of freedom: gyro y 31.40, gyro z 2.00." in said
 
 
 def test_what_is_described_without_a_name_is_told_apart_from_what_is_explained() -> None:
     both = explanation(finding(), unnamed(share=0.3), verdict="partly_explained")
     said = first_sentence(answer(both))
-    assert (
-        "92 % of the mismatch above noise is accounted for (62 % by effects with a name, " in said
-    )
-    assert "30 % by patterns without one), 8 % is not" in said
+    assert "92 % of the mismatch above noise is accounted for (62 % by named effects, " in said
+    assert "30 % by unnamed patterns), 8 % is not" in said
 
 
 def test_where_nothing_has_a_name_the_first_sentence_says_so() -> None:
     said = first_sentence(answer(explanation(unnamed(share=0.7), verdict="unexplained")))
-    assert said.startswith("Nothing of the mismatch above noise has a name: 70 % of it follows")
+    assert said.startswith("No part of the mismatch above noise could be named: 70 % of it follows")
     assert said.endswith("30 % follows none; look first at: a relaxation of 12 s after each move")
 
 
@@ -56,9 +54,9 @@ def test_small_remainders_are_one_line() -> None:
     discrepancy = answer(explanation(finding(), small=small))
     assert [each.en for each in discrepancy.small_remainders] == [
         "Table not level (< 1 %)",
-        "without a name: a relaxation of 12 s after each move (< 1 %)",
+        "unnamed: a relaxation of 12 s after each move (< 1 %)",
     ]
-    assert "Small remainders: Table not level (< 1 %); without a name:" in discrepancy.statement.en
+    assert "Minor remainders: Table not level (< 1 %); unnamed:" in discrepancy.statement.en
     assert len(discrepancy.findings) == 1
 
 
@@ -72,12 +70,12 @@ def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
 def test_a_finding_that_leaves_its_channels_high_says_so_and_what_counts() -> None:
     left = np.array([50.0, 1.0, 1.0, 30.0, 1.0, 1.0])  # the finding touches no gyro
     said = answer(explanation(finding(), left_over=left)).findings[0].statement
-    assert "of the accelerometer x stays at 30.00 (noise of unit and reference: 1)" in said.en
+    assert "of the accelerometer x remains at 30.00 (noise of unit and reference = 1)" in said.en
     assert "相对于剩余残差" in said.zh
-    assert "stays at" not in answer(explanation(finding())).findings[0].statement.en
+    assert "remains at" not in answer(explanation(finding())).findings[0].statement.en
 
 
-@pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to take its name away")])
+@pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to withhold the name")])
 def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
     told = answer(explanation(finding(homogeneity_p=p))).findings[0]
     assert words in told.statement.en
@@ -92,7 +90,7 @@ def test_a_pattern_that_differs_from_part_to_part_is_no_law() -> None:
 
 def test_what_the_standards_parameters_absorb_is_told_as_that() -> None:
     told = answer(explanation(finding(share=0.0, held_out_gain=1e-7))).findings[0].statement
-    assert "absorb it whole" in told.en
+    assert "absorb it completely" in told.en
     assert "times as probable" not in told.en
     assert "全部吸收" in told.zh
 
@@ -105,18 +103,16 @@ def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() 
                    )  # fmt: skip
     told = answer(explanation(made)).findings[0]
     assert told.group == group
-    assert "an offset between the clocks or the unit's low-pass" in told.statement.en
-    assert "What they have in common is group delay = (4.50 ± 0.10) ms (k = 2)." in (
-        told.statement.en
-    )
-    assert "cannot tell it from" not in told.statement.en  # once is enough
-    assert "To be sure, record: oscillation at several frequencies." in told.statement.en
+    assert "an offset between the clocks or the unit's low-pass filter" in told.statement.en
+    assert "Their common part is group delay = (4.50 ± 0.10) ms (k = 2)." in (told.statement.en)
+    assert "cannot distinguish it from" not in told.statement.en  # once is enough
+    assert "To confirm, record: oscillation at several frequencies." in told.statement.en
 
 
 def test_every_finding_ends_in_what_to_do_next() -> None:
     made = explanation(finding(), unnamed(), verdict="partly_explained")
     for told in answer(made, (BIAS,)).findings:
-        for language, word in (("en", "Next: "), ("zh", "下一步：")):
+        for language, word in (("en", "Next step: "), ("zh", "下一步：")):
             end = getattr(told.statement, language).rpartition(word)[2]
             assert end.rstrip(".。") == getattr(told.next, language)
 
@@ -127,7 +123,7 @@ def test_what_others_take_back_is_told_of_the_set() -> None:
     both = explanation(finding(share=0.4), finding(share=0.2))
     effects = Consequences(((alone,), ()), ((), ()), (of_set,))
     told = discrepancy_of(both, [(where(),), (where(),)], effects)
-    assert "by −10.9 U, but other findings take that back: all together they move it by −1.0 U" in (
+    assert "by −10.9 U, but the other findings offset that: together they change it by −1.0 U" in (
         told.findings[0].statement.en
     )
     assert told.consequences == (of_set,)
@@ -136,8 +132,8 @@ def test_what_others_take_back_is_told_of_the_set() -> None:
 def test_what_all_findings_move_is_told_together() -> None:
     both = explanation(finding(share=0.4), finding(share=0.2))
     told = answer(both, (BIAS,)).statement.en
-    assert "Taking all findings into account together moves 1 value" in told
-    assert "most of all bias of the X accelerometer" in told
+    assert "Taking all findings into account together changes 1 value" in told
+    assert "above all bias of the X accelerometer" in told
 
 
 def test_the_json_has_the_fields_of_the_contract() -> None:

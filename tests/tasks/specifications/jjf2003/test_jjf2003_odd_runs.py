@@ -92,7 +92,7 @@ def test_a_rest_on_one_side_only_is_said_of_p(ideal_run) -> None:
     kept = tuple(s for s in recording.manifest.segments if not s.name.startswith("rest2"))
     said = [r for r in result(with_segments(recording, kept)).remarks if r.code.startswith("p_")]
     assert len(said) == 3
-    assert "no rest after the turning" in said[0].en
+    assert "no rest after the rotation" in said[0].en
 
 
 @pytest.mark.parametrize("turn", [-180, 180, 540])

@@ -116,7 +116,7 @@ def test_a_known_latitude_takes_the_vertical_part_of_earth_rotation_off() -> Non
     ("recording", "reason"),
     [
         (lambda: held_by_hand(gravity_m_s2=None), "gravity is not stated"),
-        (lambda: held_by_hand(rests=6), "rests with the accelerometers; 12 or more"),
+        (lambda: held_by_hand(rests=6), "rests with accelerometer readings; 12 or more"),
     ],
 )
 def test_what_is_not_enough_is_said(recording: Callable[[], Recording], reason: str) -> None:

@@ -122,4 +122,6 @@ def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
 def test_segments_left_out_for_null_rows_are_named_with_their_number(ideal_run, method) -> None:
     run = without(ideal_run(), GYRO, lambda s: s.name == "rest_y")
     said = [r.en for r in by(method, run).remarks if r.code == "null_rows"]
-    assert said == ["The gyro triad was left out of 1 segments for their null rows: rest_y 300."]
+    assert said == [
+        "The gyro triad was excluded from 1 segments because of missing values: rest_y 300."
+    ]
