@@ -25,6 +25,7 @@ RefusalKind = Literal[
     "incomplete",
     "reference_noise",
     "placed",
+    "one_end",
 ]
 
 
@@ -41,6 +42,7 @@ class Refusal:
     incomplete: it has no law, and its channels keep `value` times the noise (chi-squared).
     reference_noise: it fits no better than what makes the reference's own noise smaller.
     placed: labels alone tell `value` positions, and it has a parameter for all that they leave.
+    one_end: it is a jump with no more than `value` cells of the recording before or after it.
     name: the catalogue's. parameter: the one in question, its numbers in `unit` (SI).
     parts: what divides the recording: time, rate, upward axis, triad, axis.
     """

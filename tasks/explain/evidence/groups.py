@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from tasks.explain.explanation import UNNAMED
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import COUNTS, Term
 
 LEAKAGE = 0.15  # of the chi-squared that something without a name gains
+PER_TURN = "per_turn"  # the shape of what comes so many times a turn
 SAME_STEP = 5.0  # s within which jumps are one step, found anew in each triad or gradual
 
 
@@ -59,7 +61,8 @@ def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
     """Findings of one name are one, as are those that make up for each other; those without a
     name of one term; several steps are jumps.
 
-    A form of a name that was driven to its limit takes the name away where it is the strongest.
+    A form of a name that was driven to its limit takes the name away where it is the strongest;
+    so do neighbouring orders of what comes so many times a turn.
     """
     named: dict[object, list[Selected]] = {}
     for one in selection.selected:
@@ -108,7 +111,25 @@ def _name_of(some: Sequence[Selected]) -> str:
     first = some[0].candidate.term
     times = [one.candidate.term.at[0] for one in some if first.time_course == "jump"]
     several = max(times, default=0.0) - min(times, default=0.0) > SAME_STEP
-    return UNNAMED if several or _at_bound(first) else first.name
+    unnamed = several or _at_one_place(some) or _at_bound(first)
+    return UNNAMED if unnamed else first.name
+
+
+def _at_one_place(some: Sequence[Selected]) -> bool:
+    """Whether waves of neighbouring orders a turn are the series of something at one place of it.
+
+    What comes N times a turn has that order and its multiples.
+    """
+    terms = [one.candidate.term for one in some]
+    orders = sorted(
+        (term.at[1:], term.at[0])
+        for term in terms
+        if term.shapes[:1] and term.shapes[0].name == PER_TURN
+    )
+    return any(
+        axis == other and lower > 1.0 and higher == lower + 1.0
+        for (axis, lower), (other, higher) in pairwise(orders)
+    )
 
 
 def _at_bound(term: Term) -> bool:

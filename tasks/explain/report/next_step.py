@@ -26,6 +26,7 @@ ALIKE_FOR_ALL = {
     "incomplete": "report-next-incomplete",
     "reference_noise": "report-next-reference-noise",
     "placed": "report-next-placed",
+    "one_end": "report-next-one-end",
 }  # what is next, whatever name was refused
 
 

@@ -78,6 +78,7 @@ report-refused-channel = It resembles “{ $effect }”, but including it makes 
 report-refused-undetermined = It resembles “{ $effect }”, but none of that effect's parameters exceeds its U ({ $parameter } = { $value }, U = { $limit }): this recording does not determine it.
 report-refused-reference-noise = It resembles “{ $effect }”, but errors of the reference alone could produce as much; the name is therefore withheld.
 report-refused-placed = It resembles “{ $effect }”, but the unit's orientation is known from labels alone, and that effect has enough parameters to absorb all that the { $placed } rests leave: placement errors would look the same. The name is therefore withheld.
+report-refused-one-end = It resembles “{ $effect }”, but it lies so close to the start or end of the recording that a single rest or a warm-up would look the same; the name is therefore withheld.
 report-refused-overshadowed = It resembles “{ $effect }”, but the unexplained residual in its channels is { $times } times larger than what that effect would remove and may well contain it; the name is therefore withheld.
 report-refused-form-error = It resembles “{ $effect }”, but another finding has { $times } times its evidence, and a slight error in the form of that finding's equation would leave as much; the name is therefore withheld.
 report-refused-incomplete = It resembles “{ $effect }”, but its channels still show { $times } times the noise (χ² per degree of freedom): something else is present, and this may be part of it. The name is therefore withheld.
@@ -96,6 +97,7 @@ report-next-channel = check the sign, scale and filter of the { $channel }, and 
 report-next-undetermined = make a recording that determines it: { $recording }
 report-next-reference-noise = repeat with a finer or smoother encoder: the noise of this one masks the unit's behaviour
 report-next-placed = place the unit in each position a second time, or record its attitude (encoders, a tracked pose): what repeats with attitude is a property of the unit, what does not is placement error
+report-next-one-end = record again, with a longer rest before the first motion and after the last: a true jump does not recur at the same moment
 report-next-overshadowed = first find the cause of the residual in these channels, which is much larger; then run explain again
 report-next-incomplete = examine the residual in these channels segment by segment: it contains an effect with a law of its own; then run explain again
 report-next = { $dimension ->

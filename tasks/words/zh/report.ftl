@@ -78,6 +78,7 @@ report-refused-channel = 其表现类似“{ $effect }”，但该效应同样�
 report-refused-undetermined = 其表现类似“{ $effect }”，但没有一个参数大于其 U（{ $parameter } = { $value }，U = { $limit }）：本次记录不能确定该效应。
 report-refused-reference-noise = 其表现类似“{ $effect }”，但参考装置自身的误差即可造成同样大小的变化，故不予此名。
 report-refused-placed = 其表现类似“{ $effect }”，但产品的姿态仅由标注给出，而 { $placed } 个静止位置所余的数据个数不多于该效应的参数个数：摆放误差也会呈现同样的结果，故不予此名。
+report-refused-one-end = 其表现类似“{ $effect }”，但发生时刻过于接近记录的开头或末尾：单独一次静止或预热也会呈现同样的结果，故不予此名。
 report-refused-overshadowed = 其表现类似“{ $effect }”，但相应通道中未得到解释的部分是它所消除部分的{ $times }倍，很可能包含了它，因此不以此命名。
 report-refused-form-error = 其表现类似“{ $effect }”，但另一项发现的证据是它的{ $times }倍，后者的形式与其方程稍有差异即可留下同样的残余，故不予此名。
 report-refused-incomplete = 其表现类似“{ $effect }”，但相应通道中的剩余仍为噪声的{ $times }倍（χ²/自由度），说明另有物理因素，该变化可能只是其中一部分，故不予此名。
@@ -96,6 +97,7 @@ report-next-channel = 检查{ $channel } 的符号、标度与滤波，并绕另
 report-next-undetermined = 补充能确定它的记录：{ $recording }
 report-next-reference-noise = 换用分辨力更高或噪声更小的编码器重做试验：目前编码器的噪声掩盖了产品的表现
 report-next-placed = 将产品再次放置到每个位置，或记录其姿态（编码器、位姿跟踪）：随姿态重复出现者为规律，不重复者为摆放误差
+report-next-one-end = 重新记录，并延长首次运动之前和末次运动之后的静止时间：真正的跳变不会在同一时刻再次出现
 report-next-overshadowed = 先查明这些通道中大得多的剩余失配，然后重新分析
 report-next-incomplete = 逐段查看相应通道中的剩余：其中含有具有自身规律的因素；查明后重新分析
 report-next = { $dimension ->

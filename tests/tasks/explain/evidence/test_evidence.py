@@ -23,6 +23,7 @@ from tasks.model.terms.environment import TEMPERATURE_BIAS, THERMAL_GRADIENT
 from tasks.model.terms.geometry import LEVER_ARM, SIZE_EFFECT
 from tasks.model.terms.memory import bias_step
 from tasks.model.terms.site import earth_rotation
+from tasks.model.terms.table import rate_ripple
 
 RUN = motion()
 EARTH = earth_rotation(np.radians(40.0))
@@ -113,6 +114,16 @@ def test_two_steps_are_jumps_without_a_name_and_one_is_a_step() -> None:
     assert both.name == "bias_step"  # gyros and accelerometers at the same moment
     soon = picked(bias_step(3, 102.0))
     assert finding_groups(found(picked(first), soon))[0].name == "bias_step"
+
+
+@pytest.mark.parametrize(
+    ("orders", "name"), [((6, 7, 8), UNNAMED), ((7, 14), "rate_ripple"), ((7,), "rate_ripple")]
+)
+def test_neighbouring_orders_of_a_ripple_are_something_at_one_place_of_the_turn(
+    orders: tuple[int, ...], name: str
+) -> None:
+    (one,) = finding_groups(found(*(picked(rate_ripple(order, 1)) for order in orders)))
+    assert one.name == name
 
 
 def test_the_gain_is_the_chi_squared_of_what_was_found(

@@ -17,6 +17,7 @@ from tasks.explain.search.fitted import FittedSelection
 from tasks.explain.search.stepwise import Selected, Selection
 from tasks.model.term import Term
 from tasks.model.terms.geometry import LEVER_ARM, STRUCTURAL_COMPLIANCE
+from tasks.model.terms.memory import bias_step
 from tasks.model.terms.timing import TIME_OFFSET
 
 RUN = motion()
@@ -100,6 +101,14 @@ def test_a_size_of_no_working_unit_is_not_named() -> None:
     assert one.refusal.kind == "implausible"
     assert one.refusal.limit == pytest.approx(limit)
     assert one.refusal.value == pytest.approx(3.0 * limit, rel=0.1)
+
+
+@pytest.mark.parametrize(("at", "refused"), [(0.03, True), (0.5, False), (0.98, True)])
+def test_a_jump_needs_a_bias_on_both_sides(at: float, refused: bool) -> None:
+    step = bias_step(0, at * float(RUN.t[-1]))
+    made = read(RUN, (step, np.full(3, 0.01))) + noise(len(RUN.t), 53, NOISY)
+    (one,) = scrutinised(made, step)
+    assert (one.refusal is not None and one.refusal.kind == "one_end") == refused
 
 
 @pytest.mark.parametrize(("beyond", "refused"), [(1.0, False), (6.0, True)])
