@@ -1,5 +1,6 @@
 """The application: the shell, the pages and their JSON, with the headers that keep it at home."""
 
+import re
 from importlib.resources import files
 
 from dash import Dash
@@ -9,6 +10,7 @@ from werkzeug.wrappers import Response
 
 from flows.pages import api, shell
 from flows.pages.access import guard
+from flows.pages.compressed import compress
 from flows.pages.files import files as certificate_files
 from flows.pages.login import login
 from flows.pages.preferences import view_of_request
@@ -16,8 +18,9 @@ from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home
 
-UNUSED = "/dash_table/"  # tables that no page has
-GRID = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
+UNUSED = ("/dash_table/", "/polyfill@")  # tables that no page has, and browsers of before 2018
+GRID = re.compile(r'<script src="([^"]*/dash_ag_grid/[^"]*)"></script>\n?')
+CELLS = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
 
 
 class Application(Dash):
@@ -36,12 +39,16 @@ class Application(Dash):
     ) -> str:
         """The first document, before any script has run."""
         view = view_of_request()
-        needed = [tag for tag in scripts.splitlines() if UNUSED not in tag]
-        scripts = "\n".join(needed)
-        early = GRID if _shows_grid() else ""
+        tags = scripts.splitlines()
+        scripts = "\n".join(tag for tag in tags if not any(name in tag for name in UNUSED))
+        early, late = CELLS, ""
+        grid = GRID.search(scripts)
+        if grid and not _shows_grid():
+            early, late = "", f' data-grid="{grid[1]}"'
+            scripts = GRID.sub("", scripts)
         return f"""<!DOCTYPE html>
 <html lang="{view.language}"
- data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}">
+ data-mantine-color-scheme="{view.theme}" data-ag-theme-mode="{view.theme}"{late}>
 <head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 {metas}<title>{title}</title>{favicon}{css}{early}</head>
@@ -74,6 +81,7 @@ def make_app(home: Home) -> Application:
     app.server.before_request(_to_first_page)
     _keep_at_home(app, is_https=settings.pages(home).https)
     app.server.register_blueprint(login(home, guard(app.server, home)))
+    compress(app.server)
     return app
 
 

@@ -11,6 +11,7 @@ import sqlalchemy as sql
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_certificates, complete_results, complete_runs
 from storage.catalogue.run_states import LAST_CERTIFICATE, LAST_RESULT
+from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
 RUN, UNIT, MADE = tables.runs.c, tables.units.c, tables.outcomes.c
@@ -65,6 +66,7 @@ def items(model: str, home: Home) -> Rows:
     return _plain(home, asked.where(ELEMENT.result == newest))
 
 
+@while_unchanged(8)
 def decided_items(model: str, home: Home) -> Rows:
     """run, item, and in how many of its elements the run's certificate does not pass it."""
     complete_certificates(home)

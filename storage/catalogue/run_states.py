@@ -16,6 +16,7 @@ from schemas.base import Unusable
 from schemas.pages.runs import Condition, RunLine
 from storage.catalogue import database, tables
 from storage.catalogue.completion import complete_results, complete_runs
+from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 
 RUN, UNIT, PAPER = tables.runs.c, tables.units.c, tables.certificates.c
@@ -70,6 +71,18 @@ def run_list(
     order: columns and whether each is descending; then the run that was taken in last comes first.
     Raises Unusable for a column that the list does not have.
     """
+    total, found = _run_list(tuple(conditions), tuple(order), start, count, home)
+    return total, list(found)
+
+
+@while_unchanged(64)
+def _run_list(
+    conditions: tuple[Condition, ...],
+    order: tuple[tuple[str, bool], ...],
+    start: int,
+    count: int,
+    home: Home,
+) -> tuple[int, tuple[RunLine, ...]]:
     complete_runs(home)
     complete_results(home)
     met = sql.and_(sql.true(), *map(_met, conditions))
@@ -85,7 +98,7 @@ def run_list(
         .where(RUN.id.in_(chosen.offset(start).limit(count)))
         .order_by(*newest)
     )
-    found = [RunLine(**row._mapping) for row in database.rows(home, rows)]
+    found = tuple(RunLine(**row._mapping) for row in database.rows(home, rows))
     return (counted[0][0] if counted else 0), found
 
 

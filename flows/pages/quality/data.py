@@ -21,6 +21,7 @@ from schemas.pages.quality import (
 )
 from storage.catalogue import line_history
 from storage.catalogue.certificates import AS_LEFT
+from storage.catalogue.unchanged import while_unchanged
 from storage.home import Home
 from tasks.quality.retests import RETEST_DAYS, first_runs
 from tasks.quality.yields import shares, yields
@@ -32,6 +33,7 @@ COLUMNS = ("run", "unit", "model", "serial", "station", "recorded_on", "taken_in
            "missing", "verdict", "purpose")  # fmt: skip
 
 
+@while_unchanged(16)
 def data(question: QualityQuestion, home: Home) -> QualityShown:
     """Yields of the selection, and capability, chart and stations of an element of it.
 
@@ -64,6 +66,7 @@ def data(question: QualityQuestion, home: Home) -> QualityShown:
     )  # fmt: skip
 
 
+@while_unchanged(2)
 def runs_of(home: Home) -> Runs:
     """Every run in the order of time: who, where, on which day, how it ended, and whether it was
     the first of its unit's visit.

@@ -1,11 +1,12 @@
 """The frame that every page stands in, and its JSON."""
 
+import gzip
 from pathlib import Path
 
 import pytest
 from flask.testing import FlaskClient
 
-from flows.pages.app import GRID, UNUSED, make_app
+from flows.pages.app import CELLS, GRID, UNUSED, make_app
 from flows.pages.page import Page, View
 from flows.pages.register import PAGES
 from flows.pages.shell import page_at
@@ -54,11 +55,29 @@ def test_nothing_on_the_first_document_comes_from_elsewhere(client: FlaskClient)
 
 def test_a_page_with_a_grid_asks_for_the_grids_script_at_once(client: FlaskClient) -> None:
     document = client.get("/runs").text
-    assert GRID in document.partition("</head>")[0]
-    assert client.get(GRID.partition('src="')[2].partition('"')[0]).status_code == 200
-    assert GRID not in client.get("/line").text
-    assert GRID not in client.get("/unit?id=1").text
-    assert UNUSED not in document
+    assert CELLS in document.partition("</head>")[0]
+    assert client.get(CELLS.partition('src="')[2].partition('"')[0]).status_code == 200
+    grid = GRID.search(document)
+    assert grid is not None
+    for path in ("/line", "/unit?id=1"):
+        without = client.get(path).text
+        assert CELLS not in without
+        assert GRID.search(without) is None
+        assert f'data-grid="{grid[1]}"' in without
+    assert not any(name in document for name in UNUSED)
+
+
+def test_scripts_and_answers_are_compressed_for_a_browser_and_whole_for_a_script(
+    client: FlaskClient,
+) -> None:
+    grid = GRID.search(client.get("/runs").text)
+    assert grid is not None
+    for path in (grid[1], "/api/v1/openapi.json"):
+        whole, packed = client.get(path), client.get(path, headers={"Accept-Encoding": "gzip"})
+        assert "Content-Encoding" not in whole.headers
+        assert gzip.decompress(packed.data) == whole.data
+        assert len(packed.data) < len(whole.data) / 3
+        assert packed.headers["Vary"] == "Accept-Encoding"
 
 
 def test_language_and_theme_are_those_of_the_cookies_else_the_browsers(client: FlaskClient) -> None:

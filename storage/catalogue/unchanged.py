@@ -1,0 +1,57 @@
+"""Answers that stand as long as nothing is written to the catalogue."""
+
+from collections.abc import Callable, Hashable
+from functools import lru_cache, wraps
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import sqlalchemy as sql
+
+from storage.catalogue import database
+from storage.catalogue.connection import url_of
+from storage.home import Home
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def version(home: Home) -> Hashable:
+    """Another one after each commit; raises Busy where the database does not answer.
+
+    PostgreSQL: its snapshot, which names the transactions that are visible. SQLite: size and time
+    of its file and of the log beside it.
+    """
+    url = url_of(home)
+    if url.get_backend_name() == "sqlite":
+        file = url.database or ""
+        return file, _stamp(Path(file)), _stamp(Path(f"{file}-wal"))
+    snapshot = sql.select(sql.cast(sql.func.pg_current_snapshot(), sql.Text))
+    return url, database.rows(home, snapshot)[0][0]
+
+
+def _stamp(file: Path) -> tuple[int, ...] | None:
+    """None for a file that is not there or holds nothing, as the log that a reader leaves."""
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return (found.st_ino, found.st_size, found.st_mtime_ns) if found.st_size else None
+
+
+def while_unchanged(most: int) -> Callable[[Function], Function]:
+    """Keeps the last `most` answers of a function that reads the catalogue alone.
+
+    Its last argument is the home; all are hashable. Nobody changes an answer.
+    """
+
+    def decorate(function: Function) -> Function:
+        @lru_cache(most)
+        def kept(_: Hashable, *asked: Hashable) -> Any:
+            return function(*asked)
+
+        @wraps(function)
+        def ask(*asked: Hashable) -> Any:
+            return kept(version(cast(Home, asked[-1])), *asked)
+
+        return cast(Function, ask)
+
+    return decorate
