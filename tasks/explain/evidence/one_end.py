@@ -14,7 +14,7 @@ from tasks.explain.explanation import Refusal
 FEWEST = 3  # cells on either side: two tell a change by themselves
 
 
-def told_by_one_end(evidence: Evidence, number: int) -> Refusal | None:
+def jump_at_one_end(evidence: Evidence, number: int) -> Refusal | None:
     """Where a jump has fewer cells before it, or after it, than tell that a bias is constant."""
     group, blocks = evidence.groups[number], evidence.fit.blocks
     times = [term.at[0] for term in group.terms if term.time_course == "jump"]

@@ -15,7 +15,7 @@ from tasks.explain.evidence.cells import scatter_cells
 from tasks.explain.evidence.dead_band import unseen_turning
 from tasks.explain.evidence.evidence import Evidence
 from tasks.explain.evidence.homogeneity import PartwiseEstimate, partwise
-from tasks.explain.evidence.one_end import told_by_one_end
+from tasks.explain.evidence.one_end import jump_at_one_end
 from tasks.explain.evidence.partitions import partitions
 from tasks.explain.evidence.placements import made_by_placing
 from tasks.explain.evidence.shares import WEAK
@@ -67,7 +67,7 @@ class Scrutiny:
             or _undetermined(evidence, number, values, u)
             or unseen_turning(evidence, number)
             or made_by_placing(evidence, number)
-            or told_by_one_end(evidence, number)
+            or jump_at_one_end(evidence, number)
         )
         return cls(p, u, refusal)
 
