@@ -11,7 +11,7 @@ from flows.pages.page import View
 from tasks.words import Message
 
 Cell = str | Component | None
-ON_ONE_LINE = 24  # letters
+ON_ONE_LINE = 32  # letters
 
 
 def table(

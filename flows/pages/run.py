@@ -72,7 +72,7 @@ def _facts(shown: RunShown, view: View) -> Component:
     return facts(
         [
             (message("pages-column-id"), run.id),
-            (message("pages-column-serial"), link(unit, "/unit", id=str(run.unit))),
+            (message("pages-line-unit"), link(unit, "/unit", id=str(run.unit))),
             (message("pages-column-station"), run.station),
             (message("pages-column-recorded-on"), str(run.recorded_on or f"{run.taken_in_at:%F}")),
             (message("pages-column-validity"), badge(validity_state(run.validity), view)),

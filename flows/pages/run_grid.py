@@ -57,7 +57,7 @@ def columns(view: View) -> list[dict[str, Any]]:
 
     return [
         column("id", 150, cellRenderer="RunLink", pinned="left"),
-        column("recorded_on", 190, "Date"),
+        column("recorded_on", 210, "Date"),
         column("station", 120),
         column("model", 120),
         column("serial", 120, cellRenderer="UnitLink"),
@@ -66,7 +66,7 @@ def columns(view: View) -> list[dict[str, Any]]:
         state("verdict"),
         state("state"),
         column("certificate", 170),
-        column("due", 190, "Date"),
+        column("due", 210, "Date"),
         column("procedure", 120),
         column("method", 110),
         column("seconds", 110, "Number"),

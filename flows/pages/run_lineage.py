@@ -9,6 +9,7 @@ from flows.pages.page import View
 from flows.pages.parts import facts, link, table
 from flows.pages.states import badge, certificate_state
 from schemas.pages.run import CertificateShown, RunShown
+from storage.catalogue.lineage import MANIFEST
 from tasks.words import message
 
 
@@ -71,7 +72,10 @@ def lineage(shown: RunShown, view: View) -> Component:
         for each in shown.results
     ]
     names = ("id", "method", "code", "made", "supersedes", "why", "certificates")
-    standards = [(s.name, s.serial, s.certificate, s.document) for s in shown.standards]
+    standards = [
+        (each.name, each.serial, each.certificate, _named_by(each.document, view))
+        for each in shown.standards
+    ]
     standard_names = ("name", "serial", "certificate", "document")
     settings = [(name, "–" if each is None else str(each)) for name, each in shown.settings.items()]
     return dmc.Stack(
@@ -99,6 +103,11 @@ def lineage(shown: RunShown, view: View) -> Component:
             ),
         ]
     )
+
+
+def _named_by(document: str, view: View) -> str:
+    """The number of a certificate, or that the recording's manifest does."""
+    return view.say(message("pages-standards-manifest")) if document == MANIFEST else document
 
 
 def _heading(name: str, view: View) -> Component:

@@ -171,6 +171,7 @@ pages-standards-column =
     .serial = Serial number
     .certificate = Certificate
     .document = Named by
+pages-standards-manifest = the manifest of the recording
 pages-settings-column =
     .name = Setting
     .value = Value
@@ -516,7 +517,10 @@ pages-mismatch-level =
     .model = Model
     .lot = Lot
     .site = Site
-pages-mismatch-touched = Certificates on these runs: { $issued } issued, { $drafts } drafts
+pages-mismatch-touched = Certificates on these runs: { $issued } issued, { $drafts ->
+    [one] 1 draft
+   *[other] { $drafts } drafts
+}
 pages-mismatch-their-runs = the runs
 pages-mismatch-between = { $at } (95 %: between { $low } and { $high })
 pages-mismatch-uncertain = From { $since } to { $until } no run decides whether it was there: { $issued } more issued certificates

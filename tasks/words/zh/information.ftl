@@ -26,7 +26,7 @@ information-accel-bias-repeatability = 加速度计偏值重复性
 information-accel-scale-repeatability = 加速度计标度因数重复性
 information-ahrs-bias-repeatability = 各轴零偏重复性
 information-ahrs-scale-repeatability = 各轴标度因数重复性
-information-repetition = 本次运行内单次重复的标准差；自由度：{ $dof }。
+information-repetition = 本次测量内单次重复的标准差；自由度：{ $dof }。
 
 information-gyro-angle-random-walk = 陀螺角度随机游走系数
 information-gyro-bias-instability = 陀螺零偏不稳定性
@@ -44,6 +44,6 @@ information-no-floor = { $axes }：平均时间至 { $tau } s 未见最小值，
 
 information-type-b =
     .contained = U 含 A 类及装置引入的 B 类分量。
-    .not-evaluated = 不给出 U：本次运行的不确定度评定中没有装置的极限。
+    .not-evaluated = 不给出 U：本次测量的不确定度评定中没有装置的极限。
     .unit-and-table = 为被校对象与转台共同的结果，U 不另计装置的分量。
 information-few-degrees-of-freedom = { $axes }：自由度过少，按 t 分布得到的 U 将使下限小于零，故不给出 U。

@@ -170,6 +170,7 @@ pages-standards-column =
     .serial = 编号
     .certificate = 证书
     .document = 出处
+pages-standards-manifest = 原始记录的清单
 pages-settings-column =
     .name = 设置
     .value = 值

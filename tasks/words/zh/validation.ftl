@@ -11,4 +11,4 @@ validation-coverage = { $units } 台仿真单元的 { $values } 个值中，{ $s
     .too-long = { $units } 台仿真单元的 { $values } 个值中，{ $share } 位于所给 95 % 区间内；目标为至少 { $fewest } 台、{ $low } %～{ $high } %；不确定度偏大
 validation-example = { $specification } 附录 A（{ $clause }）：u_c = { $u_c }，U = { $U }；本程序：{ $result }
 validation-independent = 与独立最小二乘相差 { $values } u（允许 { $limit } u）；与 GTC 的不确定度预算相差 { $budgets }（允许 { $close }）
-validation-recovery = 理想运行恢复真值，最大偏差 { $error } { $unit }；要求 { $close }
+validation-recovery = 理想测量恢复真值，最大偏差 { $error } { $unit }；要求 { $close }
