@@ -94,10 +94,11 @@ def verify(
     if path is not None:
         from flows.verify_certificate import run_verify_certificate
         from tasks.certificate.verify_file import is_certificate
-        from tasks.stages.import_checks import faults_of
 
         if is_certificate(path):
             run_verify_certificate(path, trust, as_json)
+        from tasks.stages.import_checks import faults_of  # late: a certificate needs no store
+
         checked, faults = 1, faults_of(path)
     else:
         from storage.home import home

@@ -172,6 +172,8 @@ def _remark(group: list[Remark]) -> RemarkRow:
         more = dict.fromkeys(name for other in others for name in other.segments)
         sentence = message("certificate-remark.alike", remark=sentence, count=len(more))
         names |= more
+    if remark.run == "invalid":
+        sentence = message("certificate-remark.invalid", remark=sentence)
     if remark.blocks_pass:
         sentence = message("certificate-remark.blocks", remark=sentence)
     return RemarkRow(sentence, ", ".join(names))

@@ -12,6 +12,7 @@ from tasks.words.message import Argument, message
 from tasks.words.rounding import MINUS
 from tasks.words.translation import say
 
+NO_BREAK = "\u00a0"
 FULL_STOPS = ".\u3002"  # Latin and Chinese
 _NUMBER = r"\((?:[A-Z]\.)?\d+\)"
 _SENTENCE = (
@@ -37,9 +38,12 @@ _CLAUSE = (
 
 
 def typeset(text: str, language: str) -> str:
-    """A sentence with real minus signs, ° for deg, and what its language has for the rest."""
+    """A sentence with real minus signs, ° for deg, «< 0.1 %» on one line, and what its language
+    has for the rest.
+    """
     text = re.sub(r"(?<![\w.)\]-])-(?=\d|[xyz]\b)", MINUS, text)
     text = re.sub(rf"(eq\. {_NUMBER})-(?={_NUMBER})", r"\1–", text)
+    text = re.sub(r"(?<=[<>]) (?=\d)|(?<=\d) (?=%)", NO_BREAK, text)
     return _replaced(re.sub(r"\bdeg/s\b", "°/s", text), _SENTENCE, language)
 
 

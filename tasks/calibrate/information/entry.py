@@ -82,6 +82,14 @@ def or_why_not(u: np.ndarray) -> list[Message]:
     return [message(f"information-type-b.{'contained' if known else 'not-evaluated'}")]
 
 
+def without_type_b(u: np.ndarray, elements: Sequence[str]) -> list[Message]:
+    """Which elements have no U where others have one: the equipment's share is of no budget."""
+    known = np.isfinite(u)
+    bare = [element for element, has in zip(elements, known, strict=True) if not has]
+    named = bare if known.any() else []
+    return [message("information-type-b.in-part", elements=", ".join(named))] if named else []
+
+
 def unit_and_table(values: np.ndarray) -> list[Message]:
     """Why no type B is added to a figure (n,) that has the table in it; none without a figure."""
     return [message("information-type-b.unit-and-table")] if np.isfinite(values).any() else []

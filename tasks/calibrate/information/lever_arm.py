@@ -13,7 +13,7 @@ import numpy as np
 from schemas.base import Unusable
 from schemas.calibration import Information, Item
 from schemas.recording import ACCEL, AXES, Recording, Stream
-from tasks.calibrate.information.entry import entry, or_why_not, type_b
+from tasks.calibrate.information.entry import entry, or_why_not, type_b, without_type_b
 from tasks.model.fit import Fit, fit
 from tasks.model.noise import RowNoise
 from tasks.model.simulate import predict
@@ -91,6 +91,7 @@ def lever_arm_information(
             u_p,
             free,
             *or_why_not(u_p),
+            *without_type_b(u_p, elements),
             elements=elements,
             about=SENSITIVITY,
         ),

@@ -251,6 +251,7 @@ certificate-see-remarks = Remarks below that prevent a pass: { $count }.
 certificate-remark = { $remark } [{ $segments }]
     .alike = { $remark } The same applies, with their own figures, to { $count } more segments.
     .blocks = { $remark } This prevents a pass.
+    .invalid = { $remark } This makes the run invalid.
 certificate-unregistered = this identifier is not in the register
 
 ## Labels of the layout

@@ -48,5 +48,6 @@ information-no-floor = { $axes }: no floor up to an averaging time of { $tau } s
 information-type-b =
     .contained = U includes type A and the type B contributions of the equipment.
     .not-evaluated = No U stated, because no budget of this run includes the limits of the equipment.
+    .in-part = { $elements }: no U stated, because the clause gives no value whose budget includes the limits of the equipment.
     .unit-and-table = A figure for unit and table combined: the equipment contributes nothing further to its U.
 information-few-degrees-of-freedom = { $axes }: no U stated, because Student's t for so few degrees of freedom would extend below zero.

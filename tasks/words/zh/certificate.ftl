@@ -251,6 +251,7 @@ certificate-see-remarks = “说明”中标有“影响判定”的 { $count } 
 certificate-remark = { $remark } [{ $segments }]
     .alike = { $remark }另有 { $count } 段情况相同（数值各异）。
     .blocks = { $remark }本条影响判定：不得判为合格。
+    .invalid = { $remark }本条使本次测量无效。
 certificate-unregistered = 此标识未在册
 
 ## Labels of the layout

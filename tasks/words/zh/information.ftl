@@ -45,5 +45,6 @@ information-no-floor = { $axes }：平均时间至 { $tau } s 未见最小值，
 information-type-b =
     .contained = U 含 A 类及装置引入的 B 类分量。
     .not-evaluated = 不给出 U：本次测量的不确定度评定中没有装置的极限。
+    .in-part = { $elements }：条款未得出该值，没有含装置极限的评定，故不给出 U。
     .unit-and-table = 为被校对象与转台共同的结果，U 不另计装置的分量。
 information-few-degrees-of-freedom = { $axes }：自由度过少，按 t 分布得到的 U 将使下限小于零，故不给出 U。

@@ -206,6 +206,14 @@ def test_remarks_that_block_a_pass_say_so() -> None:
     assert row.segments == "a, b"
 
 
+def test_the_remark_that_makes_a_run_invalid_says_so() -> None:
+    remark = Remark(code="c", en="The table stood.", zh="转台未转。", run="invalid")
+    (row,) = content(certificate(calibration(remarks=(remark,)))).remarks
+    assert row.text == (
+        "转台未转。本条使本次测量无效。", "The table stood. This makes the run invalid.",
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize("state", ["draft", "checked"])
 def test_what_is_not_issued_has_a_watermark_and_no_date_of_issue(state: State) -> None:
     made = content(certificate(state=state))

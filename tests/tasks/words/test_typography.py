@@ -33,3 +33,9 @@ def test_chinese_has_its_own_range_and_dash() -> None:
         typeset("JJF 2003-2022 要求 7~11 个，按 eq. (4)", "zh")
         == "JJF 2003—2022 要求 7～11 个，按 式(4)"
     )
+
+
+def test_no_line_breaks_within_a_percentage() -> None:
+    assert typeset("false rejection < 0.1 %, of 3 items", "en") == (
+        "false rejection <\u00a00.1\u00a0%, of 3 items"
+    )

@@ -10,10 +10,11 @@ import pytest
 from schemas.calibration import Calibration
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Stream
 from tasks.calibrate.calibrate import calibrate
-from tasks.calibrate.information.entry import or_why_not, type_b
+from tasks.calibrate.information.entry import or_why_not, type_b, without_type_b
 from tasks.calibrate.information.noise import FLOOR
 from tasks.calibrate.information.repeatability import pooled_deviation
 from tasks.specifications.jjf2003 import JJF2003
+from tasks.words import say
 
 DEG = float(np.degrees(1.0))
 RATE_HZ = 50.0
@@ -189,6 +190,12 @@ def test_without_a_budget_there_is_no_uncertainty_to_state(ideal_run) -> None:
     assert np.isnan(type_b(None, "xyz")).all()
     (why,) = or_why_not(type_b(bare, "xyz"))
     assert why.id == "information-type-b.not-evaluated"
+
+
+def test_elements_without_the_equipments_share_are_named_where_others_have_it() -> None:
+    (why,) = without_type_b(np.array([1e-5, np.nan]), ("xy", "xz"))
+    assert say(why, "en").startswith("xz: no U stated")
+    assert without_type_b(np.array([np.nan, np.nan]), ("xy", "xz")) == []
 
 
 def test_deviations_are_pooled_over_groups_by_their_degrees_of_freedom() -> None:
