@@ -229,4 +229,7 @@ def _sentence(error: ValidationError) -> str:
     if fault["type"] == "literal_error":
         expected = fault["ctx"]["expected"].replace("'", "").replace(" or ", ", ")
         message = f"choose one of {expected}"
-    return f"--{str(fault['loc'][0]).replace('_', '-')} {fault['input']}: {message}"
+    option = f"--{str(fault['loc'][0]).replace('_', '-')}"
+    if fault["type"] == "string_too_short":
+        return f"{option} is empty: give a text."
+    return f"{option} {fault['input']}: {message}"

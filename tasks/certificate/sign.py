@@ -2,6 +2,7 @@
 
 import asyncio
 import io
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
@@ -105,6 +106,8 @@ def _of_file(path: Path, passphrase: str | None) -> Any:
         raise Unusable(
             f"The signing key {path} is not there: mend pkcs12 under [signing] in laboratory.toml."
         )
+    # pyhanko logs a traceback beside the None that stands for a wrong passphrase.
+    logging.getLogger("pyhanko").addHandler(logging.NullHandler())
     signer = signers.SimpleSigner.load_pkcs12(str(path), passphrase=secret)
     if signer is None:
         raise Unusable(

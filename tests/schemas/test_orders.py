@@ -5,7 +5,7 @@ from datetime import date
 import pytest
 
 from schemas.base import Unusable
-from schemas.certificate_orders import CertifyOrder, ProduceOrder
+from schemas.certificate_orders import CertifyOrder, ProduceOrder, WithdrawOrder
 from schemas.orders import CalibrateOrder, order_of
 
 
@@ -16,6 +16,11 @@ def test_terms_as_text_are_names_each_once() -> None:
     assert order.terms == ("earth_rotation", "lever_arm")
     assert CalibrateOrder(run="r1", terms=" , ").terms == ()
     assert CalibrateOrder(run="r1").terms is None
+
+
+def test_an_empty_reason_is_refused_by_the_name_of_its_option() -> None:
+    with pytest.raises(Unusable, match=r"^--why is empty: give a text\.$"):
+        order_of(WithdrawOrder, certificate="C-1", by="Ann", why="")
 
 
 def test_order_survives_json() -> None:

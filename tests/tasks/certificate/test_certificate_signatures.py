@@ -3,6 +3,7 @@ found.
 """
 
 import io
+import logging
 import random
 import re
 import shutil
@@ -233,14 +234,18 @@ def test_a_key_that_has_expired_or_is_not_valid_yet_is_refused(tmp_path: Path) -
 
 @pytest.mark.parametrize("passphrase", [None, "wrong"])
 def test_a_key_that_does_not_open_is_refused_in_one_sentence(
-    tmp_path: Path, passphrase: str | None
+    tmp_path: Path, passphrase: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    logged = io.StringIO()  # logging's own stream for what nobody takes, as in the command line
+    monkeypatch.setattr(logging, "lastResort", logging.StreamHandler(logged))
+    monkeypatch.setattr(logging.getLogger("pyhanko"), "propagate", False)
     (tmp_path / "seal.p12").write_bytes(keys(elliptic=True).pkcs12())
     settings = SigningSettings(pkcs12="seal.p12")
     with pytest.raises(Unusable, match="MIMUCAL_SIGNING_PASSPHRASE"):
         signing_of(settings, tmp_path, passphrase, NOW)
     with pytest.raises(Unusable, match="is not there"):
         signing_of(SigningSettings(pkcs12="no.p12"), tmp_path, passphrase, NOW)
+    assert logged.getvalue() == ""
 
 
 def test_a_time_stamp_is_put_into_the_pdf(tmp_path: Path) -> None:
