@@ -5,9 +5,9 @@ near the ends of what was seen without one. The specific force of a body that mo
 positions. Without them it is known where the body rests, and nowhere else.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,16 +15,12 @@ import numpy as np
 from schemas.recording import ACCEL, Recording, Stream
 from tasks.motion.band import band_edge, derivatives
 from tasks.motion.motion_noise import derivative_gain, taken_away
+from tasks.motion.pose_frames import Frames, Stretch, added_turns, frames_of
 from tasks.motion.samples import interpolated
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
-POSE = ("qw", "qx", "qy", "qz")
-PLACE = ("px", "py", "pz")
-BRIDGED = 3.5  # intervals between two frames that a straight line may join
-BATCHED = 0.5  # of the mean step between stamps: where most are closer, frames come in batches
-FEWEST = 16  # frames without a gap whose motion is known
 MARGIN = 0.5  # periods of the band's edge at either end that are not
 RESTING = 0.02  # rad that a body at rest turns at most within RESTING_TIME
 RESTING_TIME = 1.0  # s
@@ -88,112 +84,106 @@ class TrackedMotion:
 
 def tracked_motion(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
     """The motion at the times `at` (n,) s; all of it unknown where hardly a frame was seen."""
-    frames = _frames(pose)
-    if not frames.spans:
+    course = _course_of(pose)
+    if course is None:
         nothing = np.full((len(at), 3), np.nan)
-        unknown = Tracking(np.inf, None, frames.interval, 0.0, 0.0)
+        unknown = Tracking(np.inf, None, frames_of(pose).interval, 0.0, 0.0)
         return TrackedMotion(*(nothing,) * 5, tracking=unknown)
-    return _motion_of(recording, frames, _tracking(frames), at)
+    return _motion_of(recording, course, at)
 
 
 def motion_smoothed_twice(recording: Recording, pose: Stream, at: np.ndarray) -> TrackedMotion:
     """The motion at the times `at` (n,) s of poses that were smoothed before, in the same band.
 
-    It differs from `tracked_motion` by about what smoothing takes off the motion itself. There
-    must be frames.
+    It differs from `tracked_motion` by about what smoothing takes off the motion itself.
     """
-    frames = _frames(pose)
-    tracking = _tracking(frames)
-    smooth = tuple(_smoothed(stretch, frames.interval, tracking) for stretch in frames.spans)
-    return _motion_of(recording, replace(frames, spans=smooth), tracking, at)
+    course = _course_of(pose)
+    if course is None:
+        return tracked_motion(recording, pose, at)
+    return _motion_of(recording, course.smoothed_again(), at)
 
 
-def _motion_of(
-    recording: Recording, frames: "Frames", tracking: Tracking, at: np.ndarray
-) -> TrackedMotion:
+def _motion_of(recording: Recording, course: "Course", at: np.ndarray) -> TrackedMotion:
+    tracking = course.tracking
     courses = np.full((5, len(at), 3), np.nan)
-    for stretch in frames.spans:
+    for stretch in course.parts:
         margin = MARGIN / tracking.edge
         rows = (at >= stretch.t[0] + margin) & (at <= stretch.t[-1] - margin)
         if rows.any():
-            courses[:, rows] = _within(stretch, frames.interval, tracking, at[rows])
+            courses[:, rows] = stretch.at(at[rows])
     up, north, rate, acceleration, translation = courses
     if tracking.place is None:
         if recording.manifest.station.table_axes:  # what stands on a table stays in its place
             translation = np.where(np.isfinite(rate), 0.0, np.nan)
         else:
-            rests = _rests(recording, frames)
+            rests = _rests(recording, course.frames)
             translation = np.where(_at(rests, recording.imu.t, at)[:, None], 0.0, np.nan)
     return TrackedMotion(up, north, rate, acceleration, translation, tracking)
 
 
 @dataclass(frozen=True)
-class Stretch:
-    """Frames without a gap, at even times t (n,) s.
+class SmoothStretch:
+    """A stretch smoothed at its times t (n,) s.
 
-    attitude: of the frames as they are. turned: (n, 3) rad, its small turns added up. place: m.
+    attitude: of the body in the room. rate: (n, 3) rad/s and its change, rad/s², in the body.
+    place: (n, 3) m and bend, m/s², in the room; as it was, and unknown, without positions.
     """
 
     t: np.ndarray
     attitude: "Rotation"
-    turned: np.ndarray
+    rate: np.ndarray
+    change: np.ndarray
     place: np.ndarray
+    bend: np.ndarray
+
+    @classmethod
+    def of(cls, stretch: Stretch, interval: float, tracking: Tracking) -> "SmoothStretch":
+        smooth, rate, change = derivatives(stretch.turned, interval, tracking.attitude)
+        place, bend = stretch.place, np.full((len(stretch.t), 3), np.nan)
+        if tracking.place is not None:
+            place, _, bend = derivatives(place, interval, tracking.place)
+        return cls(stretch.t, _corrected(stretch, smooth), rate, change, place, bend)
+
+    def at(self, at: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Vertical, north, rate, its change and translation (m, 3) each, at times (m,) s."""
+        from scipy.spatial.transform import Slerp
+
+        inwards = Slerp(self.t, self.attitude)(at).inv()
+        moved = np.full((len(at), 3), np.nan)
+        if np.isfinite(self.bend).any():
+            moved = inwards.apply(interpolated(at, self.t, self.bend))
+        columns = inwards.as_matrix()
+        rate, change = (interpolated(at, self.t, each) for each in (self.rate, self.change))
+        return columns[:, :, 2], columns[:, :, 1], rate, change, moved
 
 
 @dataclass(frozen=True)
-class Frames:
-    """Stretches of frames, the time between two of them, s, and whether they have positions."""
+class Course:
+    """Frames, up to which frequency they tell the motion, and their stretches smoothed to that."""
 
-    spans: tuple[Stretch, ...]
-    interval: float
-    placed: bool
+    frames: Frames
+    tracking: Tracking
+    parts: tuple[SmoothStretch, ...]
 
+    @classmethod
+    def of(cls, frames: Frames, tracking: Tracking) -> "Course":
+        parts = (SmoothStretch.of(each, frames.interval, tracking) for each in frames.spans)
+        return cls(frames, tracking, tuple(parts))
 
-def _frames(pose: Stream) -> Frames:
-    pose = replace(pose, t=_even_stamps(pose.t))
-    interval = float(np.median(np.diff(pose.t))) if len(pose.t) > 1 else 1.0
-    placed = set(PLACE) <= set(pose.columns)
-    return Frames(tuple(_spans(pose, interval)), interval, placed)
-
-
-def _even_stamps(t: np.ndarray) -> np.ndarray:
-    """When frames stamped t (n,) s were taken, where a host stamps them in batches.
-
-    Most stamps are then closer together than frames come, and each batch ends in a long step; the
-    mean over as many as a batch has is free of it.
-    """
-    steps = np.diff(t)
-    if len(steps) < FEWEST or np.median(steps) > BATCHED * steps.mean():
-        return t
-    from scipy.ndimage import correlate1d  # late: few recordings have poses
-
-    batch = max(2, round(len(steps) / max(1, int((steps > steps.mean()).sum()))))
-    kernel = np.convolve(np.ones(batch), np.ones(batch)) / batch**2
-    rows = np.arange(len(t))
-    slope = (t[-1] - t[0]) / rows[-1]
-    return slope * rows + np.asarray(correlate1d(t - slope * rows, kernel, mode="nearest"))
+    def smoothed_again(self) -> "Course":
+        """The course of the smoothed stretches, in the same band."""
+        spans = tuple(
+            Stretch(each.t, each.attitude, added_turns(each.attitude), each.place)
+            for each in self.parts
+        )
+        return Course.of(replace(self.frames, spans=spans), self.tracking)
 
 
-def _spans(pose: Stream, interval: float) -> Iterator[Stretch]:
-    from scipy.spatial.transform import Rotation, Slerp  # late: few recordings have a pose
-
-    gaps = np.flatnonzero(np.diff(pose.t) > BRIDGED * interval) + 1
-    for first, end in pairwise([0, *gaps.tolist(), len(pose.t)]):
-        if end - first < FEWEST:
-            continue
-        part = pose.at(slice(first, end))
-        # Stamps are rounded: the last of an even grid can lie a hair behind the last frame.
-        t = np.minimum(np.arange(part.t[0], part.t[-1], interval), part.t[-1])
-        measured = Rotation.from_quat(part.stack(POSE), scalar_first=True)
-        attitude = Slerp(part.t, measured)(t)
-        place = interpolated(t, part.t, part.stack(PLACE))
-        yield Stretch(t, attitude, _turned(attitude), place)
-
-
-def _turned(attitude: "Rotation") -> np.ndarray:
-    """(n, 3) rad, the small turns from attitude to attitude added up."""
-    turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec()
-    return np.concatenate([np.zeros((1, 3)), np.cumsum(turns, axis=0)])
+@lru_cache(maxsize=2)  # a recording's motion is asked for again and again, at other times
+def _course_of(pose: Stream) -> Course | None:
+    """None where hardly a frame was seen."""
+    frames = frames_of(pose)
+    return Course.of(frames, _tracking(frames)) if frames.spans else None
 
 
 def _tracking(frames: Frames) -> Tracking:
@@ -211,33 +201,6 @@ def _smoothing(courses: Sequence[np.ndarray], interval: float) -> tuple[float, f
     edge = band_edge(courses, interval)
     rest = np.concatenate([course - derivatives(course, interval, edge)[0] for course in courses])
     return edge, float((rest**2).mean()) / taken_away(edge, interval)
-
-
-def _within(
-    stretch: Stretch, interval: float, tracking: Tracking, at: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Vertical, north, rate, its change and translation (n, 3) each, within one stretch."""
-    from scipy.spatial.transform import Slerp
-
-    smooth, rate, change = derivatives(stretch.turned, interval, tracking.attitude)
-    attitude = _corrected(stretch, smooth)
-    inwards = Slerp(stretch.t, attitude)(at).inv()
-    moved = np.full((len(at), 3), np.nan)
-    if tracking.place is not None:
-        *_, bend = derivatives(stretch.place, interval, tracking.place)
-        moved = inwards.apply(interpolated(at, stretch.t, bend))
-    columns = inwards.as_matrix()
-    rate, change = (interpolated(at, stretch.t, each) for each in (rate, change))
-    return columns[:, :, 2], columns[:, :, 1], rate, change, moved
-
-
-def _smoothed(stretch: Stretch, interval: float, tracking: Tracking) -> Stretch:
-    """The stretch with attitudes and places as smoothing leaves them."""
-    attitude = _corrected(stretch, derivatives(stretch.turned, interval, tracking.attitude)[0])
-    place = stretch.place
-    if tracking.place is not None:
-        place = derivatives(place, interval, tracking.place)[0]
-    return Stretch(stretch.t, attitude, _turned(attitude), place)
 
 
 def _corrected(stretch: Stretch, smooth: np.ndarray) -> "Rotation":

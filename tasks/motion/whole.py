@@ -13,7 +13,8 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.recording import AXES, Recording, Stream, Up
-from tasks.motion.pose import POSE, Tracking, tracked_motion
+from tasks.motion.pose import Tracking, tracked_motion
+from tasks.motion.pose_frames import POSE
 from tasks.motion.reported_rate import reported_rate
 from tasks.motion.samples import sample_interval
 from tasks.motion.smooth import smooth_course

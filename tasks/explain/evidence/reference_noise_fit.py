@@ -23,7 +23,8 @@ from tasks.explain.inputs.full_rate import FullRate
 from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
-from tasks.motion.pose import PLACE, POSE, Tracking
+from tasks.motion.pose import Tracking
+from tasks.motion.pose_frames import PLACE, POSE
 from tasks.motion.reference_noise import EncoderNoise
 from tasks.motion.table import TableAxes
 from tasks.motion.whole import Motion, whole_motion

@@ -4,7 +4,7 @@ import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Recording
 from tasks.model.parameters import DEG
-from tasks.motion.pose import BRIDGED
+from tasks.motion.pose_frames import BRIDGED
 from tasks.motion.whole import Motion
 from tasks.words import Sayable, message
 
