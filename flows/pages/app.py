@@ -18,7 +18,7 @@ from flows.pages.register import FIRST, PAGES
 from storage import settings
 from storage.home import Home
 
-UNUSED = ("/dash_table/", "/polyfill@")  # tables that no page has, and browsers of before 2018
+UNUSED = "/dash_table/"  # tables that no page has
 GRID = re.compile(r'<script src="([^"]*/dash_ag_grid/[^"]*)"></script>\n?')
 CELLS = '<script async src="/_dash-component-suites/dash_ag_grid/async-community.js"></script>'
 
@@ -40,7 +40,7 @@ class Application(Dash):
         """The first document, before any script has run."""
         view = view_of_request()
         tags = scripts.splitlines()
-        scripts = "\n".join(tag for tag in tags if not any(name in tag for name in UNUSED))
+        scripts = "\n".join(tag for tag in tags if UNUSED not in tag)
         early, late = CELLS, ""
         grid = GRID.search(scripts)
         if grid and not _shows_grid():
