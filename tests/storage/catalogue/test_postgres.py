@@ -30,6 +30,7 @@ from storage.catalogue import (
 )
 from storage.catalogue.impact import impact_of
 from storage.catalogue.selection import select
+from storage.catalogue.unchanged import version
 from storage.formats.columns import write_columns
 from storage.home import Home
 from tests import postgres
@@ -51,6 +52,14 @@ def shared_catalogue(server: str, fresh: Home, monkeypatch: pytest.MonkeyPatch) 
     """A fresh home whose catalogue is an empty database of its own."""
     monkeypatch.setenv("MIMUCAL_DATABASE", postgres.empty_database(server))
     return fresh
+
+
+def test_a_commit_gives_the_catalogue_another_version(shared_catalogue: Home) -> None:
+    before = version(shared_catalogue)
+    assert version(shared_catalogue) == before
+    with database.changing(shared_catalogue) as connection:
+        connection.execute(tables.series.insert().values(pattern="P", last=1, before=0))
+    assert version(shared_catalogue) != before
 
 
 def test_migrations_and_tables_do_not_drift_on_postgresql(shared_catalogue: Home) -> None:
