@@ -169,7 +169,7 @@ def test_bias_repeatability_is_the_scatter_of_rests_with_the_same_axis_up(ideal_
     # Four degrees of freedom: k = 2.87 by Student's t, and k·u reaches below zero.
     assert found.k == pytest.approx(2.869, abs=1e-3)
     assert found.U["x"] is None
-    assert "x, y, z: without U, which by Student's t" in found.en
+    assert "x, y, z: no U stated, because Student's t" in found.en
 
 
 def test_what_the_rate_points_show_holds_the_type_b_of_the_scale_factor(ideal_run) -> None:
