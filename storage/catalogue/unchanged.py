@@ -11,6 +11,8 @@ from storage.catalogue import database
 from storage.catalogue.connection import url_of
 from storage.home import Home
 
+INDEX_HEADER = 48  # bytes
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -18,12 +20,14 @@ def version(home: Home) -> Hashable:
     """Another one after each commit; raises Busy where the database does not answer.
 
     PostgreSQL: its snapshot, which names the transactions that are visible. SQLite: size and time
-    of its file and of the log beside it.
+    of its file and of the write-ahead log beside it, and the header of that log's index, in which
+    each transaction is counted (SQLite, WAL-mode file format, 2.1): two may be within one tick.
     """
     url = url_of(home)
     if url.get_backend_name() == "sqlite":
         file = url.database or ""
-        return file, _stamp(Path(file)), _stamp(Path(f"{file}-wal"))
+        log = _stamp(Path(f"{file}-wal"))
+        return file, _stamp(Path(file)), log, log and _index_header(Path(f"{file}-shm"))
     snapshot = sql.select(sql.cast(sql.func.pg_current_snapshot(), sql.Text))
     return url, database.rows(home, snapshot)[0][0]
 
@@ -35,6 +39,14 @@ def _stamp(file: Path) -> tuple[int, ...] | None:
     except OSError:
         return None
     return (found.st_ino, found.st_size, found.st_mtime_ns) if found.st_size else None
+
+
+def _index_header(file: Path) -> bytes | None:
+    try:
+        with file.open("rb") as index:
+            return index.read(INDEX_HEADER)
+    except OSError:
+        return None
 
 
 def while_unchanged(most: int) -> Callable[[Function], Function]:

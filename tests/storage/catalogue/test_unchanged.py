@@ -1,5 +1,8 @@
 """Answers that are kept while nothing is written."""
 
+import sqlalchemy as sql
+
+from storage.catalogue import database, unchanged
 from storage.catalogue.unchanged import version, while_unchanged
 from storage.catalogue.users import add, users
 from storage.home import Home
@@ -20,6 +23,20 @@ def test_an_answer_is_asked_for_again_after_a_write_and_only_then(tmp_path) -> N
     assert names("L", home) == ["Li"]
     assert names("W", home) == []
     assert asked == ["L", "L", "W"]
+
+
+def test_a_write_within_one_tick_of_the_file_system_is_another_version(
+    tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setattr(unchanged, "_stamp", lambda file: "the same")
+    home = Home(tmp_path / "home")
+    with database.engine(home).connect() as reader:  # keeps the log from being emptied
+        reader.execute(sql.text("SELECT 1"))
+        add("Li", "viewer", "hash", home, "Chen")
+        before = version(home)
+        assert version(home) == before
+        add("Wu", "viewer", "hash", home, "Chen")
+        assert version(home) != before
 
 
 def test_homes_do_not_share_answers(tmp_path) -> None:
