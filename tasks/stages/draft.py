@@ -70,12 +70,19 @@ def _before(connection: sql.Connection, certificate: Certificate, home: Home) ->
                 f"run {run} has certificate {entry.number}, issued on {entry.issued_on}; "
                 f"`mimucal amend {entry.number} --why REASON` makes another one in its place."
             )
-        if entry.supersedes and not (replaces and replaces.number == entry.supersedes):
+        other = entry.supersedes if not replaces or replaces.number != entry.supersedes else None
+        if other and _is_issued(connection, other):
             raise Unusable(
                 f"draft {entry.number} of run {run} amends certificate {entry.supersedes}; "
                 f"`mimucal amend {entry.supersedes} --why REASON` makes it again."
             )
     return list(found.values())
+
+
+def _is_issued(connection: sql.Connection, number: str) -> bool:
+    """Else nothing can come in its place any more: it was withdrawn, or amended already."""
+    entry = keep_certificate.locked(connection, number)
+    return entry is not None and entry.state == "issued"
 
 
 def _purpose_of(entry: Entry, home: Home) -> str | None:

@@ -231,7 +231,7 @@ def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
     assert first.effect == "unnamed"
     assert first.channels == (3, 4, 5)
     assert first.follows is not None
-    assert "relaxation after each move" in say(first.follows, "en")
+    assert "relaxation after each change of position" in say(first.follows, "en")
     assert "弛豫" in say(first.follows, "zh")
     true = truth("plant_unlisted")["x_stress_relaxation"]["accel"]
     assert_known("plant_unlisted", "unnamed", dict(zip(ACCEL, true, strict=True)))

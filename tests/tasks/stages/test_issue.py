@@ -250,15 +250,17 @@ def test_an_issued_certificate_is_not_certified_again_but_amended(home: Home) ->
     assert draft(home).state == "draft"
 
 
-def test_a_draft_that_amends_is_not_replaced_by_one_that_does_not(home: Home) -> None:
+def test_a_draft_that_amends_gives_way_where_what_it_amends_is_withdrawn(home: Home) -> None:
     old = issued(home).certificate
     run = run_index.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="an error")
     for _ in range(2):  # again, it takes the place of the first
         keep_draft(certificate_of(run, calibration_of(run), replaces=replaced), home, MORNING)
     assert len(certificates.register(home)) == 2
-    withdraw(old.number, home, "Zhao", "an error")
     assert "`mimucal amend" in refusal(draft, home)
+    withdraw(old.number, home, "Zhao", "an error")
+    draft(home)
+    assert [entry.supersedes for entry in certificates.register(home)] == [None, None]
 
 
 def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home: Home) -> None:
