@@ -232,9 +232,9 @@ certificate-rule =
     .guard-band = guard band (JCGM 106, 8.3): a measured value inside its acceptance limits AL conforms; they lie inside the limits by w = { $w }
     .guard-band-outwards = guard band (JCGM 106, 8.3): a measured value inside its acceptance limits AL conforms; they lie outside the limits by w = { $w }
     .shared-risk = shared risk (JCGM 106, 8.2): as both parties agreed, a measured value inside its limits conforms (w = 0)
-    .capability = { $rule }, decided on only if C_m = T/(2 U) ≥ { $needed }, with T the width
+    .capability = { $rule }, provided that C_m = T/(2 U) ≥ { $needed }, with T the width of the interval; otherwise a value fails only if value ± U lies entirely outside the limits, and is not decided on in any other case
     .unbounded = { $rule }, one-sided limits for which no largest U is agreed are decided on only if P_c ≥ 95 % or ≤ 5 %
-    .bound = { $item } decided on only if U ≤ { $U_max }
+    .bound = { $item } decided on only if U ≤ { $U_max }, or if value ± U lies entirely outside the limits
     .coverage-factor = U has k = { $k }
 certificate-rule-of = { $items }: { $rule }
 certificate-risk = from the measured value and its standard uncertainty u (normal, or t where its degrees of freedom are finite), without prior knowledge (JCGM 106, 9.3): { $parts }

@@ -232,9 +232,9 @@ certificate-rule =
     .guard-band = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限内移 w = { $w }
     .guard-band-outwards = 保护带判定（JCGM 106，8.3）：测得值在接受限 AL 内方为符合，接受限由允许限外移 w = { $w }
     .shared-risk = 风险共担（JCGM 106，8.2）：按双方约定，测得值在允许限内即为符合（w = 0）
-    .capability = { $rule }，要求 C_m = T/(2 U) ≥ { $needed }，T 为允许区间宽度
+    .capability = { $rule }，要求 C_m = T/(2 U) ≥ { $needed }（T 为允许区间宽度）；否则仅当测得值 ± U 全部在允许限外时判为不合格，其余不作判定
     .unbounded = { $rule }，单侧允许限且未约定 U 的上限：仅当 P_c ≥ 95 % 或 ≤ 5 % 时判定
-    .bound = { $item }要求 U ≤ { $U_max }
+    .bound = { $item }要求 U ≤ { $U_max }（测得值 ± U 全部在允许限外的除外）
     .coverage-factor = U 的 k = { $k }
 certificate-rule-of = { $items }：{ $rule }
 certificate-risk = 由测得值、标准不确定度 u（正态分布；自由度有限时为 t 分布）计算，未用先验信息（JCGM 106，9.3）：{ $parts }
