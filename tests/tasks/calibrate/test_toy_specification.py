@@ -71,7 +71,7 @@ def test_a_toy_has_values_uncertainties_and_its_own_conditions(ideal_run) -> Non
     item = made.items["gyro_bias"]
     assert list(item.value.values()) == pytest.approx([DEG * b for b in bias], abs=1e-6)
     assert all(u > 0.0 for u in item.U.values())
-    assert "40 s that 2 asks for" in " ".join(r.en for r in made.remarks)
+    assert "40 s per point required by 2" in " ".join(r.en for r in made.remarks)
     assert made.procedure == "toy"
 
 

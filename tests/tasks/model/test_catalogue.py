@@ -62,7 +62,7 @@ def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
     assert effect.separated_by is not None
     assert todo is not None
     for said in (effect.title, effect.separated_by, todo, effect_name(effect.name)):
-        assert say(said, "en").replace("²", "").isascii()
+        assert re.sub("[²°]", "", say(said, "en")).isascii()
         assert re.search("[\u4e00-\u9fff]", say(said, "zh"))
     assert effect.equation
     assert effect.source

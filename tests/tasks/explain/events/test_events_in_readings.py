@@ -123,7 +123,7 @@ def test_gaps_in_the_stamps_are_a_remark() -> None:
     readings = counted(noisy(mean_readings(made), 9))[kept]
     events = events_in_readings(made.t[kept], readings, made.taken(kept))
     assert events.events == ()
-    assert "2 gaps, of 6" in say(events.remarks[0], "en")
+    assert "2 gaps, 6" in say(events.remarks[0], "en")
 
 
 def test_spikes_are_counted_and_masked() -> None:

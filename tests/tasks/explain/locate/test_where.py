@@ -146,7 +146,7 @@ def test_what_fades_after_moves_is_found_after_moves_with_its_time_constant(
     first = one(where)
     assert (first.channel, first.dimension) == ("accel_y", "after_moves")
     assert "5 s after moves" in first.description.en
-    assert "fades with 4 s" in first.description.en
+    assert "time constant of 4 s" in first.description.en
     assert "时间常数 4 s" in first.description.zh
 
 
