@@ -16,11 +16,9 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.spatial.transform import Rotation
 
 from schemas.recording import Recording, Stream
-from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.inputs.blocks import block_means
+from tasks.explain.evidence.other_readings import equations_on
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.whitening import equations_of
 from tasks.model.model import Model
 from tasks.model.regression import inverse
 from tasks.motion.pose import Tracking
@@ -54,7 +52,7 @@ def fitted_to_reference_noise(
             return set()
         true, read = simulated
         errors = standard.prediction(true) - standard.prediction(read)
-        more = _normal_equations(evidence, replace(full, readings=errors, motion=read), masked)
+        more = equations_on(replace(full, readings=errors, motion=read), masked, evidence)
         normal, right = normal + more[0], right + more[1]
         made = _gains(evidence, normal / draws, right / draws)
         by_chance = by_chance + (made if draws == 1 else _gains(evidence, *more))
@@ -80,16 +78,6 @@ def made_by_chance(evidence: Evidence, number: int, gains: float, draws: int) ->
     larger = 1.0 + known_by * max(gains, 0.0) / (draws * count)
     price = evidence.evidence(number) - evidence.delta_bic(number)
     return bool(evidence.gain(number) / larger - price < CLEAR)
-
-
-def _normal_equations(
-    evidence: Evidence, full: FullRate, masked: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Of the columns of all findings on readings in which none of them is."""
-    fit = evidence.fit
-    blocks = block_means(full, fit.blocks.rate, masked, fewest=1)  # as long as those of the fit
-    columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
-    return equations_of(columns, blocks.readings, blocks, fit.noises).normal()[:2]
 
 
 def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -11,11 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.recording import Recording
-from tasks.explain.evidence.columns import fitted_columns
 from tasks.explain.evidence.evidence import Evidence
-from tasks.explain.inputs.blocks import block_means
+from tasks.explain.evidence.other_readings import equations_on
 from tasks.explain.inputs.full_rate import FullRate
-from tasks.explain.whitening import equations_of
 from tasks.model.regression import inverse
 from tasks.motion.pose import motion_smoothed_twice
 
@@ -35,10 +33,8 @@ def with_smoothing_error(
         full.motion, up=again.up, north=again.north, rate=again.rate,
         translation=again.translation,
     )  # fmt: skip
-    fit = evidence.fit
-    lost = fit.model.prediction(full.motion) - fit.model.prediction(twice)
-    blocks = block_means(replace(full, readings=lost), fit.blocks.rate, masked, fewest=1)
-    columns, _ = fitted_columns(fit.model, evidence.groups, blocks.motion)
-    normal, right, _ = equations_of(columns, blocks.readings, blocks, fit.noises).normal()
+    model = evidence.fit.model
+    lost = model.prediction(full.motion) - model.prediction(twice)
+    normal, right = equations_on(replace(full, readings=lost), masked, evidence)
     moved = inverse(normal + np.diag(evidence.prior)) @ right
     return replace(evidence, smoothing_error=np.abs(moved))

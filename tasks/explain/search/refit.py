@@ -77,9 +77,8 @@ def fitted(model: Model, blocks: Blocks, noises: Sequence[Noise]) -> Model:
         return scores_of(columns, misfit, blocks, noises)
 
     def settled(model: Model, step: Step) -> bool:
-        dispersion = max(
-            1.0, step.misfit / blocks.used
-        )  # u is as much larger as the model is wrong
+        # u is as much larger as the model is wrong
+        dispersion = max(1.0, step.misfit / blocks.used)
         moves = np.abs(step.change) > SETTLED * np.sqrt(dispersion) * step.u + 1e-300
         return not moves.any() or step.gain < NO_GAIN * dispersion
 
