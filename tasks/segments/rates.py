@@ -10,9 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from schemas.recording import AXES, GYRO, Axis, Recording
+from schemas.recording import AXES, Axis, Recording
 from tasks.motion.table import mean_rate
-from tasks.segments.median import median
 from tasks.segments.summarise import SegmentMean
 
 STEADINESS = 5e-4  # 0.05 % rate stability, JJF 2003-2022, Table 1
@@ -20,7 +19,7 @@ OFF_LINE = 0.05  # of the rate: farther from the line, the label is another rate
 OFF_LINE_LEAST = np.radians(2.0)  # rad/s: a gyro bias is no other rate
 PLAUSIBLE_SLOPES = (0.5, 2.0)  # scale factors that a gyro may have
 SLOWEST_POINT = np.radians(0.05)  # rad/s: slower is a rest
-FEWEST_ROWS = 6  # whose thirds have means
+FEWEST_BLOCKS = 6  # whose thirds have medians
 READOUT = np.radians(0.01)  # rad/s: what an encoder's step makes of a rate
 
 
@@ -62,7 +61,7 @@ def turning_points(
         if body is not None:
             points[i] = _by_encoders(recording, segment, label, float(body[axis]))
         else:
-            points[i] = _by_gyro_and_label(recording, segment, label, axis, lines[axis])
+            points[i] = _by_gyro_and_label(segment, label, axis, lines[axis])
     return points
 
 
@@ -94,27 +93,21 @@ def _by_encoders(
 
 
 def _by_gyro_and_label(
-    recording: Recording,
-    segment: SegmentMean,
-    label: float,
-    axis: int,
-    line: tuple[float, float],
+    segment: SegmentMean, label: float, axis: int, line: tuple[float, float]
 ) -> TurningPoint:
     if not segment.has_gyro:
         return TurningPoint(_input_rate(label), label)
     shown, (slope, offset) = float(segment.mean[axis]), line
     reach = max(OFF_LINE * abs(label) * slope, OFF_LINE_LEAST)
     contradicted = abs(shown - slope * label - offset) > reach
-    rows = recording.imu.rows(segment.segment.t_start, segment.segment.t_end)
-    values = recording.imu.columns[GYRO[axis]][rows]
-    wander = _wander(values)
+    wander = _wander(segment.blocks[axis])
     allowed = 4 * STEADINESS * abs(label) + 2 * READOUT
     return TurningPoint(
         rate=float("nan") if contradicted else _input_rate(label),
         label=label,
         shown=shown,
         contradicted=contradicted,
-        unsteady=wander > allowed and wander > allowed + 6 * _noise_of_thirds(values),
+        unsteady=wander > allowed and wander > allowed + 6 * _noise_of_thirds(segment.blocks[axis]),
         wander=wander,
     )
 
@@ -138,18 +131,18 @@ def _line(turning: dict[int, SegmentMean], axis: Axis) -> tuple[float, float]:
     return slope, float(np.median(y - slope * x))
 
 
-def _wander(values: np.ndarray) -> float:
-    """Largest difference of the means of the thirds of (n,) values (medians: spikes do not count).
-
-    0 for values too few to tell.
-    """
-    if len(values) < FEWEST_ROWS:
+def _wander(blocks: np.ndarray) -> float:
+    """Largest difference of the medians of the thirds of (blocks,) means; 0 for too few to tell."""
+    if len(blocks) < FEWEST_BLOCKS:
         return 0.0
-    medians = [float(median(part)) for part in np.array_split(values, 3)]
+    medians = [float(np.median(part)) for part in np.array_split(blocks, 3)]
     return max(medians) - min(medians)
 
 
-def _noise_of_thirds(values: np.ndarray) -> float:
-    """Standard deviation of the median of a third of (n,) values, by their noise alone."""
-    spread = 1.4826 * float(median(np.abs(values - median(values))))
-    return spread * float(np.sqrt(4.7 / len(values)))
+def _noise_of_thirds(blocks: np.ndarray) -> float:
+    """Standard deviation of the median of a third of (blocks,) means, by their noise alone.
+
+    From what neighbours differ by: a drift through the segment is no noise.
+    """
+    spread = 1.4826 * float(np.median(np.abs(np.diff(blocks)))) / np.sqrt(2.0)
+    return spread * float(np.sqrt(4.7 / len(blocks)))

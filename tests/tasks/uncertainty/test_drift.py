@@ -50,8 +50,8 @@ def segments_of(blocks: np.ndarray, held: list[Segment]) -> tuple[SegmentMean, .
         allan, tau = allan_variances(values, DWELL)
         summaries.append(SegmentMean(
             segment=label, origin="label", rows=3000, t_start=label.t_start, t_end=label.t_end,
-            mean=values.mean(axis=1), allan=allan, tau=tau, left_out=0, far_rows=np.zeros(6),
-            longest_burst=0, step=np.zeros(6), deviation=values.std(axis=1),
+            mean=values.mean(axis=1), blocks=values, allan=allan, tau=tau, left_out=0,
+            far_rows=np.zeros(6), longest_burst=0, step=np.zeros(6), deviation=values.std(axis=1),
         ))  # fmt: skip
     return tuple(summaries)
 
