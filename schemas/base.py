@@ -26,7 +26,7 @@ class BrokenOff(Exception):  # noqa: N818 (nothing is in error)
 
 
 def first_fault(error: ValidationError) -> str:
-    """The first fault of a validation error as «field.path: what is wrong (found value)»."""
+    """The first fault of a validation error as “field.path: what is wrong (found value)”."""
     fault = error.errors(include_url=False)[0]
     place = ".".join(str(part) for part in fault["loc"]) or "document"
     if fault["type"] == "missing":

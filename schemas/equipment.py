@@ -18,7 +18,7 @@ class ErrorBound(Frozen):
     """How far one property of the equipment may be off.
 
     half_width: relative for rate and ripple, rad for angles and latitude, m/s² for gravity.
-    For «normal» it is an expanded uncertainty with k = 2.
+    For `normal` it is an expanded uncertainty with k = 2.
     """
 
     half_width: Annotated[float, Field(gt=0, le=MAX_HALF_WIDTH, allow_inf_nan=False, strict=True)]

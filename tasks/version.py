@@ -12,7 +12,7 @@ NUMERICS = ("numpy", "scipy")
 
 @cache
 def code_version() -> str:
-    """«0.1.0+9f3c… numpy 2.3.0 scipy 1.16.0»: 12 digits of the SHA-256 over every source file.
+    """“0.1.0+9f3c… numpy 2.3.0 scipy 1.16.0”: 12 digits of the SHA-256 over every source file.
 
     Programs with the same text here give the same results, bit for bit, on one machine.
     """

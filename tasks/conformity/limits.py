@@ -70,7 +70,7 @@ def accepted_text(limit: LimitDecision, exponent: int = 0) -> str | None:
 
 
 def relative_text(limit: LimitDecision) -> str | None:
-    """Relative limits as they were given, like «±1 % × 3.2 °/s»; None for absolute ones."""
+    """Relative limits as they were given, like “±1 % × 3.2 °/s”; None for absolute ones."""
     if limit.nominal is None:
         return None
     lower, upper = (_percent(edge, limit.nominal) for edge in (limit.lower, limit.upper))

@@ -17,7 +17,8 @@ class Effect:
     stage: where it acts; an event is found by looking at the samples and is no term of a model.
     confused_with: names of effects that look much the same. rarity: chi-squared that it must gain
     beyond a more usual effect that looks the same. time_course: how a bias changes, if that is
-    what it is. own_title: its title where the catalogue of words has no entry of its name.
+    what it is. since_power_on: whether it follows the time since then alone, whatever happens to
+    the unit. own_title: its title where the catalogue of words has no entry of its name.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Effect:
     confused_with: tuple[str, ...] = field(default=(), kw_only=True)
     rarity: float = field(default=0.0, kw_only=True)
     time_course: TimeCourse | None = field(default=None, kw_only=True)
+    since_power_on: bool = field(default=False, kw_only=True)
     own_title: Sayable | None = field(default=None, kw_only=True)
 
     @property

@@ -1,9 +1,9 @@
 """One piece of physics: its name, equation and parameters, and how it changes what is read.
 
-A model is a list of terms. A term acts where its physics acts: on the motion (stage «motion»: a
-tilt, a wobble), on what the unit feels of it (stage «input»: Earth's rotation, a lever arm), on
-what the unit makes of that (stage «sensor»: a column of readings for each parameter) or on the
-readings as a time series (stage «signal»: a delay, a low-pass). Nothing knows the terms by
+A model is a list of terms. A term acts where its physics acts: on the motion (stage `motion`: a
+tilt, a wobble), on what the unit feels of it (stage `input`: Earth's rotation, a lever arm), on
+what the unit makes of that (stage `sensor`: a column of readings for each parameter) or on the
+readings as a time series (stage `signal`: a delay, a low-pass). Nothing knows the terms by
 name: adding physics is adding one term.
 """
 
@@ -93,19 +93,19 @@ class Term(Effect):
         )
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
-        """The motion that really was, given the one that the table reports; stage «motion»."""
+        """The motion that really was, given the one that the table reports; stage `motion`."""
         return motion
 
     def felt(self, motion: Motion, inputs: Inputs, values: np.ndarray) -> Inputs:
-        """What the sensors feel with this term, given the terms before it; stage «input»."""
+        """What the sensors feel with this term, given the terms before it; stage `input`."""
         return inputs
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
-        """For each parameter the readings per unit of it, rad/s or m/s²; stage «sensor»."""
+        """For each parameter the readings per unit of it, rad/s or m/s²; stage `sensor`."""
         return ()
 
     def passed(self, motion: Motion, readings: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """Readings (n, 6) behind this term, given those before it; stage «signal».
+        """Readings (n, 6) behind this term, given those before it; stage `signal`.
 
         The rows are a time series, evenly spaced but for gaps.
         """
@@ -122,7 +122,7 @@ class Term(Effect):
 
 @dataclass(frozen=True)
 class SensorTerm(Term):
-    """A term of stage «sensor» whose columns are a formula.
+    """A term of stage `sensor` whose columns are a formula.
 
     reads: for each parameter the readings per unit of it, from the motion, what the sensors feel
     and the values of the shapes.

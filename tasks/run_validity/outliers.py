@@ -23,7 +23,7 @@ STUCK_SECONDS = 2.0
 OFF = 4.0  # robust standard deviations: 6 normal samples of 100,000 lie beyond
 LARGEST_SHARE = 0.005  # of a channel's samples that may be off
 # The first look: rows of all segments together, with a nearer reach and a smaller share.
-GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 20_000, 3.5, 0.002
+GLANCE_ROWS, GLANCE_OFF, GLANCE_SHARE = 10_000, 3.5, 0.002
 FEWEST = 3  # samples off: one or two of a short run lie there by chance
 STEPS = 2.0  # of the output: nearer is rounding
 ROUNDING = 1e-6  # of a step, by which the mean of one value may be off it
@@ -84,7 +84,7 @@ def _few_at_a_glance(recording: Recording, held: list[SegmentMean]) -> np.ndarra
     """Channels (6,) of which rows drawn from each segment already show that few enough are off.
 
     Drawn at random, so that what comes back every so many rows is not missed; of a channel with
-    LARGEST_SHARE off a hundred are drawn, where forty let it through.
+    LARGEST_SHARE off fifty are drawn, where twenty let it through.
     """
     off, count = np.zeros(len(CHANNELS)), GLANCE_ROWS // len(held)
     for segment in held:

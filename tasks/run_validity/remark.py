@@ -11,7 +11,7 @@ def run_remark(
     run: RunVerdict = "remarks",
     **arguments: Argument,
 ) -> Remark:
-    """A remark on the run, or on some segments; its message is called «validity-» and its code.
+    """A remark on the run, or on some segments; its message is called `validity-` and its code.
 
     run: what it makes of the run; no unit passes on a run that is not valid.
     """

@@ -25,7 +25,7 @@ class EarthRotationGain:
 
     @property
     def state(self) -> State:
-        """Which of «present» (1) and «absent» (0) the data allow, at three u; odd: neither."""
+        """Which of `present` (1) and `absent` (0) the data allow, at three u; odd: neither."""
         present = abs(self.gain - 1.0) <= REFUTED * self.u
         absent = abs(self.gain) <= REFUTED * self.u
         if present:

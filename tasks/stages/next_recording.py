@@ -23,7 +23,6 @@ from tasks.words import Message, clauses, message, statement
 REHEARSALS = 2  # of a procedure: each may show what else fits it
 NOTHING_SHOWN = 1.0  # chi-squared, which noise alone shows
 LONGER_BY = 1.1  # than what is in proportion: the first blocks are those that show most
-BY_TIME = ("thermal_transient",)
 LONGEST_MIN = 120.0  # that a longer recording is worth proposing
 
 if TYPE_CHECKING:
@@ -141,9 +140,12 @@ def _unmoved_by_silence(experiment: "Experiment", question: "OpenQuestion") -> "
 
 
 def _left_by_silence(question: "OpenQuestion") -> str | None:
-    """The effect that goes by the time since power-on alone, whatever the chamber does."""
-    competes = len(question.names) > 1
-    return next((name for name in question.names if competes and name in BY_TIME), None)
+    """The effect that follows the time since power-on alone, whatever the chamber does."""
+    if len(question.names) == 1:
+        return None
+    terms = [term for model in question.models.values() for term in model.terms]
+    names = (term.name for term in terms if term.since_power_on)
+    return next((name for name in names if name in question.names), None)
 
 
 def _written(choice: "Choice", order: NextOrder, question: "OpenQuestion") -> Path:

@@ -24,7 +24,7 @@ from tasks.words import Message, message, texts
 class InputQuantity:
     """An input quantity X: its best estimate and standard uncertainty, in its own unit.
 
-    dof: degrees of freedom. For the distribution «t», u is s/√n and dof is n − 1.
+    dof: degrees of freedom. For the distribution `t`, u is s/√n and dof is n − 1.
     sample: a name common to inputs that were observed together (see `effective_dof`).
     half_width, source: of a limit, and who states it.
     """

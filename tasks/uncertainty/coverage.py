@@ -26,7 +26,7 @@ def half_width(
 ) -> float:
     """Half width x of the interval y ± x that holds the result with a probability.
 
-    shapes: for each input its distribution, |cᵢ|·uᵢ (for «t» the scale s/√n of JCGM 101, 6.4.9)
+    shapes: for each input its distribution, |cᵢ|·uᵢ (for `t` the scale s/√n of JCGM 101, 6.4.9)
     and its degrees of freedom; independent of each other. Zero without any uncertainty.
     """
     known = [(kind, size, dof) for kind, size, dof in shapes if size > 0.0]

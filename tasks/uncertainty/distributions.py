@@ -24,7 +24,7 @@ CHUNK = 60  # nodes that Student's t is worked out at before looking whether it 
 def draw(
     distribution: Distribution, count: int, random: np.random.Generator, dof: float = math.inf
 ) -> np.ndarray:
-    """Values (count,) with mean 0 and u = 1; «t» has scale 1 (6.4.9), so a larger deviation."""
+    """Values (count,) with mean 0 and u = 1; `t` has scale 1 (6.4.9), so a larger deviation."""
     match distribution:
         case "normal":
             return random.standard_normal(count)
@@ -40,7 +40,7 @@ def draw(
 
 
 def characteristic_function(distribution: Distribution, s: np.ndarray, dof: float) -> np.ndarray:
-    """φ at s > 0 of a distribution with standard uncertainty 1 («t»: with scale 1)."""
+    """φ at s > 0 of a distribution with standard uncertainty 1 (`t`: with scale 1)."""
     if distribution == "normal" or (distribution == "t" and math.isinf(dof)):
         return np.exp(-0.5 * s**2)
     if distribution == "t":

@@ -1,7 +1,7 @@
 """What the measuring equipment may be wrong by: Table 1 of JJF 2003-2022 and of JJF 1536-2015.
 
 The defaults are the tables' own recommendations; a laboratory's own limits go before them
-(`with_limits`). Where a table is silent the entry says «assumed».
+(`with_limits`). Where a table is silent the entry says `assumed`.
 """
 
 import math
@@ -23,7 +23,7 @@ EDGE = 0.99  # of the rate where a limit begins: a table holds 10 °/s to its ow
 class ErrorLimit:
     """How far one property of the equipment may be from its stated value, and who says so.
 
-    half_width: in `unit`; for «normal» it is an expanded uncertainty with k = 2.
+    half_width: in `unit`; for `normal` it is an expanded uncertainty with k = 2.
     """
 
     symbol: str

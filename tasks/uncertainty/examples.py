@@ -1,4 +1,4 @@
-"""«As the specification's example»: Appendix A of JJF 2003-2022 and of JJF 1536-2015.
+"""“As the specification's example”: Appendix A of JJF 2003-2022 and of JJF 1536-2015.
 
 Both appendices write down the law of propagation and then do something else: three components,
 u₁ of the table, u₂ of the data acquisition, u₃ of the repeatability, added in quadrature with

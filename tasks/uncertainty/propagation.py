@@ -53,7 +53,7 @@ def effective_dof(
         numbers = sorted(set(degrees[members].tolist()))
         if len(numbers) > 1:
             raise Unusable(
-                f"the inputs of the sample «{sample}» have {numbers} degrees of freedom; inputs "
+                f"the inputs of the sample “{sample}” have {numbers} degrees of freedom; inputs "
                 "observed together have one number: give each the same"
             )
         block = np.ix_(members, members)

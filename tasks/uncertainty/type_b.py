@@ -3,7 +3,7 @@
 Everything is in SI; `Contribution.scaled` turns it into the unit that is printed. Appendix A of
 both specifications gives the table one relative uncertainty with sensitivity 1 for every item.
 Here each limit has the sensitivity that the item's own equation gives it; where the
-specification is silent the docstring says «silent» and derives it.
+specification is silent the docstring says `silent` and derives it.
 
 Angles are of three sorts. A table angle has an error of its own in every position, so that the
 mean over n positions has it divided by √n. Table axes that are not square tilt each face

@@ -58,7 +58,7 @@ def _gtc() -> Any:
     except ImportError as absent:
         raise Unusable(
             "the package GTC is not installed, which budgets are compared with: install mimucal "
-            "with its extra «dev» (make setup)"
+            "with its extra `dev` (make setup)"
         ) from absent
 
 

@@ -24,7 +24,7 @@ Argument = Sayable | int | tuple[Sayable | int, ...]
 
 
 def message(id_: str, /, **arguments: Argument) -> Message:
-    """A message by its identifier, «room-what» or «room-what.attribute», and its arguments."""
+    """A message by its identifier, `room-what` or `room-what.attribute`, and its arguments."""
     return Message(id_, tuple(arguments.items()))
 
 

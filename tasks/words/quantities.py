@@ -44,7 +44,7 @@ def readable_scale(largest: float, unit: str) -> Scale:
 
 
 def power_of_ten(exponent: int) -> str:
-    """«×10⁻⁶», or nothing."""
+    """“×10⁻⁶”, or nothing."""
     return f"×10{str(exponent).translate(SUPERSCRIPTS)}" if exponent else ""
 
 
@@ -57,7 +57,7 @@ def plain(number: float, digits: int = 3) -> str:
 
 
 def probability(p: float) -> str:
-    """«p = 0.41», «p < 10⁻¹²»."""
+    """“p = 0.41”, “p < 10⁻¹²”."""
     return "p < 10⁻¹²" if p < 1e-12 else f"p = {plain(p, 2)}"
 
 
@@ -67,19 +67,19 @@ def moment(t: float) -> str:
 
 
 def percent(share: float) -> str:
-    """A share as «62 %»."""
+    """A share as “62 %”."""
     return "< 1 %" if 0.0 < share < 0.005 else f"{100 * share:.0f} %".replace("-", MINUS)
 
 
 def multiple(ratio: float) -> str:
-    """A change as a multiple of something, «+9.0»."""
+    """A change as a multiple of something, “+9.0”."""
     if abs(ratio) >= 1e4:
         return ("+" if ratio > 0 else "") + plain(ratio, 2)
     return f"{ratio:+.{1 if abs(ratio) < 99.95 else 0}f}".replace("-", MINUS)
 
 
 def rough_quantity(value: float, unit: str) -> str:
-    """A value that has no U here, to three digits, in a unit of its size: «11.3 ms»."""
+    """A value that has no U here, to three digits, in a unit of its size: “11.3 ms”."""
     scale = readable_scale(abs(value), unit)
     shown = "" if scale.unit == "1" else unit_text(scale.unit)
     return f"{plain(value * scale.factor)} {shown}".strip()
@@ -92,14 +92,14 @@ def chi2(value: float) -> str:
 
 @dataclass(frozen=True)
 class Quantities:
-    """Values that share a unit, as texts; `unit` has their power of ten, «×10⁻⁶ (°/s)/g»."""
+    """Values that share a unit, as texts; `unit` has their power of ten, “×10⁻⁶ (°/s)/g”."""
 
     values: tuple[str | None, ...]
     uncertainties: tuple[str | None, ...]
     unit: str
 
     def text(self, index: int) -> str:
-        """«(9.66 ± 0.40) °/h», «(2.01 ± 0.12)×10⁻⁶»; without ± where there is no U."""
+        """“(9.66 ± 0.40) °/h”, “(2.01 ± 0.12)×10⁻⁶”; without ± where there is no U."""
         number, U = self.values[index] or "0", self.uncertainties[index]
         body = number if U is None else f"({number} ± {U})" if self.unit else f"{number} ± {U}"
         return body + self.unit if self.unit.startswith("×") else f"{body} {self.unit}".strip()

@@ -157,7 +157,7 @@ def _argument(value: Argument, language: str) -> object:
 
 
 def _pattern(language: str, id_: str) -> tuple[Any, Any]:
-    """The bundle and pattern of «message» or «message.attribute»; None where there is none."""
+    """The bundle and pattern of `message` or `message.attribute`; None where there is none."""
     name, _, attribute = id_.partition(".")
     file = _file_of(language).get(name)
     if file is None:

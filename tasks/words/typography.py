@@ -1,6 +1,6 @@
 """How sentences and clauses are set: dashes, minus signs and equation numbers by language.
 
-What the numerics write in one way for all languages («eq. (3)-(5)», «Table 1», «-9.8») is set by
+What the numerics write in one way for all languages (“eq. (3)-(5)”, “Table 1”, `-9.8`) is set by
 the messages `typography-…` of each catalogue.
 """
 
@@ -38,7 +38,7 @@ _CLAUSE = (
 
 
 def typeset(text: str, language: str) -> str:
-    """A sentence with real minus signs, ° for deg, «< 0.1 %» on one line, and what its language
+    """A sentence with real minus signs, ° for deg, “< 0.1 %” on one line, and what its language
     has for the rest.
     """
     text = re.sub(r"(?<![\w.)\]-])-(?=\d|[xyz]\b)", MINUS, text)

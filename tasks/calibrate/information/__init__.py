@@ -16,7 +16,7 @@ def information(
 ) -> dict[str, Information]:
     """Everything the recording allows, in the order in which it is printed.
 
-    rate_sensor: «gyro» or «ahrs», as the results call what senses the rate.
+    rate_sensor: `gyro` or `ahrs`, as the results call what senses the rate.
     """
     return {
         **earth_information(evidence.earth, items),

@@ -90,7 +90,7 @@ def thermal_transient(seconds: float) -> SensorTerm:
         (Parameter("time_constant", "τ", "s", 1.0, (5.0, 600.0)),), (seconds,),
         reads=lambda motion, inputs, at: same(np.exp(-motion.t / at[0])),
         confused_with=("temperature_bias", "thermal_gradient", "bias_random_walk"),
-        time_course="drift",
+        time_course="drift", since_power_on=True,
     )  # fmt: skip
 
 

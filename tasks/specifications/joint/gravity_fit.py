@@ -1,7 +1,7 @@
 """Accelerometers calibrated by gravity alone: |K⁻¹·(a − B)| = g in every rest, at any attitude.
 
-Source: Tedaldi, Pretto and Menegatti, «A robust and easy to implement method for IMU calibration
-without external equipments», ICRA 2014, eq. (10); the body axes as in `joint.gravity_alone`.
+Source: Tedaldi, Pretto and Menegatti, “A robust and easy to implement method for IMU calibration
+without external equipments”, ICRA 2014, eq. (10); the body axes as in `joint.gravity_alone`.
 """
 
 from dataclasses import dataclass
