@@ -69,5 +69,5 @@ def list_(as_json: options.Json = False) -> None:
 
 def _person(by: str | None) -> str:
     if not by or not by.strip():
-        raise Unusable("The register keeps who changes it; give --by NAME, or set MIMUCAL_USER.")
+        raise Unusable("The register records who changes it; give --by NAME, or set MIMUCAL_USER.")
     return by

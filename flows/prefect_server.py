@@ -88,8 +88,8 @@ def _start(folder: Path) -> None:
         httpx.get(f"{url}/health", timeout=START_UP_S, trust_env=False).raise_for_status()
     except httpx.HTTPError as error:
         raise Unusable(
-            f"Prefect's server did not start ({folder / LOG} has its own words); free the computer "
-            "of other work, or name a server in PREFECT_API_URL"
+            f"Prefect's server did not start (see {folder / LOG}); close other programs, or set "
+            "PREFECT_API_URL to a server that runs"
         ) from error
 
 

@@ -156,7 +156,7 @@ def prune(
     from storage.home import home
 
     if delete and not (by or "").strip():
-        raise Unusable("Say who deletes: --by NAME, or let MIMUCAL_USER name the person.")
+        raise Unusable("Say who deletes: --by NAME, or set MIMUCAL_USER to the person's name.")
     found = retention.dispensable(before.date(), home())
     pruned = Pruned(before=before.date(), deleted=delete, found=tuple(found))
     if delete:

@@ -19,11 +19,11 @@ def write_table(what: str, form: str, out: Path | None) -> None:
     from storage.dataframes import TABLES, written
 
     if what not in TABLES:
-        raise Unusable(f"{what!r} is no table; choose one of {', '.join(TABLES)}.")
+        raise Unusable(f"{what!r} is not a table; choose one of {', '.join(TABLES)}.")
     if form not in ("csv", "parquet"):
         raise Unusable(f"--as {form}: choose one of csv, parquet")
     if form == "parquet" and out is None and sys.stdout.isatty():
-        raise Unusable("--as parquet is no text for a terminal; give a file with --out")
+        raise Unusable("--as parquet cannot be shown in a terminal; give a file with --out")
     if form == "csv" and out is None:
         written(what, home(), sys.stdout)
     elif form == "csv" and out is not None:

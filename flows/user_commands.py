@@ -28,8 +28,8 @@ def add(name: options.UserName, role: options.UserRole, by: options.By = None) -
         raise Unusable(f"--role {role}: choose one of {', '.join(ROLES)}")
     if not 0 < len(name) <= LONGEST or name != name.strip():
         raise Unusable(
-            f"{name[:LONGEST]!r} is no name of a user; give 1 to {LONGEST} characters that neither "
-            "begin nor end with a space."
+            f"{name[:LONGEST]!r} is not a valid user name; give 1 to {LONGEST} characters that "
+            "neither begin nor end with a space."
         )
     users.add(name, chosen, hashed(_password(name)), home(), _person(by))
     print(f"{name}: {chosen}")
@@ -75,5 +75,5 @@ def _password(name: str) -> str:
 
 def _person(by: str | None) -> str:
     if not by or not by.strip():
-        raise Unusable("The trail keeps who changes users; give --by NAME, or set MIMUCAL_USER.")
+        raise Unusable("The trail records who changes users; give --by NAME, or set MIMUCAL_USER.")
     return by

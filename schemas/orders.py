@@ -175,9 +175,7 @@ class Selection(OrderModel):
     @model_validator(mode="after")
     def _not_backwards(self) -> Self:
         if self.since and self.until and self.since > self.until:
-            raise ValueError(
-                f"--since {self.since} is after --until {self.until}; change them over"
-            )
+            raise ValueError(f"--since {self.since} is after --until {self.until}; swap them")
         return self
 
 

@@ -24,7 +24,7 @@ class SilentHours(Frozen):
         try:
             ZoneInfo(name)
         except (ValueError, OSError, LookupError) as error:
-            raise ValueError(f"{name!r} is no time zone; name one like Asia/Shanghai") from error
+            raise ValueError(f"{name!r} is not a time zone; give one like Asia/Shanghai") from error
         return name
 
 
@@ -47,7 +47,7 @@ class RecallFile(Frozen):
     def _each_client_once(self) -> Self:
         names = [client.name for client in self.clients]
         if twice := [name for name in names if names.count(name) > 1]:
-            raise ValueError(f"the client {twice[0]!r} stands there twice")
+            raise ValueError(f"the client {twice[0]!r} is listed twice")
         return self
 
 

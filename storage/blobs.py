@@ -234,7 +234,7 @@ def _allowed(where: str) -> Iterator[None]:
         yield
     except PermissionError as error:
         raise Unusable(
-            f"{where} cannot be deleted ({error.strerror}); give rights there."
+            f"{where} cannot be deleted ({error.strerror}); grant access to it."
         ) from error
 
 
@@ -247,5 +247,5 @@ def _explained(where: str) -> Iterator[None]:
         reason = str(error).splitlines()[0].rstrip(".")[:300]
         raise Unreachable(
             f"{where} cannot be reached ({reason}); see that the bucket is there and that the keys "
-            "in the environment may use it, or let MIMUCAL_STORE name another."
+            "in the environment may use it, or set MIMUCAL_STORE to another."
         ) from error

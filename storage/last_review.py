@@ -24,7 +24,7 @@ def last(home: Home) -> KeptReview | None:
     except FileNotFoundError:
         return None
     except OSError as error:
-        raise Unusable(f"{path} cannot be read ({error.strerror}); give rights there.") from error
+        raise Unusable(f"{path} cannot be read ({error.strerror}); grant access to it.") from error
     except ValidationError as error:
         raise Unusable(
             f"{path}: {first_fault(error)}; `mimucal review` writes it again."

@@ -106,16 +106,16 @@ def _as_found(entry: Entry, home: Home) -> set[str]:
 
 def _delete_recording(each: Dispensable, person: str, home: Home) -> None:
     if each.run in _needed(home):
-        raise Unusable("a result or a certificate came to stand on it; it stays.")
+        raise Unusable("a result or a certificate now depends on it; it stays.")
     run = tables.runs.c
     with database.changing(home) as connection:
         mine = sql.select(run.digest).where(run.id == each.run).with_for_update()
         digest = connection.scalar(mine)
         if digest is None:
-            raise Unusable("it is not in the catalogue any more; somebody else deleted it.")
+            raise Unusable("it is no longer in the catalogue; somebody else deleted it.")
         for table in (tables.results, tables.certificates):
             if connection.scalar(sql.select(sql.exists().where(table.c.run == each.run))):
-                raise Unusable("a result or a certificate came to stand on it; it stays.")
+                raise Unusable("a result or a certificate now depends on it; it stays.")
         for table in OF_RUN:
             connection.execute(sql.delete(table).where(table.c.run == each.run))
         connection.execute(sql.delete(tables.runs).where(run.id == each.run))

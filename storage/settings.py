@@ -40,7 +40,7 @@ def read(path: Path, model: type[Model]) -> Model:
         check_depth(fields)
     except OSError as error:
         raise Unusable(
-            f"{path} cannot be read ({error.strerror}); see that it is there and may be read."
+            f"{path} cannot be read ({error.strerror}); check that it exists and is readable."
         ) from error
     except UnicodeDecodeError as error:
         raise Unusable(f"{path} is not UTF-8 (byte {error.start}); save it as UTF-8.") from error

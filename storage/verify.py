@@ -138,10 +138,10 @@ def _unchanged(path: Path, expected: str) -> Iterator[str]:
     try:
         same = is_as_kept(path, expected)
     except OSError as error:
-        yield f"{error.strerror}; bring it back from a backup"
+        yield f"{error.strerror}; restore it from a backup"
         return
     if not same:
-        yield "it was changed after it was kept; bring it back from a backup"
+        yield "it was changed after it was kept; restore it from a backup"
 
 
 def _record(entry: Entry, home: Home) -> Iterator[str]:

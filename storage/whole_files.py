@@ -38,7 +38,7 @@ def writing_in_home(path: Path) -> Iterator[None]:
     except OSError as error:
         raise Unusable(
             f"{path} cannot be written ({error.strerror or error}); make room or give rights "
-            "there, or let MIMUCAL_HOME name a folder that can be written."
+            "there, or set MIMUCAL_HOME to a writable folder."
         ) from error
 
 
@@ -88,7 +88,7 @@ def _is_there(path: Path, data: bytes) -> bool:
     except (FileNotFoundError, NotADirectoryError):
         return False
     except OSError as error:
-        raise Unusable(f"{path} cannot be read ({error.strerror}); give rights there.") from error
+        raise Unusable(f"{path} cannot be read ({error.strerror}); grant access to it.") from error
     if content != data:
         raise Unusable(
             f"{path} is already there with other content, and what is kept is never overwritten; "

@@ -152,6 +152,6 @@ def _key(home: Home) -> str:
         return path.read_text(encoding="ascii")
     except OSError as error:
         raise Unusable(
-            f"{path} cannot be read ({error.strerror}); give rights there, or remove it and all "
+            f"{path} cannot be read ({error.strerror}); grant access to it, or remove it and all "
             "sessions end."
         ) from error

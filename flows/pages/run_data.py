@@ -160,5 +160,5 @@ def pdf_of(number: str, home: Home) -> tuple[str, bytes]:
         return path.name, path.read_bytes()
     except OSError as error:
         raise Unusable(
-            f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+            f"{path} cannot be read ({error.strerror}); restore it from a backup."
         ) from error

@@ -41,8 +41,8 @@ def listening(home: Home, host: str, port: int) -> Any:
         return create_server(app, host=host, port=port, threads=THREADS, ident="mimucal")
     except (OSError, ValueError) as error:
         raise Unusable(
-            f"{host} port {port} cannot be listened on ({error}); name others with --host and "
-            "--port."
+            f"the pages cannot be served at {host} port {port} ({error}); choose others with "
+            "--host and --port."
         ) from error
 
 
@@ -50,8 +50,8 @@ def _check_reach(home: Home, host: str) -> None:
     """Raises Unusable for pages that everybody on the network could look at without a name."""
     if not _is_here(host) and not users(home) and settings.pages(home).proxy is None:
         raise Unusable(
-            f"--host {host} lets others look at the pages, and nobody has a password yet; "
-            "`mimucal user add NAME --role administrator` comes first, or a proxy in "
+            f"--host {host} opens the pages to other computers, but nobody has a password yet; "
+            "first run `mimucal user add NAME --role administrator`, or name a proxy in "
             f"{home.path / settings.PAGES}."
         )
 

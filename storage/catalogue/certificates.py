@@ -163,10 +163,10 @@ def _read(record: str, model: type[Model], home: Home) -> Model:
         return model.model_validate_json(path.read_bytes())
     except OSError as error:
         raise Unusable(
-            f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+            f"{path} cannot be read ({error.strerror}); restore it from a backup."
         ) from error
     except ValidationError as error:
-        raise Unusable(f"{path}: {first_fault(error)}; bring it back from a backup.") from error
+        raise Unusable(f"{path}: {first_fault(error)}; restore it from a backup.") from error
 
 
 def due(home: Home, until: date) -> list[Due]:

@@ -24,7 +24,7 @@ def url_of(home: Home) -> sql.URL:
     try:
         url = sql.make_url(home.database_url)
     except sql.exc.ArgumentError as error:
-        raise Unusable(f"MIMUCAL_DATABASE is no database URL; {WAY_OUT}.") from error
+        raise Unusable(f"MIMUCAL_DATABASE is not a database URL; {WAY_OUT}.") from error
     if url.drivername in ("postgresql", "postgres"):
         return url.set(drivername="postgresql+psycopg")
     if url.drivername == "postgresql+psycopg" or (url.drivername == "sqlite" and url.database):

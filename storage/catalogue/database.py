@@ -78,7 +78,7 @@ def newest_results() -> sql.ColumnElement[bool]:
 def _for_reading(home: Home) -> sql.Engine | None:
     """The engine to read with, None where there is no catalogue; a read-only one is left as is."""
     if home.path.exists() and not home.path.is_dir():
-        raise Unusable(f"{home.path} is no folder; let MIMUCAL_HOME name the folder of the home.")
+        raise Unusable(f"{home.path} is not a folder; set MIMUCAL_HOME to the folder of the home.")
     url = url_of(home)
     if url.get_backend_name() != "sqlite":
         return engine(home)
@@ -87,7 +87,7 @@ def _for_reading(home: Home) -> sql.Engine | None:
         if not file.exists():
             return None
     except OSError as error:
-        raise Unusable(f"{file} cannot be read ({error.strerror}); give rights there.") from error
+        raise Unusable(f"{file} cannot be read ({error.strerror}); grant access to it.") from error
     if _is_lost(file, home):
         raise Unusable(
             f"{file} is empty, but there are raw recordings in {home.raw}; bring it back from a "

@@ -18,7 +18,7 @@ def add(standards: Iterable[MeasurementStandard], home: Home, person: str) -> No
         for standard in standards:
             if known := _certificates(connection, standard.serial):
                 raise Unusable(
-                    f"{standard.name} ({standard.serial}) is in the register already, with "
+                    f"{standard.name} ({standard.serial}) is already in the register, with "
                     f"certificate {known[-1]}; `mimucal equipment renew` adds a new certificate."
                 )
             _insert(connection, standard)
@@ -37,15 +37,15 @@ def renew(standards: Iterable[MeasurementStandard], home: Home, person: str) -> 
             known = _certificates(connection, standard.serial)
             if not known:
                 raise Unusable(
-                    f"{named} is not in the register; `mimucal equipment add` takes it in."
+                    f"{named} is not in the register; add it with `mimucal equipment add`."
                 )
             if standard.certificate in known:
                 raise Unusable(
-                    f"{named} has certificate {standard.certificate} in the register already; give "
-                    "the new one."
+                    f"certificate {standard.certificate} of {named} is already in the register; "
+                    "give the new one."
                 )
             if standard.calibrated_on is None:
-                raise Unusable(f"{named} lacks calibrated_on, the day from which its new "
+                raise Unusable(f"{named} has no calibrated_on, the day from which its new "
                                "certificate counts.")  # fmt: skip
             _insert(connection, standard)
             _note(connection, person, "renew equipment", standard)

@@ -79,7 +79,7 @@ def _mcap(path: Path) -> Path | None:
     if path.name == MANIFEST:
         raise Unusable(f"{path} is the manifest alone; give the folder {path.parent} instead.")
     raise Unusable(
-        f"{path} is no recording: it does not begin as an MCAP file does; give an MCAP file or "
+        f"{path} is not a recording: it does not begin as an MCAP file does; give an MCAP file or "
         "a mimu-recording/1 folder."
     )
 
@@ -111,4 +111,4 @@ def _manifest(path: Path) -> Manifest:
 
 def _unreadable(path: Path, error: OSError) -> Unusable:
     why = error.strerror
-    return Unusable(f"{path} cannot be read ({why}); see that it is there and may be read.")
+    return Unusable(f"{path} cannot be read ({why}); check that it exists and is readable.")

@@ -109,8 +109,8 @@ def _check_size(path: Path, needed: int) -> None:
     memory = memory_bytes()
     if needed > SHARE * memory:
         raise Unusable(
-            f"{path} takes {needed / GB:.1f} GB and the computer has {memory / GB:.1f} GB: cut the "
-            "recording, or read it on a larger one."
+            f"{path} needs {needed / GB:.1f} GB of memory and the computer has "
+            f"{memory / GB:.1f} GB: split the recording, or read it on a larger computer."
         )
 
 

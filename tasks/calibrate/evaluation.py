@@ -208,5 +208,5 @@ def _bits(recording: Recording) -> float | None:
     except ValidationError as error:
         raise Unusable(
             f"{recording.manifest.recording_id}: manifest.json says unit.effective_bits = "
-            f"{stated!r}, no number of bits from 1 to {MAX_BITS:.0f}; correct it or leave it out"
+            f"{stated!r}, not a number of bits from 1 to {MAX_BITS:.0f}; correct it or leave it out"
         ) from error

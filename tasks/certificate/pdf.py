@@ -74,7 +74,7 @@ def render(
         character = error.message.split("`")[1]
         raise Unusable(
             f"Certificate {certificate.number} cannot be printed because no font shows the "
-            f"text {character}: spell it otherwise in the manifest, laboratory or order file."
+            f"text {character}: spell it differently in the manifest, laboratory or order file."
         ) from error
 
 
@@ -84,8 +84,8 @@ def _unset(fault: str, appearance: Appearance) -> Exception:
     if not own:
         return RuntimeError(f"the certificate's layout cannot be set: {fault}")
     return Unusable(
-        f"No certificate was made: with the {' and '.join(own)} of laboratory.toml it cannot be "
-        f"set ({fault}); correct the file, or take it out of laboratory.toml."
+        f"No certificate was made: it cannot be typeset with the {' and '.join(own)} of "
+        f"laboratory.toml ({fault}); correct the file, or remove it from laboratory.toml."
     )
 
 

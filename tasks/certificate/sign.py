@@ -104,7 +104,8 @@ def _of_file(path: Path, passphrase: str | None) -> Any:
     secret = None if passphrase is None else passphrase.encode()
     if not path.is_file():
         raise Unusable(
-            f"The signing key {path} is not there: mend pkcs12 under [signing] in laboratory.toml."
+            f"The signing key {path} does not exist: correct pkcs12 under [signing] in "
+            "laboratory.toml."
         )
     # pyhanko logs a traceback beside the None that stands for a wrong passphrase.
     logging.getLogger("pyhanko").addHandler(logging.NullHandler())
@@ -132,7 +133,7 @@ def _of_token(token: Token, pin: str | None) -> Any:
     except (PKCS11Error, OSError, RuntimeError) as error:
         raise Unusable(
             f"The signing key {token.key} of token {token.token} cannot be used "
-            f"({type(error).__name__}): mend pkcs11 under [signing] in laboratory.toml, and set "
+            f"({type(error).__name__}): correct pkcs11 under [signing] in laboratory.toml, and set "
             "the PIN in MIMUCAL_SIGNING_PASSPHRASE."
         ) from error
     return signer

@@ -74,7 +74,7 @@ def noise(calibration: Calibration, recording: Recording, triad: str) -> TriadNo
     if not densities or not readings:
         raise Unusable(
             f"{calibration.recording_id} shows no white noise of the {triad} triad in its rests, "
-            "and kalibr asks for it; export --as yaml or ros, or record longer rests."
+            "which kalibr needs; export --as yaml or ros, or record longer rests."
         )
     interval = float(np.median(np.diff(recording.imu.t)))
     curve = allan_curve(readings, interval)

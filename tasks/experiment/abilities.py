@@ -37,8 +37,8 @@ class Abilities:
         names = [axis.name for axis in file.station.table_axes or ()]
         if not names:
             raise Unusable(
-                f"the station file of {file.station.id} names no station.table_axes; "
-                "name them, outermost first"
+                f"the station file of {file.station.id} has no station.table_axes; "
+                "list them, outermost first"
             )
         limits = {name: [each for _, each in file.limits.of(name)] for name in names}
         rates = tuple(
@@ -65,8 +65,8 @@ class Abilities:
         manifest, axes = recording.manifest, whole_motion(recording).axes
         if axes is None:
             raise Unusable(
-                f"{manifest.recording_id}: no table stream tells what its station can do; "
-                "name the station with --station FILE"
+                f"{manifest.recording_id}: no table stream shows what its station can do; "
+                "give the station file with --station FILE"
             )
         speeds = np.abs(np.degrees(axes.speeds))
         rates = np.nanmax(speeds, axis=0)

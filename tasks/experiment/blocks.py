@@ -71,7 +71,7 @@ def blocks_of(abilities: Abilities) -> tuple[Block, ...]:
     reached = attitudes(abilities)
     if not reached:
         raise Unusable(
-            f"at station {abilities.station.id} none of the unit's axes comes up: correct its mount"
+            f"at station {abilities.station.id} no axis of the unit can point up: correct its mount"
         )
     rests = tuple(
         Position(name=f"tumble_{one.label}", item=ITEM, up=one.up, axis=one.axis,

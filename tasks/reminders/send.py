@@ -20,14 +20,14 @@ def check_channel(name: str, url: str) -> str:
         whole = Template(url).substitute(os.environ)
     except KeyError as missing:
         raise Unusable(
-            f"recall.toml: channel {name!r} names ${{{missing.args[0]}}}, which the environment "
-            "does not hold; set it."
+            f"recall.toml: channel {name!r} uses ${{{missing.args[0]}}}, which is not set in "
+            "the environment; set it."
         ) from missing
     except ValueError as error:
         raise Unusable(f"recall.toml: channel {name!r}: {error}; write $$ for a dollar.") from error
     if Apprise.instantiate(whole) is None:
         raise Unusable(
-            f"recall.toml: channel {name!r} is no Apprise URL (mailto://, dingtalk://, "
+            f"recall.toml: channel {name!r} is not an Apprise URL (mailto://, dingtalk://, "
             "wecombot://, feishu://, slack://); correct it there."
         )
     return whole
@@ -43,7 +43,7 @@ def send(url: str, title: str, body: str, entry: bytes) -> str | None:
 
     channel = Apprise.instantiate(url)
     if channel is None:
-        return "the channel is no Apprise URL"
+        return "the channel is not an Apprise URL"
     attached = None
     if channel.attachment_support:
         attached = AppriseAttachment()

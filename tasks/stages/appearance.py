@@ -44,8 +44,8 @@ def _held(name: str, path: Path) -> str:
         return content.decode() if name == "template" else base64.b64encode(content).decode()
     except OSError as error:
         raise Unusable(
-            f"laboratory.toml: {name} = {path} cannot be read ({error.strerror}); see that it is "
-            "there and may be read."
+            f"laboratory.toml: {name} = {path} cannot be read ({error.strerror}); check that it "
+            "exists and is readable."
         ) from error
     except UnicodeDecodeError as error:
         raise Unusable(f"laboratory.toml: {name} = {path} is not UTF-8; save it as UTF-8.") from (

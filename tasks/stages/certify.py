@@ -152,7 +152,7 @@ def _as_found(
     if moment and left_moment and _is_after(moment, left_moment):
         raise Unusable(
             f"run {run.id} (as found) was recorded at {moment}, after run {left_run.id} (as left), "
-            f"at {left_moment}; change them over."
+            f"at {left_moment}; swap them."
         )
     return AsFound(
         calibrated_on=day_of(moment), calibration=calibration, decision=decide(calibration)

@@ -88,7 +88,7 @@ def _refuse(which: Sequence[Run], recordings: Sequence[Recording], order: Explai
         )
     if len({_format(each) for each in recordings}) > 1:
         raise Unusable(
-            f"{names} are of different formats (rates or angles, motion from the table or from a "
+            f"{names} have different formats (rates or angles, motion from the table or from a "
             "pose): explain those of one format together."
         )
     if order.out or order.calibration or order.simulated:

@@ -46,8 +46,8 @@ def advice_by(of_unit: Sequence[Entry], serial: str, home: Home) -> tuple[str, i
     last = dated[-1]
     if last.due is None:
         raise Unusable(
-            f"Certificate {last.number} has no date of recalibration to start from: let the order "
-            "agree on one (recalibration_agreed = true)."
+            f"Certificate {last.number} has no recalibration date to start from: agree on one in "
+            "the order (recalibration_agreed = true)."
         )
     agreed = (last.due - _day(last)).days
     return units.pop(), agreed, advise(history, agreed)

@@ -137,11 +137,11 @@ def _unchanged(entry: Entry, home: Home) -> Certificate:
             same = is_as_kept(path, sha256)
         except OSError as error:
             raise Unusable(
-                f"{path} cannot be read ({error.strerror}); bring it back from a backup."
+                f"{path} cannot be read ({error.strerror}); restore it from a backup."
             ) from error
         if not same:
             raise Unusable(
-                f"{path} was changed after it was kept; bring it back from a backup, or certify "
+                f"{path} was changed after it was kept; restore it from a backup, or certify "
                 f"run {entry.run} again."
             )
     return record_of(entry, home)

@@ -23,14 +23,14 @@ def check_person(certificate: Certificate, person: str, step: StepName, home: Ho
     if certificate.step("draft") is None:
         raise Unusable(
             f"{number} does not say who drafted it; certify run {run} again with --by NAME, or "
-            "let laboratory.toml name the operator."
+            "name the operator in laboratory.toml."
         )
     for earlier in certificate.steps:
         if _plain(earlier.person) == _plain(person):
             raise Unusable(
-                f"{earlier.person} {DONE[earlier.step]} {number}, so another person has to "
-                f"{step} it; laboratory.toml allows one person for all with separate_persons = "
-                "false."
+                f"{earlier.person} {DONE[earlier.step]} {number}, so another person must "
+                f"{step} it; separate_persons = false in laboratory.toml lets one person take "
+                "every step."
             )
 
 

@@ -136,9 +136,9 @@ async def _move(table: Table, axis: int, limits: Limits) -> Message:
             if wall_s() > end_s:
                 at = state.axes[axis].angle_deg
                 raise Unusable(
-                    f"axis {table.names[axis]} was sent to {angle:.4f} deg, and after "
-                    f"{seconds:.0f} s stands at {at:.4f} deg unsettled: check move_to, scale of "
-                    f"angle and flags of the station file, and that the axis is free"
+                    f"axis {table.names[axis]} was sent to {angle:.4f} deg and has not settled "
+                    f"after {seconds:.0f} s (it is at {at:.4f} deg): check that the axis is free, "
+                    f"and move_to, the scale of angle and the flags in the station file"
                 )
             await asyncio.sleep(POLL_S)
         reached.append(abs(state.axes[axis].angle_deg - angle))

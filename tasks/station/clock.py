@@ -69,7 +69,7 @@ class StationClock:
         """Raises Unusable where it went back behind a station time (s) read before, or stands."""
         if self.station_s < before_s:
             raise Unusable(
-                f"the station's clock went back from {before_s:.3f} s to {self.station_s:.3f} s, "
+                f"the station's clock jumped back from {before_s:.3f} s to {self.station_s:.3f} s, "
                 f"as after a restart: start the run again"
             )
         if self._readings[-1][1] - self._moved_wall_s > CLOCK_TIMEOUT_S:

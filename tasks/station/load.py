@@ -28,7 +28,7 @@ def load_correction(correction: Correction, station: StationFile) -> tuple[Corre
     if link.load is None:
         raise Unusable(
             f"unit_link of unit {unit.serial} in the station file has no load: describe there the "
-            "lines that the unit takes its coefficients by"
+            "lines by which the unit receives its coefficients"
         )
     lines = [_line(template, correction, link.load) for template in link.load.lines]
     _write(lines, link, link.load)
@@ -43,8 +43,8 @@ def _unit_of(correction: Correction, station: StationFile) -> tuple[CorrectedUni
     whose = f"{wanted.model} {wanted.serial}" if wanted else "a unit that is not known"
     there = ", ".join(f"{each.unit.model} {each.unit.serial}" for each in station.per_unit())
     raise Unusable(
-        f"the result is of {whose}, and on station {station.station.id} there is {there}: give the "
-        "result of that unit, or correct unit in the station file"
+        f"the result is of {whose}, but station {station.station.id} has {there}: give the result "
+        "of that unit, or correct unit in the station file"
     )
 
 
@@ -64,7 +64,7 @@ def _line(template: str, correction: Correction, load: CoefficientLines) -> byte
     except (KeyError, IndexError, ValueError, TypeError) as error:
         raise Unusable(
             f"the line “{template}” of unit_link.load cannot be written ({error}): the "
-            f"coefficients are {', '.join(values)}, of three or of three times three places from 0"
+            f"coefficients are {', '.join(values)}, each of 3 or 3 × 3 elements counted from 0"
         ) from error
     if load.check == "xor8":
         text += f"*{reduce(xor, text.lstrip('$!').encode(), 0):02X}"
@@ -75,7 +75,7 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
     import serial
 
     if link.url.startswith(("udp://", "file://")):
-        raise Unusable(f"unit_link.url {link.url} can only be listened to: give a serial line")
+        raise Unusable(f"unit_link.url {link.url} can only be read from: give a serial line")
     try:
         with serial.serial_for_url(
             link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
@@ -86,8 +86,8 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
                 if not _is_acknowledged(port, load.acknowledge.encode()):
                     raise Unusable(
                         f"the unit on {link.url} did not acknowledge “{line.decode().strip()}” "
-                        f"with “{load.acknowledge}” in {ANSWER_S:g} s, and took {number} lines "
-                        "before it: read its manual about it, then load again"
+                        f"with “{load.acknowledge}” within {ANSWER_S:g} s (lines acknowledged "
+                        f"before it: {number}): see its manual, then load again"
                     )
     except (OSError, ValueError) as error:  # pyserial's own is an OSError
         raise Unusable(

@@ -100,7 +100,7 @@ def test_a_run_that_is_calibrated_meanwhile_stays(
     results.save(calibrated(run), fresh)
     deleted, refused = retention.delete(can_go, "Li", fresh, lambda *_: None)
     assert deleted == []
-    assert "came to stand on it" in refused[0].why
+    assert "now depends on it" in refused[0].why
     assert trail.entries(fresh) == []
     assert runs.load(run, fresh).digest == run.digest
 

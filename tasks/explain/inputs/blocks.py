@@ -104,8 +104,8 @@ def block_means(
     weight[~_known(motion)] = 0.0
     if not weight.any():
         raise Unusable(
-            f"the recording has no {(2 * REACH + 1) * step / own:.2g} s on end with both imu rows "
-            "and a known motion; give a reference that covers the readings"
+            f"the recording has no unbroken {(2 * REACH + 1) * step / own:.2g} s with both imu "
+            "rows and a known motion; give a reference that covers the readings"
         )
     floor = full.steps**2 / 12.0 / np.where(full.dithered, step, 1)
     used = np.maximum((weight > 0).sum(axis=0), 1)

@@ -71,8 +71,8 @@ def full_rate(recording: Recording) -> FullRate:
     motion = with_gyro_acceleration(whole_motion(recording), readings)
     if not motion.felt.any():
         raise Unusable(
-            f"recording {name} tells no motion: no table stream with "
-            "table_axes, no reference pose and no labelled segments; give one of them"
+            f"recording {name} does not show how the unit moved: it has no table stream with "
+            "table_axes, no reference pose and no labelled segments; add one of them"
         )
     # A motion that is unknown in places (labels only) must not reach into its neighbours.
     segments = recording.manifest.segments or find_segments(recording)

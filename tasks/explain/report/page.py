@@ -96,7 +96,7 @@ def _appear(folder: Path, name: str, content: bytes) -> Path:
     except OSError as error:
         raise Unusable(
             f"{path} cannot be written ({error.strerror or error}); name another folder with "
-            "--out, or make room and give rights there."
+            "--out, or free some space and grant access."
         ) from error
     finally:
         if draft.is_file():

@@ -38,9 +38,8 @@ def check(recording: Recording) -> None:
     columns = recording.imu.columns
     if not all(name in columns for name in ANGLE) and not all(name in columns for name in GYRO):
         raise Unusable(
-            f"{recording.manifest.recording_id}: there are no angle_x, angle_y, angle_z columns "
-            "and no gyro_* columns in their place, which JJF 1536 calibrates; record the angles "
-            "that the AHRS accumulates"
+            f"{recording.manifest.recording_id} has neither angle_x, angle_y, angle_z nor gyro_* "
+            "columns, which JJF 1536 calibrates; record the angles that the AHRS accumulates"
         )
     for name in ANGLE:
         if name in columns:
@@ -63,8 +62,8 @@ def _check_wrapping(recording_id: str, name: str, angle: np.ndarray) -> None:
         row = int(jumps[0]) + 3
         raise Unusable(
             f"{recording_id}: column {name}, row {row}: the angle jumps by "
-            f"{np.degrees(step[row - 2]):+.0f}°, and {len(jumps) - 1} times more: it starts "
-            "anew each turn; JJF 1536 takes the accumulated angle, so unwrap it first"
+            f"{np.degrees(step[row - 2]):+.0f}°, and {len(jumps) - 1} times more: it wraps "
+            "once a turn, but JJF 1536 needs the accumulated angle; unwrap it first"
         )
 
 

@@ -98,7 +98,7 @@ class DescribedTable:
             await asyncio.sleep(POLL_S)
         raise Unusable(
             f"the table at {self._backend.url} has not found its home within "
-            f"{self._described.home_timeout_s:g} s: look whether an axis is blocked"
+            f"{self._described.home_timeout_s:g} s: check whether an axis is blocked"
         )
 
     async def state(self) -> TableState:

@@ -109,8 +109,8 @@ class TextBackend:
             answer = await self._link.ask(line)
             if answer != self._described.acknowledge:
                 raise Unusable(
-                    f"the device at {self.url} answered “{line}” with “{answer[:80]}” where it "
-                    f"acknowledges with “{self._described.acknowledge}”: read its manual about it"
+                    f"the device at {self.url} answered “{line}” with “{answer[:80]}” instead of "
+                    f"“{self._described.acknowledge}”: see its manual"
                 )
 
     def close(self) -> None:
@@ -124,7 +124,7 @@ class TextBackend:
         values = answer.values(text)
         if values is None:
             raise Unusable(
-                f"the device at {self.url} answered “{line}” with “{text[:80]}” where the station "
+                f"the device at {self.url} answered “{line}” with “{text[:80]}”, but the station "
                 f"file expects “{query.answer}”: correct queries there"
             )
         return values

@@ -41,8 +41,8 @@ class TextLink:
                 return answer
         raise Unusable(
             f"the device at {self.url} does not answer “{line}” ({ATTEMPTS} attempts): check that "
-            f"it is switched on, that the cable is in, and that url, baudrate and terminators of "
-            f"the station file are right"
+            f"it is switched on and connected, and that url, baudrate and terminators in the "
+            f"station file are right"
         )
 
     async def _in_thread(self, line: str, is_answered: bool) -> str | None:
@@ -64,8 +64,8 @@ class TextLink:
             if is_answered:
                 return None
             raise Unusable(
-                f"the device at {self.url} cannot be told “{line}” ({error}): check that it is "
-                f"switched on, and url of the station file"
+                f"“{line}” cannot be sent to the device at {self.url} ({error}): check that it is "
+                f"switched on, and url in the station file"
             ) from error
 
     def _answer(self, port: Any) -> str | None:

@@ -99,7 +99,7 @@ async def serve(
     clients: list[set[asyncio.StreamWriter]] = [set() for _ in (0, *config.neighbours)]
     modbus = ControllerServer(controller.devices(), address=(host, modbus_port))
     if not await modbus.listen():
-        raise Unusable(f"port {modbus_port} of {host} cannot be had for Modbus: choose another")
+        raise Unusable(f"port {modbus_port} of {host} is not available for Modbus: choose another")
     try:
         units = [
             await _unit_server(each, host, unit_port and unit_port + place)
@@ -136,7 +136,7 @@ async def _unit_server(clients: set[asyncio.StreamWriter], host: str, port: int)
         return await asyncio.start_server(lambda _, client: clients.add(client), host, port)
     except OSError as error:
         raise Unusable(
-            f"port {port} of {host} cannot be had for the unit: choose another"
+            f"port {port} of {host} is not available for the unit: choose another"
         ) from error
 
 

@@ -71,7 +71,7 @@ def test_three_persons_take_a_draft_to_its_number_and_the_trail_names_them(tmp_p
     home = Home(tmp_path)
     key = draft(home, "1").certificate.number
     orders, form = Orders(home), {"certificate": key, "reason": "read again"}
-    with pytest.raises(Unusable, match="another person has to check"):
+    with pytest.raises(Unusable, match="another person must check"):
         orders.give("check", form, Visitor(name="Wang", role="administrator"))
     orders.give("check", form | {"by": "Somebody else"}, Visitor(name="Zhao", role="verifier"))
     number = orders.give("issue", form, Visitor(name="Chen", role="issuer"))

@@ -291,7 +291,7 @@ def make_bag_without_metadata(path: Path) -> None:
     ("make", "says"),
     [
         (make_nothing, "cannot be read"),
-        (make_text, "is no recording"),
+        (make_text, "is not a recording"),
         (make_folder, r"manifest\.json is missing"),
         (make_two_bags, "holds 2 MCAP files"),
         (make_bag_without_metadata, r"give the file .*a\.mcap itself"),

@@ -172,7 +172,7 @@ def test_csv_that_is_larger_than_the_memory_is_refused_unread(tmp_path: Path) ->
     with (tmp_path / "imu.csv").open("wb") as file:
         file.write(b"t,gyro_x\n0,0\n")
         file.truncate(2**42)  # of holes: nothing on the disk
-    assert "imu.csv takes 4398.0 GB and the computer has" in refusal(
+    assert "imu.csv needs 4398.0 GB of memory and the computer has" in refusal(
         folder_with(tmp_path, "imu.csv")
     )
 
@@ -185,6 +185,6 @@ def test_parquet_whose_few_bytes_hold_more_than_the_memory_is_refused_unread(
     pq.write_table(pa.table({"t": still, "gyro_x": still}), path)
     assert path.stat().st_size < 100_000
     monkeypatch.setattr(stream_file, "memory_bytes", lambda: 20_000_000)
-    assert "takes 0.0 GB and the computer has 0.0 GB: cut the recording" in refusal(
+    assert "needs 0.0 GB of memory and the computer has 0.0 GB: split the recording" in refusal(
         folder_with(tmp_path, "imu.parquet")
     )

@@ -58,7 +58,9 @@ def test_a_layout_of_the_laboratorys_own_takes_the_place_of_the_houses() -> None
     ],
 )
 def test_what_cannot_be_set_is_one_sentence(broken: Appearance, named: str) -> None:
-    with pytest.raises(Unusable, match=rf"^No certificate was made: with {named}") as refused:
+    with pytest.raises(
+        Unusable, match=rf"^No certificate was made: it cannot be typeset with {named}"
+    ) as refused:
         render(of(broken))
     assert "\n" not in str(refused.value)
 

@@ -243,7 +243,7 @@ def test_a_key_that_does_not_open_is_refused_in_one_sentence(
     settings = SigningSettings(pkcs12="seal.p12")
     with pytest.raises(Unusable, match="MIMUCAL_SIGNING_PASSPHRASE"):
         signing_of(settings, tmp_path, passphrase, NOW)
-    with pytest.raises(Unusable, match="is not there"):
+    with pytest.raises(Unusable, match="does not exist"):
         signing_of(SigningSettings(pkcs12="no.p12"), tmp_path, passphrase, NOW)
     assert logged.getvalue() == ""
 

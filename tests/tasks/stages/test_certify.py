@@ -198,11 +198,11 @@ def test_a_run_as_found_is_decided_by_the_same_limits_and_found_with_its_certifi
 @pytest.mark.parametrize(
     ("earlier", "later", "says"),
     [
-        ({"recorded_at": "2026-05-03"}, {"recorded_at": "2026-05-02"}, "change them over"),
+        ({"recorded_at": "2026-05-03"}, {"recorded_at": "2026-05-02"}, "swap them"),
         (
             {"recorded_at": "2026-05-02T09:00:00+02:00"},
             {"recorded_at": "2026-05-02T14:00:00+08:00"},
-            "change them over",
+            "swap them",
         ),
         ({"unit": {"manufacturer": "test", "model": "ideal", "serial": "2"}}, {}, "same unit"),
         ({}, {}, "itself"),
@@ -235,7 +235,9 @@ def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep) -> 
     run, result, home = kept()
     (home.path / "logo.png").write_bytes(b"no picture")
     laboratory = Laboratory(party=PARTY, logo="logo.png", operator="Li")
-    with pytest.raises(Unusable, match=r"^No certificate was made: with the logo of"):
+    with pytest.raises(
+        Unusable, match=r"^No certificate was made: it cannot be typeset with the logo of"
+    ):
         certify(run, result, home, Inputs(laboratory=laboratory))
     assert certificates.register(home) == []
     assert not list(home.path.glob("certificates/*"))

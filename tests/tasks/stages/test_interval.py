@@ -73,5 +73,5 @@ def test_a_unit_without_certificates_is_said_to_have_none(home: Home) -> None:
 
 def test_without_an_agreed_date_there_is_nothing_to_advise_on(home: Home) -> None:
     issued(home, 2020, due=None)
-    with pytest.raises(Unusable, match=r"has no date of recalibration .*recalibration_agreed"):
+    with pytest.raises(Unusable, match=r"has no recalibration date .*recalibration_agreed"):
         interval_advice("7", home)

@@ -220,7 +220,7 @@ def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> N
 
 @pytest.mark.parametrize(
     ("url", "says"),
-    [("nonsense", "is no Apprise URL"), ("slack://${NOT_SET}", "NOT_SET.* the environment does")],
+    [("nonsense", "is not an Apprise URL"), ("slack://${NOT_SET}", "NOT_SET.* is not set")],
 )
 def test_a_channel_that_is_none_is_said_before_anything_is_sent(
     home: Home, url: str, says: str

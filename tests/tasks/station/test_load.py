@@ -50,14 +50,14 @@ def test_a_unit_that_does_not_acknowledge_a_line_is_told_no_more(monkeypatch):
     monkeypatch.setattr(load, "ANSWER_S", 0.3)
     refused = re.escape("did not acknowledge “$WRITE,74,+1.0000*6A” with “$OK”")
     with unit(lambda line: b"$OK" if b"84" in line else b"$ERR") as (url, told):
-        with pytest.raises(Unusable, match=refused + r".* took 1 lines before"):
+        with pytest.raises(Unusable, match=refused + r".*acknowledged before it: 1"):
             load_correction(correction(), station(url))
         assert len(told) == 2
 
 
 @pytest.mark.parametrize(
     ("changes", "serial", "sentence"),
-    [({}, "0002", r"of MIMU 0002, and on station LAB-1 there is MIMU 0001"),
+    [({}, "0002", r"of MIMU 0002, but station LAB-1 has MIMU 0001"),
      ({"lines": ["{K_x}"]}, "0001", r"“\{K_x\}” of unit_link.load cannot be written"),
      ({"lines": ["{C_g[3][0]}"]}, "0001", r"cannot be written \(list index out of range\)")],
 )  # fmt: skip

@@ -206,7 +206,7 @@ def test_rounding_noise_in_a_correlation_matrix_is_no_correlation() -> None:
 def test_one_sample_has_one_number_of_degrees_of_freedom() -> None:
     pair = (quantity("a", 1.0, dof=4, sample="s"), quantity("b", 1.0, dof=5, sample="s"))
     lines = [Contribution(q, 1.0) for q in pair]
-    with pytest.raises(Unusable, match=r"«s» have \[4.0, 5.0\]"):
+    with pytest.raises(Unusable, match=r"“s” have \[4.0, 5.0\]"):
         combine("y", "1", 0.0, lines)
 
 

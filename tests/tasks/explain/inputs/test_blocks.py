@@ -164,7 +164,7 @@ def test_a_recording_without_rates_and_forces_is_refused() -> None:
 def test_a_recording_that_tells_no_motion_is_refused() -> None:
     recording = rested()
     silent = recording.manifest.model_copy(update={"segments": None})
-    with pytest.raises(Unusable, match="tells no motion"):
+    with pytest.raises(Unusable, match="does not show how the unit moved"):
         full_rate(replace(recording, manifest=silent))
 
 
