@@ -1,9 +1,10 @@
 """Connections to the catalogue's database, and its refusals as sentences."""
 
 import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import sqlalchemy as sql
@@ -12,6 +13,7 @@ from sqlalchemy.pool import NullPool
 from schemas.base import Unusable
 from storage.home import Home
 
+SWITCH_PAUSE_S = 0.02
 WAY_OUT = "give it as postgresql://user@host/name, or leave it out for a file in the home"
 
 
@@ -48,7 +50,7 @@ def engine_of(url: sql.URL, busy_s: float) -> sql.Engine:
     made = sql.create_engine(url, poolclass=NullPool, connect_args={"timeout": busy_s})
     sql.event.listen(made, "connect", _prepare_sqlite)
     if "mode" not in url.query:
-        sql.event.listen(made, "connect", _log_ahead)
+        sql.event.listen(made, "connect", partial(_log_ahead, busy_s=busy_s))
     sql.event.listen(made, "begin", _begin_sqlite)
     return made
 
@@ -58,8 +60,21 @@ def _prepare_sqlite(connection: Any, _: object) -> None:
     connection.execute("PRAGMA foreign_keys = ON")
 
 
-def _log_ahead(connection: Any, _: object) -> None:
-    connection.execute("PRAGMA journal_mode = WAL")
+def _log_ahead(connection: Any, _: object, *, busy_s: float) -> None:
+    """Switches the file to a write-ahead log, which it then keeps.
+
+    Where two processes switch a fresh file at once, SQLite refuses one of them without waiting.
+    """
+    end_s = time.monotonic() + busy_s
+    while True:
+        try:
+            connection.execute("PRAGMA journal_mode = WAL")
+        except sqlite3.OperationalError:
+            if time.monotonic() > end_s:
+                raise
+            time.sleep(SWITCH_PAUSE_S)
+        else:
+            return
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:

@@ -14,6 +14,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
+from storage.catalogue import connection as connections
 from storage.catalogue import database, numbers, run_index, tables
 from storage.catalogue.connection import Busy
 from storage.home import Home
@@ -79,6 +80,22 @@ def test_processes_that_open_a_fresh_home_at_once_make_one_catalogue(
 ) -> None:
     said = at_once(f"{TAKE_NUMBER}\nprint(len(number))", fresh, processes=4)
     assert said == ["14\n"] * 4
+
+
+def test_switching_a_fresh_file_to_a_log_is_tried_again_when_sqlite_refuses_at_once() -> None:
+    class Refusing:
+        asked = 0
+
+        def execute(self, _: str) -> None:
+            self.asked += 1
+            if self.asked < 3:
+                raise sqlite3.OperationalError("database is locked")
+
+    refusing = Refusing()
+    connections._log_ahead(refusing, None, busy_s=60.0)
+    assert refusing.asked == 3
+    with pytest.raises(sqlite3.OperationalError):
+        connections._log_ahead(Refusing(), None, busy_s=0.0)
 
 
 def test_catalogue_of_a_newer_program_is_refused(fresh: Home) -> None:
