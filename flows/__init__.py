@@ -1,1 +1,1 @@
-"""What is ordered: the command line and the Prefect flows behind it."""
+"""The command line, and the Prefect flows behind it."""

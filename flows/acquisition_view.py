@@ -1,4 +1,4 @@
-"""An acquisition as it goes on, on standard error: a view, or where it is no terminal a line."""
+"""Progress of an acquisition on standard error: a live view in a terminal, otherwise a line."""
 
 import sys
 import time

@@ -1,4 +1,4 @@
-"""Where an order of the command line is carried out: as a Prefect flow run, or right here."""
+"""Carries out an order from the command line, as a Prefect flow run or directly in this process."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The commands of a certificate's life: check, issue, amend, withdraw, and the trail of it all."""
+"""Commands for the life of a certificate: check, issue, amend, withdraw, and the audit trail."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The command `mimucal`. Each command imports what it needs when it runs, to start at once."""
+"""The command `mimucal`. Each command imports what it needs only when it runs, to start quickly."""
 
 import atexit
 import gc

@@ -1,4 +1,4 @@
-"""The commands that carry a result to where the unit is used: `export` and `apply`."""
+"""Commands that take a result to where the unit is used: `export` and `apply`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""`mimucal dashboard`, the operations pages."""
+"""`mimucal dashboard`, which serves the operations pages."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""The main job, whole, on this machine: station, acquisition, items, verdict, certificate."""
+"""`mimucal demo`: the whole line on this machine, from the virtual station to a certificate."""
 
 import json
 import time

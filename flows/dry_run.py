@@ -1,4 +1,4 @@
-"""`acquire --dry-run`: the whole procedure as it would go, and nothing moves."""
+"""`acquire --dry-run`: what the procedure would do, without moving anything."""
 
 from typing import Any
 

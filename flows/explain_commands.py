@@ -1,4 +1,4 @@
-"""The commands about what the model leaves out: `explain`, `next` and `simulate`."""
+"""Commands about missing physics: `explain`, `next` and `simulate`."""
 
 import sys
 

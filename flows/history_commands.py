@@ -1,4 +1,4 @@
-"""The commands over the history of a store: made again, as tables, and what used what."""
+"""Commands over the history of a store: `reprocess`, `table` and `impact`."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""The arguments and options of the command line, with what they may be."""
+"""Arguments and options shared by the commands, and the values they accept."""
 
 import math
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""The orders as Prefect flows, whose results and certificates are artifacts.
+"""The orders as Prefect flows, with results and certificates as artifacts.
 
 A deployment takes the order as its parameter, which Prefect validates. Import this module only
 after `flows.prefect_server.connect`.

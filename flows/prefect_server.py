@@ -1,4 +1,4 @@
-"""Where Prefect runs: on the server that PREFECT_API_URL names, or on one that a command starts.
+"""The Prefect server: the one PREFECT_API_URL names, or one that a command starts for itself.
 
 A command's own server keeps its database in the home, outlives no command and hears no Ctrl-C.
 Prefect's temporary server would not do: it runs in the command's process group, where Ctrl-C ends

@@ -1,4 +1,4 @@
-"""What the command line prints of the runs that were acquired."""
+"""Prints the runs that were acquired."""
 
 import sys
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""What the command line prints of a calibration."""
+"""Prints a calibration."""
 
 from rich.console import Console
 from rich.table import Table

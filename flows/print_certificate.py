@@ -1,4 +1,4 @@
-"""What the command line prints of a certificate."""
+"""Prints a certificate."""
 
 from typing import TYPE_CHECKING, Any
 

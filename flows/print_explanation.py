@@ -1,4 +1,4 @@
-"""What the command line prints of an explanation, for a person."""
+"""Prints an explanation."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""What the command line prints of a re-processing, of what used a standard, and of what can go."""
+"""Prints a re-processing report, an impact report, and what the store can do without."""
 
 from flows.printing import print_rows, stdout
 from schemas.history import Impact, Plan, Pruned, Reprocessing

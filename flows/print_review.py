@@ -1,4 +1,4 @@
-"""What the command line prints of a review, for a person."""
+"""Prints a review."""
 
 from rich.table import Table
 from rich.text import Text

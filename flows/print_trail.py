@@ -1,4 +1,4 @@
-"""The trail as a table, as CSV, as JSON lines, or as one JSON document."""
+"""Prints the audit trail as a table, as CSV, as JSON lines, or as one JSON document."""
 
 import csv
 import json

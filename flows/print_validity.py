@@ -1,4 +1,4 @@
-"""What the command line prints of the verdict on a run."""
+"""Prints the validity of a run."""
 
 from typing import Any
 

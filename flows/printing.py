@@ -1,4 +1,4 @@
-"""Tables and JSON on standard output; apart from what they hold, so that a list is quick."""
+"""Prints tables and JSON on standard output; imports nothing heavy, so that lists are quick."""
 
 import json
 import sys

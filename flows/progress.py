@@ -1,4 +1,4 @@
-"""Progress of long work on standard error: what happens now, and how long it will take."""
+"""Progress of long work on standard error: the current step and the remaining time."""
 
 import time
 from collections.abc import Callable, Iterator

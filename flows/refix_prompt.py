@@ -1,4 +1,4 @@
-"""The person at the terminal, who turns the unit over where the station cannot."""
+"""Asks the person at the terminal to turn the unit over where the station cannot."""
 
 import asyncio
 import os

@@ -1,4 +1,4 @@
-"""`mimucal remind`: what is due, what was sent, and the calendar of a client."""
+"""`mimucal remind`: what is due, which messages were sent, and the calendar of a client."""
 
 import sys
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""The command about what many runs show together: `review`."""
+"""The command `review`: what many runs show together."""
 
 import typer
 

@@ -1,4 +1,4 @@
-"""How each order is carried out, stage by stage, within a Prefect flow as well as outside of one.
+"""Carries out each order stage by stage, inside a Prefect flow or outside of one.
 
 The stages are imported when an order needs them: `calibrate` starts without those of the
 certificate.

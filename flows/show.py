@@ -1,4 +1,4 @@
-"""One run as a person wants to see it."""
+"""Prints one run."""
 
 from pydantic import TypeAdapter, ValidationError
 

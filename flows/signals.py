@@ -1,4 +1,4 @@
-"""Whatever ends a command ends it as Ctrl-C does; Ctrl-Z has an acquisition rest, and go on."""
+"""Every terminating signal acts as Ctrl-C does; Ctrl-Z pauses an acquisition."""
 
 import signal
 import threading

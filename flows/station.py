@@ -1,4 +1,4 @@
-"""The command `station serve`: the virtual station as a server, until it is stopped."""
+"""The `station` commands: serve the virtual station, check a station, load coefficients."""
 
 import asyncio
 import json

@@ -1,4 +1,4 @@
-"""The users of the operations pages: `mimucal user add|list|remove`."""
+"""Manages the users of the operations pages: `mimucal user add|list|remove`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""`mimucal validate`: show that what the methods state holds, and keep the record of it."""
+"""`mimucal validate`: checks the methods by simulation and keeps the validation record."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`mimucal verify FILE` of a certificate: what it is, who signed it, what is wrong with it."""
+"""`mimucal verify FILE` for a certificate: what it is, who signed it, and what is wrong with it."""
 
 from dataclasses import asdict
 from pathlib import Path

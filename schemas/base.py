@@ -1,4 +1,4 @@
-"""The base of every model, and the errors that speak to the user."""
+"""The base of every model, and errors that are addressed to the user."""
 
 from typing import Annotated
 

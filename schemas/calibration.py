@@ -1,4 +1,4 @@
-"""What a calibration gives: values, uncertainties, what is missing and why."""
+"""The result of a calibration: values, uncertainties, and what is missing and why."""
 
 from typing import Any, Literal
 

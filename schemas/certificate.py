@@ -1,4 +1,4 @@
-"""A certificate: who, for whom, with what, and the result it prints (clause 8 of JJF 2003)."""
+"""A certificate: client, unit, conditions and the result that it prints (JJF 2003, clause 8)."""
 
 import re
 from datetime import date

@@ -1,4 +1,4 @@
-"""How a unit was set up while it was calibrated, as its manifest or the client's order says."""
+"""The configuration of a unit during calibration, from its manifest or the client's order."""
 
 from typing import Annotated
 

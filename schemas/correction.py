@@ -1,4 +1,4 @@
-"""A correction: what takes a unit's errors off its readings (format `mimu-correction/1`)."""
+"""A correction that removes a unit's errors from its readings (format `mimu-correction/1`)."""
 
 from typing import Literal
 

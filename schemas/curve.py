@@ -1,4 +1,4 @@
-"""Curves of a certificate's figures: a few points each, as they are drawn and given away."""
+"""Curves in a certificate's figures: a few points each, as drawn and as exported."""
 
 from typing import Literal, Self
 

@@ -1,4 +1,4 @@
-"""The verdict on a unit: each value against its limit, and what the decision risks."""
+"""The verdict on a unit: each value against its limit, and the risk of the decision."""
 
 from typing import Annotated, Literal
 

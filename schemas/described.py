@@ -1,4 +1,4 @@
-"""A device as data: how it is read and told, by registers or lines of text.
+"""A device described as data: how it is read and commanded, by registers or lines of text.
 
 Both kinds name what they read: `time` (s), `angle` (deg) and `rate` (deg/s) of a table, the
 columns of the environment stream of a chamber, and whatever the flags ask for. Commands are lists

@@ -1,4 +1,4 @@
-"""Table, chamber and fixture as data: what each can do, beside how it is read and told."""
+"""Table, chamber and fixture as data: their abilities, and how they are read and commanded."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self

@@ -1,4 +1,4 @@
-"""What is wrong with a machine, and what to do about it."""
+"""What is wrong with a machine, and how to put it right."""
 
 from typing import Literal
 

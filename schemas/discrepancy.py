@@ -1,4 +1,4 @@
-"""Where model and recording differ: the answer of `mimucal explain` (`mimu-discrepancy/1`)."""
+"""Where model and recording differ: the result of `mimucal explain` (`mimu-discrepancy/1`)."""
 
 from collections.abc import Mapping
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Measuring equipment of a laboratory: standards, certificates, how far each may be off."""
+"""Measuring equipment of a laboratory: standards, their certificates and their error limits."""
 
 from datetime import date
 from typing import Annotated, Literal, Self

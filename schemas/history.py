@@ -1,4 +1,4 @@
-"""What re-processing changed, and what used a measurement standard."""
+"""What re-processing changed, and which runs used a measurement standard."""
 
 from datetime import date, datetime
 from typing import Literal

@@ -1,4 +1,4 @@
-"""What may be asked of a table, of the fixture on it and of the chamber around both."""
+"""The limits of a table, of the fixture on it and of the chamber around both."""
 
 from typing import Annotated, Self
 

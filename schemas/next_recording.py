@@ -1,4 +1,4 @@
-"""The recording that decides what `explain` left open: the answer of `mimucal next`."""
+"""The recording that settles what `explain` left open: the result of `mimucal next`."""
 
 from typing import Any, Literal
 

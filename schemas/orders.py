@@ -1,4 +1,4 @@
-"""Orders: what the command line, the Prefect flows and a schedule ask for, each a typed model.
+"""Orders: typed models that the command line, the Prefect flows and a schedule share.
 
 Files, folders and runs are plain text, so that an order can be written down in JSON or YAML:
 counted from the working folder of whoever carries it out. `home`: the folder that holds

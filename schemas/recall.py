@@ -1,4 +1,4 @@
-"""Who is reminded of recalibration, and how: recall.toml in the home."""
+"""Who is reminded of recalibration, and how: recall.toml in the home folder."""
 
 from datetime import date, time
 from typing import Annotated, Literal, Self

@@ -1,4 +1,4 @@
-"""What many runs show together: statistics of each, and the answer of `mimucal review`."""
+"""What many runs show together: the statistics of each run, and the result of `mimucal review`."""
 
 import hashlib
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a run went through, as its manifest keeps it (`log`) and as its status says it."""
+"""The log of a run, as kept in its manifest (`log`) and in its status."""
 
 from collections.abc import Mapping
 from typing import Literal

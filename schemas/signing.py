@@ -1,4 +1,4 @@
-"""With which key a laboratory signs its certificates: `[signing]` of laboratory.toml."""
+"""The key with which a laboratory signs its certificates: `[signing]` in laboratory.toml."""
 
 from typing import Self
 

@@ -1,4 +1,4 @@
-"""A station file: the devices of a station, and what the manifest says of it."""
+"""A station file: the devices of a station, and what the manifest says about it."""
 
 from typing import Literal, Self
 

@@ -1,4 +1,4 @@
-"""Limits of a product model, and the decision rules that it wants held."""
+"""The limits of a product model, and the decision rule for each."""
 
 from typing import Annotated, Literal, Self
 

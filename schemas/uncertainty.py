@@ -1,4 +1,6 @@
-"""The uncertainty budget of one result: what goes in, how it is weighed, what comes out."""
+"""The uncertainty budget of one result: inputs, sensitivities, combined and expanded
+uncertainty.
+"""
 
 import math
 from typing import Annotated, Literal

@@ -1,4 +1,4 @@
-"""The unit's clock against the table's, as a recording of a station keeps it (`unit_clock`)."""
+"""The unit's clock against the table's, as kept in a station's recording (`unit_clock`)."""
 
 from schemas.base import Finite, Frozen
 

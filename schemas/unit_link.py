@@ -1,4 +1,4 @@
-"""The unit's line and its frames as data: binary with a check sum, or lines of text."""
+"""The unit's data link and its frames: binary with a checksum, or lines of text."""
 
 from collections.abc import Mapping
 from math import pi

@@ -1,4 +1,4 @@
-"""How it was shown that what a method states holds: one record for a version of the code."""
+"""How the stated performance of a method was shown: one record for each version of the code."""
 
 from datetime import date
 from typing import Literal, get_args

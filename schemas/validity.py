@@ -1,4 +1,4 @@
-"""The verdict on a run, which goes before the verdict on the unit."""
+"""The validity of a run, which is decided before the verdict on the unit."""
 
 from typing import Literal, get_args
 

@@ -1,1 +1,1 @@
-"""What is kept: the home folder, the catalogue of what is in it, and the file formats."""
+"""Everything that is kept: the home folder, its catalogue, and the file formats."""

@@ -1,4 +1,4 @@
-"""Where raw recordings and their columns are kept: a folder, or a bucket that speaks S3.
+"""Where raw recordings and their columns are kept: a folder, or an S3 bucket.
 
 MIMUCAL_STORE names the bucket as s3://BUCKET/PREFIX, with `endpoint`, `scheme` and `region` behind
 a question mark where it is not AWS; without it they are in the home. Keys come from the

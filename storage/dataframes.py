@@ -1,4 +1,4 @@
-"""What a home holds as pandas DataFrames, for questions over many runs.
+"""The content of a home as pandas DataFrames, for questions over many runs.
 
     from storage import dataframes
     from storage.home import home

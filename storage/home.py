@@ -1,4 +1,4 @@
-"""The folder that holds everything."""
+"""The home folder, which holds everything."""
 
 import os
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The last answer of `mimucal review`, as the home keeps it."""
+"""The result of the last `mimucal review`, kept in the home folder."""
 
 from pydantic import ValidationError
 

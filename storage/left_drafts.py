@@ -1,4 +1,4 @@
-"""Files of drafts that a process left when it ended before the catalogue knew of them."""
+"""Draft files left behind by a process that ended before the catalogue knew of them."""
 
 import re
 import time

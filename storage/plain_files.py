@@ -1,4 +1,4 @@
-"""Files that persons name: plain ones, no larger than what is expected of them."""
+"""Checks files named by users: regular files, no larger than expected."""
 
 from pathlib import Path
 

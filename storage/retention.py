@@ -1,5 +1,5 @@
-"""What the store may do without: recordings that nothing stands on, columns beside raw ones, and
-files of drafts that were broken off.
+"""What the store can do without: recordings that nothing depends on, columns beside raw files,
+and files of interrupted drafts.
 
 A run with a result or a certificate, as found or as left, of whatever state, keeps its raw
 recording for good. Its columns can be made again from it.

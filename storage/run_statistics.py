@@ -1,4 +1,4 @@
-"""The statistics of runs that `review` adds up, kept once for each recording.
+"""The statistics of runs that `review` combines, kept once for each recording.
 
 A file is a line of JSON and two bodies behind it, both Zstandard: the layout, which thousands of
 runs share, and the arrays.

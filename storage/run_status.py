@@ -1,4 +1,4 @@
-"""How the last run of each station stands: a file that is always whole, for pages and commands."""
+"""The status of the last run of each station, in a file that is always complete."""
 
 from contextlib import suppress
 

@@ -1,4 +1,6 @@
-"""What a laboratory writes itself, as TOML or JSON: limits, letterhead, orders, procedures."""
+"""Files that a laboratory writes itself, as TOML or JSON: limits, letterhead, orders,
+procedures.
+"""
 
 import json
 import tomllib

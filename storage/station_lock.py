@@ -1,4 +1,4 @@
-"""One station, one run: a lock that ends with the process that holds it, however it ends."""
+"""One run at a time on each station: a lock that ends with the process that holds it."""
 
 import fcntl
 import hashlib

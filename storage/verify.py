@@ -1,4 +1,4 @@
-"""Whether everything in the home is still what it was when it was stored."""
+"""Whether everything in the home is still as it was stored."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial

@@ -1,4 +1,4 @@
-"""Whether register, trail and series of numbers say the same of every certificate."""
+"""Whether register, trail and number series agree about every certificate."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""How files get into the home: whole or not at all, once, read-only."""
+"""Writes files into the home: complete or not at all, once, read-only."""
 
 import hashlib
 import os

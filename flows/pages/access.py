@@ -1,4 +1,4 @@
-"""Who asks: by a session, by name and password for a script, or by a reverse proxy that is trusted.
+"""Identifies the visitor: by session, by HTTP basic authentication, or by a trusted reverse proxy.
 
 A home without users, served on this machine alone, is there to look at for everybody on it.
 """

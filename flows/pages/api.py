@@ -1,4 +1,4 @@
-"""The JSON endpoint of each page, and the OpenAPI description of all of them."""
+"""The JSON endpoint of each page, and their OpenAPI description."""
 
 import json
 from collections.abc import Callable

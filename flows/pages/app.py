@@ -1,4 +1,4 @@
-"""The application: the shell, the pages and their JSON, with the headers that keep it at home."""
+"""The Dash application: shell, pages and JSON endpoints, with the security headers."""
 
 import re
 from importlib.resources import files

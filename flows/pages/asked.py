@@ -1,4 +1,4 @@
-"""Controls of a page that ask its question anew: each is a field of the address."""
+"""Controls that reload a page with another question: each is a parameter of the address."""
 
 from dash import ALL, ClientsideFunction, Dash, Input, Output, State
 

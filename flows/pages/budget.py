@@ -1,4 +1,4 @@
-"""Budget: what the uncertainty of one element is made of."""
+"""The uncertainty budget of one element."""
 
 import dash_mantine_components as dmc
 from dash.development.base_component import Component

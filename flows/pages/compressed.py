@@ -1,4 +1,4 @@
-"""Answers as gzip for those who take it: a tablet on a wireless network waits for their bytes."""
+"""Compresses answers with gzip for clients that accept it, such as tablets on a slow network."""
 
 import gzip
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Do: start a run, re-process, draft, check, issue and withdraw, as far as the role allows."""
+"""The Do page: start a run, re-process, draft, check, issue and withdraw, as the role allows."""
 
 from functools import cache
 from typing import Any

@@ -1,4 +1,4 @@
-"""Due: the calendar of recalibration, messages to clients, and the laboratory's own equipment."""
+"""The Due page: recalibration calendar, messages to clients, and the laboratory's equipment."""
 
 from typing import Any
 

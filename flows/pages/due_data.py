@@ -1,4 +1,4 @@
-"""What is due, out of the catalogue: by the functions that send the reminders."""
+"""Reads what is due from the catalogue, by the functions that send the reminders."""
 
 from collections import Counter
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""How near a day is on which something falls due."""
+"""How close a due date is: overdue, soon or later."""
 
 from datetime import UTC, date, datetime, timedelta
 

@@ -1,4 +1,4 @@
-"""What is kept as a file: the PDF of a certificate, the report of an explained run."""
+"""Serves stored files: the PDF of a certificate, the report of an explained run."""
 
 from flask import Blueprint, Response
 

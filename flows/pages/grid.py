@@ -1,4 +1,4 @@
-"""What every grid has: its options, and its own words in the language of the view."""
+"""Options and translated texts that every grid shares."""
 
 from typing import Any
 

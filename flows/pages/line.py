@@ -1,4 +1,4 @@
-"""Line: what each station does now, what today made, and what waits."""
+"""The Line page: what each station is doing, today's output, and the queue."""
 
 from collections import Counter
 from datetime import UTC, date, datetime

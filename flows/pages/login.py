@@ -1,4 +1,4 @@
-"""/login and /logout."""
+"""The routes /login and /logout."""
 
 from flask import Blueprint, redirect, render_template, request, session
 from flask_wtf.csrf import generate_csrf

@@ -1,4 +1,4 @@
-"""Mismatch: which physics is missing, on which station, unit and model, and since when."""
+"""The Mismatch page: which physics is missing, on which station, unit and model, and since when."""
 
 from collections.abc import Sequence
 

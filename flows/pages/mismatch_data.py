@@ -1,4 +1,4 @@
-"""Which effects appear on which station, unit and model, since when, and what they touch."""
+"""Reads which effects appear on which station, unit and model, since when, and what they touch."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,4 @@
-"""Orders given on the pages: refused by role, carried out by the functions of the command line.
+"""Orders given on the pages: checked against the role, then carried out as by the command line.
 
 The steps of a certificate are taken at once. A run, a re-processing and a draft take minutes: each
 is a process of the command line with a log in the home, and outlives the server of the pages.

@@ -1,4 +1,4 @@
-"""What a page is, and for whom it is laid out."""
+"""The record of a page, and the view (language, theme, visitor) for which it is laid out."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

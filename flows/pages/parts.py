@@ -1,4 +1,4 @@
-"""Parts that several pages are made of."""
+"""Layout parts that several pages share."""
 
 from collections.abc import Sequence
 from urllib.parse import urlencode

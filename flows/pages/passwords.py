@@ -1,4 +1,4 @@
-"""Passwords: hashed by Argon2id, and checked with a limit on the tries."""
+"""Passwords: hashed with Argon2id, checked with a limit on failed attempts."""
 
 from argon2 import PasswordHasher
 from argon2.exceptions import Argon2Error, InvalidHashError

@@ -1,4 +1,4 @@
-"""Pictures on a page: drawn once its text stands, in the colours of the theme."""
+"""Charts, drawn after the text of their page and in the colours of the theme."""
 
 from collections.abc import Sequence
 from typing import Any

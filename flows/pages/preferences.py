@@ -1,4 +1,4 @@
-"""How and by whom a page is looked at: language and theme are cookies that the switches set."""
+"""Language and theme of a visitor, kept in cookies."""
 
 from flask import g, request
 

@@ -1,4 +1,4 @@
-"""What waits on the Prefect server that is named; its own client would take seconds to start."""
+"""The queue of the named Prefect server; its own client would take seconds to start."""
 
 import os
 import time

@@ -1,4 +1,4 @@
-"""The pages, in the order in which the navigation shows them."""
+"""All pages, in the order of the navigation."""
 
 from flows.pages import budget, do, due, line, mismatch, quality, run, runs, signals, unit
 from flows.pages.page import Page

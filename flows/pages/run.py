@@ -1,4 +1,4 @@
-"""Run: one run with its signals, segments, items, certificates, log and lineage."""
+"""The page of one run: signals, segments, items, certificates, log and lineage."""
 
 from collections.abc import Sequence
 from typing import Any

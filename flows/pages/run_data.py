@@ -1,4 +1,4 @@
-"""One run out of the store: what its page shows, from the functions that reports use."""
+"""Reads one run from the store, by the functions that the reports use."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial

@@ -1,4 +1,4 @@
-"""The grid of runs: its columns, its rows, and what its filters ask of the catalogue."""
+"""The grid of runs: columns, rows, and its filters as queries of the catalogue."""
 
 from collections.abc import Mapping
 from datetime import date

@@ -1,4 +1,4 @@
-"""Runs: every run of the store with the state of its steps; the database filters and sorts."""
+"""The Runs page: every run with the state of each step, filtered and sorted by the database."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`mimucal dashboard`: the pages, served until Ctrl-C."""
+"""`mimucal dashboard`: serves the pages until Ctrl-C."""
 
 import gc
 import logging

@@ -1,4 +1,4 @@
-"""The frame around every page: navigation, the switches, and the page that an address names."""
+"""The frame of every page: navigation, language and theme switches, and the page itself."""
 
 import logging
 from typing import Any

@@ -1,4 +1,4 @@
-"""Signals: the raw channels of a run, between any two times, with the smallest and largest kept."""
+"""Raw channels of a run between two times, reduced so that minima and maxima are kept."""
 
 from functools import lru_cache
 from typing import Any

@@ -1,4 +1,4 @@
-"""The order of items and elements on the pages: the specifications'."""
+"""The order of items and elements on the pages: that of the specifications."""
 
 from tasks.specifications.items import ITEMS
 

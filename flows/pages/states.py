@@ -1,4 +1,4 @@
-"""What a step of a run came to, in words and in one of four kinds, which pages.css colours.
+"""The outcome of a step of a run, in words and as one of four kinds that pages.css colours.
 
 Nothing that failed, is missing, is invalid or was taken back is good: `good` is stated, never the
 rest of a case distinction.

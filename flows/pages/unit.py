@@ -1,4 +1,4 @@
-"""Unit: every coefficient of a unit over the years, its drift, certificates and next due."""
+"""The page of one unit: every coefficient over the years, drift, certificates and next due date."""
 
 from typing import Any
 

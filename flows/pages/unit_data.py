@@ -1,4 +1,4 @@
-"""One unit over the years, out of the catalogue."""
+"""Reads the history of one unit from the catalogue."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping

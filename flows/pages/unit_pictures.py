@@ -1,4 +1,4 @@
-"""The history of an item's elements: a panel for each, with U and limits."""
+"""Charts of a unit's history: one panel per element, with U and limits."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,1 +1,1 @@
-"""What the operations pages show, one model for each page and its JSON."""
+"""The content of the operations pages: one model for each page and its JSON."""

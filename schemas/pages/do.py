@@ -1,4 +1,4 @@
-"""What may be ordered from the pages, and what became of it."""
+"""What can be ordered from the pages, and what became of it."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""When units and equipment are due, and what clients were told of it."""
+"""Due dates of units and equipment, and the messages sent to clients."""
 
 from datetime import date, datetime
 from typing import Literal

@@ -1,4 +1,4 @@
-"""The stations as they are now, today's output, and what waits."""
+"""The stations at this moment, today's output, and the queue."""
 
 from datetime import date
 

@@ -1,4 +1,4 @@
-"""Which effects many runs show: by the last review, and by what was found in each of them."""
+"""Which effects many runs show, by the last review and by each run's own findings."""
 
 from datetime import date
 

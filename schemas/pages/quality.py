@@ -1,4 +1,4 @@
-"""What many runs say of a line: yield, capability, control chart, station against station."""
+"""Statistics over many runs: yield, capability, control chart, station against station."""
 
 from datetime import date
 from typing import Literal

@@ -1,4 +1,4 @@
-"""One run, whole: its segments, items, certificates, log and lineage."""
+"""One run in full: segments, items, certificates, log and lineage."""
 
 from datetime import date, datetime
 

@@ -1,4 +1,4 @@
-"""The runs of the store, as a list that is filtered and sorted."""
+"""The runs of the store as a list that can be filtered and sorted."""
 
 from datetime import date, datetime
 from typing import Literal

@@ -1,4 +1,4 @@
-"""The signals of a run, as many points as a screen can show."""
+"""The signals of a run, reduced to as many points as a screen can show."""
 
 from pydantic import Field
 

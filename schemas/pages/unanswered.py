@@ -1,4 +1,4 @@
-"""What an endpoint answers where it gives nothing."""
+"""The answer of an endpoint that has nothing to give."""
 
 from schemas.base import Frozen
 

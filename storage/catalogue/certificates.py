@@ -1,4 +1,4 @@
-"""The register of certificates: what it says of each, their records, and when units come back."""
+"""The register of certificates: entries, records, and when units are due."""
 
 from datetime import date
 from typing import Any, TypeVar

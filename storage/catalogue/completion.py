@@ -1,4 +1,4 @@
-"""What an earlier version kept gets what the catalogue now says of runs, results, certificates."""
+"""Completes what earlier versions stored with what the catalogue now keeps about it."""
 
 from contextlib import suppress
 

@@ -1,4 +1,4 @@
-"""Connections to the catalogue's database, and its refusals as sentences."""
+"""Connections to the catalogue's database, and its errors as sentences."""
 
 import sqlite3
 import time

@@ -1,4 +1,4 @@
-"""The catalogue: which units, runs, results and certificates there are (SQLite or PostgreSQL).
+"""The catalogue of units, runs, results and certificates (SQLite or PostgreSQL).
 
 Results and certificates are only added. Whoever writes and first reads does so in `changing`,
 which lets one writer at a time at what it locks.

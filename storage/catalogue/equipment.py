@@ -1,4 +1,4 @@
-"""The register of measurement standards: each with every certificate it ever had here."""
+"""The register of measurement standards: each with all of its certificates."""
 
 import json
 from collections.abc import Iterable

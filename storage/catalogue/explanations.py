@@ -1,4 +1,4 @@
-"""What `explain` last answered to each run: its findings as rows, its report as it was written."""
+"""The last explanation of each run: its findings as rows, its report as written."""
 
 from datetime import datetime
 from pathlib import Path

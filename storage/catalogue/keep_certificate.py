@@ -1,4 +1,4 @@
-"""A certificate into the store within a transaction, and out of it for the next version of it.
+"""Stores a certificate within a transaction, and replaces it by its next version.
 
 Files are whole and on the disk before the row that names them. Those of a draft bear a part of
 their hash in the name, so that a version never takes the place of another one's files; those of an

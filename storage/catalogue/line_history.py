@@ -1,4 +1,4 @@
-"""What the catalogue says of many runs at once: how each ended, values, limits, renewals.
+"""Outcomes, values, limits and renewals of many runs at once, from the catalogue.
 
 Of a run count the result made last and the certificate kept last, as in `run_list`.
 """

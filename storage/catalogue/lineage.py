@@ -1,4 +1,4 @@
-"""Where a run was recorded, and with which measurement standards: what the catalogue keeps of it.
+"""Where a run was recorded and with which measurement standards, as the catalogue keeps it.
 
 The measurement standards of a run are those that its manifest names, and those of the laboratory
 on each certificate that stands on the run.

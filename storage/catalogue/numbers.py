@@ -1,4 +1,4 @@
-"""Numbers of certificates: a series counts up from 1, without gaps and without doubles."""
+"""Certificate numbers: a series counts up from 1, without gaps or duplicates."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Which reminders were sent, and when the others are tried again.
+"""Which reminders were sent, and when the others will be tried again.
 
 A reminder is a certificate, an occasion (days after the due date) and a channel.
 """

@@ -1,4 +1,4 @@
-"""Which results were made again under which circumstances, each once.
+"""Which results were re-processed under which circumstances, each once.
 
 Circumstances: the code and the laboratory, as a digest. What is noted here lets a command that was
 broken off go on, and tells the report what was before.

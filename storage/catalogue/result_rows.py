@@ -1,4 +1,4 @@
-"""What every result and certificate says, as rows: questions over many runs open no document.
+"""The content of every result and certificate as rows, so that queries open no documents.
 
 They are made of the documents alone, and can be made again from them.
 """

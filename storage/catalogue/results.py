@@ -1,4 +1,4 @@
-"""Results in the store: each new one supersedes the older of its like, and says why.
+"""Results in the store: each new one supersedes the previous one of its kind, and says why.
 
 Alike are results of one run by one method with the same terms adopted beside the standard's: a
 result with a further term stands beside the one without it, and neither supersedes the other.

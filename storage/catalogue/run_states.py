@@ -1,4 +1,4 @@
-"""The list of runs with the state of each of their steps, filtered and sorted by the database.
+"""The list of runs with the state of each step, filtered and sorted by the database.
 
 A run is joined with the outcome of the result made of it last, the certificate kept last, and the
 fault of its last re-processing where that failed. The tables that neither condition nor order

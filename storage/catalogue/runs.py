@@ -1,4 +1,4 @@
-"""Recordings in the store: imported once, known by their content, read as columns.
+"""Recordings in the store: imported once, identified by their content, read as columns.
 
 The formats are imported where a recording is read or written: lists and manifests need none.
 """

@@ -1,4 +1,4 @@
-"""Runs chosen by what the catalogue says of them."""
+"""Selects runs by what the catalogue knows about them."""
 
 from datetime import UTC, datetime, time, timedelta
 

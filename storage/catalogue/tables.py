@@ -1,4 +1,4 @@
-"""The tables of the catalogue. The steps that make them are in storage/catalogue/migrations."""
+"""The tables of the catalogue; storage/catalogue/migrations creates them."""
 
 from datetime import UTC, datetime
 from typing import Any

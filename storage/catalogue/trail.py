@@ -1,4 +1,4 @@
-"""The trail: who did what and when, only ever added to, each entry chained to the one before.
+"""The audit trail: who did what and when, append-only, each entry chained to the previous one.
 
 The hash of an entry is the SHA-256 of its fields as canonical JSON, the hash of the entry before
 among them. `trail_end` holds the number and hash of the last one, so that a cut-off end is found.

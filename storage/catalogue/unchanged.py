@@ -1,4 +1,4 @@
-"""Answers that stand as long as nothing is written to the catalogue."""
+"""Caches answers for as long as nothing is written to the catalogue."""
 
 from collections.abc import Callable, Hashable
 from functools import lru_cache, wraps

@@ -1,4 +1,4 @@
-"""The units of the catalogue: listed, and each with all that its calibrations found."""
+"""The units of the catalogue, each with everything that its calibrations found."""
 
 from datetime import date
 from typing import Any

@@ -1,4 +1,4 @@
-"""The users of the pages, with the hashes of their passwords; each change is in the trail."""
+"""The users of the pages and the hashes of their passwords; each change is in the trail."""
 
 from datetime import UTC, datetime
 

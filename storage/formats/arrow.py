@@ -1,4 +1,4 @@
-"""float64 columns of pyarrow as numpy has them; pyarrow's own ways import pandas: half a second."""
+"""float64 columns of pyarrow as numpy arrays; pyarrow's own way imports pandas: half a second."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""What a recording must fulfil before anything is computed from it, wherever it came from."""
+"""What a recording must satisfy before anything is computed from it, whatever its source."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A recording as columns: what every later step reads, one Parquet file for each stream.
+"""A recording as columns, which every later step reads: one Parquet file for each stream.
 
 The folder is a `mimu-recording/1` folder, laid out to be read fast: float64 as it is, neither
 compressed nor nullable, in one row group.

@@ -1,4 +1,4 @@
-"""The content of a recording, whatever its files: its canonical form and its digest."""
+"""The content of a recording, independent of its files: its canonical form and its digest."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""Reading recordings in the exchange format `mimu-recording/1`: a folder of Parquet or CSV."""
+"""Reads recordings in the exchange format `mimu-recording/1`: a folder of Parquet or CSV."""
 
 from dataclasses import replace
 from pathlib import Path, PurePosixPath

@@ -1,4 +1,4 @@
-"""Reading a manifest, and what no text and no number in it may be, wherever it stands."""
+"""Reads a manifest, and checks every text and number in it."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Recordings as they come from elsewhere: what a path holds, and whether it was seen before."""
+"""Recordings from elsewhere: what a path holds, and whether it was imported before."""
 
 import hashlib
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Quality: yield, capability, control chart and stations of the runs that are chosen."""
+"""The Quality page: yield, capability, control chart and stations of the selected runs."""
 
 from flows.pages.page import Page
 from flows.pages.quality.choices import callbacks

@@ -1,4 +1,4 @@
-"""What the quality page is asked: its controls, each a part of the address."""
+"""The selection controls of the Quality page, each a parameter of the address."""
 
 from collections.abc import Sequence
 from typing import Any

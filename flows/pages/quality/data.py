@@ -1,4 +1,4 @@
-"""The quality of a selection of runs: the catalogue by way of tasks/quality."""
+"""Computes the quality of a selection of runs from the catalogue, by tasks/quality."""
 
 from collections import Counter
 from collections.abc import Sequence

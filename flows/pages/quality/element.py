@@ -1,4 +1,4 @@
-"""Capability, control chart and stations of one element."""
+"""Capability, control chart and station comparison of one element."""
 
 from collections.abc import Iterator
 from typing import Any

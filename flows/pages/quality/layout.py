@@ -1,4 +1,4 @@
-"""How the quality page is laid out."""
+"""The layout of the Quality page."""
 
 from collections.abc import Sequence
 from typing import Any

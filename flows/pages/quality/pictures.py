@@ -1,4 +1,4 @@
-"""The pictures of the quality page, as plotly takes them."""
+"""The charts of the Quality page, as plotly figures."""
 
 from collections.abc import Sequence
 

@@ -1,1 +1,1 @@
-"""Raw recordings: ROS 2 bags in MCAP, written once, read whole chunks at a time."""
+"""Raw recordings: ROS 2 bags in MCAP, written once and read in whole chunks."""

@@ -1,4 +1,4 @@
-"""The messages of an MCAP file gathered by topic, as arrays in the order of their stamps."""
+"""The messages of an MCAP file grouped by topic, as arrays ordered by time stamp."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""ROS 2 messages as bytes: CDR for the handful of message types a recording uses.
+"""ROS 2 messages as bytes: CDR for the few message types that a recording uses.
 
 OMG CDR as ROS 2 puts it on the wire (DDS-XTypes, encoding version 1): four bytes that name the
 byte order, then the fields one after the other, each aligned to its size (8 at most) from

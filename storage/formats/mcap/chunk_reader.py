@@ -1,4 +1,4 @@
-"""Taking an MCAP file apart from front to back, whole chunks at a time, as far as it is whole."""
+"""Reads an MCAP file front to back in whole chunks, as far as it is intact."""
 
 import mmap
 import struct

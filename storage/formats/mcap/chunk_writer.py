@@ -1,4 +1,4 @@
-"""An MCAP file as it is written: chunks of equally long messages, and the summary behind them.
+"""Writes an MCAP file: chunks of messages of equal length, then the summary.
 
 The mcap package writes message by message; here a whole block of messages becomes one chunk,
 and one chunk holds one channel, so that a reader can take it apart as an array.

@@ -1,4 +1,4 @@
-"""Reading raw recordings: our own MCAP files, and any ROS 2 bag with one Imu topic."""
+"""Reads raw recordings: our own MCAP files, and any ROS 2 bag with one Imu topic."""
 
 from dataclasses import replace
 from functools import reduce

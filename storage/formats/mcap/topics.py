@@ -1,4 +1,4 @@
-"""Which column of a recording travels in which field of which ROS 2 topic, and back.
+"""Which column of a recording corresponds to which field of which ROS 2 topic.
 
 Both directions stand side by side, and going there and back twice gives the same numbers as
 going once, so that a recording keeps its digest however often it is written and read.

@@ -1,4 +1,4 @@
-"""Writing raw recordings: a ROS 2 bag in MCAP that Foxglove and PlotJuggler open as it is."""
+"""Writes raw recordings: a ROS 2 bag in MCAP that Foxglove and PlotJuggler can open directly."""
 
 import os
 import threading
