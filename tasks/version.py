@@ -1,4 +1,4 @@
-"""Which code made a result: the release, a hash of the source itself, and what it computed with."""
+"""The version of the code that made a result: release, source hash and libraries."""
 
 import hashlib
 from functools import cache

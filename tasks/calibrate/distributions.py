@@ -1,4 +1,4 @@
-"""Monte Carlo of one element (JCGM 101): its inputs drawn, through the item's own equation.
+"""Monte Carlo evaluation of one element (JCGM 101): inputs drawn and put through its equation.
 
 Every item is a sum over its inputs, and some are divided by what the equipment states: a scale
 factor by the rate, an accelerometer's by gravity, p by the square of the rate, a misalignment by

@@ -1,4 +1,4 @@
-"""How the uncertainty of every element of a calibration is evaluated, and items made of them."""
+"""Evaluates the uncertainty of every element of a calibration, and makes items of them."""
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Remarks that say the same of one segment after the other, told once."""
+"""Merges remarks that differ only in the segment they are about."""
 
 import re
 from collections.abc import Iterable

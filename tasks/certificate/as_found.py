@@ -1,4 +1,4 @@
-"""The unit as found, before it was adjusted, beside what it is as left."""
+"""The unit as found, before adjustment, beside the unit as left."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

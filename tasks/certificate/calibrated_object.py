@@ -1,4 +1,4 @@
-"""The object of the calibration: its condition, how it was set up, and whether it was adjusted.
+"""The calibrated object: its condition, its configuration, and whether it was adjusted.
 
 ISO/IEC 17025:2017, 7.8.2.1 g), 7.8.4.1 d) and 7.8.5.
 """

@@ -1,4 +1,4 @@
-"""What the certificate says, as plain rows: clause 8 a) to l).
+"""The content of the certificate as plain rows: clause 8 a) to l).
 
 Every text is a message or a statement, which `in_languages` turns into texts by language. The
 template lays out only; no sentence and no number is made there.

@@ -1,4 +1,4 @@
-"""The first page: who, what, when (clause 8 a to g, k, l; clause 9), the verdict and its scope."""
+"""The first page: client, unit, dates (clause 8 a to g, k, l; clause 9), verdict and scope."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where the limits of the equipment in the budgets come from, and what is in no budget."""
+"""The source of the equipment limits in the budgets, and what no budget includes."""
 
 import math
 

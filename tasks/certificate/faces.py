@@ -1,4 +1,4 @@
-"""The three faces of a certificate: PDF, DCC and record, made of the record and nothing else."""
+"""The three faces of a certificate: PDF, DCC and record, all made from the record."""
 
 from dataclasses import dataclass
 

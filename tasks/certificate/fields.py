@@ -1,4 +1,4 @@
-"""Texts of the certificate: labels with what stands beside them, and texts of the user."""
+"""Texts of the certificate: labels with their values, and the user's own texts."""
 
 from dataclasses import dataclass
 from datetime import date

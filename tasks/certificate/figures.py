@@ -1,4 +1,4 @@
-"""The figures of a certificate: which there are, what is said of them, and how they are drawn.
+"""The figures of a certificate: which there are, their captions, and how they are drawn.
 
 What is written in a figure is the same in every language: symbols, units, axes. It is drawn as
 outlines, so that the PDF needs no font for it and holds no number twice.

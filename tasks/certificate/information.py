@@ -1,4 +1,4 @@
-"""What stands beside the clauses' results, as printed rows. Nothing is decided on it.
+"""Additional information beside the clauses' results, as printed rows; no decision uses it.
 
 Numbers are texts by JJF 1059.1, in units of 10^exponent.
 """

@@ -1,4 +1,4 @@
-"""The panels of a certificate's figures, drawn by matplotlib; symbols, units and axes alone."""
+"""The panels of a certificate's figures, drawn by matplotlib, with symbols and units only."""
 
 import math
 from collections.abc import Callable, Sequence

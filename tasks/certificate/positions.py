@@ -1,4 +1,4 @@
-"""In which positions a unit rested, and how it was turned, as the labels state it."""
+"""The positions of the rests and the turns between them, as the labels state them."""
 
 import math
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""The settings of a calibration, by what they are called, with their units."""
+"""The settings of a calibration with their printed names and units."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether a signature holds, who made it and when; nothing is fetched from anywhere."""
+"""Checks a signature: whether it is valid, who made it and when; fetches nothing."""
 
 import base64
 import hashlib

@@ -1,4 +1,4 @@
-"""The sentences of the certificate: basis, uncertainty, reasons, readings taken, remarks."""
+"""Sentences of the certificate: basis, uncertainty, reasons, readings of the standard, remarks."""
 
 import math
 import re

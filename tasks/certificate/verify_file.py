@@ -1,4 +1,4 @@
-"""Whether the files of a certificate are whole and say the same, by themselves.
+"""Checks that the files of a certificate are intact and agree, without the store.
 
 The PDF holds the DCC and the DCC holds the record, so that any of them can be checked where no
 store is; a record alone is held against the PDF or the DCC that lies beside it.

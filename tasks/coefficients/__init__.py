@@ -1,1 +1,1 @@
-"""A calibration as the correction of readings, for firmware and for other software."""
+"""A calibration as a correction of readings, for firmware and for other software."""

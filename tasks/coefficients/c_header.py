@@ -1,4 +1,4 @@
-"""A correction as a C header: constants, the function that corrects, an example to test it by."""
+"""A correction as a C header: constants, the correcting function, and an example to test it."""
 
 from typing import Any
 

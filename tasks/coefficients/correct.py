@@ -1,4 +1,4 @@
-"""Taking a unit's errors off its readings: models (1) and (2) of JJF 2003-2022 solved for input.
+"""Corrects readings for a unit's errors: models (1) and (2) of JJF 2003-2022 solved for the input.
 
 The gyro reads ω′ = K_g·ω + B_g + G·f and the accelerometer a′ = K_a·f + B_a + P·ω², each with what
 the other one is to find. They are solved in turn; a pass leaves |G|·|P|·2ω of the error before it,

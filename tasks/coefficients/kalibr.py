@@ -1,4 +1,4 @@
-"""A correction as kalibr's imu.yaml: noise for its estimator, and its scale-misalignment model.
+"""A correction as kalibr's imu.yaml: noise densities and its scale-misalignment model.
 
 kalibr: ω′ = M_g·C_g·ω + A·C_g·f + b, a′ = M_a·C_a·f + b with M lower triangular and C rotations
 from the body. So K = M·C of each triad, C_gyro_i = C_g·C_aᵀ and A = G·C_gᵀ. It estimates biases

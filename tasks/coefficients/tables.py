@@ -1,4 +1,4 @@
-"""A correction as text that other software reads: YAML, ROS 2 parameters, CSV."""
+"""A correction as text for other software: YAML, ROS 2 parameters, CSV."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Conditions of the specification that were not met, or that nobody checked."""
+"""Conditions of the specification that were not met, or were not checked."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

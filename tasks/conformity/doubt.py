@@ -1,4 +1,4 @@
-"""A doubt about an item, by which nothing can be decided on it."""
+"""Doubts about an item that prevent a decision on it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

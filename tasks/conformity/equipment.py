@@ -1,4 +1,4 @@
-"""What speaks against a pass on the side of the measuring equipment."""
+"""Reasons on the side of the measuring equipment that prevent a pass."""
 
 import math
 from collections.abc import Iterable, Iterator

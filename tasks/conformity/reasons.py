@@ -1,4 +1,4 @@
-"""Why a unit does not pass, and on what condition it does."""
+"""Why a unit does not pass, and under which condition it does."""
 
 from collections.abc import Iterable
 from decimal import Decimal

@@ -1,4 +1,4 @@
-"""Decision rules: where a value is accepted, and when it is decided on at all (JCGM 106, 8)."""
+"""Decision rules: acceptance limits, and when no decision is made (JCGM 106, 8)."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether a limit and a calibration speak of the same thing, and of which elements."""
+"""Checks that a limit and a calibration refer to the same item, unit and elements."""
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item

@@ -1,4 +1,4 @@
-"""The curves of a certificate: what its figures show of a run, beside the results."""
+"""Curves for the figures of a certificate, computed from a run beside its results."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""How the coefficients of a unit moved from one of its certificates to the next."""
+"""How the coefficients of a unit changed between its certificates."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""Points of curves: few, of few digits."""
+"""Reduces curves to few points with few digits."""
 
 from collections.abc import Iterable, Sequence
 

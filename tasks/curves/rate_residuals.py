@@ -1,4 +1,4 @@
-"""How far the rate points are from the line of the certificate's scale factor."""
+"""Residuals of the rate points from the line of the certificate's scale factor."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""How far the readings in the positions of the tumble are from the certificate's model."""
+"""Residuals of the readings in the tumble positions from the certificate's model."""
 
 from collections.abc import Iterator
 

@@ -1,1 +1,1 @@
-"""The recording that decides: the shortest that a station can make to tell models apart."""
+"""Design of the shortest recording on a station that tells competing models apart."""

@@ -1,4 +1,4 @@
-"""What a station can do with a unit: its table's axes, rates and acceleration, its chamber."""
+"""What a station can do: its table's axes, rates and acceleration, and its chamber."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
-"""What a procedure can be made of at a station: swings, rates, turns, rests in every attitude,
-rests that are heated and cooled.
+"""The building blocks of a procedure at a station: oscillations, rates, turns, and rests in
+every attitude, also heated and cooled.
 """
 
 from collections import Counter

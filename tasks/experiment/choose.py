@@ -1,4 +1,4 @@
-"""The shortest procedure of a station's blocks that tells competing models apart."""
+"""Chooses the shortest procedure of a station's blocks that tells competing models apart."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What an explanation left open: effects that it could not tell apart, or only suspects."""
+"""What an explanation left open: effects it could not tell apart, or only suspected."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

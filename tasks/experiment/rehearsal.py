@@ -1,4 +1,4 @@
-"""A proposed recording explained before anything moves: what else would be named in it."""
+"""Explains a simulated recording of the proposed procedure: which other names would fit it."""
 
 from collections.abc import Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""How far apart two models are on a motion, by the noise that a unit's own recording has.
+"""How well two models can be told apart on a motion, given the noise of the unit's recording.
 
 What one model reads is fitted by the other, with the standard's parameters and everything else
 that it has free: the chi-squared that is left is what a recording would show of the difference.

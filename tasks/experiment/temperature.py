@@ -1,4 +1,4 @@
-"""How a unit's temperature follows the air of a chamber that is set, as far as can be expected."""
+"""Predicts how a unit's temperature follows the set-points of a chamber."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A procedure as the encoders of an ideal table would record it, before anything moves."""
+"""A procedure as the encoders of an ideal table would record it."""
 
 from dataclasses import dataclass, field
 

@@ -1,1 +1,1 @@
-"""When model and recording differ: where, which physics was left out, and how much it matters."""
+"""Where model and recording differ, which physics was left out, and how much it matters."""

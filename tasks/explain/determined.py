@@ -1,4 +1,4 @@
-"""The part of a fit that the recording determines: it alone is taken off the readings."""
+"""The part of a fit that the recording determines; only this part is corrected for."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Where model and recording differ, as arrays: the result of `explain`, in words by its report."""
+"""The result of `explain` as arrays; the report puts it into words."""
 
 from dataclasses import dataclass, field
 from typing import Literal

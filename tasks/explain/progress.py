@@ -1,4 +1,4 @@
-"""How far `explain` is: what it does now, and which share of its work is behind it."""
+"""Progress of `explain`: the current step and the share of the work that is done."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Noise in bands of frequency: S(f) = w + b/f for each channel, and what it makes of sums.
+"""Noise in frequency bands, S(f) = w + b/f for each channel, and its effect on sums.
 
 Even reflection and Fourier transform are one real transform, the DCT: in it noise is nearly
 independent from coefficient to coefficient, whitening is a division, and a band of frequencies

@@ -1,1 +1,1 @@
-"""What today's code makes of earlier recordings: differences between results, and their report."""
+"""Earlier recordings re-processed with today's code: differences between results, and a report."""

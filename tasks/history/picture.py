@@ -1,4 +1,4 @@
-"""changed.svg: how far each element of each item moved, in units of its U."""
+"""changed.svg: by how many U each element of each item changed."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,1 +1,1 @@
-"""A model is a list of terms: predicted, fitted, and their uncertainty."""
+"""A model is a list of terms: prediction, fit and uncertainty."""

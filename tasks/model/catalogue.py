@@ -1,4 +1,4 @@
-"""The catalogue of physics that a recording may show and the standard's model leaves out.
+"""The catalogue of physics that the standard's model leaves out.
 
 Every file of `tasks.model.terms` with a function `candidates(recording, motion)` is in it: adding
 physics is adding one file.

@@ -1,4 +1,4 @@
-"""The record of an effect, whether a term models it or it shows as an event in the samples."""
+"""The record of an effect, whether it is a term of a model or an event in the samples."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

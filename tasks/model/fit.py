@@ -1,4 +1,4 @@
-"""A list of terms fitted to a recording's rows, weighted by their white noise.
+"""Fits a list of terms to the rows of a recording, weighted by their white noise.
 
 The covariance is the sandwich N⁻¹·(ΦᵀW Σ WΦ)·N⁻¹ with the whole noise Σ, drift included, so that
 it holds for samples that are not independent.

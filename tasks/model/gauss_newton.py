@@ -1,4 +1,4 @@
-"""Gauss and Newton's iteration for a list of terms, whatever its noise and whichever its terms.
+"""Gauss-Newton iteration for any list of terms and any noise model.
 
 It is our own, and no optimiser of a library, for three reasons. A step ends where it no longer
 matters beside the standard uncertainty, which a library that knows no covariance cannot tell:

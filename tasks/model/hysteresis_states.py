@@ -1,4 +1,4 @@
-"""States that remember how a drive moved: a rate, an angle or a specific force, row by row.
+"""States that remember the course of an input (rate, angle or specific force), row by row.
 
 drive: (n,); NaN counts as no motion. Each state lies between −1 and 1, starts at 0 and keeps its
 value while the drive stands still.

@@ -1,4 +1,4 @@
-"""A list of terms with the values of their parameters, and how well these are known."""
+"""A list of terms with the values of their parameters and their covariance."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""White noise of each row, and drift that joins the rows, as far as a fit is concerned.
+"""Noise of the rows in a fit: white noise of each row, and drift that correlates them.
 
 A weighted sum Σ cⱼ·eⱼ of the noise has the variance cᵀ·Σ·c. The white part is diagonal. Flicker
 of S(f) = h/f above 1/(2πL) has the autocovariance h·E₁(|τ|/L), a random walk −q·|τ|/2

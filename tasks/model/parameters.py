@@ -1,4 +1,4 @@
-"""Parameters that come one for each axis, pair of axes or channel, and the columns they multiply.
+"""Parameters for each axis, pair of axes or channel, and the columns they multiply.
 
 First index: the axis that reads.
 """

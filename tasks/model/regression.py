@@ -1,4 +1,4 @@
-"""Whitened normal equations of a linearised model: what every fit of a list of terms solves.
+"""Whitened normal equations of a linearised model, as every fit of a list of terms solves them.
 
 Whoever knows the noise whitens: by the variance of each row (`tasks.model.fit`), in the transformed
 domain (`tasks.explain.whitening`). From there on all fits are the same algebra.

@@ -1,4 +1,4 @@
-"""What a unit reads by a list of terms, and how its readings follow each parameter."""
+"""Predicts the readings by a list of terms, and their derivatives by each parameter."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,1 +1,1 @@
-"""What the unit went through, from the table's encoders."""
+"""The motion of the unit, from the table's encoders, tracked poses or labels."""

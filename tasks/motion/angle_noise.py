@@ -1,4 +1,4 @@
-"""The noise of an encoder's angles, read off themselves.
+"""Noise of encoder angles, estimated from the angles themselves.
 
 Noise, steps and the scatter of stamps show in the twelfth differences of the angle, stretch by
 stretch, so that an axis that rests is exact and one that turns is as good as its encoder; a corner

@@ -1,4 +1,4 @@
-"""Derivatives of a tracked pose, within the band in which it tells the motion from its noise.
+"""Derivatives of a tracked pose, within the band where motion exceeds noise.
 
 The acceleration of a body falls off with frequency; that of a noise that is the same at all
 frequencies rises with its fourth power. Where the spectrum of both together is least they are

@@ -1,4 +1,4 @@
-"""The rate of an encoder's angle, over as long a window as the motion about each sample bears.
+"""The rate of an encoder's angle, over as long a window as the motion at each sample permits.
 
 A window that is short enough for the ends of a ramp makes a coarse encoder's noise a hundred times
 larger than it need be at rests and held rates. So of polynomials fitted to longer and longer

@@ -1,4 +1,4 @@
-"""What lags behind a signal by one time constant."""
+"""A first-order lag of a signal."""
 
 import numpy as np
 from scipy.signal import lfilter

@@ -1,4 +1,4 @@
-"""What smoothing and differentiation make of the white noise of samples."""
+"""How smoothing and differentiation transform the white noise of samples."""
 
 import numpy as np
 

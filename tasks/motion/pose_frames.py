@@ -1,4 +1,4 @@
-"""The frames of a tracked body: stretches of them without a gap, at even times."""
+"""The frames of a tracked body: parts without a gap, resampled evenly."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Errors of the reference, estimated from itself, in what it predicts of each reading.
+"""Errors of the reference, estimated from itself, as errors of each predicted reading.
 
 Of encoders: what the noise of their angles leaves in the rates made of them. Of poses: what
 the smoothing takes away.

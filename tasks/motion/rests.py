@@ -1,4 +1,4 @@
-"""Where a coarse encoder shows that nothing turns: the whole rest tells its one rate.
+"""Rests shown by a coarse encoder, each of which has one rate as a whole.
 
 A window about each sample is short beside the ends of a ramp, so that the encoder's noise makes
 rates there that nothing has; a unit that does not follow them seems to read small rates too small

@@ -1,4 +1,4 @@
-"""Sampled signals: what lies between samples, whole blocks of them, the noise they carry."""
+"""Sampled signals: interpolation, block means, and the noise of both."""
 
 from math import comb
 

@@ -1,4 +1,4 @@
-"""A motion with an additional small rotation somewhere between ground and unit.
+"""A motion with an additional small rotation between ground and unit.
 
 To first order in the angle. A rotation by ε about a direction u turns what is fixed in n by
 −ε·u in the body; so does the rate of what turns outside it, and ε̇ adds to the rate.

@@ -1,4 +1,4 @@
-"""Rate and acceleration of an angle that an encoder reads in steps and with noise.
+"""Rate and acceleration from an encoder's quantised and noisy angle.
 
 Each derivative is that of a polynomial fitted by least squares to the samples around it (Savitzky
 and Golay, Anal. Chem. 36, 1964). A parabola's rate is the quietest, but it rounds off ramps and

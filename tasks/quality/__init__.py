@@ -1,1 +1,1 @@
-"""What many results say of a line: yield, capability, control charts, station against station."""
+"""Statistics of a line: yield, capability, control charts, station against station."""

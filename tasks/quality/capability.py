@@ -1,4 +1,4 @@
-"""Capability and performance of values within their limits, each with its interval.
+"""Capability and performance of values within their limits, with confidence intervals.
 
 Cp and Cpk take the deviation from neighbour to neighbour in time (moving ranges), Pp and Ppk that
 of all values together (NIST/SEMATECH e-Handbook of Statistical Methods, 6.1.6; ISO 22514-2).

@@ -1,4 +1,4 @@
-"""Control charts of individual values and of their moving ranges, and the rules of Nelson.
+"""Control charts of individual values and moving ranges, with the Nelson rules.
 
 D. C. Montgomery, Introduction to Statistical Quality Control, 6.4; NIST/SEMATECH e-Handbook of
 Statistical Methods, 6.3.2.2; L. S. Nelson, The Shewhart control chart: tests for special causes,

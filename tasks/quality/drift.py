@@ -1,4 +1,4 @@
-"""How fast a coefficient of one unit drifts, by its calibrations over the years."""
+"""Drift of one unit's coefficient over its calibrations."""
 
 from dataclasses import dataclass
 

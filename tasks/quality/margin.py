@@ -1,4 +1,4 @@
-"""How much of the margin to the limits the uncertainty takes."""
+"""The share of the margin to the limits that the uncertainty consumes."""
 
 import numpy as np
 

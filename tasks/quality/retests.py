@@ -1,4 +1,4 @@
-"""The retest rule: which runs are the first of their unit's visit."""
+"""The retest rule: which runs are the first of a unit's visit."""
 
 from typing import TYPE_CHECKING
 

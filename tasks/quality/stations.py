@@ -1,4 +1,4 @@
-"""Station against station: what each reads beside the others, by units that were run on several."""
+"""Station against station, by units that were run on several of them."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""First-pass yield: the share of first runs that passed, with its interval."""
+"""First-pass yield: the share of first runs that passed, with a confidence interval."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

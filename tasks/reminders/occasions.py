@@ -1,4 +1,4 @@
-"""When a reminder is due, when nothing is sent, and when a failed one is tried again."""
+"""When a reminder is due, when messages are held back, and when a failed one is retried."""
 
 from datetime import date, datetime, timedelta
 from zoneinfo import ZoneInfo

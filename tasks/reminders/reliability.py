@@ -1,4 +1,4 @@
-"""How long the interval of recalibration may be, by the reliability of a unit's own history.
+"""Advice on the recalibration interval, by the reliability method on a unit's own history.
 
 The reliability method of NCSLI RP-1 and of ILAC-G24/OIML D 10: the probability that a unit is
 still within its limits after a time t is R(t) = exp(−λt), and the interval is that at whose end R

@@ -1,4 +1,4 @@
-"""A reminder on its way: e-mail with the calendar entry, or a chat, by the URL of a channel."""
+"""Sends a reminder by the URL of a channel: e-mail with a calendar entry, or a chat message."""
 
 import logging
 import os

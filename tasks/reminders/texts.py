@@ -1,4 +1,4 @@
-"""What a reminder says."""
+"""The text of a reminder."""
 
 from datetime import timedelta
 

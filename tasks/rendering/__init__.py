@@ -1,4 +1,4 @@
-"""Pages to read: templates in every language, and charts for them, each file complete in itself."""
+"""Pages and charts: templates in every language, every file complete in itself."""
 
 from tasks.rendering.chart import draw
 from tasks.rendering.page import inline, page

@@ -1,4 +1,4 @@
-"""Charts as SVG: one style, text as text, the same bytes whenever they are drawn again."""
+"""SVG charts in one style, with text as text and reproducible to the byte."""
 
 from collections.abc import Callable
 from html import escape

@@ -1,4 +1,4 @@
-"""A long signal as a screen can show it, with every peak in it."""
+"""Reduces a long signal to what a screen can show, keeping every peak."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""HTML by templates: `templates/base.html` has the style, a folder beside its code the content."""
+"""HTML pages from templates: `templates/base.html` has the style, a folder by each user content."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

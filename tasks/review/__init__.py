@@ -1,1 +1,1 @@
-"""What many runs show together: evidence that adds up, who carries it and since when."""
+"""What many runs show together: pooled evidence, its carrier, and since when."""

@@ -1,4 +1,4 @@
-"""Thousands of small symmetric positive definite matrices at once.
+"""Operations on thousands of small symmetric positive definite matrices at once.
 
 LAPACK spends more on calling than on computing where a matrix has a few rows; here every step of
 the elimination runs over all matrices. None needs pivots.

@@ -1,4 +1,4 @@
-"""Which carrier has an effect, against a spread between units and runs that would show the same."""
+"""Which carrier has an effect, against a spread between units and runs that looks the same."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What each run says of an effect, in coordinates of their mean information."""
+"""Each run's evidence for an effect, in coordinates of the mean information."""
 
 from dataclasses import dataclass
 from functools import cached_property

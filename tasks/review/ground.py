@@ -1,4 +1,4 @@
-"""The rotation of the ground along the table's own directions, where the site is not told."""
+"""Earth's rotation in the table's own directions, where the site is unknown."""
 
 from dataclasses import dataclass
 

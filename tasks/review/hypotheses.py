@@ -1,4 +1,4 @@
-"""What may be common to runs: the terms of the catalogue, whole and in parts."""
+"""Effects that runs may have in common: terms of the catalogue, whole and in parts."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Whether a unit stands out of what units have of an effect anyhow, in whichever form.
+"""Whether a unit stands out from the usual spread of an effect among units.
 
 The forms of one name (orders, time constants) look alike in a run: units that differ in one form
 of it make a unit that differs in another no mismatch.

@@ -1,4 +1,4 @@
-"""The statistics of many runs side by side, in the order of time."""
+"""The statistics of many runs, stacked in order of time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

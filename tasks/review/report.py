@@ -1,4 +1,4 @@
-"""The answer of a review: what was found, who carries it and since when, in words and numbers."""
+"""The result of a review: findings, their carriers and since when, in words and numbers."""
 
 from collections.abc import Sequence
 from datetime import datetime

@@ -1,4 +1,4 @@
-"""What else explains the runs of a finding: other effects there, and other carriers."""
+"""Alternative explanations of a finding: other effects and other carriers."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Whose run it is: what its manifest tells of unit, lot, station, model and site."""
+"""Unit, lot, station, model and site of a run, from its manifest."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""What one run says of the catalogue's terms: the sufficient statistics that add up over runs.
+"""The sufficient statistics of one run for the catalogue's terms, which add up over runs.
 
 Score and information of the whitened linear model, with that run's own standard parameters
 projected out (Frisch, Waugh, Lovell). Sums over runs are those of one long recording in which

@@ -1,4 +1,4 @@
-"""Every effect in every window of runs, as if nothing scattered: which are worth a closer look."""
+"""Screens every effect in every window of runs without random effects, for a closer look."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the runs show together, one finding after the other until chance would show as much."""
+"""Finds what the runs show together, one finding at a time until chance explains the rest."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Latitude and heading of a station that its manifests do not tell, from Earth's rotation.
+"""Latitude and heading of a station that its manifests omit, from Earth's rotation.
 
 In the runs of a station the ground turns about one direction of its base, whatever unit is on it.
 The part along the vertical cannot be told from gyros that follow gravity, which the standard's

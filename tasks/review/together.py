@@ -1,4 +1,4 @@
-"""Which effects several recordings of one unit show together.
+"""Effects that several recordings of one unit show together.
 
 What the unit has is the same in all of them; what its station has is the same in those of that
 station; a mounting has its own in each.

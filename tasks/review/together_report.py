@@ -1,4 +1,4 @@
-"""The answer about several recordings of one unit (`mimu-discrepancy/1`)."""
+"""The result for several recordings of one unit (`mimu-discrepancy/1`)."""
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What an effect that runs have in common does to a certificate's elements."""
+"""How an effect that runs have in common changes the elements of a certificate."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""Which runs may have something in common: those of a carrier, all, or since or until one."""
+"""Sets of runs that may have something in common: a carrier's runs, all, or since or until one."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

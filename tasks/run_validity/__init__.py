@@ -1,1 +1,1 @@
-"""The run is judged before the unit: each check with its limit and its reason."""
+"""Validity of a run, decided before the unit: each check with its limit and its reason."""

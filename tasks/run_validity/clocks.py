@@ -1,4 +1,4 @@
-"""Unit and table on one time base: the same motion at the same time, from beginning to end."""
+"""Unit and table on one time base: the same motion at the same time throughout the run."""
 
 from collections.abc import Iterator
 

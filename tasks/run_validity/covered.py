@@ -1,4 +1,4 @@
-"""Whether something slow was recorded over the whole run, and not for a part of it only."""
+"""Whether a slow quantity was recorded over the whole run."""
 
 import numpy as np
 

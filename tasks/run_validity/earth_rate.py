@@ -1,4 +1,4 @@
-"""The Earth's rotation as the rests show it, in parts of its rate: along north, east and up."""
+"""Earth's rotation as the rests show it, relative to its rate: north, east and up."""
 
 from dataclasses import dataclass
 

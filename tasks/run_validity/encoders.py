@@ -1,4 +1,4 @@
-"""The table's encoders: against themselves, gravity and the gyros."""
+"""The table's encoders, checked against themselves, gravity and the gyros."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Every check of a run."""
+"""All checks of a run."""
 
 from collections.abc import Mapping
 

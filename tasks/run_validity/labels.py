@@ -1,4 +1,4 @@
-"""What the labels say, against gravity, the table and the gyros."""
+"""The labels, checked against gravity, the table and the gyros."""
 
 from collections.abc import Iterator
 

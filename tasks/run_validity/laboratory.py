@@ -1,4 +1,4 @@
-"""What the manifest says of the place, against what the laboratory says of its own."""
+"""The site in the manifest, checked against the laboratory's own file."""
 
 from collections.abc import Iterator
 

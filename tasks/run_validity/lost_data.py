@@ -1,4 +1,4 @@
-"""What a recording lacks: samples, rows, triads, table readings."""
+"""Missing data: samples, rows, triads, table readings."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Samples that are no readings of the unit: far rows, many that are off, channels that stand."""
+"""Samples that are not readings of the unit: outliers and channels that stand still."""
 
 from collections.abc import Iterator
 from functools import cache

@@ -1,4 +1,4 @@
-"""What the specification asks of every point: how long it lasts, and that it is its own."""
+"""The specification's requirements on every point: its duration, and that it is distinct."""
 
 from collections.abc import Iterator
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""How a check says what it found."""
+"""The remark of a check."""
 
 from schemas.text import Remark
 from schemas.validity import RunVerdict

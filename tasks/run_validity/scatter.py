@@ -1,4 +1,4 @@
-"""Rests that do not lie where the stated uncertainty has them: the zero drifts or jumps."""
+"""Rests outside their stated uncertainty: the zero drifts or jumps."""
 
 from collections.abc import Iterator, Mapping
 

@@ -1,4 +1,4 @@
-"""What the manifest says of the place: gravity, latitude and heading, against world and data."""
+"""The site in the manifest: gravity, latitude and heading, checked for consistency."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What the station itself noticed while it recorded, and wrote into the manifest."""
+"""Faults that the station noticed itself and wrote into the manifest."""
 
 from collections.abc import Iterator
 

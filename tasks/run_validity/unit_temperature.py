@@ -1,4 +1,4 @@
-"""The unit's own temperature: known over the whole run, near the air's, and steady."""
+"""The unit's temperature: recorded over the whole run, near the air's, and steady."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What shakes the unit while it is to be at rest."""
+"""Vibration of the unit during rests."""
 
 from collections.abc import Iterator
 

@@ -1,1 +1,1 @@
-"""Stretches of a recording: found, checked, and summarised to means."""
+"""Segments of a recording: found, checked, and summarised by their means."""

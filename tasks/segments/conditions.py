@@ -1,4 +1,4 @@
-"""What a specification asks of every point and of the environment."""
+"""A specification's requirements on every point and on the environment."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A segment's channels read from memory once: extremes, block means and what follows the turn.
+"""Reads a segment's channels from memory once: extremes, block means, once-per-turn part.
 
 A segment of two million rows is larger than a processor's cache; each further question would
 read it again.

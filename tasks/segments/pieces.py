@@ -1,4 +1,4 @@
-"""Long columns piece by piece: each piece is read from memory once, however much is asked of it.
+"""Processes long columns piece by piece, so that each piece is read from memory once.
 
 A column of a hundred million rows is otherwise read again for every question, and its differences
 are as long as itself.

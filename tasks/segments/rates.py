@@ -1,4 +1,4 @@
-"""What rate each turning segment was really at: by the encoders, else by its label.
+"""The true rate of each turning segment: by the encoders, else by its label.
 
 Without encoders the gyro itself is the only witness against a label. Its readings over all
 points about an axis lie on one line (eq. (4)), whatever its scale factor; a label off that line

@@ -1,4 +1,4 @@
-"""Segment means that transmission errors do not spoil, with what their noise is made of."""
+"""Segment means that transmission errors do not affect, with the components of their noise."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Units that a recording mixes up: what its segments say of themselves gives it away."""
+"""Mixed-up units of a recording, revealed by what its segments state."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Estimates before their budgets: of one element, of an item, and what a clause contributes."""
+"""Estimates before their budgets: of one element, of an item, and a clause's contributions."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence

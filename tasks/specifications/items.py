@@ -1,4 +1,4 @@
-"""The items that the specifications calibrate: symbol, unit and elements of each, in one record.
+"""The items that the specifications calibrate: symbol, unit and elements of each.
 
 The names of items and elements stand in the catalogues under `item-…`, by the item's key.
 """

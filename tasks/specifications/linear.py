@@ -1,4 +1,4 @@
-"""Least squares as the clauses write it, kept as a linear operator so that u can follow."""
+"""Least squares as the clauses write it, kept as a linear operator to propagate uncertainty."""
 
 import math
 from dataclasses import dataclass

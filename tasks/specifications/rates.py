@@ -1,4 +1,4 @@
-"""The rate points about an axis, as both specifications take them: a line, 7 to 11 points."""
+"""The rate points about an axis, as both specifications use them: a line, 7 to 11 points."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

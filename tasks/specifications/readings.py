@@ -1,4 +1,4 @@
-"""The register of readings: where a specification is wrong or silent, and what was taken.
+"""Register of interpretations: where a specification is wrong or silent, and what is used.
 
 A result names the readings it rests on by their keys; the certificate prints them. What was taken
 stands in the catalogues under `reading-…`.

@@ -1,4 +1,4 @@
-"""What a specification is: everything that distinguishes one from another, as one record."""
+"""The record of a specification: everything that distinguishes it from another."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

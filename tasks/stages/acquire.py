@@ -1,4 +1,4 @@
-"""Stage: a run on a station; raw is written as it comes, then kept as a run of each unit."""
+"""Stage: acquires a run on a station, writing raw data as they arrive, and stores it."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack

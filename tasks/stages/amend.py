@@ -1,4 +1,4 @@
-"""What an amendment takes over from the certificate in whose place it comes."""
+"""What an amendment takes over from the certificate it replaces."""
 
 from dataclasses import dataclass, replace
 

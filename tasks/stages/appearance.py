@@ -1,6 +1,4 @@
-"""The logo, seal and layout that a laboratory's file names, as the record of a certificate holds
-them.
-"""
+"""The logo, seal and layout named in a laboratory's file, as a certificate's record holds them."""
 
 import base64
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A calibration that an order names."""
+"""The calibration that an order refers to."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a certificate takes from outside the result, held against what the run says itself."""
+"""Inputs of a certificate from outside the result, checked against the run."""
 
 import json
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Stage: the result is held against the limits, and a certificate is made."""
+"""Stage: compares the result with the limits and makes a certificate."""
 
 from collections.abc import Callable
 from datetime import UTC, date, datetime

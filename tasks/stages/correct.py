@@ -1,4 +1,4 @@
-"""Stages: the correction that a result gives, and a recording corrected by it."""
+"""Stages: makes the correction of a result, and corrects a recording with it."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

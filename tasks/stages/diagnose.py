@@ -1,4 +1,4 @@
-"""What is wrong with this machine and this home, and what to do: looked at, never changed."""
+"""Diagnoses this machine and this home, and says what to do; changes nothing."""
 
 import os
 import shutil

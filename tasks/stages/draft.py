@@ -1,4 +1,4 @@
-"""A draft certificate into the store: one for each run and purpose, the last one made."""
+"""Stores a draft certificate: one for each run and purpose, the latest."""
 
 from datetime import datetime
 

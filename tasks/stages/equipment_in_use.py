@@ -1,4 +1,4 @@
-"""The measurement standards with which a run was made, and the limits that they state."""
+"""The measurement standards used for a run, and the limits that they state."""
 
 import json
 from datetime import date

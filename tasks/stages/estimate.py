@@ -1,4 +1,4 @@
-"""Stage: every item that a run allows is estimated, and the result is kept."""
+"""Stage: estimates every item that a run allows, and stores the result."""
 
 from collections.abc import Callable, Sequence
 from functools import partial

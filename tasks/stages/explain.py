@@ -1,4 +1,4 @@
-"""Stage: where model and recording differ, which physics was left out, and what it matters."""
+"""Stage: where model and recording differ, which physics was left out, and how much it matters."""
 
 from contextlib import suppress
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""The same work on many things: in this process, or in processes of this machine.
+"""Runs the same work on many inputs, in this process or in several processes.
 
 What is wide fans out inside a stage (deploy/decisions.md); Prefect sees the stage alone.
 """

@@ -1,4 +1,4 @@
-"""What stands against the issue of a certificate that was checked."""
+"""What prevents the issue of a checked certificate."""
 
 import sqlalchemy as sql
 

@@ -1,4 +1,4 @@
-"""What is refused on import, because no item could be estimated from it."""
+"""Recordings refused on import because no item could be estimated from them."""
 
 from pathlib import Path
 

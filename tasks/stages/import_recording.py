@@ -1,4 +1,4 @@
-"""Stage: a recording comes into the store from elsewhere."""
+"""Stage: imports a recording into the store."""
 
 import os
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Stage: advice on the interval of recalibration of a unit, from its own certificates."""
+"""Stage: advice on a unit's recalibration interval, from its own certificates."""
 
 from collections.abc import Sequence
 from datetime import date

@@ -1,4 +1,4 @@
-"""Stages: a draft is checked, then issued under a number; an issued certificate is withdrawn.
+"""Stages: checks a draft, issues it under a number, withdraws an issued certificate.
 
 Each is one transaction, and what is printed is made within it: a process that ends at any moment
 leaves a certificate issued whole, or not at all and its number still to be given.

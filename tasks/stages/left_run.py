@@ -1,4 +1,4 @@
-"""The runs that a station, its units and a procedure were left with when interrupted."""
+"""Interrupted runs of a station, its units and a procedure."""
 
 from collections.abc import Iterator
 from contextlib import suppress

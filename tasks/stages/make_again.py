@@ -1,4 +1,4 @@
-"""One result of an earlier run, made again with today's code and kept beside the old one.
+"""Re-processes one result of an earlier run with today's code, beside the old one.
 
 What a worker does, wherever it runs: it needs the store and the catalogue, and nothing else.
 """

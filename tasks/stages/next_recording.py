@@ -1,4 +1,4 @@
-"""Stage: the shortest recording that would decide what `explain` left open."""
+"""Stage: the shortest recording that would settle what `explain` left open."""
 
 from collections.abc import Sequence
 from dataclasses import replace

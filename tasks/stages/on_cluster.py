@@ -1,4 +1,4 @@
-"""The same work on many things, by the workers of a dask cluster."""
+"""Runs the same work on many inputs, by the workers of a dask cluster."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The recordings of a run as they are made: a raw file in the home for each unit."""
+"""The raw files of a run in progress: one in the home folder for each unit."""
 
 import secrets
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""Stage: the history of a store, made again with today's code, beside what it was."""
+"""Stage: re-processes the history of a store with today's code, beside the old results."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The statistics of a run, which `review` adds up: made once, and kept beside its recording."""
+"""The statistics of a run that `review` combines: made once and kept beside its recording."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor

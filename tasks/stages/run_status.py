@@ -1,4 +1,4 @@
-"""The status of a run, kept while it is acquired."""
+"""The status of a run, kept up to date during acquisition."""
 
 import os
 import time

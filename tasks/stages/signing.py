@@ -1,4 +1,4 @@
-"""The key of the laboratory that a home belongs to."""
+"""The signing key of the laboratory to which a home belongs."""
 
 import os
 from datetime import datetime

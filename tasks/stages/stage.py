@@ -1,4 +1,4 @@
-"""What makes a plain function a stage: within a Prefect flow it runs as a task of that flow.
+"""Makes a plain function a stage: inside a Prefect flow it runs as a task of that flow.
 
 Everywhere else it is the plain function that it was, and Prefect is not imported. Only this
 module and the flows know Prefect.

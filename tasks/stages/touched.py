@@ -1,4 +1,4 @@
-"""Which certificates print what an effect that runs have in common moves."""
+"""Which certificates print values that an effect common to many runs changes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""A station and what is done with it: table, chamber, unit, and the sequence of a run."""
+"""A station (table, chamber, fixture, unit) and the sequence of a run on it."""

@@ -1,4 +1,4 @@
-"""A run of a procedure on a station, real or virtual, from start to end."""
+"""Runs a procedure on a station, real or virtual, from start to end."""
 
 import asyncio
 from collections.abc import Callable, Coroutine

@@ -1,4 +1,4 @@
-"""What was noticed during a run, and the remarks it becomes."""
+"""Anomalies noticed during a run, and the remarks they become."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

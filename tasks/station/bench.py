@@ -1,4 +1,4 @@
-"""What a run needs of a station, connected and ready."""
+"""The devices of a station that a run needs, connected and ready."""
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Sequence
 from contextlib import ExitStack, asynccontextmanager, closing

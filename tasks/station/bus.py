@@ -1,4 +1,4 @@
-"""A thread in which drivers talk to their devices, so that nothing the run is busy with delays it.
+"""A thread in which drivers talk to their devices, so that other work does not delay them.
 
 What the run writes, checks and shows may hold up its own event loop for seconds; the encoders that
 the table has captured are fetched meanwhile.

@@ -1,4 +1,4 @@
-"""Every device of a station file tried: what it reads, and on request a small move."""
+"""Checks every device of a station file: what it reads, and on request a small move."""
 
 import asyncio
 from collections.abc import Awaitable, Callable

@@ -1,4 +1,4 @@
-"""Wall time, and station time against it: how fast the station runs, and what time it is there.
+"""Wall-clock time and station time: how fast the station runs, and its present time.
 
 Wall time is the running event loop's: `wall_s` reads it and `asyncio.sleep` waits for it. Nothing
 in this room asks another clock, so a loop whose time is simulated runs a whole procedure without

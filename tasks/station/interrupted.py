@@ -1,4 +1,4 @@
-"""A run that was interrupted: what of it stands, and what is left of its procedure."""
+"""An interrupted run: what can be kept, and what is left of its procedure."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A whole procedure held against what a station may be asked for, before anything moves."""
+"""Checks a whole procedure against the limits of a station, before anything moves."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

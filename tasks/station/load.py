@@ -1,4 +1,4 @@
-"""The coefficients of a correction written into the unit, by the lines of its description."""
+"""Writes the coefficients of a correction into the unit, by the lines of its description."""
 
 import time
 from functools import reduce

@@ -1,4 +1,4 @@
-"""The manifest of a run as it grows: its segments, and what it says of station and unit."""
+"""The manifest of a run as it grows: its segments, and the entries on station and unit."""
 
 import math
 from datetime import UTC, datetime, timedelta

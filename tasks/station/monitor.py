@@ -1,4 +1,4 @@
-"""Finished segments checked while the run goes on, so that the bench hears of it at once."""
+"""Checks finished segments during the run, so that the operator hears of faults at once."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""A procedure as the list of segments that are measured one after another."""
+"""A procedure as the list of segments to be measured one after another."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What a run needs of a station: table, chamber, fixture and unit, whatever drives them.
+"""The interfaces a run needs of a station: table, chamber, fixture and unit.
 
 A driver is one class behind one of these; `drivers` holds those that there are.
 """

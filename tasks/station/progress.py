@@ -1,4 +1,4 @@
-"""How far a run has come, and how it stands."""
+"""Progress and state of a run."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

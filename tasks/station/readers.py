@@ -1,4 +1,4 @@
-"""The stream readers of a run: they gather what comes, and give it as a stream when asked."""
+"""Stream readers of a run: they collect samples and return them as a stream on request."""
 
 import asyncio
 import math

@@ -1,4 +1,4 @@
-"""The streams of a run, written as they come: each unit's own, and the table's and air's to all."""
+"""Writes the streams of a run as they arrive: each unit's own, and table and air to all."""
 
 import asyncio
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""What a procedure requires of a station: axes, the attitudes they reach, who turns the unit."""
+"""What a procedure requires of a station: axes, reachable attitudes, who turns the unit over."""
 
 from collections import Counter
 

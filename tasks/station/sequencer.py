@@ -1,4 +1,4 @@
-"""The table brought through a procedure, segment by segment, while the streams are read."""
+"""Takes the table through a procedure, segment by segment, while the streams are read."""
 
 import asyncio
 from collections.abc import Callable

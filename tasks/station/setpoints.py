@@ -1,4 +1,4 @@
-"""Set-points of a table's axes: whether one is reached, and how long the motion to it takes."""
+"""Set-points of the table's axes: whether one is reached, and how long its motion takes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Rates and noise of the streams as they come, for who watches a run."""
+"""Rates and noise of the streams as they arrive, for a live view of the run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""One unit of a run: what comes of it goes to its sink at once, and is checked on the way."""
+"""One unit of a run: its data go to its sink at once and are checked on the way."""
 
 from typing import Protocol
 

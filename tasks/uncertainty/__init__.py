@@ -1,1 +1,1 @@
-"""Uncertainty of a result: how it is evaluated and how it is written down."""
+"""Uncertainty of a result: its evaluation and its notation."""

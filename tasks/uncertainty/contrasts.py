@@ -1,4 +1,4 @@
-"""Error contrasts of the segment means, which drift and white noise alone move.
+"""Error contrasts of the segment means, which only drift and white noise affect.
 
 Rates, gravity, and the horizontal parts of Earth's rotation and of the tilt are fitted away; the
 likelihood of the residuals is that of restricted maximum likelihood (Patterson and Thompson,

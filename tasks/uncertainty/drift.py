@@ -1,4 +1,4 @@
-"""How much each channel drifts over a recording: flicker, random walk and trend.
+"""Drift of each channel over a recording: flicker, random walk and trend.
 
 Within a segment, noise hides a drift that is slower than the segment; between segments it shows
 (`tasks.uncertainty.contrasts`). The Allan variances within the segments join the likelihood.

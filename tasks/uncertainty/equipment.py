@@ -1,4 +1,4 @@
-"""What the measuring equipment may be wrong by: Table 1 of JJF 2003-2022 and of JJF 1536-2015.
+"""Error limits of the measuring equipment: Table 1 of JJF 2003-2022 and of JJF 1536-2015.
 
 The defaults are the tables' own recommendations; a laboratory's own limits go before them
 (`with_limits`). Where a table is silent the entry says `assumed`.

@@ -1,4 +1,4 @@
-"""The limits of a laboratory's own equipment, from the certificates of its standards."""
+"""Error limits of a laboratory's own equipment, from the certificates of its standards."""
 
 from collections.abc import Iterable, Mapping
 

@@ -1,1 +1,1 @@
-"""How it is known that what is stated holds: examples, known truths, coverage, other programs."""
+"""Shows that what is stated holds: worked examples, known truths, coverage, other programs."""

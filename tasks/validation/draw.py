@@ -1,4 +1,4 @@
-"""Units and equipment as they might be: drawn from what the uncertainty budgets claim."""
+"""Simulated units and equipment, drawn from what the uncertainty budgets claim."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

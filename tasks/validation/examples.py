@@ -1,4 +1,4 @@
-"""The worked examples of both Appendices A, through the code that prints them."""
+"""The worked examples of both Appendices A, computed by the code that prints them."""
 
 from decimal import Decimal
 

@@ -1,4 +1,4 @@
-"""Which source a method's numbers come from, as a hash that its validation record carries."""
+"""A hash of the source that a method's numbers come from, kept in its validation record."""
 
 import ast
 import hashlib

@@ -1,4 +1,4 @@
-"""A simulated unit's way through a calibration: what the table says, and what is true.
+"""The calibration of a simulated unit: what the table reports, and what is true.
 
 The kinematics of the virtual station (quaternions, Earth, gravity, sensors at their own places)
 at the recording's own sampling, without servo, filters and counts on a wire, so that thousands

@@ -1,4 +1,4 @@
-"""The validation record is made: all evidence for every item of every method."""
+"""Makes the validation record: all evidence for every item of every method."""
 
 import time
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The joint method's least squares written anew, for comparison: a QR decomposition on plain means.
+"""An independent least-squares solution of the joint method, for comparison: QR on plain means.
 
 The model, the means, the motion and the solution are made here from the labels and the table's
 angles alone. Only the weights are the method's own: the covariance of the means.

@@ -1,4 +1,4 @@
-"""The validation record that is shipped with the code, asked at the gate.
+"""The validation record shipped with the code, and its check before a certificate.
 
 What makes it (`tasks.validation.make`) is not imported here: a certificate starts at once.
 """

@@ -1,4 +1,4 @@
-"""What is said to people: messages with named arguments, and their catalogues, one per language.
+"""Messages for people: named arguments, and catalogues in every language.
 
 The numerics say *what* (`message("validity-stuck", channel="gyro_x")`); the sentences stand in
 `en/*.ftl` and `zh/*.ftl` (Project Fluent), a file for each room, so that a metrologist can read

@@ -1,4 +1,4 @@
-"""A sentence that is not said in a language yet."""
+"""A message that is not yet put into a language."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

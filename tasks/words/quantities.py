@@ -1,4 +1,4 @@
-"""Quantities as people read them: SI prefixes, powers of ten, value ± U, shares."""
+"""Quantities in readable form: SI prefixes, powers of ten, value ± U, percentages."""
 
 import math
 from collections.abc import Sequence

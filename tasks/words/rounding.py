@@ -1,4 +1,4 @@
-"""Writing down a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
+"""Rounding of a result and its expanded uncertainty: JJF 1059.1, 5.3.8.
 
 As in the examples of JJF 2003 and JJF 1536 the combined uncertainty u_c is first rounded half-even
 to three significant digits; U = k·u_c then keeps two and is rounded up, so that the certificate

@@ -1,4 +1,4 @@
-"""The catalogues: every sentence in every language, and messages said in one of them."""
+"""The message catalogues, and messages rendered in one language."""
 
 import re
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""How sentences and clauses are set: dashes, minus signs and equation numbers by language.
+"""Typography of sentences: dashes, minus signs and equation numbers by language.
 
 What the numerics write in one way for all languages (“eq. (3)-(5)”, “Table 1”, `-9.8`) is set by
 the messages `typography-…` of each catalogue.

@@ -1,4 +1,4 @@
-"""What the data show beside the clauses' results. Nothing is decided on it."""
+"""Additional information in the data, beside the results of the clauses; no decision uses it."""
 
 from collections.abc import Mapping
 

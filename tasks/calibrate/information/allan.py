@@ -1,4 +1,4 @@
-"""Overlapping Allan variance of rests, what noise it is made of, and how well it is known.
+"""Overlapping Allan variance of rests, its noise components, and their uncertainty.
 
 Source: IEEE Std 952, annex C (shapes of the noise terms); NIST SP 1065, 5.2.4 and 5.4 (overlapping
 Allan variance and its equivalent degrees of freedom). By hand, because importing allantools takes

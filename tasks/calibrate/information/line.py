@@ -1,4 +1,4 @@
-"""How far the rate points are from one straight line: non-linearity and asymmetry.
+"""Deviation of the rate points from a straight line: non-linearity and asymmetry.
 
 Source: GJB 7952-2012 and IEEE Std 1431: non-linearity is the largest residual from the line
 through all points over the largest output; asymmetry is the slope of the positive rates less that

@@ -1,4 +1,4 @@
-"""How well a channel repeats where the run holds one input several times.
+"""Repeatability of a channel where a run holds the same input several times.
 
 An axis that points up reads the same gravity and the same part of Earth's rotation at every
 heading, so all rests with it up are one measurement repeated; those with it down another.

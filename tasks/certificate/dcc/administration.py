@@ -1,4 +1,4 @@
-"""Administrative data of the DCC: who, for whom, what, when."""
+"""Administrative data of the DCC: laboratory, client, unit, dates."""
 
 from datetime import date
 

@@ -1,4 +1,4 @@
-"""How it was measured: methods with their settings, air, gravity and latitude of the place."""
+"""Measurement conditions: methods and their settings, air, gravity and latitude of the site."""
 
 from collections.abc import Iterator
 from decimal import Decimal

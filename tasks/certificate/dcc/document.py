@@ -1,4 +1,4 @@
-"""The whole document, from the certificate and from nothing else."""
+"""The complete DCC document, made from the certificate alone."""
 
 from schemas.certificate import Certificate
 from tasks.certificate.dcc.administration import administration

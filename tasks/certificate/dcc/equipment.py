@@ -1,4 +1,4 @@
-"""The measurement standards that were used (clause 8 h)."""
+"""The measurement standards used (clause 8 h)."""
 
 from schemas.certificate import Certificate
 from schemas.equipment import MeasurementStandard

@@ -1,4 +1,4 @@
-"""The program that made certificate and results."""
+"""The software that made the certificate and its results."""
 
 import re
 

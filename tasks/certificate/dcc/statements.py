@@ -1,4 +1,4 @@
-"""What the printed certificate says in sentences, as statements, and the record itself."""
+"""The sentences of the printed certificate as DCC statements, and the record itself."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""Units of results as D-SI writes them, and what one of each is in SI units."""
+"""Units of results in D-SI notation, with their factors to SI units."""
 
 from dataclasses import dataclass
 from decimal import Context, Decimal

@@ -1,1 +1,1 @@
-"""Effects that make up for each other: which combination of them fits, and which might as well."""
+"""Effects that compensate for one another: which combinations of them fit equally well."""

@@ -1,4 +1,4 @@
-"""A combination of effects that make up for each other, fitted with everything else."""
+"""Fits a combination of mutually compensating effects together with everything else."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

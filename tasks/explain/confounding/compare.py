@@ -1,4 +1,4 @@
-"""What makes up for each other is tested together, and told together where data cannot tell.
+"""Tests compensating effects together, and reports them as a group where data cannot decide.
 
 Each combination costs what it leaves of chi-squared, counted against what the best leaves, and
 ln(stretches) for each parameter and each shape that is fitted: so that a pair that one effect

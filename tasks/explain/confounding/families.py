@@ -1,4 +1,4 @@
-"""Which effects make up for each other, and what they have in common."""
+"""Families of effects that compensate for one another, and what each family has in common."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What the effects of a family gain and cost in their linear forms, by the search's equations."""
+"""Gain and cost of the effects of a family in linear form, by the equations of the search."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A selection marked with the names that the data do not tell from what was chosen."""
+"""Marks a selection with the names that the data cannot distinguish from those chosen."""
 
 from collections.abc import Iterable
 from dataclasses import replace

@@ -1,1 +1,1 @@
-"""What the findings do to the calibration items, and a calibration corrected for them."""
+"""Effects of the findings on the calibration items, and a calibration corrected for them."""

@@ -1,4 +1,4 @@
-"""A calibration of readings corrected for found physics, and what the corrections cost in U."""
+"""Calibrates readings corrected for known physics, with the uncertainty of the corrections."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Items with further lines in their uncertainty budgets, of corrections that are uncertain."""
+"""Adds lines to uncertainty budgets for corrections that are themselves uncertain."""
 
 import math
 from collections import Counter

@@ -1,4 +1,4 @@
-"""What leaving the physics out does to the certificate: each item before and after."""
+"""How the missing physics changes the certificate: each item before and after."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A recording corrected for what findings add to its readings."""
+"""A recording corrected for the contribution of findings to its readings."""
 
 from collections.abc import Sequence
 from dataclasses import replace

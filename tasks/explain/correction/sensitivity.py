@@ -1,4 +1,4 @@
-"""How uncertain what findings add to the readings is, by each parameter that was taken off."""
+"""Uncertainty of the findings' contribution to the readings, by each corrected parameter."""
 
 import math
 from collections.abc import Iterator, Sequence

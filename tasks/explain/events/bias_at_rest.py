@@ -1,4 +1,4 @@
-"""Gyro bias that the firmware estimates while it believes the unit rests, and takes off always.
+"""Gyro bias that the firmware estimates whenever it takes the unit to be at rest, and subtracts.
 
 While no gyro has left ± `quiet` for `wait` seconds, an estimate b follows the readings r with the
 time constant τ; what is written is y = r − b. So db/dt = y/τ there, and b is 1/τ times the

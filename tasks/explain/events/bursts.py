@@ -1,4 +1,4 @@
-"""Bursts: damped oscillations that start at odd times, all of one frequency and one decay."""
+"""Bursts: damped oscillations of one frequency and decay that start at irregular times."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Codes wrongly joined, or with a bit lost: readings are off by whole multiples of 2ᵇ codes.
+"""Codes joined wrongly or with a bit lost: readings are off by multiples of 2ᵇ codes.
 
 A low byte taken as signed, a sign that was not extended, a high byte read before the low one moved
 on, a bit that sticks: each errs by a fixed power of two of the output's step, for some codes and

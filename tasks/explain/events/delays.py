@@ -1,4 +1,4 @@
-"""Delays of the stamps in short windows of time.
+"""Delays of the time stamps in short windows.
 
 A delay is estimated from the slope of the signal, or by a grid search where the signal oscillates.
 """

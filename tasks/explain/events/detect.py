@@ -1,4 +1,4 @@
-"""Which events a recording has: those that hurt a regression before it, weaker ones after it."""
+"""Detects events: those that would disturb the regression before it, weaker ones after it."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Faults of logger and firmware that are there from the first row to the last.
+"""Faults of logger and firmware that last from the first row to the last.
 
 Wrong settings and wrong codes: both are undone before anything else is looked for.
 """

@@ -1,4 +1,4 @@
-"""Impacts that recur so many times a turn of the table's outer axis, as of a damaged bearing."""
+"""Impacts that recur at a multiple of the outer table axis' rotation, as from a damaged bearing."""
 
 from itertools import product
 

@@ -1,4 +1,4 @@
-"""One spectral line: its frequency and amplitudes by least squares, and whether it is steady."""
+"""Fits one spectral line: frequency and amplitudes by least squares, and whether it is steady."""
 
 from dataclasses import dataclass
 

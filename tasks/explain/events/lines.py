@@ -1,4 +1,4 @@
-"""Spectral lines that are there all the time: mains pick-up, aliased or not, and others."""
+"""Spectral lines that persist throughout: mains pick-up, aliased or not, and others."""
 
 from itertools import chain, product
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Dropped samples: lost on the way, with stamps counted up from what arrived.
+"""Dropped samples: lost in transmission, with stamps counted from those that arrived.
 
 After each loss the stamps lag behind by so many sample intervals, so that a reading stamped t was
 taken at t + δ, and differs from what is predicted for t by δ·dy/dt.

@@ -1,4 +1,4 @@
-"""Order analysis: what recurs so many times a turn of a table's axis.
+"""Order analysis: components that recur a whole number of times per turn of a table axis.
 
 While the axis turns evenly, each reading is counted where the axis then stands. A Fourier
 transform over the angle gives its orders (cycles a turn), for each speed by itself: an impact

@@ -1,4 +1,4 @@
-"""Plateaus: readings that stay where they are while what is predicted goes on.
+"""Plateaus: readings that stay constant while the prediction goes on.
 
 A limit of the raw output need not be one code of the file: calibration, temperature and filters
 spread it over hundreds of values, and each axis and side has its own. What shows it is the

@@ -1,4 +1,4 @@
-"""Coarse quantisation: the step of the output is visible above the noise.
+"""Coarse quantisation: the output step is visible above the noise.
 
 A reading is the nearest code to x + noise. With Gaussian noise σ and step q its mean is
 x + Σ_k (−1)^k·(q/πk)·exp(−2π²k²σ²/q²)·sin(2πkx/q)

@@ -1,4 +1,4 @@
-"""Range, unit or counts per unit of a whole triad set wrong: all that it reads is off by a factor.
+"""Wrong range, unit or counts per unit of a whole triad: all its readings are off by one factor.
 
 The standard's scale factors absorb it, so that no residual shows it. But the scale factors of a
 working unit lie near one: all of a triad near another number, and that one of the few that

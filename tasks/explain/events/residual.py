@@ -1,4 +1,4 @@
-"""What a regression leaves of the readings, weighted by its noise."""
+"""The residual of a regression, weighted by its noise."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

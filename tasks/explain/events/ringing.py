@@ -1,4 +1,4 @@
-"""Damped oscillations that start at some times: what impacts and bursts add to the readings."""
+"""Damped oscillations from given starting times: the contribution of impacts and bursts."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Saturation: an output stops at a limit, noise included; rounding to steps may follow.
+"""Saturation: an output stops at a limit, noise included, perhaps rounded to steps afterwards.
 
 A limit is a code of the output, alike for a triad, or a plateau of one axis and side.
 

@@ -1,4 +1,4 @@
-"""Spikes: single outlying readings, which nothing in the catalogue names."""
+"""Spikes: single outlying readings without a name in the catalogue."""
 
 import numpy as np
 from scipy.ndimage import binary_dilation, maximum_filter1d

@@ -1,4 +1,4 @@
-"""The staircase that lost samples make of the delays of short windows."""
+"""The staircase that lost samples leave in the delays of short windows."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""A bit of the code that is stuck: every other stretch of 2ᵇ codes is never read.
+"""A stuck bit of the code: every other block of 2ᵇ codes never occurs.
 
 The readings reach up to both ends of the stretches that are read, and none lies beyond: noise that
 is wider than a code would have carried some there.

@@ -1,4 +1,4 @@
-"""Codes whose high byte is that of the row before: where it turns over, 256 codes are lacking.
+"""Codes with the high byte of the previous row: where it changes, readings are off by 256 codes.
 
 Where noise is not far below a byte no single reading tells it. But the low byte is right, and with
 what is expected it tells the high one; readings that are off by it then have the high byte of the

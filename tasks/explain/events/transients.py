@@ -1,4 +1,4 @@
-"""Transients that oscillate and stand out from the noise: where they start, how fast they swing.
+"""Oscillating transients above the noise: their starting times and frequencies.
 
 Power of exponentially fading windows, at every frequency, over its median in the same motion
 state. A step or a peak has more beside its frequency than an oscillation has.

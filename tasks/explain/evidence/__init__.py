@@ -1,1 +1,1 @@
-"""What each selected effect earns, also on held-out segments, and the findings made of it."""
+"""The evidence for each selected effect, also on held-out segments, and the findings from it."""

@@ -1,4 +1,4 @@
-"""From evidence and events to the explanation."""
+"""Assembles the explanation from evidence and events."""
 
 from collections.abc import Sequence
 

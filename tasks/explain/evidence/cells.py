@@ -1,4 +1,4 @@
-"""A model's equations cell by cell: what is left in one cell says nothing of the next.
+"""A model's equations in separate cells, whose residuals are independent of one another.
 
 Models that lack something leave residuals that hang together over seconds to minutes. Whoever
 counts every block as new evidence counts the same error many times; cells are counted instead.

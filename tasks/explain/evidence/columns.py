@@ -1,4 +1,4 @@
-"""The columns that a fitted model's findings are judged by."""
+"""The columns by which the findings of a fitted model are judged."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""How far the cells of a recording disagree on some parameters, beside what noise would make.
+"""How much the cells of a recording disagree on some parameters, relative to their noise.
 
 The covariance of a fit in a wrong model is the sandwich: the scatter between independent cells of
 what each cell asks of the parameters. With few cells a plain sandwich is too small by what each

@@ -1,4 +1,4 @@
-"""From events to findings: what each changes, and whether the readings bear it out."""
+"""Turns events into findings: what each changes, and whether the readings support it."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""An explanation of readings put right, told of the readings as they were recorded.
+"""States the explanation of repaired readings for the readings as they were recorded.
 
 A fault that is there from the first row to the last is undone before anything else is looked for:
 what is found then has the units, axes and codes that it ought to have. Here it is put back.

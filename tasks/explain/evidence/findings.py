@@ -1,4 +1,4 @@
-"""From evidence to findings: what each is, what it adds and its parameters."""
+"""Turns evidence into findings: identity, contribution and parameters."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Which selected candidates are one finding, and which findings can be given a name."""
+"""Which selected candidates form one finding, and which findings can be given a name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""How a model predicts segments that its fit did not use: every fourth one, in turn."""
+"""How well a model predicts segments that its fit did not use: every fourth one, in turn."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

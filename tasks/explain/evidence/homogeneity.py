@@ -1,4 +1,4 @@
-"""Whether a finding's parameters are the same in every part of a recording, as a law has them.
+"""Whether a finding's parameters agree in every part of a recording, as a law requires.
 
 The parameters are estimated apart in each part, all else in common, and compared (Wald's test)
 by a covariance that holds in a wrong model: the model's correlations, and the variance that the

@@ -1,4 +1,4 @@
-"""What is left after everything that was found, beside the noise of sensor and reference.
+"""The residual after all findings, relative to the noise of sensor and reference.
 
 The sensor's noise is read off short stretches at rest, where no model is needed, and not off what
 a model leaves: a model that lacks something would call noise what it lacks. The reference's is its

@@ -1,4 +1,4 @@
-"""Whether enough of a recording lies on both sides of a jump to know that it is one.
+"""Whether enough of a recording lies on both sides of a step to identify it as one.
 
 A bias that jumps is the same before and the same after. What the first few cells of a recording, or
 the last, have of their own is no jump for that: a warm-up, or a rest that is unlike all the motion

@@ -1,4 +1,4 @@
-"""The columns of all findings held against readings in which none of them is."""
+"""Tests the columns of all findings against readings that contain none of them."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Parts of a recording that know of each other's parameters nothing but what is a law."""
+"""Parts of a recording that share no parameters except those of a law."""
 
 from collections.abc import Iterator
 from itertools import pairwise

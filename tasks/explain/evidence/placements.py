@@ -1,4 +1,4 @@
-"""Whether positions that labels alone tell leave anything for a law of the attitude to explain.
+"""Whether positions known from labels alone leave anything for a law of attitude to explain.
 
 Where neither encoders nor poses tell it, each rest is as it was placed, and that is off by what it
 is. A law of the attitude with as many parameters as the rests leave values beside the standard's

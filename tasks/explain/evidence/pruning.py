@@ -1,4 +1,4 @@
-"""What of a selection stands beside all the rest, and out of what is left."""
+"""Removes from a selection what does not stand out beside all the rest and the residual."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What stays when nothing was found: a finding without a name, so that it is looked into."""
+"""The remainder when nothing was found: a finding without a name, so that it is looked into."""
 
 import numpy as np
 from scipy.signal import welch

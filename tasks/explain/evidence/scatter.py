@@ -1,4 +1,4 @@
-"""What the scatter between the cells of a recording says of each finding of a fit."""
+"""What the scatter between the cells of a recording means for each finding of a fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

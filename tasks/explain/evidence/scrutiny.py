@@ -1,4 +1,4 @@
-"""Whether a finding may bear the name of a law: plausible, the same everywhere, in every channel.
+"""Whether a finding may be named: plausible, the same everywhere, and seen in every channel.
 
 A name stands where each parameter with its U reaches its plausible range and one of them at
 least is larger than its U; where they are the same in all parts of the recording; and where every

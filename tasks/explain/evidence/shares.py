@@ -1,4 +1,4 @@
-"""Which share of the mismatch each finding removes, and which are worth more than a line."""
+"""The share of the mismatch that each finding removes, and which shares deserve an entry."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The SI units of what is printed in the units of the standards."""
+"""SI equivalents of the units that the standards print."""
 
 from tasks.model.term import Parameter
 

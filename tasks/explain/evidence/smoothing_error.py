@@ -1,4 +1,4 @@
-"""What smoothing the poses of a tracked body takes off its motion, and how far that moves a fit.
+"""What smoothing removes from the motion of a tracked body, and its influence on a fit.
 
 The filter that keeps the noise of poses out of their derivatives takes a little of the motion too,
 most of it near the end of the band. What it takes follows the motion, so that no scatter shows it:

@@ -1,4 +1,4 @@
-"""An AHRS that puts out angles alone, read as rates: what each interval gained, over its time.
+"""Rates of an AHRS that outputs angles only: the angle gained in each interval, over its time.
 
 The angle about each axis of the unit is the integral of what its gyro feels, so that its increment
 is the mean rate between two readings, whatever the rate did in between. White noise of the rate

@@ -1,4 +1,4 @@
-"""What a station found of the unit's clock, for whoever has to judge a delay of the readings."""
+"""What the station recorded about the unit's clock, for anyone who has to judge a delay."""
 
 from pydantic import ValidationError
 

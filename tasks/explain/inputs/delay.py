@@ -1,4 +1,4 @@
-"""A long delay of all time stamps, found before anything is linearised about none.
+"""A long delay of all time stamps, found before the model is linearised without one.
 
 A motion that oscillates determines a delay by its phase only to within half a period; a fit that
 begins at nothing ends on the wrong turn. So the slow motion is compared first, by means over long

@@ -1,4 +1,4 @@
-"""The readings before a search: without events and without a long delay of their time stamps."""
+"""Readings prepared for the search: events and a long delay of the stamps removed."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Angular acceleration of a tracked body from the unit's own gyros, where they are less noisy.
+"""Angular acceleration of a tracked body from its own gyros, where these are less noisy.
 
 The second derivative of an attitude shares its noise with the specific force that the same poses
 predict; as a regressor it invents lever arms. The first derivative of a gyro does not.

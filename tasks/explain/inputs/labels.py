@@ -1,4 +1,4 @@
-"""Labels that gravity, encoders or gyros contradict are not used, as a calibration leaves them out.
+"""Leaves out labels that gravity, encoders or gyros contradict, as a calibration does.
 
 Where most labels of a kind are contradicted it is not the labels that are wrong: axes exchanged,
 a range set wrong. Then they are used, and what is wrong is looked for.

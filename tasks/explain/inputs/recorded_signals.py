@@ -1,4 +1,4 @@
-"""What was recorded beside the readings, at the unit's rows, and what the run itself tells."""
+"""Signals recorded beside the readings, interpolated to the unit's rows."""
 
 from itertools import pairwise
 

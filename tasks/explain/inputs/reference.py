@@ -1,4 +1,4 @@
-"""A prediction from elsewhere, in place of the standard's model fitted to the recording.
+"""A prediction from another source, instead of the standard's model fitted to the recording.
 
 Only what the prediction and an ideal unit differ by is taken off the readings. So the standard's
 own parameters, fitted to what is left, are those of an ideal unit where the prediction has them

@@ -1,4 +1,4 @@
-"""What must be said of a reference that is not a table's: how it was smoothed, what it lacks."""
+"""Remarks on a reference that is not a table: how it was smoothed, and what it lacks."""
 
 import numpy as np
 

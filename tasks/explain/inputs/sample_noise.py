@@ -1,4 +1,4 @@
-"""Noise and steps of single samples, read off what a plain fit leaves."""
+"""Noise and quantisation step of single samples, from the residual of a plain fit."""
 
 from dataclasses import replace
 

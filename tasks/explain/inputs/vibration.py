@@ -1,4 +1,4 @@
-"""How strongly the unit vibrates, by the noise of its accelerometers."""
+"""Vibration level of the unit, from the noise of its accelerometers."""
 
 import numpy as np
 

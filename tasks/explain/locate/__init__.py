@@ -1,1 +1,1 @@
-"""Where a finding's excess sits: channel, part of the run and segments."""
+"""Where the excess of a finding lies: channel, part of the run and segments."""

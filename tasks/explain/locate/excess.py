@@ -1,4 +1,4 @@
-"""Excess: what the standard's model does not absorb of a contribution, channel by channel."""
+"""Excess: the part of a contribution that the standard's model does not absorb, by channel."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Patterns in an excess, and how much information each gives on where it sits.
+"""Patterns in an excess, and how much each tells about its location.
 
 The measure is the information in nats a row that a pattern gives about the excess e, as of a
 normal distribution. Power that concentrates in few cells: ½·Σ wₖ·ln(v/vₖ), wₖ the share of time,

@@ -1,4 +1,4 @@
-"""The description of where an excess sits that carries most information."""
+"""The most informative description of where an excess lies."""
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping

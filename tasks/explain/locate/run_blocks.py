@@ -1,4 +1,4 @@
-"""The run in short blocks: which cell of every partition each belongs to, once for all findings."""
+"""Divides the run into short blocks, with the cell of every partition that each belongs to."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -1,4 +1,4 @@
-"""Where a finding's excess sits: channel, circumstance and segments, never “somewhere”.
+"""Describes where the excess of a finding lies: channel, circumstances and segments.
 
 The excess of a finding is what the standard's model cannot absorb of its contribution. Each
 channel's part of it is compared with every way of partitioning the run (by rate, by attitude, by

@@ -1,4 +1,4 @@
-"""before_after.svg: what is left over without and with the findings, over time and frequency."""
+"""before_after.svg: residuals without and with the findings, over time and frequency."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""Where the excess sits: a recording cut into cells of time, and each cell held against noise."""
+"""Divides a recording into cells of time and compares the excess in each with the noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The answer as it is published (`mimu-discrepancy/1`)."""
+"""The published form of the result (`mimu-discrepancy/1`)."""
 
 from collections.abc import Mapping, Sequence
 

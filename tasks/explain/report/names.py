@@ -1,4 +1,4 @@
-"""How channels, elements and quantities with U are called in the report's sentences."""
+"""Names of channels, elements and quantities with U in the sentences of the report."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What to do about a finding: every one of them ends in it, also those without a name."""
+"""The recommended action for each finding, with or without a name."""
 
 from schemas.discrepancy import Where
 from tasks.explain.channels import CHANNELS

@@ -1,4 +1,4 @@
-"""The report as a folder: a page to read, its pictures, the answer and the prediction as data."""
+"""Writes the report folder: a page, its charts, the result and the prediction as data."""
 
 from collections.abc import Mapping
 from pathlib import Path

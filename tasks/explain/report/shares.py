@@ -1,4 +1,4 @@
-"""shares.svg: how much of the mismatch each finding removes, and what is left in each channel."""
+"""shares.svg: the share of the mismatch that each finding removes, and the rest by channel."""
 
 from typing import TYPE_CHECKING, Any
 

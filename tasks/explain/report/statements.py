@@ -1,4 +1,4 @@
-"""What an engineer would write about a finding: what, where, why, what else, what to do next."""
+"""Statements about a finding: what, where, why, alternatives and the next step."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import exp, log

@@ -1,4 +1,4 @@
-"""What has no name: what it is called instead, and why a name of the catalogue was refused."""
+"""Describes findings without a name, and why a name of the catalogue was refused."""
 
 from collections.abc import Mapping
 

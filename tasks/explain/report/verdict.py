@@ -1,4 +1,4 @@
-"""The verdict in a paragraph: how much is explained, what was found, what is left."""
+"""The verdict in one paragraph: how much is explained, what was found, and what remains."""
 
 from collections import Counter
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""where.svg: six channels over the time of the run, dark where the standard's model misfits."""
+"""where.svg: six channels over the run, dark where the standard's model does not fit."""
 
 from collections.abc import Sequence
 from itertools import groupby

@@ -1,4 +1,4 @@
-"""What may be missing: the catalogue's terms and empirical ones, as columns of a design matrix."""
+"""Candidates: terms of the catalogue and empirical ones, as columns of a design matrix."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace

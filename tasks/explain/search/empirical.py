@@ -1,4 +1,4 @@
-"""An empirical basis: what a residual may follow when no catalogued physics fits.
+"""An empirical basis for residuals that no catalogued physics fits.
 
 Each is a term named `unnamed` whose title describes its regressors: relaxations after moves, lags,
 harmonics of the table's angle, products and powers, sinusoids, and everything recorded.

@@ -1,4 +1,4 @@
-"""Empirical terms: readings or attitude that follow a regressor, each with factors of its own."""
+"""Empirical terms: readings or attitude that follow a regressor, with free factors."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

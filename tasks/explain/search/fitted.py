@@ -1,4 +1,4 @@
-"""What was selected, fitted in its real form; and searching and fitting in turn."""
+"""Fits the selected effects in their exact form, alternating search and fit."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

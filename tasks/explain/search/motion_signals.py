@@ -1,4 +1,4 @@
-"""When a unit was moved, and what lags behind."""
+"""When a unit was moved, and signals that lag behind the motion."""
 
 import numpy as np
 

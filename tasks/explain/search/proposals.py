@@ -1,4 +1,4 @@
-"""When a bias may have stepped, and at which period something may come and go.
+"""Proposes instants at which a bias may have stepped, and periods of recurring contributions.
 
 A grid of times or periods fine enough to miss nothing would have hundreds of columns. The
 whitened residual shows for all of them at once how much each would gain; the best few become the

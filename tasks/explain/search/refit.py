@@ -1,4 +1,4 @@
-"""The standard's model and the selected terms, fitted together in their real, non-linear form.
+"""Fits the standard's model and the selected terms together in their exact, non-linear form.
 
 In the transformed domain noise of S = w + b/f is independent from coefficient to coefficient:
 generalised least squares, whose covariance holds for samples that drift.

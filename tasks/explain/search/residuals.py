@@ -1,4 +1,4 @@
-"""What the standard's model and some of a design's parameters leave, and the noise of that."""
+"""Residuals of the standard's model with some parameters of a design, and their noise."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""How much each candidate gains beside those that were selected.
+"""The gain of each candidate beside those already selected.
 
 A candidate's gain is the chi-squared it takes away; its price is two for each parameter and twice
 the logarithm of how many of its name were tried.

@@ -1,4 +1,4 @@
-"""Stepwise selection: effects are added one at a time until what is left is noise, then pruned."""
+"""Stepwise selection: effects are added one by one until only noise is left, then pruned."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What a search may cost: processor time, after which it stays with what it has."""
+"""The processor time a search may use, after which it keeps what it has."""
 
 import math
 import time

@@ -1,1 +1,1 @@
-"""The terms: each file adds one piece of physics or a small family."""
+"""The terms: each file adds one effect or a small family of effects."""

@@ -1,4 +1,4 @@
-"""What an accelerometer does that model (2) has no place for."""
+"""Accelerometer effects that model (2) does not contain."""
 
 import numpy as np
 from numpy.polynomial import Chebyshev

@@ -1,4 +1,4 @@
-"""The table's axes as they stand: base not level, axes not square, an axis that wobbles."""
+"""Geometry of the table's axes: base not level, axes not square, an axis that wobbles."""
 
 from dataclasses import dataclass, field, replace
 

@@ -1,4 +1,4 @@
-"""What the unit's electronics do to all channels: a low-pass."""
+"""Electronics of the unit, common to all channels: a low-pass."""
 
 from dataclasses import dataclass
 from functools import lru_cache

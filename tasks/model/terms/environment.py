@@ -1,4 +1,4 @@
-"""What follows the unit's surroundings: temperature, supply."""
+"""Influences of the surroundings: temperature and supply."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Where the sensors sit and how they are held: lever arms, a fixture that bends, re-fixing."""
+"""Geometry of sensors and fixture: lever arms, a compliant fixture, re-fixing."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What a gyro does that model (1) has no place for."""
+"""Gyro effects that model (1) does not contain."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""A bias that remembers the last motion, in its published forms.
+"""Hysteresis: a bias that remembers the last motion, in its published forms.
 
 A state between −1 and 1 follows a drive x: the rate of a gyro's own axis, the specific force of
 an accelerometer's. The readings are an amplitude times the state. What a state has in common with

@@ -1,4 +1,4 @@
-"""A bias that follows attitude in Earth's magnetic field."""
+"""A bias that depends on attitude in Earth's magnetic field."""
 
 from dataclasses import dataclass, field
 

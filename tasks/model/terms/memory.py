@@ -1,4 +1,4 @@
-"""Biases that change by themselves: a jump, a wander."""
+"""Biases that change by themselves: a step, a random walk."""
 
 from schemas.recording import Recording
 from tasks.model.parameters import ACCEL_FIRST, DEG, GYRO_FIRST, each_channel, same

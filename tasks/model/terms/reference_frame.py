@@ -1,4 +1,4 @@
-"""What tracking adds: the vertical of the room in which a body is tracked is not quite upright.
+"""Frames of a tracked body: the vertical of the tracking system is not exactly upright.
 
 Every recording of a tracked body has some of it: it is fitted in every model of one. So is a turn
 of the tracked body against the unit, which the standard's matrices of both triads absorb whole.

@@ -1,4 +1,4 @@
-"""What the place adds: Earth's rotation, and a gravity that is not the stated one."""
+"""Influences of the site: Earth's rotation, and a gravity other than the stated one."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""What the table's drive and encoders do: ripple, eccentricity, scale."""
+"""The table's drive and encoders: ripple, eccentricity, scale."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""What the clocks do: a shift, a rate, axes read one after another."""
+"""Timing: a delay, a clock rate, axes sampled one after another."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What an AHRS puts out as a rate: the angle it gained, over the time.
+"""The rate of an AHRS that outputs angles: the angle gained, over the time.
 
 F of eq. (10) is the mean of the increments per second over a segment, which is the angle gained
 from its beginning to its end divided by the time between. The same holds for N of (16), (17).

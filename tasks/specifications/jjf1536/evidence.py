@@ -1,4 +1,4 @@
-"""What a recording offers to JJF 1536 beside what it offers to all: attitudes, turns, angles."""
+"""What a recording offers to JJF 1536 in addition: attitudes, turns, angles."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""7.2.5: what turning adds to the accelerometers, p by eq. (12) and (13)."""
+"""7.2.5: rate sensitivity of the accelerometers, p by eq. (12) and (13)."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What the equipment may be wrong by, put through the joint solution (type B).
+"""Errors of the equipment propagated through the joint solution (type B).
 
 Each limit changes what the unit went through, and the change of the readings goes through the
 operator of the fit: δθ = O·δy. A table angle is wrong by its own amount in every position; a run

@@ -1,4 +1,4 @@
-"""The items of JJF 2003-2022 made of the parameters of models (1) and (2)."""
+"""The items of JJF 2003-2022 from the parameters of models (1) and (2)."""
 
 from collections.abc import Mapping
 

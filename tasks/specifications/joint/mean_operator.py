@@ -1,4 +1,4 @@
-"""All parameters of the joint method as combinations of the segment means of all channels."""
+"""The parameters of the joint method as linear combinations of all segment means."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The gyro's matrix from moves by hand between rests.
+"""The gyro's matrix from manual moves between rests.
 
 The gyro's readings over a move, less those of the rests beside it, integrated to a rotation, must
 turn the vertical as the accelerometers saw it before into the vertical after.

@@ -1,4 +1,4 @@
-"""The joint method on a recording whose attitudes and rates are known: items and remarks."""
+"""The joint method for a recording with known attitudes and rates: items and remarks."""
 
 from schemas.recording import UPS
 from tasks.specifications.estimate import (

@@ -1,4 +1,4 @@
-"""Why elements of a joint calibration are null: what would determine them."""
+"""Why elements of a joint calibration are null, and what would determine them."""
 
 from collections.abc import Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""What the reader of a joint calibration must know: procedure, Earth's rotation, the reference."""
+"""Remarks on a joint calibration: procedure, Earth's rotation, the reference."""
 
 from collections.abc import Iterator
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""What the unit went through in each segment of a recording, for the joint method.
+"""The motion of the unit in each segment, for the joint method.
 
 A segment held at one attitude or rate has one mean reading and one mean motion: fitting the means
 by their covariance is fitting all samples at once.

@@ -1,4 +1,4 @@
-"""The joint fit of a unit on a table: every parameter with its value and its budget's lines.
+"""The joint fit of a unit on a table: every parameter with the lines of its budget.
 
 The unit's model is a list of terms; a term appended to it is fitted with the rest.
 """

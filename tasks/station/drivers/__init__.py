@@ -1,1 +1,1 @@
-"""The drivers that there are: what speaks to a table, a chamber, a fixture or a unit."""
+"""Drivers of tables, chambers, fixtures and units."""

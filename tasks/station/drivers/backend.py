@@ -1,4 +1,4 @@
-"""How a described device is read and told, whatever it speaks."""
+"""Reads and commands a described device, whatever its protocol."""
 
 from collections.abc import Mapping
 from typing import Any, Protocol

@@ -1,4 +1,4 @@
-"""Binary frames: found in a stream of bytes, checked, and read."""
+"""Binary frames: found in a byte stream, checked and decoded."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Check sums of frames, of many rows of octets at once."""
+"""Checksums of frames, for many rows of bytes at once."""
 
 from dataclasses import dataclass
 from functools import lru_cache

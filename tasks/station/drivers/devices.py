@@ -1,4 +1,4 @@
-"""The devices of a station file, connected: each by its description or by its entry point."""
+"""Connects the devices of a station file, each by its description or its entry point."""
 
 from importlib.metadata import entry_points
 from typing import Any, TypeAlias

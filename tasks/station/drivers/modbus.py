@@ -1,4 +1,4 @@
-"""Registers over Modbus/TCP and Modbus/RTU: typed, retried, and with errors that speak."""
+"""Registers over Modbus/TCP and Modbus/RTU: typed, retried, with clear errors."""
 
 import asyncio
 import logging

@@ -1,4 +1,4 @@
-"""A device behind registers, read and told by its register map."""
+"""A device with registers, read and commanded by its register map."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

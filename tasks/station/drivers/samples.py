@@ -1,4 +1,4 @@
-"""The unit's samples as its frames hold them, of whatever kind the frames are."""
+"""The unit's samples decoded from its frames, of either kind."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The unit's samples in the order of their time stamps, without those that are none."""
+"""The unit's samples in the order of their time stamps, without invalid ones."""
 
 import numpy as np
 

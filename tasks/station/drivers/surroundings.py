@@ -1,4 +1,4 @@
-"""The chamber and the fixture of a description, whatever they speak."""
+"""The chamber and the fixture of a station file, whatever their protocol."""
 
 import asyncio
 from dataclasses import dataclass

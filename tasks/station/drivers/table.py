@@ -1,4 +1,4 @@
-"""The turntable of a description, whatever it speaks."""
+"""The turntable of a station file, whatever its protocol."""
 
 import asyncio
 from collections.abc import Mapping

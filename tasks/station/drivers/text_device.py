@@ -1,4 +1,4 @@
-"""A device that takes lines of text, read and told by its description."""
+"""A device that takes lines of text, read and commanded by its description."""
 
 import re
 import string

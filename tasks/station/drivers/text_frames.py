@@ -1,4 +1,4 @@
-"""Lines of text as frames: found in a stream of bytes, checked, and read."""
+"""Frames as lines of text: found in a byte stream, checked and decoded."""
 
 import re
 from binascii import crc_hqx

@@ -1,4 +1,4 @@
-"""Lines asked and answered over TCP or a serial line, by a thread that may wait."""
+"""Lines sent and answered over TCP or a serial line, in a thread that may block."""
 
 import asyncio
 from concurrent.futures import ThreadPoolExecutor

@@ -1,4 +1,4 @@
-"""The unit under test: the frames in what its line brings, its silences and restarts."""
+"""The unit under test: frames on its line, its silences and restarts."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The unit's line, read by a thread so that no byte waits for the run."""
+"""The unit's line, read by a thread so that no byte is lost while the run is busy."""
 
 import queue
 import socket

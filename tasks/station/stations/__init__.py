@@ -1,1 +1,1 @@
-"""Complete station files, to begin one's own with."""
+"""Complete station files to start from."""

@@ -1,1 +1,1 @@
-"""A station that stands for reality: kinematics, filters, clocks and counts, and no model term."""
+"""A virtual station: kinematics, filters, clocks and counts, without any term of the models."""

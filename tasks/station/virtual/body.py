@@ -1,4 +1,4 @@
-"""What the body on the table goes through: rigid rotation on a turning Earth."""
+"""Rate and specific force of the body on the table: rigid rotation on a rotating Earth."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation

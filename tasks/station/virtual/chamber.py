@@ -1,4 +1,4 @@
-"""The chamber: its air goes to a set-point at an even rate and stays there."""
+"""The chamber: its air ramps to a set-point and stays there."""
 
 from schemas.limits import ChamberLimits
 

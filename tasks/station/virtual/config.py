@@ -1,4 +1,4 @@
-"""A virtual station as settings, its station file, and the truth that the file does not hold."""
+"""Settings of a virtual station, its station file, and the truth that the file omits."""
 
 import math
 import tomllib

@@ -1,4 +1,4 @@
-"""The station's controller: whom its devices answer, who holds the table, and the watchdog."""
+"""The station's controller: which client its devices answer, who holds the table, the watchdog."""
 
 import asyncio
 from contextvars import ContextVar

@@ -1,4 +1,4 @@
-"""Faults to simulate: a table of rows, each a change to a station that is sound."""
+"""Faults to simulate: each a change to a sound station."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What a bad line makes of the unit's frames."""
+"""What a faulty line does to the unit's frames."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The motion that a drive asks of an axis: pieces of constant acceleration."""
+"""The motion commanded by a drive: pieces of constant acceleration."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The register map over the virtual table, chamber and fixture: values read, writes applied."""
+"""The registers of the virtual table, chamber and fixture: values read, writes applied."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

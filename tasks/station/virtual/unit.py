@@ -1,4 +1,4 @@
-"""What a unit under test truly is: drawn from a seed, and not shown to what calibrates it."""
+"""The true errors of a unit under test: drawn from a seed and hidden from its calibration."""
 
 from typing import Any, Literal
 

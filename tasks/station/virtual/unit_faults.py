@@ -1,4 +1,4 @@
-"""What a unit that errs reads: changes to its counts and to its clock."""
+"""Faults of a unit: changes to its counts and to its clock."""
 
 from collections.abc import Callable
 
