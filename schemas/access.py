@@ -33,7 +33,7 @@ class User(Frozen):
 
 
 class Visitor(Frozen):
-    """Who asks for a page; without a name: somebody on this machine, in a home without users."""
+    """The visitor of a page; without a name, somebody on this machine in a home without users."""
 
     name: str = ""
     role: Role = "viewer"
@@ -44,7 +44,9 @@ class Visitor(Frozen):
 
 
 class Proxy(Frozen):
-    """A reverse proxy that says who somebody is: its addresses, and the header with the name."""
+    """A reverse proxy that authenticates visitors: its addresses, and the header with the user's
+    name.
+    """
 
     addresses: tuple[str, ...] = Field(min_length=1)
     header: str = Field(min_length=1, pattern=r"^[A-Za-z0-9-]+$")
@@ -53,7 +55,7 @@ class Proxy(Frozen):
 class PagesFile(Frozen):
     """`pages.toml` of the home: how the pages are served.
 
-    https: whether a proxy in front ends TLS, so that cookies are for HTTPS alone.
+    https: whether a proxy in front terminates TLS, so that cookies are sent over HTTPS only.
     """
 
     format: Literal["mimu-pages/1"] = "mimu-pages/1"

@@ -10,17 +10,17 @@ from schemas.base import Frozen
 
 
 class Wording(Frozen):
-    """A label of the certificate in the laboratory's words."""
+    """A label of the certificate in the laboratory's own words."""
 
     en: str
     zh: str
 
 
 class Appearance(Frozen):
-    """The files themselves, so that the same record makes the same pages anywhere.
+    """The content of the laboratory's files, so that the same record gives the same pages anywhere.
 
-    logo, seal: pictures (SVG, PNG, JPEG) as base64. template: Typst, in the place of the house's
-    tasks/certificate/certificate.typ; it may import what stands beside that, and nothing else.
+    logo, seal: pictures (SVG, PNG, JPEG) as base64. template: Typst source that replaces
+    tasks/certificate/certificate.typ; it may import only the files beside that one.
     """
 
     logo: str | None = None
@@ -29,7 +29,7 @@ class Appearance(Frozen):
 
     @property
     def pictures(self) -> dict[str, bytes]:
-        """Logo and seal by their names, those that there are."""
+        """Logo and seal by name, where given."""
         both = {"logo": self.logo, "seal": self.seal}
         return {name: base64.b64decode(text) for name, text in both.items() if text}
 

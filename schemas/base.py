@@ -8,7 +8,7 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class Frozen(BaseModel):
-    """A model that does not change after it was made, and refuses fields it does not know."""
+    """An immutable model that refuses fields it does not know."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -22,7 +22,7 @@ class Unusable(Exception):  # noqa: N818 (it speaks of the input, not of the pro
 
 
 class BrokenOff(Exception):  # noqa: N818 (nothing is in error)
-    """The operator or the machine ended a run; the sentence says where its recording lies."""
+    """The operator or the machine ended a run; the sentence says where its recording is."""
 
 
 def first_fault(error: ValidationError) -> str:

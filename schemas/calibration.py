@@ -19,10 +19,10 @@ UncertaintyKind = Literal["type A", "GUM", "as the specification's example", "Mo
 
 
 class Item(Frozen):
-    """One calibration item. Elements: the axis that reads, then the input axis.
+    """One calibration item. Elements are named by output axis, then input axis.
 
-    `u` is the standard uncertainty, `U` = k·u. An element that the recording cannot determine
-    is null in every dictionary.
+    `u` is the standard uncertainty, `U` = k·u. An element that the recording does not determine is
+    null in every dictionary.
     """
 
     unit: str
@@ -48,9 +48,9 @@ class Item(Frozen):
 
 
 class Information(Frozen):
-    """Something the data show beside the clauses' results; nothing is decided on it.
+    """Additional information in the data, beside the results of the clauses; no decision uses it.
 
-    `about`: the item that it stands beside, if any. Elements as in `Item`, or channels.
+    `about`: the item it refers to, if any. Elements as in `Item`, or channels.
     """
 
     title: str
@@ -66,7 +66,7 @@ class Information(Frozen):
 
 
 class AdoptedTerm(Frozen):
-    """Physics beside the standard's model that was found, and taken off before the clauses."""
+    """Physics outside the standard's model that was found, and corrected for before the clauses."""
 
     name: str
     title: str
@@ -75,7 +75,7 @@ class AdoptedTerm(Frozen):
 
 
 class SegmentUsed(Frozen):
-    """A segment as it was used: found or labelled, and what was left out of its means."""
+    """A segment as it was used: found or labelled, and which rows its means leave out."""
 
     name: str
     kind: Kind
@@ -127,7 +127,7 @@ class Calibration(Frozen):
     @model_validator(mode="before")
     @classmethod
     def _without_computed(cls, document: Any) -> Any:
-        """A document that was written out carries what is made anew of the remarks."""
+        """Drops fields of a stored document that are computed from its remarks."""
         if isinstance(document, dict):
             return {n: value for n, value in document.items() if n not in ("warnings", "validity")}
         return document
@@ -141,7 +141,7 @@ class Calibration(Frozen):
     @computed_field  # type: ignore[prop-decorator]
     @property
     def validity(self) -> Validity:
-        """The verdict on the run: that of its worst remark, which comes first."""
+        """The validity of the run: that of its worst remark, which comes first."""
         reasons = [
             remark
             for verdict in ("invalid", "remarks")

@@ -43,7 +43,7 @@ class Party(Frozen):
 
 
 class Contact(Frozen):
-    """How a laboratory is reached beside its address."""
+    """Contact details of a laboratory beside its address."""
 
     e_mail: str | None = None
     phone: str | None = None
@@ -51,18 +51,17 @@ class Contact(Frozen):
 
 
 class Laboratory(Frozen):
-    """Clause 8 b), h), k), l): the laboratory, its standards, who signs (a file in the home).
+    """Clause 8 b), h), k), l): the laboratory, its standards and signatories (a file in the home).
 
-    accreditation: by whom and under which number, as it may be claimed for these results. place:
-    where it calibrates, if that is not its address.
-    limits: what its equipment may be off by, in the place of Table 1 of the specification.
-    latitude_deg: of its own place, against which that of each recording is held. number_scheme:
-    how {prefix}, {year} of issue and {serial} make the number of a certificate. separate_persons:
-    whether who drafts, who checks and who issues a certificate have to be three persons.
-    language: in which its certificates are printed. wording: labels of the certificate in its own
-    words, by their names. logo, seal, template: its files, from the home's folder where they are
-    not absolute; what they hold becomes appearance. signing: the key that signs what is issued.
-    No record of a certificate tells where these files lie.
+    accreditation: body and number, as it may be claimed for these results. place: where it
+    calibrates, if not at its address. limits: error limits of its equipment, in place of Table 1 of
+    the specification. latitude_deg: of its site, compared with that of each recording.
+    number_scheme: how {prefix}, {year} of issue and {serial} form the number of a certificate.
+    separate_persons: whether drafting, checking and issuing a certificate require three different
+    persons. language: of its printed certificates. wording: its own texts for labels of the
+    certificate, by label name. logo, seal, template: its files, relative to the home folder unless
+    absolute; their content becomes appearance. signing: the key that signs issued certificates. The
+    record of a certificate does not contain the paths of these files.
     """
 
     format: Literal["mimu-laboratory/1"] = "mimu-laboratory/1"
@@ -114,16 +113,16 @@ class Laboratory(Frozen):
 
 
 class Order(Frozen):
-    """Clause 8 e), g) and 9: the client, when the unit came, how often it comes back.
+    """Clause 8 e), g) and 9: the client, the date of receipt, the recalibration interval.
 
-    calibrated_on: for a recording that does not say when it was made. recalibration_agreed: whether
-    the client agreed that the certificate says when the unit comes back (ISO/IEC 17025, 7.8.4.3):
-    after interval_months, or as the specification has it (12 months in JJF 2003, 24 in JJF 1536).
-    An order that states the interval agrees on it. conformity: whether a
-    statement of conformity is asked for; without one the unit is calibrated and nothing decided.
-    waived_conditions: those that need not be met or checked for a pass. configuration: of the unit,
-    beside what the recording's manifest says of it. place: where it is calibrated, if that is not
-    the laboratory's own place. language: of the certificate, if not the laboratory's.
+    calibrated_on: for a recording without a date of its own. recalibration_agreed: whether the
+    client agreed to a recalibration date on the certificate (ISO/IEC 17025, 7.8.4.3): after
+    interval_months, or as the specification states (12 months in JJF 2003, 24 in JJF 1536). An
+    order that states the interval agrees to it. conformity: whether a statement of conformity is
+    asked for; without one, no verdict is given. waived_conditions: conditions that need not be met
+    or checked for a pass. configuration: of the unit, in addition to the recording's manifest.
+    place: of calibration, if not the laboratory's own. language: of the certificate, if not the
+    laboratory's.
     """
 
     format: Literal["mimu-order/1"] = "mimu-order/1"
@@ -141,12 +140,12 @@ class Order(Frozen):
 
     @property
     def agrees_on_recalibration(self) -> bool:
-        """Whether the certificate has a date of recalibration."""
+        """Whether the certificate states a recalibration date."""
         return self.recalibration_agreed or self.interval_months is not None
 
 
 class AsFound(Frozen):
-    """The same unit before it was adjusted: its result, and the verdict by the same limits."""
+    """The same unit before adjustment: its result, and the verdict by the same limits."""
 
     calibrated_on: date | None
     calibration: Calibration
@@ -163,7 +162,7 @@ class Step(Frozen):
 
 
 class Replaced(Frozen):
-    """The certificate that an amendment takes the place of, and why."""
+    """The certificate that an amendment replaces, and the reason."""
 
     number: str
     issued_on: date
@@ -171,16 +170,15 @@ class Replaced(Frozen):
 
 
 class Certificate(Frozen):
-    """Everything the certificate prints; the PDF is made from this and nothing else.
+    """Everything the certificate prints; the PDF is made from this record alone.
 
-    calibrated_on: null where nothing gives the day; `due` then counts from `issued_on`. due: null
-    where no recalibration was agreed on.
-    as_found: where the unit was adjusted, and calibration and decision are those as left.
-    budgets: whether the uncertainty budgets of the calibration are printed. validation: which
-    record validates the estimation, and how many items (English, Chinese). number: of the
-    laboratory's scheme from its issue on; before, the key of the draft. curves: what its figures
-    show. steps: in their order.
-    state: at the last of them; that an issued one was amended or withdrawn stands in the catalogue.
+    calibrated_on: null if no day is given; `due` then counts from `issued_on`. due: null if no
+    recalibration was agreed. as_found: given if the unit was adjusted; calibration and decision are
+    then those as left. budgets: whether the uncertainty budgets of the calibration are printed.
+    validation: which record validates the estimation, and how many items (English, Chinese).
+    number: by the laboratory's scheme once issued; before that, the key of the draft. curves: the
+    content of its figures. steps: in order. state: after the last step; whether an issued
+    certificate was amended or withdrawn is kept in the catalogue.
     """
 
     format: Literal["mimu-certificate-record/1"] = "mimu-certificate-record/1"
@@ -203,20 +201,24 @@ class Certificate(Frozen):
 
     @property
     def configuration(self) -> Configuration:
-        """How the unit was set up, by the manifest and the order."""
+        """The configuration of the unit, by the manifest and the order."""
         ordered = self.order.configuration if self.order else None
         return configuration_of(self.manifest.unit, ordered)
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """In which it is printed, the large one first: as the order says, else the laboratory."""
+        """The languages of the certificate, the main one first: by the order, else by the
+        laboratory.
+        """
         ordered = self.order.language if self.order else None
         usual = self.laboratory.language if self.laboratory else "both"
         return PRINTED_IN[ordered or usual]
 
     @property
     def purpose(self) -> str:
-        """What it is made for: of one run and purpose only one certificate is valid at a time."""
+        """The purpose of the certificate: of one run and purpose only one certificate is valid at a
+        time.
+        """
         calibration = self.calibration
         words = [calibration.method, *(term.name for term in calibration.terms)]
         if self.as_found is not None:
@@ -226,7 +228,7 @@ class Certificate(Frozen):
         return " ".join(words)
 
     def step(self, name: StepName) -> Step | None:
-        """Who took a step last; None where nobody has."""
+        """The last such step; None if nobody has taken it."""
         return next((step for step in reversed(self.steps) if step.step == name), None)
 
     @model_validator(mode="after")

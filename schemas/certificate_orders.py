@@ -11,14 +11,14 @@ Person = Annotated[str, Field(min_length=1, pattern=r"\S")]
 
 
 class CertificateOptions(OrderModel):
-    """What a certificate needs beside the result; null leaves it to the home.
+    """Inputs of a certificate beside the result; null leaves the choice to the home.
 
-    tolerance, laboratory and client_order are files; client_order says who ordered the
-    calibration (`mimu-order/1`). calibrated_on: for a recording that does not say when it was
-    made. as_found: the run (an id, or the path of a recording) of the unit before it was adjusted,
-    whose results stand on the certificate beside these. budget: whether the certificate prints
-    the uncertainty budgets. invalid_run: whether an invalid run is reported all the same. by: who
-    drafts it; null is the operator that the laboratory's file names.
+    tolerance, laboratory and client_order are files; client_order describes the client's order
+    (`mimu-order/1`). calibrated_on: for a recording without a date of its own. as_found: the run
+    (an id, or the path of a recording) of the unit before adjustment, whose results the certificate
+    shows beside these. budget: whether the certificate prints the uncertainty budgets. invalid_run:
+    whether to report an invalid run all the same. by: who drafts it; null means the operator in the
+    laboratory's file.
     """
 
     tolerance: str | None = None
@@ -39,13 +39,13 @@ class ProduceOrder(AcquireOrder, CertificateOptions):
     """A run from a station, and its certificate."""
 
     def certify(self, run: str) -> CertifyOrder:
-        """The order of the certificate, once the run is there."""
+        """The order of the certificate, once the run exists."""
         shared = CertificateOptions.model_fields
         return CertifyOrder(run=run, **{name: getattr(self, name) for name in shared})
 
 
 class StepOrder(OrderModel):
-    """What a person does with a certificate: a number, or the key of a draft."""
+    """A step that a person takes with a certificate, given by its number or the key of its draft."""
 
     certificate: str
     by: Person
@@ -72,8 +72,8 @@ class WithdrawOrder(StepOrder):
 class AmendOrder(StepOrder, CertificateOptions):
     """A draft that is to replace an issued certificate.
 
-    run: on which it stands, that of the certificate unless it is given. What the options leave out
-    is as it was on the certificate; limits are those of the home.
+    run: on which it is based, by default that of the certificate. Options that are not given are
+    taken from the certificate, limits from the home.
     """
 
     by: Person

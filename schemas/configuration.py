@@ -11,10 +11,10 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Configuration(Frozen):
-    """Ranges, output rate, bandwidth and firmware of a unit; null where nobody says.
+    """Ranges, output rate, bandwidth and firmware of a unit; null if unknown.
 
-    rate_range_deg_s, accel_range_g: the largest input on either side of zero. condition: what it
-    looked like when it came.
+    rate_range_deg_s, accel_range_g: the largest input in either direction. condition: of the unit
+    when it was received.
     """
 
     rate_range_deg_s: Positive | None = None
@@ -27,9 +27,9 @@ class Configuration(Frozen):
 
 
 def configuration_of(unit: Unit, ordered: Configuration | None) -> Configuration:
-    """What the manifest's `unit` says and the order adds.
+    """The configuration in the manifest's `unit`, completed by the order.
 
-    Raises Unusable for a value that cannot be, and where the two contradict one another.
+    Raises Unusable for an impossible value, and where the two contradict each other.
     """
     extra = unit.model_extra or {}
     named = {n: extra[n] for n in Configuration.model_fields if extra.get(n) is not None}

@@ -15,10 +15,10 @@ MatrixU = tuple[ThreeU, ThreeU, ThreeU]
 
 
 class Coefficient(Frozen):
-    """A vector or a matrix. Rows: the axis that reads; columns: the input axis.
+    """A vector or a matrix. Rows: output axis; columns: input axis.
 
-    U: expanded uncertainty (k of the calibration); null where an element is taken as ideal or is
-    computed from others.
+    U: expanded uncertainty (with the k of the calibration); null for an element that is taken as
+    ideal or computed from others.
     """
 
     unit: str
@@ -27,7 +27,7 @@ class Coefficient(Frozen):
 
 
 class CorrectedUnit(Frozen):
-    """Whose errors the correction takes off."""
+    """The unit whose errors are corrected."""
 
     manufacturer: str
     model: str
@@ -35,7 +35,7 @@ class CorrectedUnit(Frozen):
 
 
 class CorrectionExample(Frozen):
-    """A reading, and what the correction makes of it: for whoever writes the formulas anew."""
+    """A reading before and after correction, to test an implementation of the formulas."""
 
     gyro: Three = Field(description="reading, rad/s")
     accel: Three = Field(description="reading, m/s2")
@@ -44,11 +44,11 @@ class CorrectionExample(Frozen):
 
 
 class Correction(Frozen):
-    """The correction that a calibration gives, all in SI units.
+    """The correction that a calibration gives, in SI units.
 
-    unit: null for a result whose run is not in the store. model: what a unit reads; correction:
-    the steps that undo it, in their order. assumed_ideal: elements that the calibration does not
-    give. left_in: physics that the calibration took off first, which these formulas do not.
+    unit: null for a result whose run is not in the store. model: what a unit reads; correction: the
+    steps that undo it, in order. assumed_ideal: elements that the calibration does not provide.
+    left_in: physics that the calibration corrected for first, but these formulas do not.
     """
 
     format: Literal["mimu-correction/1"] = "mimu-correction/1"

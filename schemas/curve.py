@@ -12,10 +12,10 @@ MAX_POINTS = 64
 
 
 class Curve(Frozen):
-    """What one axis shows in a figure.
+    """The curve of one axis in a figure.
 
-    quantity: the item, or the triad, whose panel it belongs to. U: k·u of each y. labels: of the
-    tumble's points the axis up; of the history's, but its last, the certificates they come from.
+    quantity: the item or triad of its panel. U: k·u of each y. labels: for the tumble the axis that
+    points up; for the history, except its last point, the certificates.
     """
 
     figure: FigureName

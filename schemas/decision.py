@@ -12,7 +12,7 @@ Probability = Annotated[float, Field(ge=0, le=1)]
 
 
 class GlobalRisks(Frozen):
-    """Risks over a whole production that is measured with this uncertainty (JCGM 106, 9.5)."""
+    """Risks over a whole production measured with this uncertainty (JCGM 106, 9.5)."""
 
     consumer: Probability = Field(description="a unit does not conform and is accepted")
     producer: Probability = Field(description="a unit conforms and is rejected")

@@ -41,9 +41,9 @@ class Connection(Frozen):
 
 
 class Register(Frozen):
-    """One value: what the words hold times `scale` plus `offset`.
+    """One value: what its words hold, times `scale` plus `offset`.
 
-    stride: addresses from one axis to the next; without it, the value is that of the device.
+    stride: addresses from one axis to the next; without it, the value belongs to the whole device.
     """
 
     address: int = Field(ge=0, le=65535)
@@ -67,17 +67,17 @@ class Register(Frozen):
 
 
 class Write(Frozen):
-    """One register written with a number, or with a value of the command."""
+    """A write of one register, with a fixed number or a value of the command."""
 
     write: str
     value: Finite | Given
 
 
 class Query(Frozen):
-    """A line asked and its answer, with `{name}` in the place of each number.
+    """A line sent and its answer, with `{name}` in place of each number.
 
-    `{name:x}` takes a hexadecimal number and `{name:w}` a text. With `{axis}` in `ask` it is asked
-    for each axis; without, `{angle[0]}`, `{angle[1]}` … are the axes in one answer.
+    `{name:x}` accepts a hexadecimal number and `{name:w}` a text. With `{axis}` in `ask` the line
+    is sent for each axis; without it, `{angle[0]}`, `{angle[1]}` … are the axes in one answer.
     """
 
     ask: str = Field(min_length=1)
@@ -85,10 +85,10 @@ class Query(Frozen):
 
 
 class Flag(Frozen):
-    """Whether something is so, by a value that was read.
+    """A condition of the device, derived from a value that was read.
 
-    It is so where the value, under the mask if there is one, is `equals`, or where that is not
-    told, is not zero.
+    It holds if the value, under the mask if given, is `equals`, or, if `equals` is not given, is
+    not zero.
     """
 
     of: str
@@ -96,14 +96,16 @@ class Flag(Frozen):
     equals: int | str | None = None
 
     def is_set(self, value: Any) -> bool:
-        """Whether a value that was read shows it."""
+        """Whether a value that was read fulfils the condition."""
         if self.mask is not None:
             value = int(value) & self.mask
         return bool(value) if self.equals is None else bool(value == self.equals)
 
 
 class Described(Connection):
-    """What every described device has. expect: what must be read, else it is another device."""
+    """Fields of every described device. expect: values that must be read, else it is another
+    device.
+    """
 
     expect: Mapping[str, Finite | str] = {}
     flags: Mapping[str, Flag] = {}
@@ -157,8 +159,8 @@ class ModbusDevice(Described):
 class TextDevice(Described):
     """A device that takes lines of text, over TCP (`socket://…`) or a serial line.
 
-    axes: what `{axis}` stands for, 1, 2, 3 … where it is not told. acknowledge: what it answers
-    to every command, where it answers. scale: what one unit of a number is, in ours.
+    axes: what `{axis}` is replaced by; 1, 2, 3 … by default. acknowledge: its answer to every
+    command, if it answers. scale: its unit of a number, in ours.
     """
 
     driver: Literal["text"]

@@ -10,7 +10,7 @@ from schemas.described import Described, ModbusDevice, TextDevice
 
 
 class Capture(Frozen):
-    """Encoders that the controller samples itself: the registers of a block of them, by name.
+    """Encoders sampled by the controller itself: the registers of a block of samples, by name.
 
     Written: `wanted`, the number of the first sample wanted. Read, next to each other: `count`,
     `first` (the block's first number) and `samples`: axis after axis, sample after sample, as many
@@ -26,11 +26,11 @@ class Capture(Frozen):
 
 
 class _Table(Frozen):
-    """What a table can do beside what it reads.
+    """Abilities of a table beside what it reads.
 
-    turnover_deg: the angle after which its encoder begins anew. poll_period_ms: how often the
-    angles are read where it does not capture them. settled_deg, settled_rate: how near (deg, and
-    of the rate) and settled_s for how long, where it does not say itself that it is settled.
+    turnover_deg: the angle at which its encoder wraps. poll_period_ms: how often the angles are
+    read if the controller does not capture them. settled_deg, settled_rate: how close (deg, and as
+    a share of the rate), and settled_s: for how long, if the table has no flag for it.
     """
 
     turnover_deg: Finite | None = Field(default=None, gt=0)

@@ -6,7 +6,7 @@ from schemas.base import Frozen
 
 
 class Examined(Frozen):
-    """One thing that was looked at. remedy: what to do; None where nothing is wrong."""
+    """One thing that was examined. remedy: what to do; None if nothing is wrong."""
 
     what: str
     found: str
@@ -14,12 +14,12 @@ class Examined(Frozen):
 
 
 class Diagnosis(Frozen):
-    """All that `mimucal doctor` looked at, in order."""
+    """Everything that `mimucal doctor` examined, in order."""
 
     format: Literal["mimu-doctor/1"] = "mimu-doctor/1"
     examined: tuple[Examined, ...]
 
     @property
     def faults(self) -> tuple[Examined, ...]:
-        """What needs somebody to do something."""
+        """The faults that somebody has to put right."""
         return tuple(one for one in self.examined if one.remedy is not None)

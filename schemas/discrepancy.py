@@ -14,7 +14,7 @@ Dimension = Literal[
 
 
 class Where(Frozen):
-    """Where a part of the excess sits. Shares of one finding add up to 1 over its entries."""
+    """Where a part of the excess lies. The shares of one finding add up to 1 over its entries."""
 
     channel: str
     dimension: Dimension
@@ -43,7 +43,7 @@ class EvidenceFor(Frozen):
 
 
 class Consequence(Frozen):
-    """What leaving the physics out does to one value of the certificate."""
+    """How leaving the physics out changes one value of the certificate."""
 
     item: str
     element: str
@@ -64,10 +64,11 @@ class VerdictChange(Frozen):
 class ReportedFinding(Frozen):
     """One piece of physics that the model left out.
 
-    share: of the mismatch above noise that it removes. homogeneity_p: that its parameters are the
-    same in independent parts of the recording; null where no parts determine them. group: names
-    of the catalogue that make up for each other here, this one included; common: what they have
-    in common. refused: why what an unnamed finding resembles is not its name. next: what to do.
+    share: of the mismatch above noise that it removes. homogeneity_p: probability that its
+    parameters agree between independent parts of the recording; null if no parts determine them.
+    group: names of the catalogue that compensate for one another here, including this one; common:
+    what they have in common. refused: why an unnamed finding does not get the name it resembles.
+    next: what to do.
     """
 
     effect: str
@@ -101,7 +102,7 @@ class Detection(Frozen):
 
 
 class Moved(Frozen):
-    """An element of a certificate that physics moves, by so many of its U."""
+    """An element of a certificate that the physics changes, and by how many of its U."""
 
     item: str
     element: str
@@ -109,7 +110,9 @@ class Moved(Frozen):
 
 
 class FindingInBrief(Frozen):
-    """What the catalogue keeps of a finding beside its name. others: not told apart from it."""
+    """What the catalogue keeps of a finding beside its name. others: names that cannot be told
+    apart from it.
+    """
 
     title: Statement
     parameters: tuple[FoundParameter, ...]
@@ -118,7 +121,7 @@ class FindingInBrief(Frozen):
 
 
 class HeldOut(Frozen):
-    """How the segments that a fit did not see are predicted, before and after."""
+    """How well segments that a fit did not use are predicted, before and after."""
 
     rms_ratio: Mapping[str, Finite]
     chi2_per_dof_before: Finite

@@ -12,10 +12,10 @@ from schemas.recording import Axis, Mount, Standard, Up
 
 
 class Position(Frozen):
-    """A rest at table angles. axis: the axis of the unit that it serves, if it serves one.
+    """A rest at table angles. axis: the axis of the unit for which it is measured, if any.
 
-    chamber_degc: to which the chamber is set as the rest begins, and where it stays until a later
-    step sets it anew; nothing waits for the air or the unit to get there.
+    chamber_degc: the chamber's set-point from the beginning of the rest until a later step changes
+    it; nothing waits for the air or the unit to reach it.
     """
 
     kind: Literal["position"] = "position"
@@ -30,7 +30,7 @@ class Position(Frozen):
 
 
 class Sweep(Frozen):
-    """Rests that serve one axis of the unit: a vertical table axis at each of its stops."""
+    """Rests for one axis of the unit: a vertical table axis at each of its stops."""
 
     kind: Literal["sweep"] = "sweep"
     name: str
@@ -44,7 +44,7 @@ class Sweep(Frozen):
 
 
 class RateRun(Frozen):
-    """Rates about one table axis, the others held at angles."""
+    """Rates about one table axis, with the others held at given angles."""
 
     kind: Literal["rate_run"] = "rate_run"
     name: str
@@ -72,10 +72,9 @@ class Turns(Frozen):
 
 
 class Refix(Frozen):
-    """The unit is turned over in its fixture; mount: the attitude of the fixture from then on.
+    """The unit is turned over in its fixture; mount: its attitude from then on.
 
-    Everything behind it was measured with this mount. With power_off the unit's supply is off
-    meanwhile, and the unit warms up anew.
+    With power_off the unit's supply is switched off meanwhile, and the unit warms up again.
     """
 
     kind: Literal["refix"] = "refix"
@@ -87,14 +86,14 @@ class Refix(Frozen):
 
 
 class EnvironmentLimits(Frozen):
-    """Clause 6: what the room must keep to."""
+    """Clause 6: the limits of the room."""
 
     temperature_degc: tuple[Finite, Finite]
     humidity_percent: tuple[Finite, Finite]
 
 
 class Procedure(Frozen):
-    """What a run does, step by step, with the limits it keeps."""
+    """The steps of a run and the limits it keeps to."""
 
     format: Literal["mimu-procedure/1"] = "mimu-procedure/1"
     name: str

@@ -12,7 +12,7 @@ CHANNEL = "an Apprise URL; ${NAME} in it is taken from the environment"
 
 
 class SilentHours(Frozen):
-    """From when to when nothing is sent, as the clock of a time zone shows it."""
+    """The hours in which nothing is sent, in a time zone."""
 
     since: time
     until: time
@@ -29,7 +29,7 @@ class SilentHours(Frozen):
 
 
 class RecallClient(Frozen):
-    """A client as the orders name it, in English or Chinese, and the channels that reach it."""
+    """A client as named in the orders, in English or Chinese, and the channels that reach it."""
 
     name: str = Field(min_length=1)
     language: Literal["en", "zh"] = "en"
@@ -52,7 +52,7 @@ class RecallFile(Frozen):
 
 
 class Recalled(Frozen):
-    """A unit that comes back, with the issued certificate whose agreed interval says when.
+    """A unit due for recalibration, with the issued certificate that agreed the interval.
 
     key: the unit's number in the catalogue. client, laboratory: the name in English and in Chinese.
     """

@@ -76,7 +76,7 @@ class Mount(Received):
 
 
 class Station(Received):
-    """Where it was recorded. What is null is unknown, and nothing assumes a value."""
+    """The station of the recording. Null means unknown, and nothing assumes a value."""
 
     id: str
     latitude_deg: float | None = Field(default=None, ge=-90, le=90)
@@ -87,7 +87,7 @@ class Station(Received):
 
 
 class Segment(Received):
-    """A stretch of the recording with a label; times in s on the recording's time base."""
+    """A labelled part of the recording; times in s on the recording's time base."""
 
     name: str
     kind: Kind
@@ -113,7 +113,7 @@ class Segment(Received):
 
 
 class Manifest(Received):
-    """`manifest.json`: who, where, how, and what each stretch is."""
+    """`manifest.json`: unit, station, conditions and the labelled segments."""
 
     format: Literal["mimu-recording/1"]
     recording_id: str = Field(min_length=1)

@@ -17,9 +17,9 @@ LEVELS: tuple[Level, ...] = ("unit", "lot", "station", "model", "site")  # small
 
 
 class PooledParameter(Frozen):
-    """A parameter of a term in SI; printed it is multiplied by `factor` and has `unit`.
+    """A parameter of a term in SI; it is printed multiplied by `factor`, in `unit`.
 
-    low, high: its plausible range. channels: 0 to 5, those that read it.
+    low, high: its plausible range. channels: 0 to 5, those it affects.
     """
 
     name: str
@@ -31,10 +31,10 @@ class PooledParameter(Frozen):
 
 
 class PooledTerm(Frozen):
-    """A term of the catalogue as the statistics of runs have it.
+    """A term of the catalogue as it appears in the statistics of runs.
 
-    at: values of its shapes. known: its one column is the whole effect, with the factor one.
-    rarity: chi-squared that it must gain beyond a more usual effect that looks the same.
+    at: values of its shapes. known: its one column is the whole effect, with factor one. rarity:
+    chi-squared that it must gain beyond a more usual effect that looks the same.
     """
 
     name: str
@@ -46,7 +46,7 @@ class PooledTerm(Frozen):
 
 
 class Layout(Frozen):
-    """Which terms the parameters of a run's statistics belong to, in their order."""
+    """The terms to which the parameters of a run's statistics belong, in order."""
 
     terms: tuple[PooledTerm, ...]
 
@@ -79,7 +79,9 @@ class RunStatistics:
 
 
 class Carrier(Frozen):
-    """A site, station, model, lot or unit that carries an effect, by how much less likely."""
+    """A site, station, model, lot or unit that carries an effect, and how much less likely it is
+    than the best carrier.
+    """
 
     level: Level
     carrier: str
@@ -87,10 +89,10 @@ class Carrier(Frozen):
 
 
 class Moment(Frozen):
-    """From or up to which run an effect is there; `earliest` and `latest` hold 95 %.
+    """The run from which, or up to which, an effect is present; `earliest` and `latest` hold 95 %.
 
     at, earliest, latest: ISO 8601, else the recording's name. without: the carrier's nearest run
-    that the effect is surely not in; the change itself lies between it and the runs of the 95 %.
+    that certainly lacks the effect; the change itself lies between it and the runs of the 95 %.
     """
 
     run: str
@@ -107,7 +109,7 @@ class PooledValue(FoundParameter):
 
 
 class PooledEvidence(Frozen):
-    """per_run_z_median: of what the effect is in one run, in its own standard deviations."""
+    """per_run_z_median: median size of the effect in one run, in its own standard deviations."""
 
     delta_bic: Finite
     per_run_z_median: Finite
@@ -116,7 +118,7 @@ class PooledEvidence(Frozen):
 
 
 class Touched(Frozen):
-    """An element of a certificate that the effect moves, by so many of its U."""
+    """An element of a certificate that the effect changes, and by how many of its U."""
 
     certificate: str
     item: str
@@ -125,7 +127,7 @@ class Touched(Frozen):
 
 
 class ReviewFinding(Frozen):
-    """An effect and who carries it."""
+    """An effect and its carrier."""
 
     effect: str
     level: Level
@@ -141,16 +143,16 @@ class ReviewFinding(Frozen):
 
 
 class Skipped(Frozen):
-    """A run that says nothing here."""
+    """A run that could not be used here."""
 
     run: str
     why: str
 
 
 class EstimatedSite(Frozen):
-    """Latitude and heading of a station that its manifests do not tell, from Earth's rotation.
+    """Latitude and heading of a station that its manifests omit, estimated from Earth's rotation.
 
-    latitude_expanded, heading_expanded: U, k = 2, degrees. Null where the runs do not determine it.
+    latitude_expanded, heading_expanded: U, k = 2, degrees. Null if the runs do not determine it.
     """
 
     station: str
@@ -163,7 +165,7 @@ class EstimatedSite(Frozen):
 
 
 class Review(Frozen):
-    """The whole answer."""
+    """The complete result of a review."""
 
     format: Literal["mimu-review/1"] = "mimu-review/1"
     runs: int
@@ -178,10 +180,10 @@ class Review(Frozen):
 
 
 class KeptReview(Frozen):
-    """The last answer that a home keeps, when it was given, and of which runs it was asked.
+    """The last review of a home, when it was made, and of which runs.
 
-    asked: by station, model, serial, since and until; without any of them, of all. days: the first
-    and the last day of a run in it; null where none is told.
+    asked: the station, model, serial, since and until it was limited to, if any. days: first and
+    last day of its runs; null if unknown.
     """
 
     format: Literal["mimu-kept-review/1"] = "mimu-kept-review/1"

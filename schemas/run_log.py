@@ -16,9 +16,9 @@ ENDED: tuple[State, ...] = ("done", "stopped")
 
 
 class LogEntry(Statement):
-    """A change of a run's state, or something noticed in it, with its cause as a sentence.
+    """A change of a run's state, or an anomaly, with its cause as a sentence.
 
-    at: UTC. t: s, as the segments of the recording count.
+    at: UTC. t: s, on the time base of the recording's segments.
     """
 
     at: AwareDatetime
@@ -27,10 +27,10 @@ class LogEntry(Statement):
 
 
 class RunStatus(Frozen):
-    """How a run stands, or stood when its process last wrote.
+    """The status of a run when its process last wrote it.
 
-    units: serial numbers. at: when that was. segment of segments: which is being measured.
-    rates_hz: rows of each stream in a second of station time. noise: standard deviation of single
+    units: serial numbers. at: time of writing. segment of segments: the one being measured.
+    rates_hz: rows of each stream per second of station time. noise: standard deviation of single
     samples, deg/s and m/s². cause: why it stopped.
     """
 

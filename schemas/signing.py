@@ -10,8 +10,8 @@ from schemas.base import Frozen
 class Token(Frozen):
     """A key in a PKCS#11 token (a card, an HSM, SoftHSM).
 
-    module: the library of its maker. token: the label of the token; key: that of the key and of
-    its certificate.
+    module: the manufacturer's library. token: label of the token; key: label of the key and of its
+    certificate.
     """
 
     module: str = Field(min_length=1)
@@ -20,9 +20,9 @@ class Token(Frozen):
 
 
 class SigningSettings(Frozen):
-    """pkcs12: a file, from the home's folder where it is not absolute; or a token.
+    """The signing key: pkcs12, a file relative to the home folder unless absolute; or a token.
 
-    Passphrase or PIN come from the environment (MIMUCAL_SIGNING_PASSPHRASE). time_stamps: the
+    The passphrase or PIN is taken from the environment (MIMUCAL_SIGNING_PASSPHRASE). time_stamps:
     address of a time-stamping service (RFC 3161), for the PDF.
     """
 

@@ -15,7 +15,7 @@ SET_TEMPERATURE = "set_temperature"  # of a chamber's commands
 
 
 class UnitOnTable(Frozen):
-    """A further unit on the same table: its line, how it sits in the fixture, and what it is."""
+    """A further unit on the same table: its data link, its mount in the fixture, and its identity."""
 
     unit_link: UnitLink
     mount: Mount = Mount()
@@ -25,9 +25,8 @@ class UnitOnTable(Frozen):
 class StationFile(Frozen):
     """A station to acquire from: its devices, the manifest's station part, unit and fixture.
 
-    mount: how the unit sits in its fixture. fixture: who turns the fixture over, a person or a
-    device. limits: what a procedure may ask of table, fixture and chamber. other_units: those that
-    are measured in the same run.
+    mount: of the unit in its fixture. fixture: who turns the fixture over, a person or a device.
+    limits: of table, fixture and chamber. other_units: units measured in the same run.
     """
 
     format: Literal["mimu-station/2"] = "mimu-station/2"
@@ -64,7 +63,7 @@ class StationFile(Frozen):
         return self
 
     def per_unit(self) -> tuple[Self, ...]:
-        """The station as each of its units has it, with no other on the table."""
+        """The station once for each of its units, as if that were the only one on the table."""
         alone = (
             {name: getattr(one, name) for name in UnitOnTable.model_fields}
             for one in (self, *self.other_units)

@@ -14,8 +14,8 @@ class Statement(Frozen):
 class Remark(Frozen):
     """Something the reader of a result must know, as a sentence in both languages.
 
-    `blocks_pass`: a condition of the specification is not met, so no unit may pass on it.
-    `run`: what it makes of the run as a whole.
+    `blocks_pass`: a condition of the specification is not met, so no unit may pass. `run`: its
+    consequence for the validity of the run.
     """
 
     code: str

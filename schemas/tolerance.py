@@ -18,7 +18,7 @@ MIN_CAPABILITY = "smallest C_m = T/(2·U) at which a two-sided limit is decided 
 
 
 class ProductionPrior(Frozen):
-    """What is known of the whole production: a normal distribution, in the limit's unit."""
+    """Prior knowledge of the production: a normal distribution, in the limit's unit."""
 
     mean: Signed
     sd: Positive
@@ -28,8 +28,8 @@ class Limit(Frozen):
     """Limits on every element of an item (or the listed ones), in the item's own unit.
 
     lower and upper are signed; one alone is a one-sided limit. magnitude limits |value|. With
-    `relative` the three are fractions of |nominal| and count from the nominal: magnitude = 0.01
-    is ±1 % of it. The decision rule is that of the file where the limit has none of its own.
+    `relative` the three are fractions of |nominal|, relative to the nominal: magnitude = 0.01 is ±1
+    % of it. The decision rule is that of the file unless the limit has its own.
     """
 
     item: str
@@ -73,7 +73,7 @@ class Limit(Frozen):
 
     @property
     def bounds(self) -> tuple[float | None, float | None]:
-        """Lower and upper limit, signed, in the limit's unit; None where there is none."""
+        """Lower and upper limit, signed, in the limit's unit; None for a side without a limit."""
         if self.magnitude is not None:
             return self._from_nominal(-self.magnitude), self._from_nominal(self.magnitude)
         return self._from_nominal(self.lower), self._from_nominal(self.upper)

@@ -52,7 +52,7 @@ class BudgetInput(Frozen):
 
 
 class Correlation(Frozen):
-    """A correlation coefficient that is not zero, between two inputs by their symbols."""
+    """A non-zero correlation coefficient between two inputs, given by their symbols."""
 
     first: str
     second: str

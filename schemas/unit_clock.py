@@ -6,11 +6,11 @@ from schemas.base import Finite, Frozen
 class ClockComparison(Frozen):
     """Table time minus unit time = offset_s + skew · (unit time − at_s).
 
-    `half_width_s`: by how much the least delays of the line and of the table's answers, which no
-    comparison on one side of a line can tell, may have moved the offset either way.
-    `u_offset_s`, `u_skew`: standard uncertainties. That of the offset is of this and of the scatter
-    of the delays; that of the skew of the scatter alone, since the least delays are the same all
-    along. How late a unit measures what it stamps is not in them.
+    `half_width_s`: how far the minimum delays of the line and of the table's answers may have
+    shifted the offset either way; comparison at one end of a line cannot show them. `u_offset_s`,
+    `u_skew`: standard uncertainties. That of the offset contains this half-width and the scatter of
+    the delays; that of the skew only the scatter, since the minimum delays are constant. The delay
+    between a unit's measurement and its time stamp is not included.
     """
 
     at_s: Finite

@@ -32,9 +32,9 @@ PLACES = ("counter", "time", "skip", *CHANNELS)
 
 
 class FrameField(Frozen):
-    """One field: what it is, and what one count of it is, as `scale` of a unit.
+    """One field of a frame: what it is, and the value of one count, as `scale` of a unit.
 
-    name: a channel, `counter`, `time` (since power-on), or `skip` for what is not wanted.
+    name: a channel, `counter`, `time` (since power-on), or `skip` for an unused field.
     """
 
     name: str
@@ -50,7 +50,7 @@ class FrameField(Frozen):
 
     @property
     def factor(self) -> float:
-        """What one count is in SI units, or in °C."""
+        """The value of one count in SI units, or in °C."""
         return self.scale * UNITS[self.unit]
 
 
@@ -61,7 +61,7 @@ class BinaryField(FrameField):
 
 
 class TextField(FrameField):
-    """A field of a line; prefix: what stands before its number."""
+    """A field of a line; prefix: the text before its number."""
 
     prefix: str = ""
 
@@ -69,7 +69,7 @@ class TextField(FrameField):
 class _Frame(Frozen):
     @property
     def channels(self) -> dict[str, float]:
-        """The channels in the order of the frame, and what one count of each is."""
+        """The channels in the order of the frame, and the value of one count of each."""
         return {f.name: f.factor for f in self._fields if f.name in CHANNELS}
 
     @property
@@ -95,10 +95,10 @@ class _Frame(Frozen):
 
 
 class BinaryFrame(_Frame):
-    """A frame of fixed length: the sync bytes, the fields and a check sum.
+    """A frame of fixed length: sync bytes, fields and a checksum.
 
-    sync: as hexadecimal, in the order in which the bytes come. The check sum is over everything
-    from byte `check_from` to itself, and comes in the byte order of the fields.
+    sync: as hexadecimal, in the order of transmission. The checksum covers everything from byte
+    `check_from` up to itself, and has the byte order of the fields.
     """
 
     kind: Literal["binary"]
@@ -128,10 +128,9 @@ class BinaryFrame(_Frame):
 
 
 class TextFrame(_Frame):
-    """A line: what it starts with, its fields, and a check sum in hexadecimal after `*`.
+    """A line: its prefix, its fields, and a checksum in hexadecimal after `*`.
 
-    The check sum is over what stands between the first character, where that is `$` or `!`, and
-    the `*`.
+    The checksum covers everything between the first character, if that is `$` or `!`, and the `*`.
     """
 
     kind: Literal["text"]
@@ -148,10 +147,10 @@ AnyFrame = BinaryFrame | TextFrame
 class CoefficientLines(Frozen):
     """The lines of text that load a correction into the unit, one after the other.
 
-    lines: with coefficients of the correction in braces, by name and place counted from 0, as
-    `$WRITE,{C_g[0][1]:.7f},{B_g[2]:.4f}`. scale: what one unit of a coefficient is in SI, where the
-    unit wants another. check: what stands behind `*`, which is then appended to each line.
-    acknowledge: what the unit's answer to each line holds.
+    lines: with coefficients of the correction in braces, by name and index counted from 0, as
+    `$WRITE,{C_g[0][1]:.7f},{B_g[2]:.4f}`. scale: SI value of the unit's own unit of a coefficient,
+    if it uses another. check: the checksum appended to each line after `*`. acknowledge: text that
+    the unit's answer to each line contains.
     """
 
     lines: tuple[str, ...] = Field(min_length=1)
@@ -162,12 +161,11 @@ class CoefficientLines(Frozen):
 
 
 class UnitLink(Frozen):
-    """The line: where the frames come from, how many in a second, and what they hold.
+    """The unit's data link: the source of the frames, their rate and their content.
 
-    load: how the unit takes the coefficients of its correction, where it does.
-
-    url: `socket://host:port`, a serial device, `udp://host:port` on which to listen, or
-    `file:///path` of a file that is being written.
+    load: how the unit receives the coefficients of its correction, if it does. url:
+    `socket://host:port`, a serial device, `udp://host:port` on which to listen, or `file:///path`
+    of a file that is being written.
     """
 
     url: str = Field(min_length=1)

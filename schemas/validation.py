@@ -22,10 +22,10 @@ class Check(Frozen):
 
 
 class Coverage(Frozen):
-    """How often intervals held the truth, over `units` simulated units and their elements.
+    """How often intervals contained the truth, over `units` simulated units and their elements.
 
-    inside_95: share inside the stated 95 % interval, with its own 95 % interval over the units
-    (Wilson). inside_expanded: share inside ± U. rms_z: root mean square of error over u.
+    inside_95: share within the stated 95 % interval, with its own 95 % confidence interval over the
+    units (Wilson). inside_expanded: share within ± U. rms_z: root mean square of error over u.
     """
 
     units: int = Field(ge=1)
@@ -38,8 +38,8 @@ class Coverage(Frozen):
 
     @property
     def outside(self) -> dict[str, float]:
-        """The elements whose intervals hold the truth too rarely or too often, which an average
-        over the item hides.
+        """The elements whose intervals contain the truth too rarely or too often, which an average
+        over the item would hide.
         """
         low, high = TARGET_SHARE
         return {name: share for name, share in self.by_element.items() if not low <= share <= high}
@@ -58,10 +58,10 @@ class ItemValidation(Frozen):
 
 
 class MethodValidation(Frozen):
-    """The evidence for one method; `fingerprint` is that of the source its numbers come from.
+    """The evidence for one method; `fingerprint` identifies the source its numbers come from.
 
-    sources, text: the files of that source within `tasks`, and a hash of their text as it stood:
-    where they still are the same, nothing has to be parsed.
+    sources, text: the files of that source within `tasks`, and a hash of their text; while these
+    are unchanged, nothing has to be parsed.
     """
 
     fingerprint: str

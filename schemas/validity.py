@@ -11,8 +11,8 @@ RUN_VERDICTS: tuple[RunVerdict, ...] = get_args(RunVerdict)  # the worst last
 class Validity(Frozen):
     """Whether a run can be relied on, and every reason why not.
 
-    remarks: something is not known, or not as the specification asks; the values stand, no unit
-    passes on them. invalid: no value of the run bears a verdict on the unit.
+    remarks: something is unknown, or not as the specification requires; the values stand, but no
+    unit passes. invalid: no value of the run supports a verdict on the unit.
     """
 
     verdict: RunVerdict = "valid"
