@@ -31,12 +31,12 @@ Write = Callable[[Path], None]
 
 
 class Unreachable(Unusable):
-    """The bucket does not answer, or refuses: the same again may succeed."""
+    """The bucket does not answer, or refuses; trying again may succeed."""
 
 
 @dataclass(frozen=True)
 class Kept:
-    """A file or folder that is there, by its name: its size, and how long ago it last changed."""
+    """A stored file or folder: its name, its size, and the time since it last changed."""
 
     name: str
     size: int
@@ -47,19 +47,19 @@ class Blobs(Protocol):
     """Files and folders by name, each written once and whole."""
 
     def where(self, name: str) -> str:
-        """What a sentence calls it."""
+        """The full name for a message."""
 
     def exists(self, name: str) -> bool:
-        """Whether it is there, whole."""
+        """Whether it exists and is complete."""
 
     def local(self, name: str) -> Any:
-        """A context in which it is at a local path."""
+        """A context in which it is available at a local path."""
 
     def keep(self, name: str, write: Write) -> None:
-        """Keeps the file that `write` writes, unless it is there."""
+        """Stores the file that `write` writes, unless it exists."""
 
     def keep_folder(self, name: str, write: Write) -> None:
-        """Keeps the folder that `write` makes, unless it is there."""
+        """Stores the folder that `write` makes, unless it exists."""
 
     def remove_file(self, name: str) -> None:
         """Removes a file, if it is there."""
@@ -72,7 +72,7 @@ class Blobs(Protocol):
 
 
 def blobs_of(home: Home) -> Blobs:
-    """Where a home keeps its recordings; raises Unusable for a MIMUCAL_STORE that is no bucket."""
+    """The place where a home keeps its recordings; raises Unusable for an invalid MIMUCAL_STORE."""
     url = os.environ.get("MIMUCAL_STORE")
     return _bucket(url) if url else Folder(home.path)
 

@@ -20,8 +20,9 @@ AS_LEFT = "as-left"  # in the purpose of a certificate: its unit was adjusted be
 class Entry(Frozen):
     """A certificate's line in the register. `pdf`, `dcc` and `record` are paths within the home.
 
-    number: of a draft its key; draft: the key under which it was issued. purpose: null for what
-    an earlier version made. supersedes: the number of the certificate that this one amends.
+    number: for a draft, its key; draft: the key under which it was drafted. purpose: null for
+    certificates of an earlier version. supersedes: the number of the certificate that this one
+    amends.
     """
 
     number: str
@@ -54,7 +55,7 @@ class Entry(Frozen):
 
 
 class Terms(BaseModel):
-    """Of the record of a certificate what recalls its unit; the rest is not looked at."""
+    """The fields of a certificate's record that determine recalibration; others are ignored."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -64,7 +65,7 @@ class Terms(BaseModel):
 
 
 class Due(Frozen):
-    """A unit that comes back for recalibration. key: its number in the catalogue."""
+    """A unit due for recalibration. key: its number in the catalogue."""
 
     unit: str
     key: int
@@ -90,15 +91,16 @@ def register(home: Home) -> list[Entry]:
 
 
 def of_run(run: Run, home: Home) -> list[Entry]:
-    """The certificates on which a run stands, as found or as left."""
+    """The certificates based on a run, as found or as left."""
     entries = _register(home, _is_unit(run))
     return [entry for entry in entries if run.id in (entry.run, found_of(entry, home))]
 
 
 def issued_before(run: Run, day: date, count: int, home: Home) -> list[Entry]:
-    """The last so many issued certificates of a run's unit, of other runs, calibrated before a day.
+    """The latest `count` issued certificates of a run's unit, for other runs, calibrated before a
+    day.
 
-    The oldest first.
+    Oldest first.
     """
     paper = tables.certificates.c
     met = (paper.state == "issued", paper.run != run.id, paper.calibrated_on < day)
@@ -119,7 +121,7 @@ def of_unit(unit: int, home: Home) -> list[Entry]:
 
 
 def found_of(entry: Entry, home: Home) -> str | None:
-    """The run as found of a certificate; None for a record that cannot be read, too."""
+    """The as-found run of a certificate; also None for a record that cannot be read."""
     if not may_be_as_left(entry):
         return None
     try:
@@ -130,17 +132,17 @@ def found_of(entry: Entry, home: Home) -> str | None:
 
 
 def may_be_as_left(entry: Entry) -> bool:
-    """Whether a record may hold what was found before an adjustment; its purpose says so."""
+    """Whether a record may contain an as-found result, by its purpose."""
     return entry.purpose is None or AS_LEFT in entry.purpose.split()
 
 
 def find(number: str, home: Home) -> Certificate:
-    """The record of a certificate; raises Unusable when there is none or it was damaged."""
+    """The record of a certificate; raises Unusable if there is none or it is damaged."""
     return record_of(entry_of(number, home), home)
 
 
 def entry_of(number: str, home: Home) -> Entry:
-    """The line of the register with a number, or a draft's key; raises Unusable for none."""
+    """The entry with a number, or a draft's key; raises Unusable if there is none."""
     entries = _register(home, tables.certificates.c.number == number)
     if not entries:
         raise Unusable(f"There is no certificate {number!r} in {home.path}; see the register.")
@@ -148,12 +150,12 @@ def entry_of(number: str, home: Home) -> Entry:
 
 
 def record_of(entry: Entry, home: Home) -> Certificate:
-    """The record that a line of the register names; raises Unusable when it was damaged."""
+    """The record of an entry; raises Unusable if it is damaged."""
     return _read(entry.record, Certificate, home)
 
 
 def terms_of(due: Due, home: Home) -> Terms:
-    """On what a unit comes back; raises Unusable for a record that was damaged."""
+    """The recalibration terms of an entry; raises Unusable if its record is damaged."""
     return _read(due.record, Terms, home)
 
 
@@ -170,10 +172,9 @@ def _read(record: str, model: type[Model], home: Home) -> Model:
 
 
 def due(home: Home, until: date) -> list[Due]:
-    """Units whose newest issued certificate falls due by a day, the longest overdue first.
+    """Units whose newest issued certificate is due by a day, the longest overdue first.
 
-    Neither drafts count nor what was amended or withdrawn, and one without an agreed date is due
-    never.
+    Drafts, amended and withdrawn certificates do not count; without an agreed date nothing is due.
     """
     lines = [
         Due(
@@ -191,9 +192,9 @@ def newest_issued(
 ) -> dict[int, sql.Row[Any]]:
     """The newest issued certificate of each unit, by the unit's number in the catalogue.
 
-    The report of an invalid run certifies nothing, and leaves the one before it the newest.
-    Newest: by the day of calibration (of issue, where that is unknown), then of issue. which: a
-    condition on `certificates` and `units`.
+    The report of an invalid run certifies nothing and does not count. Newest: by the day of
+    calibration (of issue, if that is unknown), then of issue. which: a condition on `certificates`
+    and `units`.
     """
     paper, unit = tables.certificates.c, tables.units.c
     age = sql.func.coalesce(paper.calibrated_on, paper.issued_on), paper.issued_on

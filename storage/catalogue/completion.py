@@ -48,9 +48,9 @@ def complete_runs(home: Home) -> None:
 
 
 def complete_results(home: Home) -> None:
-    """Adds the rows of what results say (`summaries`) where they are not there yet.
+    """Adds the rows that summarise results (`summaries`) where they are missing.
 
-    A document that cannot be read has none.
+    A document that cannot be read gets none.
     """
     result = tables.results.c.id
     known = sql.exists().where(tables.outcomes.c.result == result)
@@ -67,9 +67,9 @@ def complete_results(home: Home) -> None:
 
 
 def complete_certificates(home: Home) -> None:
-    """Adds the rows of what certificates decide (`summaries`) where they are not there yet.
+    """Adds the rows that summarise decisions (`summaries`) where they are missing.
 
-    A certificate whose record cannot be read stays as it is.
+    A certificate whose record cannot be read is left unchanged.
     """
     table = tables.certificates
     waiting = database.rows(home, sql.select(table.c.number).where(table.c.limits.is_(None)))

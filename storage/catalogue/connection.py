@@ -18,11 +18,11 @@ WAY_OUT = "give it as postgresql://user@host/name, or leave it out for a file in
 
 
 class Busy(Unusable):
-    """The catalogue is locked by another process or out of reach: the same again may succeed."""
+    """The catalogue is locked by another process or out of reach; trying again may succeed."""
 
 
 def url_of(home: Home) -> sql.URL:
-    """Where the catalogue is; raises Unusable for a database of a kind that cannot be used."""
+    """The URL of the catalogue; raises Unusable for an unsupported kind of database."""
     try:
         url = sql.make_url(home.database_url)
     except sql.exc.ArgumentError as error:
@@ -35,7 +35,7 @@ def url_of(home: Home) -> sql.URL:
 
 
 def name_of(home: Home) -> str:
-    """Where the catalogue is, without a password."""
+    """The URL of the catalogue, without a password."""
     return url_of(home).render_as_string(hide_password=True)
 
 
@@ -78,7 +78,7 @@ def _log_ahead(connection: Any, _: object, *, busy_s: float) -> None:
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:
-    """A writer begins as one: what only becomes one later is refused when another was faster."""
+    """Begins writing transactions as such: one that is upgraded later fails if another was faster."""
     writes = connection.get_execution_options().get("writes")
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 

@@ -40,7 +40,7 @@ def engine(home: Home) -> sql.Engine:
 
 
 def rows(home: Home, statement: sql.Select[Any]) -> Sequence[sql.Row[Any]]:
-    """What a query finds; a home without a catalogue holds nothing, and none is made."""
+    """The rows of a query; a home without a catalogue has none, and none is created."""
     made = _for_reading(home)
     if made is None:
         return []
@@ -55,7 +55,7 @@ def with_units(
     which: sql.ColumnElement[bool],
     moment: sql.ColumnElement[Any],
 ) -> list[Model]:
-    """Rows of a table of units' things, in the order of a moment, with the fields of a model."""
+    """Rows of a table with their units, ordered by a moment, as instances of a model."""
     found = rows(home, of_units(model, table, which).order_by(moment, *table.primary_key))
     return [model.model_validate(row, from_attributes=True) for row in found]
 
@@ -63,20 +63,20 @@ def with_units(
 def of_units(
     model: type[Model], table: sql.Table, which: sql.ColumnElement[bool]
 ) -> sql.Select[Any]:
-    """The query for the fields of a model, from a table of units' things and their units."""
+    """The query for the fields of a model from a table joined with its units."""
     columns = {column.name: column for column in (*units.c, *table.c)}
     asked = sql.select(*(columns[name] for name in model.model_fields))
     return asked.join_from(table, units).where(which)
 
 
 def newest_results() -> sql.ColumnElement[bool]:
-    """The condition on `results` that no other one supersedes it."""
+    """The condition on `results` that no other result supersedes it."""
     newer = results.alias("newer")
     return ~sql.exists().where(newer.c.supersedes == results.c.id)
 
 
 def _for_reading(home: Home) -> sql.Engine | None:
-    """The engine to read with, None where there is no catalogue; a read-only one is left as is."""
+    """The engine for reading, None if there is no catalogue; a read-only file is not changed."""
     if home.path.exists() and not home.path.is_dir():
         raise Unusable(f"{home.path} is not a folder; set MIMUCAL_HOME to the folder of the home.")
     url = url_of(home)
@@ -99,7 +99,7 @@ def _for_reading(home: Home) -> sql.Engine | None:
 
 
 def _is_lost(file: Path, home: Home) -> bool:
-    """Whether a catalogue is empty that was not; one that is just being made fills at once."""
+    """Whether a catalogue is empty although the home holds recordings; a new one fills at once."""
     for pause in (0.0, 0.5):
         time.sleep(pause)
         if file.stat().st_size:
@@ -137,9 +137,9 @@ def changing(home: Home) -> Iterator[sql.Connection]:
 
 
 def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool:
-    """Adds a row unless one with the same key is there, whoever writes at the same time.
+    """Adds a row unless one with the same key exists, also when others write at the same time.
 
-    Gives whether the row is new.
+    Returns whether the row is new.
     """
     insert = dialect(connection).insert(table).values(values)
     return connection.execute(insert.on_conflict_do_nothing()).rowcount == 1
@@ -148,7 +148,7 @@ def add_new(connection: sql.Connection, table: sql.Table, **values: Any) -> bool
 def add_all_new(
     connection: sql.Connection, table: sql.Table, values: Sequence[dict[str, Any]]
 ) -> None:
-    """Adds rows of the same columns, but for those whose key is there."""
+    """Adds rows with the same columns, except those whose key exists."""
     if values:
         insert = dialect(connection).insert(table).on_conflict_do_nothing()
         connection.execute(insert, values)

@@ -13,7 +13,7 @@ from storage.home import Home
 
 
 def add(standards: Iterable[MeasurementStandard], home: Home, person: str) -> None:
-    """Takes standards into the register, all or none; raises Unusable for one that is there."""
+    """Adds standards to the register, all or none; raises Unusable for one that is already there."""
     with database.changing(home) as connection:
         for standard in standards:
             if known := _certificates(connection, standard.serial):
@@ -26,10 +26,10 @@ def add(standards: Iterable[MeasurementStandard], home: Home, person: str) -> No
 
 
 def renew(standards: Iterable[MeasurementStandard], home: Home, person: str) -> None:
-    """Adds a new certificate of each standard, all or none; the earlier ones stay.
+    """Adds a new certificate for each standard, all or none; the earlier ones stay.
 
-    Raises Unusable for a standard that is not in the register, one without the day of its
-    calibration, and a certificate that is there.
+    Raises Unusable for a standard that is not in the register, one without a day of calibration,
+    and a certificate that is already there.
     """
     with database.changing(home) as connection:
         for standard in standards:
@@ -60,9 +60,9 @@ def register(home: Home) -> list[MeasurementStandard]:
 
 
 def on_day(home: Home, day: date | None) -> dict[str, MeasurementStandard]:
-    """The standards by serial number, each with the certificate that counts on a day.
+    """The standards by serial number, each with the certificate that was valid on a day.
 
-    It is the last one from before the day, or the first of all; None: the last one.
+    This is the last one from before the day, or else the first of all. None: the last one.
     """
     found: dict[str, MeasurementStandard] = {}
     for standard in register(home):

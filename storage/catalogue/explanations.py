@@ -23,7 +23,7 @@ def name_of(digest: str) -> str:
 
 
 def keep(run: Run, discrepancy: Discrepancy, report: str, at: datetime, home: Home) -> None:
-    """Keeps findings and report of a run in the place of those before."""
+    """Keeps findings and report of a run, in place of earlier ones."""
     blobs, name = blobs_of(home), name_of(run.digest)
 
     def write(path: Path) -> None:
@@ -57,8 +57,8 @@ def report_of(run: Run, home: Home) -> bytes | None:
 
 
 def explained_runs(home: Home) -> list[dict[str, Any]]:
-    """Each run that was explained, in the order of time: run, station, model, serial, day, at,
-    verdict, and what was found in it (`effect`, `share`, `brief`), the largest share first.
+    """Each explained run, in order of time: run, station, model, serial, day, at, verdict, and its
+    findings (`effect`, `share`, `brief`), the largest share first.
     """
     answers = sql.select(
         RUN.id.label("run"), RUN.station, UNIT.model, UNIT.serial, RUN.recorded_on,

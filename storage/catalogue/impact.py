@@ -13,9 +13,9 @@ from storage.home import Home
 
 
 def impact_of(selection: Selection, home: Home) -> Impact:
-    """Everything that stands on the runs of a selection, which names equipment.
+    """Everything that depends on the runs of a selection by equipment.
 
-    Raises Unusable for equipment that no run in the store ever used: it may be misspelt.
+    Raises Unusable for equipment that no run in the store used: it may be misspelt.
     """
     equipment = selection.equipment or ""
     runs = select(selection, home)

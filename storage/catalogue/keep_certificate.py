@@ -28,7 +28,7 @@ RUN_CHARACTERS = 8  # of a run's id in the key of its draft
 
 
 class Faces(Protocol):
-    """What a certificate is kept as: PDF, Digital Calibration Certificate (XML), record (JSON)."""
+    """The stored forms of a certificate: PDF, Digital Calibration Certificate (XML), record (JSON)."""
 
     @property
     def pdf(self) -> bytes: ...
@@ -39,9 +39,9 @@ class Faces(Protocol):
 
 
 def locked(connection: sql.Connection, number: str) -> Entry | None:
-    """The certificate with a number, or a key, which nobody else changes until the end.
+    """The certificate with a number or key, locked against changes until the transaction ends.
 
-    Its run is locked first, as whoever adds to a run does.
+    Its run is locked first, as by everything that adds to a run.
     """
     run = connection.scalar(sql.select(TABLE.c.run).where(TABLE.c.number == number))
     runs = tables.runs.c.id
@@ -56,7 +56,7 @@ def live(connection: sql.Connection, run: str) -> list[Entry]:
 
 
 def drafts_in_place_of(connection: sql.Connection, number: str) -> list[Entry]:
-    """The amendment of a certificate that is not issued yet, if there is one."""
+    """The unissued amendment of a certificate, if there is one."""
     return _entries(connection, (TABLE.c.supersedes == number) & TABLE.c.state.in_(NOT_ISSUED))
 
 
@@ -67,7 +67,7 @@ def issued_from(connection: sql.Connection, key: str) -> str | None:
 
 
 def free_key(connection: sql.Connection, run: str) -> str:
-    """A key for a draft of a run that no other draft has."""
+    """An unused key for a draft of a run."""
     base = f"draft-{run[:RUN_CHARACTERS]}"
     asked = sql.select(TABLE.c.number).where(TABLE.c.number.startswith(base, autoescape=True))
     taken, key, count = set(connection.scalars(asked)), base, 1
@@ -78,9 +78,9 @@ def free_key(connection: sql.Connection, run: str) -> str:
 
 
 def result_of(connection: sql.Connection, certificate: Certificate) -> str:
-    """The result that the certificate prints, which need not be the latest any more; kept if new.
+    """The result that the certificate prints, not necessarily the latest; stored if new.
 
-    Whoever adds to its run waits until the end of the transaction.
+    Others that add to its run wait until the transaction ends.
     """
     table, document = tables.results.c, certificate.calibration.model_dump_json()
     run = certificate.calibration.run
@@ -99,11 +99,11 @@ def add(
     *,
     draft: str | None = None,
 ) -> list[str]:
-    """Writes the files of a certificate, adds it to the register, and gives the files' names.
+    """Writes the files of a certificate, adds it to the register, and returns the files' names.
 
-    draft: the key under which it was issued. A file that is there under the name of a number that
-    the register does not have was left by an issue that was broken off, and is replaced. Raises
-    Unusable for a number that is taken, and for one that cannot be the name of a file.
+    draft: the key under which it was drafted. A file under a number that the register does not have
+    was left by an interrupted issue, and is replaced. Raises Unusable for a number that is taken,
+    and for one that cannot be a file name.
     """
     _check_number(connection, certificate.number)
     replaces, files = certificate.replaces, _written(home, certificate, faces)
@@ -134,7 +134,7 @@ def add(
 
 
 def remove(connection: sql.Connection, entry: Entry) -> None:
-    """Takes a draft out of the register; its files stay until the transaction has ended well."""
+    """Removes a draft from the register; its files stay until the transaction has been committed."""
     named = tables.equipment.c.document == entry.number
     connection.execute(sql.delete(tables.equipment).where(named))
     decided = tables.decisions.c.certificate == entry.number
@@ -143,7 +143,7 @@ def remove(connection: sql.Connection, entry: Entry) -> None:
 
 
 def remove_files(entries: Sequence[Entry], but: Sequence[str], home: Home) -> None:
-    """Removes the files of drafts that are out of the register, but for those that are named."""
+    """Removes the files of drafts that left the register, except those named."""
     for name in {name for entry in entries for name in entry.files} - set(but):
         (home.path / name).unlink(missing_ok=True)
 
@@ -155,7 +155,7 @@ def hashes(connection: sql.Connection, number: str) -> list[str]:
 
 
 def change_state(connection: sql.Connection, number: str, state: State) -> None:
-    """Says of a certificate what became of it; its files stay as they are."""
+    """Changes the state of a certificate; its files stay as they are."""
     connection.execute(sql.update(TABLE).where(TABLE.c.number == number).values(state=state))
 
 

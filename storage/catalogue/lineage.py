@@ -28,7 +28,7 @@ class Used(Frozen):
 
 
 def provenance(manifest: "Manifest") -> dict[str, Any]:
-    """station, procedure and recorded_on as a manifest gives them; None for what it does not."""
+    """station, procedure and recorded_on of a manifest; None where it states none."""
     free = manifest.model_extra or {}
     procedure = free.get("procedure")
     return {
@@ -39,7 +39,7 @@ def provenance(manifest: "Manifest") -> dict[str, Any]:
 
 
 def equipment_of(manifest: "Manifest") -> list[Used]:
-    """The measurement standards of a manifest; what is no such record is left out."""
+    """The measurement standards of a manifest; incomplete entries are left out."""
     listed = (manifest.model_extra or {}).get("equipment")
     records = listed if isinstance(listed, list | tuple) else ()
     named = [each for each in records if isinstance(each, Mapping)]
@@ -51,7 +51,7 @@ def equipment_of(manifest: "Manifest") -> list[Used]:
 def add_equipment(
     connection: sql.Connection, run: str, document: str, used: Iterable[Used]
 ) -> None:
-    """Notes with which measurement standards a run was made, as a document names them."""
+    """Records the measurement standards that a document names for a run."""
     for each in used:
         row = {"run": run, "document": document, **each.model_dump()}
         database.add_new(connection, tables.equipment, **row)

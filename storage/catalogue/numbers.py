@@ -9,7 +9,7 @@ from storage.home import Home
 
 
 class _Serial:
-    """Stands in a scheme for a serial number that is not known yet."""
+    """A placeholder in a scheme for a serial number that is not yet known."""
 
     def __format__(self, spec: str) -> str:
         return f"{{serial:{spec}}}"
@@ -21,9 +21,9 @@ def series_of(scheme: str, prefix: str, year: int) -> str:
 
 
 def next_number(connection: sql.Connection, series: str) -> str:
-    """The next number of a series; whoever else wants one waits for the end of the transaction.
+    """The next number of a series; others wait for the end of the transaction.
 
-    The number is only gone when the transaction is committed.
+    The number is used up only when the transaction is committed.
     """
     table = tables.series
     insert = database.dialect(connection).insert(table).values(pattern=series, last=1, before=0)

@@ -14,7 +14,7 @@ from storage.home import Home
 
 
 class Reminder(Frozen):
-    """What became of a reminder; sent_at: null until it was sent; fault: of the last try."""
+    """The state of a reminder; sent_at: null until it is sent; fault: of the last attempt."""
 
     certificate: str
     days: int
@@ -31,10 +31,10 @@ def claim(
     now: datetime,
     pause: Callable[[int], timedelta],
 ) -> bool:
-    """Whether the caller is to send a reminder now: nobody sent it, and no try is too near.
+    """Whether the caller is to send a reminder now: it was not sent, and no attempt is too recent.
 
-    Of processes that ask at once one gets it. One that dies before it has sent leaves the reminder
-    to whoever asks after the pause.
+    Of several processes that ask at once only one gets it. If that one dies before sending, another
+    gets it after the pause.
     """
     table = tables.reminders
     certificate, days, channel = key
@@ -55,7 +55,7 @@ def claim(
 
 
 def note(home: Home, key: tuple[str, int, str], now: datetime, fault: str | None) -> None:
-    """Notes that a reminder was sent, or why it was not."""
+    """Records that a reminder was sent, or why not."""
     sent_at = now if fault is None else None
     with database.changing(home) as connection:
         connection.execute(
@@ -64,7 +64,7 @@ def note(home: Home, key: tuple[str, int, str], now: datetime, fault: str | None
 
 
 def all_reminders(home: Home) -> list[Reminder]:
-    """Every reminder that was ever tried, in the order of its occasion."""
+    """Every reminder that was ever attempted, ordered by occasion."""
     table = tables.reminders
     asked = sql.select(table).order_by(table.c.certificate, table.c.days, table.c.channel)
     found = database.rows(home, asked)

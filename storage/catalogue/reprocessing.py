@@ -18,7 +18,7 @@ from storage.home import Home
 
 
 class ToMake(Frozen):
-    """A result to be made again, or the first one of a run that has none (`before` is null)."""
+    """A result to be re-processed, or the first one of a run that has none (`before` is null)."""
 
     run: Run
     before: str | None
@@ -29,7 +29,7 @@ class ToMake(Frozen):
 
 
 class Made(Frozen):
-    """A result that was made again, or `fault`: why it could not be."""
+    """A re-processed result, or `fault`: why there is none."""
 
     made_again: str
     run: str
@@ -40,7 +40,7 @@ class Made(Frozen):
 
 
 def to_make(runs: Sequence[Run], circumstances: str, home: Home) -> list[ToMake]:
-    """The newest results of each run, and runs without any, that are still to be made again."""
+    """The newest results of each run, and runs without any, that are still to be re-processed."""
     table = tables.results.c
     newest = database.rows(
         home, sql.select(table.id, table.run).where(database.newest_results()).order_by(table.id)
@@ -57,7 +57,7 @@ def to_make(runs: Sequence[Run], circumstances: str, home: Home) -> list[ToMake]
 
 
 def made_under(circumstances: str, home: Home) -> list[Made]:
-    """What was made again under circumstances, the first one first."""
+    """What was re-processed under given circumstances, in order."""
     table = tables.reprocessed
     columns = [table.c[name] for name in Made.model_fields]
     mine = sql.select(*columns).where(table.c.circumstances == circumstances)
@@ -68,7 +68,7 @@ def made_under(circumstances: str, home: Home) -> list[Made]:
 def keep(
     made: ToMake, calibration: Calibration, circumstances: str, seconds: float, home: Home
 ) -> str:
-    """Keeps a result beside the one before and notes it, both or neither; gives its id."""
+    """Stores a result beside the earlier one and records it, both or neither; returns its id."""
     with database.changing(home) as connection:
         after = add_result(connection, calibration, None)
         _note(connection, made, circumstances, after=after, seconds=seconds)
@@ -76,7 +76,7 @@ def keep(
 
 
 def keep_fault(made: ToMake, why: str, circumstances: str, seconds: float, home: Home) -> None:
-    """Notes why a result could not be made again; the same command tries it once more."""
+    """Records why a result could not be re-processed; the same command tries it again."""
     with database.changing(home) as connection:
         _note(connection, made, circumstances, fault=why, seconds=seconds)
 

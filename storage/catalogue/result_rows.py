@@ -16,7 +16,7 @@ from storage.catalogue import database, tables
 def add(
     connection: sql.Connection, result: str, calibration: Calibration, made_at: datetime
 ) -> None:
-    """Adds the rows of a result; those that are there stay."""
+    """Adds the rows of a result; existing ones stay."""
     for table, rows in (
         (tables.elements, elements_of(calibration)),
         (tables.segments, segments_of(calibration)),
@@ -26,7 +26,7 @@ def add(
 
 
 def outcome_of(calibration: Calibration) -> dict[str, Any]:
-    """The verdict on the run, and how many elements have no value."""
+    """The validity of the run, and how many elements have no value."""
     values = [value for item in calibration.items.values() for value in item.value.values()]
     return {
         "run": calibration.run,

@@ -22,7 +22,7 @@ CIRCUMSTANCES = ("code_version", "procedure", "settings", "segments")
 
 
 class Result(Frozen):
-    """A result as it is kept, with its place in the row of results of its run and method."""
+    """A stored result with its place in the series of its run and method."""
 
     id: str
     run: str
@@ -35,10 +35,10 @@ class Result(Frozen):
 
 
 def save(calibration: Calibration, home: Home, *, why: str | None = None) -> str:
-    """Keeps a result and gives its id; the same as the latest again is the latest.
+    """Stores a result and returns its id; one equal to the latest is that result.
 
-    One that supersedes another says why: `why`, or what is different about how it was made.
-    Raises Unusable for a run that is not in the store.
+    A result that supersedes another says why: `why`, or what differs in how it was made. Raises
+    Unusable for a run that is not in the store.
     """
     with database.changing(home) as connection:
         return add_result(connection, calibration, why)
@@ -80,7 +80,7 @@ def all_results(home: Home) -> list[Result]:
 
 
 def chain(result: str | None, home: Home) -> list[str]:
-    """A result and those that it supersedes, one after the other, the newest first."""
+    """A result and those it supersedes, newest first."""
     table, found = tables.results.c, list[str]()
     while result is not None:
         found.append(result)
@@ -90,7 +90,7 @@ def chain(result: str | None, home: Home) -> list[str]:
 
 
 def find(reference: str, home: Home) -> Result:
-    """The result with this id, or the newest of the run with this id; Unusable for neither."""
+    """The result with this id, or the newest of the run with this id; Unusable if there is neither."""
     table = tables.results.c
     for result in reversed(_results(home, sql.or_(table.id == reference, table.run == reference))):
         return result
@@ -102,12 +102,12 @@ def find(reference: str, home: Home) -> Result:
 
 
 def result_id(supersedes: str | None, document: str) -> str:
-    """The id that a document has in its place; another one where either was changed."""
+    """The id of a document in its series; it changes with either."""
     return "c" + hashlib.sha256(f"{supersedes}\n{document}".encode()).hexdigest()[:ID_DIGITS]
 
 
 def calibration_of(row: sql.Row) -> Calibration:
-    """The document in a row of results; raises Unusable when it is none."""
+    """The document in a row of results; raises Unusable if it is not one."""
     try:
         return Calibration.model_validate_json(row.document)
     except ValidationError as error:
@@ -118,7 +118,7 @@ def calibration_of(row: sql.Row) -> Calibration:
 
 
 def _latest(connection: sql.Connection, calibration: Calibration) -> sql.Row | None:
-    """The result of the same run, method and adopted terms that nothing superseded yet."""
+    """The result of the same run, method and adopted terms that is not yet superseded."""
     table = tables.results
     mine = (table.c.run == calibration.run, table.c.method == calibration.method)
     adopted = [term.name for term in calibration.terms]
@@ -156,7 +156,7 @@ def _lock_run(connection: sql.Connection, calibration: Calibration) -> None:
 
 
 def _why(latest: sql.Row, calibration: Calibration) -> str:
-    """What is different about how the new result was made."""
+    """What differs in how the new result was made."""
     try:
         before = calibration_of(latest)
     except Unusable:

@@ -35,7 +35,7 @@ class Run(Frozen):
 
 
 def find(reference: str, home: Home) -> Run:
-    """The run with this id, digest or recording_id, or the only one that begins so.
+    """The run with this id, digest or recording_id, or the only one with this beginning.
 
     Raises Unusable for none and for several.
     """

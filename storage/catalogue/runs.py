@@ -23,12 +23,12 @@ ID_DIGITS = 12  # hex digits of the digest in a run's id
 
 
 def add(recording: Recording, home: Home, *, source: Path | None = None) -> tuple[Run, bool]:
-    """Takes a recording into the store: raw MCAP, columns, and last its row in the catalogue.
+    """Adds a recording to the store: raw MCAP, columns, and last its row in the catalogue.
 
-    Gives the run and whether it is new. The same content again is the same run, whoever brings
-    it at the same time; files of it that went missing are written again. `source`, where its
-    bytes alone say all of it, is remembered for `imported_before`.
-    Raises Unusable when the home cannot be written.
+    Returns the run and whether it is new. The same content is the same run, also when it is added
+    twice at the same time; missing files of it are written again. `source`, if its bytes alone
+    determine the content, is remembered for `imported_before`. Raises Unusable if the home cannot
+    be written.
     """
     from storage.formats import recordings
     from storage.formats.content import as_raw, fingerprint
@@ -49,7 +49,7 @@ def add(recording: Recording, home: Home, *, source: Path | None = None) -> tupl
 
 
 def imported_before(path: Path, home: Home) -> Run | None:
-    """The run that a source became, if its bytes were imported before; else None."""
+    """The run of a source whose bytes were imported before; else None."""
     from storage.formats import recordings
 
     same_bytes = tables.sources.c.fingerprint == recordings.fingerprint(path)
@@ -63,7 +63,7 @@ def imported_before(path: Path, home: Home) -> Run | None:
 def load(run: Run, home: Home) -> Recording:
     """A run's recording, from its columns; if they are missing or damaged, from raw.
 
-    Then the columns are made again. Raises Unusable when raw is missing or damaged as well.
+    The columns are then made again. Raises Unusable if raw is missing or damaged as well.
     """
     recording = from_columns(run, home)
     if recording is not None:
@@ -90,7 +90,7 @@ def from_columns(run: Run, home: Home) -> Recording | None:
 
 
 def load_raw(run: Run, home: Home) -> Recording:
-    """A run's recording from raw; Unusable where that is missing or not what was imported."""
+    """A run's recording from raw; Unusable if that is missing or not what was imported."""
     from storage.formats.mcap.reader import read_mcap
 
     blobs, name = blobs_of(home), _raw(run.digest)
@@ -125,7 +125,7 @@ def manifest(run: Run, home: Home) -> Manifest:
 
 
 def manifest_bytes(run: Run, home: Home) -> bytes | None:
-    """The manifest beside a run's columns; None where it is not there."""
+    """The manifest beside a run's columns; None if it is missing."""
     name = f"{_columns(run.digest)}/{MANIFEST}"
     if not blobs_of(home).exists(name):
         return None
@@ -134,7 +134,7 @@ def manifest_bytes(run: Run, home: Home) -> bytes | None:
 
 
 def unit_id(connection: sql.Connection, unit: Unit) -> int:
-    """The unit's key in the catalogue, new if it must be."""
+    """The unit's key in the catalogue, created if needed."""
     identity = {name: getattr(unit, name) for name in ("manufacturer", "model", "serial")}
     database.add_new(connection, tables.units, **identity)
     same = [tables.units.c[name] == value for name, value in identity.items()]

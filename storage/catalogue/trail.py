@@ -42,10 +42,10 @@ def add(
     at: datetime | None = None,
     **details: Any,
 ) -> None:
-    """Adds an entry within the transaction that does what it is about.
+    """Adds an entry within the transaction of the action it records.
 
-    at: when it was done, the present unless given. details: what JSON can hold. Whoever writes
-    waits here for the end of another one's transaction, so call it last.
+    at: time of the action, now unless given. details: JSON values. Writers wait here for the end of
+    each other's transactions, so call it last.
     """
     end = tables.trail_end
     counted = sql.update(end).values(number=end.c.number + 1).returning(end.c.number, end.c.hash)
@@ -71,7 +71,7 @@ def entries(home: Home) -> list[Entry]:
 
 
 def faults(home: Home) -> Iterator[str]:
-    """What shows that the trail was changed: a gap, an edit, another order, an end cut off."""
+    """Signs that the trail was changed: a gap, an edit, another order, a missing end."""
     ends = database.rows(home, sql.select(tables.trail_end))  # first: others may go on writing
     hashes = {0: NOTHING_BEFORE}
     number = 0

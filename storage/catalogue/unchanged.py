@@ -17,11 +17,11 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def version(home: Home) -> Hashable:
-    """Another one after each commit; raises Busy where the database does not answer.
+    """A value that changes with each commit; raises Busy if the database does not answer.
 
-    PostgreSQL: its snapshot, which names the transactions that are visible. SQLite: size and time
-    of its file and of the write-ahead log beside it, and the header of that log's index, in which
-    each transaction is counted (SQLite, WAL-mode file format, 2.1): two may be within one tick.
+    PostgreSQL: its snapshot, which names the visible transactions. SQLite: size and time of its
+    file and of the write-ahead log, and the header of that log's index, which counts transactions
+    (SQLite, WAL-mode file format, 2.1), since two may fall within one tick of the clock.
     """
     url = url_of(home)
     if url.get_backend_name() == "sqlite":
@@ -33,7 +33,7 @@ def version(home: Home) -> Hashable:
 
 
 def _stamp(file: Path) -> tuple[int, ...] | None:
-    """None for a file that is not there or holds nothing, as the log that a reader leaves."""
+    """None for a missing or empty file, such as the log that a reader leaves."""
     try:
         found = file.stat()
     except OSError:
@@ -50,9 +50,9 @@ def _index_header(file: Path) -> bytes | None:
 
 
 def while_unchanged(most: int) -> Callable[[Function], Function]:
-    """Keeps the last `most` answers of a function that reads the catalogue alone.
+    """Caches the last `most` answers of a function that reads only the catalogue.
 
-    Its last argument is the home; all are hashable. Nobody changes an answer.
+    Its last argument is the home; all are hashable. Answers must not be modified.
     """
 
     def decorate(function: Function) -> Function:

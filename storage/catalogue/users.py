@@ -11,7 +11,7 @@ from storage.home import Home
 
 
 def add(name: str, role: Role, password: str, home: Home, person: str) -> None:
-    """Adds a user, or gives one that is there another role and password (as its Argon2 hash)."""
+    """Adds a user, or gives an existing one another role and password (as its Argon2 hash)."""
     user = User(name=name, role=role, password=password, added_at=datetime.now(UTC))
     table = tables.users
     with database.changing(home) as connection:
@@ -21,7 +21,7 @@ def add(name: str, role: Role, password: str, home: Home, person: str) -> None:
 
 
 def remove(name: str, home: Home, person: str) -> None:
-    """Removes a user; raises Unusable for a name that is not there."""
+    """Removes a user; raises Unusable for an unknown name."""
     table = tables.users
     with database.changing(home) as connection:
         gone = connection.execute(sql.delete(table).where(table.c.name == name)).rowcount

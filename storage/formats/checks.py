@@ -25,7 +25,7 @@ def known_columns(name: str, manifest: Manifest) -> tuple[str, ...]:
 
 
 def required_columns(name: str, manifest: Manifest, present: set[str]) -> tuple[str, ...]:
-    """The columns that must be there, given those that are; a triad comes whole."""
+    """The columns that must be present, given those that are; triads must be complete."""
     if name == "table":
         axes = manifest.station.table_axes or ()
         return tuple(f"{axis.name}_angle" for axis in axes)
@@ -54,7 +54,7 @@ def check_columns(where: str, name: str, manifest: Manifest, present: set[str]) 
 
 
 def check_stream(where: str, name: str, stream: Stream) -> None:
-    """Raises Unusable for time that does not rise and for values that are no numbers."""
+    """Raises Unusable for times that do not rise and for values that are not numbers."""
     if not len(stream):
         raise Unusable(f"{where}: there is no row of data; record again, or leave the stream out.")
     _check_time(where, stream.t)
@@ -103,7 +103,7 @@ def _check_time(where: str, t: np.ndarray) -> None:
 
 
 def first(wrong: np.ndarray) -> int | None:
-    """The first row of (n,) that is wrong, if one is."""
+    """The first row of (n,) that is wrong, if any."""
     return int(wrong.argmax()) if wrong.any() else None
 
 

@@ -72,11 +72,11 @@ _EACH = {"imu": _imu, "reference": _reference, "environment": _environment}
 
 
 def digest(recording: Recording) -> str:
-    """SHA-256 (hex) of what a recording says, the same from Parquet, CSV and MCAP.
+    """SHA-256 (hex) of the content of a recording, the same from Parquet, CSV and MCAP.
 
     Over the manifest as canonical JSON, without `streams`, which only names files, and without
-    what is null; then for each stream in alphabetical order its name, its column names, t as
-    int64 ns and the columns as float64, all little-endian, with one NaN.
+    nulls; then for each stream in alphabetical order its name, its column names, t as int64 ns and
+    the columns as float64, all little-endian, with one NaN.
     """
     return fingerprint(as_raw(recording))
 
@@ -94,10 +94,10 @@ def fingerprint(recording: Recording) -> str:
 
 
 def check_sum(recording: Recording) -> str:
-    """SHA-256 (hex) of sums over what a recording says: damage shows in it, forgery may not.
+    """SHA-256 (hex) of sums over the content of a recording: it reveals damage, but not forgery.
 
-    Several times as fast as the digest. The 64 bits of every SPACED-th number are added up, so
-    that neither a changed number nor one in another's place goes unseen.
+    Several times as fast as the digest. The 64 bits of every SPACED-th number are added up, so that
+    neither a changed number nor one in another's place goes unnoticed.
     """
     hasher = hashlib.sha256(_manifest_text(recording.manifest))
     for name, stream in sorted(recording.streams().items()):

@@ -54,7 +54,7 @@ def _manifest(folder: Path) -> Manifest:
 
 
 def _path(folder: Path, manifest: Manifest, name: str) -> Path:
-    """The file of a stream, which must lie in the folder."""
+    """The file of a stream, which must be in the folder."""
     file = manifest.streams[name]
     where = f"{folder / MANIFEST}: streams.{name} is {_short(file)}"
     given = PurePosixPath(file)

@@ -70,7 +70,7 @@ def check_controls(fields: Mapping[str, Any], where: str) -> None:
 
 
 def _leaves(value: Any, place: str = "", key: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Every value that holds no others, and every name, with its place and its nearest name."""
+    """Every value that contains no others, and every name, with its path and its nearest name."""
     if isinstance(value, Mapping):
         for name, inner in value.items():
             path = f"{place}.{name}" if place else name
