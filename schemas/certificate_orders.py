@@ -45,7 +45,7 @@ class ProduceOrder(AcquireOrder, CertificateOptions):
 
 
 class StepOrder(OrderModel):
-    """A step that a person takes with a certificate, given by its number or the key of its draft."""
+    """A step that a person takes with a certificate (its number, or the key of its draft)."""
 
     certificate: str
     by: Person

@@ -15,7 +15,7 @@ SET_TEMPERATURE = "set_temperature"  # of a chamber's commands
 
 
 class UnitOnTable(Frozen):
-    """A further unit on the same table: its data link, its mount in the fixture, and its identity."""
+    """A further unit on the same table: data link, mount in the fixture, and identity."""
 
     unit_link: UnitLink
     mount: Mount = Mount()

@@ -78,7 +78,7 @@ def _log_ahead(connection: Any, _: object, *, busy_s: float) -> None:
 
 
 def _begin_sqlite(connection: sql.Connection) -> None:
-    """Begins writing transactions as such: one that is upgraded later fails if another was faster."""
+    """Begins writing transactions as such: upgrading one later fails if another was faster."""
     writes = connection.get_execution_options().get("writes")
     connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 

@@ -13,7 +13,7 @@ from storage.home import Home
 
 
 def add(standards: Iterable[MeasurementStandard], home: Home, person: str) -> None:
-    """Adds standards to the register, all or none; raises Unusable for one that is already there."""
+    """Adds standards to the register, all or none; raises Unusable for one already there."""
     with database.changing(home) as connection:
         for standard in standards:
             if known := _certificates(connection, standard.serial):

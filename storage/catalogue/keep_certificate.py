@@ -28,7 +28,9 @@ RUN_CHARACTERS = 8  # of a run's id in the key of its draft
 
 
 class Faces(Protocol):
-    """The stored forms of a certificate: PDF, Digital Calibration Certificate (XML), record (JSON)."""
+    """The stored forms of a certificate: PDF, Digital Calibration Certificate (XML), JSON
+    record.
+    """
 
     @property
     def pdf(self) -> bytes: ...
@@ -134,7 +136,7 @@ def add(
 
 
 def remove(connection: sql.Connection, entry: Entry) -> None:
-    """Removes a draft from the register; its files stay until the transaction has been committed."""
+    """Removes a draft from the register; its files stay until the transaction is committed."""
     named = tables.equipment.c.document == entry.number
     connection.execute(sql.delete(tables.equipment).where(named))
     decided = tables.decisions.c.certificate == entry.number

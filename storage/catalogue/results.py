@@ -90,7 +90,7 @@ def chain(result: str | None, home: Home) -> list[str]:
 
 
 def find(reference: str, home: Home) -> Result:
-    """The result with this id, or the newest of the run with this id; Unusable if there is neither."""
+    """The result with this id, or the newest of the run with this id; Unusable for neither."""
     table = tables.results.c
     for result in reversed(_results(home, sql.or_(table.id == reference, table.run == reference))):
         return result
