@@ -24,7 +24,7 @@ UNITS = {"gyro": "°/s", "accel": "m/s²"}
 
 @contextmanager
 def acquisition_view() -> Iterator[Callable[[Progress], None]]:
-    """Yields the function that shows how a run stands."""
+    """Yields the function that shows the status of a run."""
     if not CONSOLE.is_terminal:
         yield plain_lines()
         return
@@ -33,7 +33,7 @@ def acquisition_view() -> Iterator[Callable[[Progress], None]]:
 
 
 def plain_lines() -> Callable[[Progress], None]:
-    """A line on standard error every PLAIN_EVERY_S of wall time."""
+    """A status line on standard error every PLAIN_EVERY_S of wall time."""
     printed_s = time.monotonic()
 
     def show(progress: Progress) -> None:
@@ -47,7 +47,7 @@ def plain_lines() -> Callable[[Progress], None]:
 
 
 def view(progress: Progress) -> Table:
-    """A row for each fact, the alarms last."""
+    """A table of facts, with the alarms last."""
     table = Table.grid(padding=(0, 2))
     for name, value in facts(progress).items():
         shown: RenderableType = Text(value, style="bold red" if name == "alarms" else "")
@@ -59,7 +59,7 @@ def view(progress: Progress) -> Table:
 
 
 def facts(progress: Progress | RunStatus) -> dict[str, str]:
-    """State, segment, time, rates, noise and alarms in words; what is not known is left out."""
+    """State, segment, time, rates, noise and alarms in words; unknown ones are left out."""
     rates = ", ".join(f"{name} {hertz:.1f} Hz" for name, hertz in progress.rates_hz.items())
     noise = ", ".join(f"{name} {value:.2g} {UNITS[name]}" for name, value in progress.noise.items())
     state = progress.state.replace("_", " ")

@@ -6,10 +6,10 @@ from schemas.orders import OrderModel
 
 
 def carry_out(name: str, order: Any, of: str) -> Any:
-    """Carry out an order: as a flow run where a Prefect server is named, else right here.
+    """Carry out an order: as a flow run if a Prefect server is named, otherwise in this process.
 
     name: of the flow in `prefect_flows`, and of the function in `run_orders`. of: the run or
-    certificate that it is about, as the operator is told.
+    certificate it concerns, for the operator.
     """
     from flows.prefect_server import server_named
 
@@ -23,7 +23,7 @@ def carry_out(name: str, order: Any, of: str) -> Any:
 
 
 def as_flow_run(name: str, order: OrderModel) -> Any:
-    """Carry out an order as a flow run, on a server of our own where none is named."""
+    """Carry out an order as a flow run, on a server of our own if none is named."""
     from flows.prefect_server import connect
     from flows.run_orders import home_of
 

@@ -50,8 +50,8 @@ app.add_typer(user_commands.app, name="user")
 
 
 def _collect_rarely() -> None:
-    """A quarter of a short command was the collector's: what is imported is no garbage, and at
-    the end the system takes all of it.
+    """A quarter of a short command was garbage collection: imported modules are no garbage, and
+    at the end the system frees everything anyway.
     """
     gc.set_threshold(CONTAINERS)
     atexit.register(gc.freeze)
@@ -60,7 +60,7 @@ def _collect_rarely() -> None:
 def main() -> None:
     """Run the command line.
 
-    Exit 2 with one sentence for unusable input, 1 for own failures and for what was broken off.
+    Exits with 2 and one sentence for unusable input, with 1 for internal errors and interruptions.
     """
     end_as_ctrl_c()
     _collect_rarely()
@@ -89,7 +89,7 @@ def main() -> None:
 
 
 def _check_text(arguments: list[str]) -> None:
-    """Raises Unusable for an argument that no page and no JSON could print."""
+    """Raises Unusable for an argument that cannot be printed on a page or in JSON."""
     for argument in arguments:
         if not argument.isascii() and any("\ud800" <= sign <= "\udfff" for sign in argument):
             raise Unusable(f"the argument {argument!a} is not UTF-8; give the file another name.")

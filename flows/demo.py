@@ -26,7 +26,7 @@ SPEED, AHRS_SPEED = 60.0, 300.0  # what two cores keep up with: an AHRS sends le
 def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -> None:
     """Run the line once on a virtual station and print the paths of everything it made.
 
-    Raises Unusable for a procedure that is none.
+    Raises Unusable for an unknown procedure.
     """
     began = time.monotonic()
     folder = home()
@@ -67,7 +67,7 @@ def _certificate_files(ahrs: bool) -> dict[str, str]:
 
 
 def _made(draft: Published, folder: Home) -> dict[str, Any]:
-    """What the demonstration made, as one JSON document."""
+    """The files made by the demonstration, as one JSON document."""
     certificate, calibration = draft.certificate, draft.certificate.calibration
     named = certificate.manifest.unit
     unit = " ".join((named.manufacturer, named.model, named.serial))

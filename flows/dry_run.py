@@ -9,7 +9,7 @@ from tasks.station.plan import plan
 
 
 def print_dry_run(order: AcquireOrder, as_json: bool) -> None:
-    """Every segment of an order that was checked, with its beginning and its motion."""
+    """Print every segment of a checked order, with its start and its motion."""
     procedure = procedure_of(order)
     begins_s, rows = procedure.warm_up_s, []
     for segment in plan(procedure):

@@ -64,10 +64,10 @@ MOST_ROWS = 1000  # of an artifact's table
 
 
 def run_now(named: Flow[..., Any], order: OrderModel) -> Any:
-    """Run a flow in this process, from its main thread, and return what it returns.
+    """Run a flow in this process, from its main thread, and return its result.
 
-    Without its heartbeat, whose thread makes every synchronous flow run wait for a second
-    (prefect 3.8).
+    Without its heartbeat, whose thread makes every synchronous flow run wait for a second (prefect
+    3.8).
     """
 
     def with_body(body: Callable[..., Any]) -> Flow[..., Any]:
@@ -87,9 +87,9 @@ def acquire(order: AcquireOrder) -> AcquiredRuns:
 
 @flow(name="produce", flow_run_name="produce on {order.station}")
 def produce(order: ProduceOrder) -> tuple[Published, ...]:
-    """Acquire a run from a station, estimate every item, decide, draft each unit's certificate.
+    """Acquire a run from a station, estimate every item, decide, and draft each unit's certificate.
 
-    Raises BrokenOff for units that were given up, when the others have theirs.
+    Raises BrokenOff for units that were abandoned, once the others have theirs.
     """
     read_inputs(order)  # bad files are refused before it turns
     acquired = acquire(order)
@@ -110,7 +110,7 @@ def calibrate(order: CalibrateOrder) -> Calibration:
 
 @flow(name="explain", flow_run_name="explain {order.run}")
 def explain(order: ExplainOrder) -> Explained:
-    """Say where model and run differ, which physics was left out, and what it matters."""
+    """Find where model and run differ, which physics was left out, and how much it matters."""
     explained = run_orders.explain(order)
     with suppress(TransportError):
         _show_discrepancy(explained)
@@ -119,7 +119,7 @@ def explain(order: ExplainOrder) -> Explained:
 
 @flow(name="review")
 def review(order: ReviewOrder) -> Reviewed:
-    """Say what many runs show together, who carries it and since when."""
+    """Find what many runs show together, what carries it and since when."""
     reviewed = run_orders.review(order)
     with suppress(TransportError):
         _show_review(reviewed)
@@ -128,19 +128,19 @@ def review(order: ReviewOrder) -> Reviewed:
 
 @flow(name="next", flow_run_name="next recording of {order.runs}")
 def next_recording(order: NextOrder) -> NextRecording:
-    """Say which recording would decide what the explanations of some runs left open."""
+    """Propose the recording that settles what the explanations of some runs left open."""
     return run_orders.next_recording(order)
 
 
 @flow(name="simulate", flow_run_name="simulate {order.run}")
 def simulate(order: SimulateOrder) -> Simulated:
-    """Write what a unit with a calibration would have read on a run's motion."""
+    """Simulate the readings of a calibrated unit for the motion of a run."""
     return run_orders.simulate(order)
 
 
 @flow(name="apply", flow_run_name="apply {order.calibration} to {order.run}")
 def apply(order: ApplyOrder) -> Corrected:
-    """Write a run with its unit's errors taken off."""
+    """Write a run corrected for its unit's errors."""
     return run_orders.apply(order)
 
 
@@ -152,7 +152,7 @@ def certify(order: CertifyOrder) -> Published:
 
 @flow(name="check", flow_run_name="check {order.certificate}")
 def check(order: CheckOrder) -> Published:
-    """Note that a person checked the draft of a certificate."""
+    """Record that a person checked the draft of a certificate."""
     return run_orders.check(order)
 
 
@@ -164,7 +164,7 @@ def issue(order: IssueOrder) -> Published:
 
 @flow(name="amend", flow_run_name="amend {order.certificate}")
 def amend(order: AmendOrder) -> Published:
-    """Draft a certificate in the place of an issued one."""
+    """Draft a certificate that replaces an issued one."""
     return _shown(run_orders.amend(order))
 
 
@@ -176,7 +176,7 @@ def withdraw(order: WithdrawOrder) -> Published:
 
 @flow(name="reprocess")
 def reprocess(order: ReprocessOrder) -> Reprocessing:
-    """Make the results of a selection of runs again, and say what changed."""
+    """Re-process the results of a selection of runs, and report what changed."""
     report = run_orders.reprocess(order, _progress_artifact("reprocess"))
     with suppress(TransportError):
         _show_changes(report)
@@ -185,9 +185,9 @@ def reprocess(order: ReprocessOrder) -> Reprocessing:
 
 @flow(name="remind")
 def remind(order: RemindOrder) -> list[Recalled]:
-    """Send the reminders that are to be sent now, and list the units due within so many days.
+    """Send the reminders that are due now, and list the units due within so many days.
 
-    Raises BrokenOff where one could not be sent; the next run tries again.
+    Raises BrokenOff if one could not be sent; the next run tries again.
     """
     home, now = run_orders.home_of(order), datetime.now(UTC)
     faults = reminding.remind(home, now)
@@ -203,7 +203,7 @@ def remind(order: RemindOrder) -> list[Recalled]:
 
 
 def _progress_artifact(key: str) -> Callable[[int, int], None]:
-    """Shows how much is done as an artifact, seldom enough to cost nothing."""
+    """Shows progress as an artifact, updated rarely enough to cost nothing."""
     shown: list[tuple[Any, float]] = []
 
     def show(done: int, total: int) -> None:
@@ -219,7 +219,7 @@ def _progress_artifact(key: str) -> Callable[[int, int], None]:
 
 
 def _show_changes(report: Reprocessing) -> None:
-    """What moved most, and what failed, as a Prefect artifact."""
+    """The largest changes and the failures, as a Prefect artifact."""
     create_table_artifact(
         key="reprocess-changes",
         table=[change.model_dump() for change in report.changed[:MOST_ROWS]],
@@ -235,7 +235,7 @@ def _show_changes(report: Reprocessing) -> None:
 
 
 def _shown(published: Published) -> Published:
-    """The certificate, with its items, verdict, reasons and place as Prefect artifacts."""
+    """The certificate with its items, verdict, reasons and path, as Prefect artifacts."""
     certificate = published.certificate
     verdict = say(verdict_title(certificate.decision), "en")
     reasons = "\n".join(f"- {reason}" for reason in certificate.decision.reasons)

@@ -43,15 +43,15 @@ OWN_SERVER = {
 
 
 def server_named() -> bool:
-    """Whether the operator named a Prefect server; then every order is a flow run on it."""
+    """Whether the operator named a Prefect server; every order is then a flow run on it."""
     return bool(os.environ.get("PREFECT_API_URL"))
 
 
 def connect(home: Home) -> None:
-    """Point Prefect at its server, before it is imported; start one where none is named.
+    """Point Prefect at its server before it is imported; start one if none is named.
 
-    What the operator set in the environment stays. To be called from the main thread: Linux ends
-    the server with the thread that started it.
+    Environment variables set by the operator are kept. Call this from the main thread: Linux ends
+    the server together with the thread that started it.
     """
     settings = QUIET if server_named() else QUIET | OWN_SERVER
     for name, value in settings.items():
@@ -103,7 +103,7 @@ def _end(server: "subprocess.Popen[bytes]") -> None:
 
 
 def _die_with_parent() -> Callable[[], object]:
-    """What a child does between fork and exec; the library is opened before the fork."""
+    """Runs in the child between fork and exec; the library is opened before the fork."""
     prctl = ctypes.CDLL(None).prctl
     return lambda: prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)
 
@@ -112,7 +112,7 @@ _DIE_WITH_PARENT = _die_with_parent() if sys.platform == "linux" else None
 
 
 def serve(listener: socket.socket) -> None:
-    """Be the server, on a socket that listens."""
+    """Run the server on a listening socket."""
     import uvicorn
     from prefect.server.api.server import create_app
 

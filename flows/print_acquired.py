@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
-    """Print the runs and their validity; whether none is invalid."""
+    """Print the runs and their validity; returns whether none is invalid."""
     from tasks.stages.validity import validity_of
 
     judged = [(run, made, validity_of(run, home)) for run, made in acquired.kept]

@@ -14,7 +14,7 @@ from tasks.words.units import unit_text
 
 
 def print_calibration(calibration: Calibration) -> None:
-    """A table of every item, then what is unavailable and what the reader must know."""
+    """Print a table of every item, then what is unavailable and what the reader must know."""
     console = stdout()
     table = _results_table(f"{calibration.recording_id} · {calibration.procedure}", "item")
     for name, item in calibration.items.items():
@@ -32,7 +32,7 @@ def print_calibration(calibration: Calibration) -> None:
 
 
 def _print_information(console: Console, calibration: Calibration) -> None:
-    """A second table of what stands beside the items, and the sentences to it."""
+    """Print a second table with the additional information, and its sentences."""
     if not calibration.information:
         return
     table = _results_table("for information, not decided on", "quantity")

@@ -18,7 +18,7 @@ NEXT = {
 
 
 def print_certificate(published: "Published", as_json: bool) -> None:
-    """Print a certificate as a person reads it, or as one JSON document."""
+    """Print a certificate for a person, or as one JSON document."""
     if as_json:
         print_json(_document(published))
     else:
@@ -26,9 +26,9 @@ def print_certificate(published: "Published", as_json: bool) -> None:
 
 
 def print_verdict(published: "Published") -> None:
-    """The verdict, a line for what fails, is open or conditional, the due date, the files.
+    """Print the verdict, each failed, open or conditional item, the due date and the files.
 
-    Of a draft also the commands that come next.
+    For a draft, also the commands that come next.
     """
     from tasks.conformity.limits import verdict_title  # late: a calibration prints without it
     from tasks.conformity.reasons import conditional

@@ -25,7 +25,7 @@ MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
 def print_explanation(explained: Explained) -> None:
-    """The verdict, what was found with its parameters, what it matters, and the files."""
+    """Print the verdict, the findings with their parameters, their consequences, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
     verdict = discrepancy.verdict.replace("_", " ")
     console.print(f"[bold {COLOURS[discrepancy.verdict]}]{verdict}[/] ", end="")
@@ -60,7 +60,7 @@ def _table(discrepancy: Discrepancy) -> Table:
 
 
 def _parameters(finding: ReportedFinding) -> Sequence[tuple[str, str, str, str]]:
-    """Name, value, U and unit of each parameter, as the report has them."""
+    """Name, value, U and unit of each parameter, as in the report."""
     made = [(p.name, quantities([p.value], USUAL_K * p.u, p.unit)) for p in finding.parameters]
     return [
         (name, each.values[0] or "–", each.uncertainties[0] or "–", each.unit)
@@ -69,7 +69,7 @@ def _parameters(finding: ReportedFinding) -> Sequence[tuple[str, str, str, str]]
 
 
 def _print_finding(console: Console, finding: ReportedFinding) -> None:
-    """The sentence of a finding, and the elements of the certificate that it moves most."""
+    """Print the sentence of a finding, and the certificate elements that it changes most."""
     console.print(finding.statement.en, markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
     for moved in listed[:MAX_CONSEQUENCES]:

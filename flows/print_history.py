@@ -8,7 +8,7 @@ SHOWN = 20  # rows of each table; the report has all
 
 
 def print_plan(plan: Plan) -> None:
-    """What would be done."""
+    """Print what would be done."""
     print(
         f"{plan.results} results of {len(plan.runs)} runs ({plan.rows} samples) would be made with "
         f"{plan.code_version}; {plan.done_before} were already"
@@ -18,7 +18,7 @@ def print_plan(plan: Plan) -> None:
 
 
 def print_report(report: Reprocessing, out: str | None) -> None:
-    """What was done and what is different: values by how far they moved, verdicts, certificates."""
+    """Print what was done and what differs: values by size of change, verdicts, certificates."""
     if report.changed:
         changes = [
             (c.run, f"{c.item}.{c.element}", _number(c.before), _number(c.after),
@@ -54,7 +54,7 @@ def print_report(report: Reprocessing, out: str | None) -> None:
 
 
 def print_impact(impact: Impact) -> None:
-    """Runs with their results, and certificates."""
+    """Print runs with their results, and certificates."""
     made: dict[str, list[str]] = {}
     for result in impact.results:
         made.setdefault(result.run, []).append(f"{result.result} ({result.method})")
@@ -73,7 +73,7 @@ def print_impact(impact: Impact) -> None:
 
 
 def print_pruned(pruned: Pruned) -> None:
-    """What can be spared, or was deleted, and what was not."""
+    """Print what can be deleted or was deleted, and what was not."""
     rows = [
         (
             each.run or "–",

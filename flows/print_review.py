@@ -14,7 +14,7 @@ NUMERIC = ("value", "U (k = 2)", "runs")
 
 
 def print_review(reviewed: Reviewed) -> None:
-    """The verdict, what the runs have in common with its parameters, and what was left out."""
+    """Print the verdict, the common effects with their parameters, and the runs left out."""
     review, console = reviewed.review, stdout()
     console.print(f"{review.verdict.replace('_', ' ')} ({review.runs} runs)", markup=False)
     console.print(review.statement.en, markup=False)

@@ -12,7 +12,7 @@ from storage.home import home
 
 
 def print_trail(form: str) -> None:
-    """Print every entry, in the order in which they were written."""
+    """Print every entry in the order of writing."""
     entries = trail.entries(home())
     if form == "json":
         print_json({"format": "mimu-trail/1", "entries": [_fields(entry) for entry in entries]})

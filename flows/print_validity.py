@@ -12,10 +12,10 @@ WORDS: dict[RunVerdict, str] = {
 
 
 def summary(validity: Validity) -> dict[str, Any]:
-    """The verdict as JSON has it."""
+    """The validity as in JSON."""
     return {"verdict": validity.verdict, "reasons": list(validity.reasons)}
 
 
 def lines(validity: Validity) -> list[str]:
-    """The verdict, and a line for each reason."""
+    """The validity, and a line for each reason."""
     return [WORDS[validity.verdict], *(f"  {reason}" for reason in validity.reasons)]

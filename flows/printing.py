@@ -14,7 +14,7 @@ FRAMED = 500  # rows of a table with lines: rich takes 0.4 ms for each
 
 
 def stdout(markup: bool = True) -> Console:
-    """Standard output; wide where it is no terminal, so that a pipe gets whole lines."""
+    """Standard output; wide if it is not a terminal, so that a pipe gets whole lines."""
     width = None if sys.stdout.isatty() else 160
     return Console(highlight=False, markup=markup, emoji=False, width=width)
 
@@ -25,7 +25,7 @@ def print_json(document: Any) -> None:
 
 
 def print_rows(title: str, columns: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> None:
-    """A plain table; one of thousands of rows in columns without lines, which costs no seconds."""
+    """Print a plain table; thousands of rows as columns without lines, which is fast."""
     if len(rows) > FRAMED:
         _print_columns(title, [columns, *rows])
         return

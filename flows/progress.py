@@ -26,7 +26,7 @@ def _bar(*columns: ProgressColumn) -> Progress:
 
 @contextmanager
 def working(description: str) -> Iterator[None]:
-    """A spinner with the time elapsed, for work whose end is not known beforehand."""
+    """A spinner with the elapsed time, for work of unknown duration."""
     text = TextColumn("{task.description}", markup=False)
     with _bar(SpinnerColumn(), text, TimeElapsedColumn()) as bar:
         shown, began = bar.add_task(description, total=None), time.monotonic()
@@ -43,12 +43,12 @@ def working(description: str) -> Iterator[None]:
 
 
 def remaining(elapsed: float, behind: float) -> str:
-    """How long work will take that has a share behind it after so many seconds; early: nothing."""
+    """The remaining time of work, from the share done and the seconds taken; early on, nothing."""
     return "" if behind < SOON else f", about {elapsed * (1.0 / behind - 1.0):.0f} s left"
 
 
 def describe(now: str, behind: float) -> None:
-    """Shows beside the spinner, where one turns, what is being done now, and what is left.
+    """Shows the current step and the remaining time beside the spinner, if there is one.
 
     behind: the share (0 to 1) of the work that is done.
     """
@@ -58,9 +58,9 @@ def describe(now: str, behind: float) -> None:
 
 @contextmanager
 def counting(description: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar over counted things, with the time that is left.
+    """A progress bar over counted things, with the remaining time.
 
-    Yields the function (done, total) that moves it.
+    Yields the function (done, total) that advances it.
     """
     count = TextColumn("{task.completed:.0f} of {task.total:.0f}")
     with _bar(TextColumn(description), BarColumn(), count, TimeRemainingColumn()) as bar:

@@ -13,14 +13,14 @@ from tasks.words import message, texts
 
 
 def at_terminal() -> Ask | None:
-    """How to ask the person at the terminal; None where standard input is none."""
+    """The prompt for the person at the terminal; None if standard input is not a terminal."""
     return _ask if sys.stdin is not None and sys.stdin.isatty() else None
 
 
 async def _ask(refix: Refix) -> None:
-    """Say what is to be done and wait for Enter; one that was pressed before does not count.
+    """Says what is to be done and waits for Enter; a key pressed earlier does not count.
 
-    Acquisition goes on meanwhile. Raises Unusable where the terminal is closed.
+    Acquisition continues meanwhile. Raises Unusable if the terminal is closed.
     """
     terminal = sys.stdin.fileno()
     termios.tcflush(terminal, termios.TCIFLUSH)

@@ -10,7 +10,7 @@ from tasks.stages import remind
 
 
 def print_reminders(within: int, dry_run: bool, as_json: bool) -> None:
-    """Send what is to be sent, unless `dry_run`, and list what falls due within so many days."""
+    """Send the reminders due now, unless `dry_run`, and list units due within so many days."""
     place, now = home(), datetime.now(UTC)
     faults = [] if dry_run else remind.remind(place, now)
     due = remind.recalled(place, now.astimezone().date() + timedelta(days=within))

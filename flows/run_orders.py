@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 
 
 def acquire(order: AcquireOrder) -> "AcquiredRuns":
-    """Acquire a run from a station; Unusable, BrokenOff say where it lies if it breaks off."""
+    """Acquire a run from a station; Unusable and BrokenOff say where an interrupted one is."""
     from flows.acquisition_view import acquisition_view
     from tasks.stages.acquire import acquire_run
 
@@ -69,7 +69,7 @@ def check_acquisition(order: AcquireOrder) -> None:
 
 
 def _acquisition(order: AcquireOrder) -> tuple[StationFile, Procedure, "Ask | None"]:
-    """The station, the procedure, and how to ask whoever is there."""
+    """The station, the procedure, and how to prompt the operator."""
     from flows import refix_prompt
 
     station, procedure = settings.read(Path(order.station), StationFile), procedure_of(order)
@@ -86,7 +86,7 @@ def calibrate(order: CalibrateOrder) -> "Calibration":
 
 
 def explain(order: ExplainOrder) -> "Explained":
-    """Say which physics the standard's model leaves out of a run."""
+    """Find which physics the standard's model leaves out of a run."""
     from tasks.stages.explain import explain_run
     from tasks.stages.import_recording import run_of
 
@@ -100,7 +100,7 @@ def explain(order: ExplainOrder) -> "Explained":
 
 
 def review(order: ReviewOrder) -> "Reviewed":
-    """Say what many runs show together."""
+    """Find what many runs show together."""
     from tasks.stages.review import review_runs
 
     with counting("runs") as report:
@@ -108,7 +108,7 @@ def review(order: ReviewOrder) -> "Reviewed":
 
 
 def next_recording(order: NextOrder) -> "NextRecording":
-    """The recording that decides what the explanations of some runs left open."""
+    """Propose the recording that settles what the explanations of some runs left open."""
     from tasks.stages import next_recording as stage
     from tasks.stages.import_recording import run_of
 
@@ -118,7 +118,7 @@ def next_recording(order: NextOrder) -> "NextRecording":
 
 
 def simulate(order: SimulateOrder) -> "Simulated":
-    """Write what a unit with a calibration would have read on a run's motion."""
+    """Simulate the readings of a calibrated unit for the motion of a run."""
     from tasks.stages.import_recording import run_of
     from tasks.stages.simulate import simulate_run
 
@@ -127,7 +127,7 @@ def simulate(order: SimulateOrder) -> "Simulated":
 
 
 def apply(order: ApplyOrder) -> "Corrected":
-    """Write a run with its unit's errors taken off."""
+    """Write a run corrected for its unit's errors."""
     from tasks.stages.correct import apply_correction
     from tasks.stages.import_recording import run_of
 
@@ -136,9 +136,9 @@ def apply(order: ApplyOrder) -> "Corrected":
 
 
 def certify(order: CertifyOrder) -> "Published":
-    """Estimate, decide and draft the certificate of a run. Bad files are refused first.
+    """Estimate, decide and draft the certificate of a run. Unusable files are refused first.
 
-    A result with terms taken off comes on a certificate only if they are ordered here.
+    A result with corrected terms is used only if these terms are ordered here.
     """
     from tasks.stages.certificate_inputs import read_inputs
 
@@ -146,7 +146,7 @@ def certify(order: CertifyOrder) -> "Published":
 
 
 def amend(order: AmendOrder) -> "Published":
-    """Draft the certificate that comes in the place of an issued one."""
+    """Draft the certificate that replaces an issued one."""
     from tasks.stages.amend import amendment
 
     place = home_of(order)
@@ -174,7 +174,7 @@ def _certified(
 
 
 def check(order: CheckOrder) -> "Published":
-    """Note that a person checked a draft."""
+    """Record that a person checked a draft."""
     from tasks.stages import issue as stage
 
     return stage.check(order.certificate, home_of(order), order.by, order.reason)
@@ -197,7 +197,7 @@ def withdraw(order: WithdrawOrder) -> "Published":
 def reprocess(
     order: ReprocessOrder, report: "Callable[[int, int], None] | None" = None
 ) -> "Reprocessing":
-    """Make the results of a selection again; report(done, total) is told of each, too."""
+    """Re-process the results of a selection; calls report(done, total) after each."""
     from tasks.stages import reprocess as stage
 
     def tell(done: int, total: int) -> None:
@@ -210,12 +210,12 @@ def reprocess(
 
 
 def home_of(order: OrderModel) -> Home:
-    """The home that an order names, else the one of this process."""
+    """The home named by an order, else that of this process."""
     return Home(Path(order.home)) if order.home else home()
 
 
 def procedure_of(order: AcquireOrder) -> Procedure:
-    """A procedure by its name, or from a file where the name is that of a file."""
+    """A procedure by name, or from a file of that name."""
     from tasks.station import procedures
 
     if Path(order.procedure).suffix in (".toml", ".json"):

@@ -54,9 +54,9 @@ def show_run(reference: str, as_json: bool) -> None:
 
 
 def show_log(reference: str, as_json: bool) -> None:
-    """Print what a run went through.
+    """Print the log of a run.
 
-    Raises Unusable where its manifest keeps no log, or one that is not understood.
+    Raises Unusable if its manifest has no log, or an invalid one.
     """
     run = run_of(reference, home())
     kept = (runs.manifest(run, home()).model_extra or {}).get("log")

@@ -16,7 +16,7 @@ def as_ctrl_c(_: int, frame: FrameType | None) -> None:
 
 
 def end_as_ctrl_c() -> None:
-    """From now on; what was ignored, as SIGHUP under nohup, stays ignored."""
+    """Applies from now on; ignored signals, such as SIGHUP under nohup, stay ignored."""
     for ending in ENDINGS:
         if signal.getsignal(ending) is not signal.SIG_IGN:
             signal.signal(ending, as_ctrl_c)
@@ -24,7 +24,7 @@ def end_as_ctrl_c() -> None:
 
 @contextmanager
 def ending_as_ctrl_c() -> Iterator[None]:
-    """Within a flow, whose own handler would lose where the recording lies."""
+    """Inside a flow, whose own handler would lose the path of the recording."""
     if threading.current_thread() is not threading.main_thread():  # no signal comes here
         yield
         return
@@ -39,7 +39,7 @@ def ending_as_ctrl_c() -> Iterator[None]:
 
 @contextmanager
 def pausing() -> Iterator[Callable[[], bool]]:
-    """Whether Ctrl-Z (SIGTSTP) was pressed, and not a second time, since the block began."""
+    """Whether Ctrl-Z (SIGTSTP) was pressed an odd number of times since the block began."""
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return

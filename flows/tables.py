@@ -48,7 +48,7 @@ def _to_parquet(table: "pd.DataFrame", out: Path | None) -> None:
 
 
 def _to_folder(table: "pd.DataFrame", folder: Path) -> None:
-    """A file for each station and month of recording, as pyarrow, duckdb and Spark read them."""
+    """One file for each station and month of recording, as pyarrow, duckdb and Spark read them."""
     month = table["recorded_on"].map(lambda day: f"{day:%Y-%m}" if day else "unknown")
     try:
         with drafted(folder) as draft:

@@ -19,9 +19,9 @@ from tasks.version import code_version
 
 
 def run_validate(units: int, seed: int, out: Path | None, as_json: bool) -> None:
-    """Make the record of all methods; it and its page go into the home, or to the file `out`.
+    """Make the validation record of all methods, and its page, in the home or at `out`.
 
-    Raises Unusable for fewer units than a record needs, where it would go into the home.
+    Raises Unusable for fewer units than a record in the home needs.
     """
     if out is None and units < MIN_UNITS:
         raise Unusable(

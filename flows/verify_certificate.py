@@ -11,7 +11,7 @@ from tasks.certificate.verify_file import VerifiedFile, verify_file
 
 
 def run_verify_certificate(path: Path, trust: Path | None, as_json: bool) -> None:
-    """Prints what was found; ends with 1 where there are faults. The store is not looked into."""
+    """Prints what was found; exits with 1 if there are faults. Does not use the store."""
     found = verify_file(path, _certificates(trust) if trust else ())
     if as_json:
         _print_json(found)
