@@ -42,7 +42,7 @@ class Combination:
 
     @cached_property
     def chi2(self) -> float:
-        """Of what is left."""
+        """Chi-squared of the residual."""
         return chi2_of(self.fit.model, self.fit)
 
     @property
@@ -52,10 +52,10 @@ class Combination:
 
     @property
     def plausible(self) -> bool:
-        """Whether each of the members' parameters lies within what a unit may have.
+        """Whether all parameters of the members are within the range of a working unit.
 
-        A low-pass that a lead of the clocks takes back is none: together they shape the errors of
-        the reference, or resonances, and leave hardly a delay.
+        A low-pass that a lead of the clocks cancels is not plausible: together they shape errors of
+        the reference, or resonances, and hardly amount to a delay.
         """
         values, places = self.fit.model.values, self.fit.model.places
         if self._taken_back():
@@ -166,7 +166,7 @@ def chi2_of(model: Model, fit: FittedSelection) -> float:
 def _late(
     members: Form, family: Sequence[str], delays: tuple[float, float], start: FittedSelection
 ) -> Model:
-    """The model that a fit of delays and filters starts from: as late as what they stand for."""
+    """The model from which a fit of delays and filters starts: as late as those it replaces."""
     kept = {one.term.key for one in members}
     model = start.model.without(
         {key for key in start.model.places if key not in kept and key[0] in family}

@@ -27,12 +27,12 @@ HOLDS = {"lever_arm": "size_effect"}  # the first is the second with all its pla
 
 
 def compared(fit: FittedSelection, candidates: Sequence[Candidate]) -> FittedSelection:
-    """The selection with the combination that fits in place of what it has of each family, marked
-    with the names that the data do not tell from it.
+    """The selection with the best combination of each family in place of its members, marked with
+    the names that the data cannot distinguish from it.
 
-    A nuisance of every model stays as it is, and what makes up for it is left out: tracking smooths
-    places and attitudes unlike each other, so that it is not the unit's for certain. It is marked
-    with what fits no worse in its place.
+    A nuisance of every model is kept, and what compensates for it is left out: tracking smooths
+    positions and attitudes differently, so that it is not certainly the unit's. It is marked with
+    whatever fits no worse in its place.
     """
     for family in FAMILIES:
         own = [one for one in fit.selection.selected if one.candidate.name in family]
@@ -81,9 +81,9 @@ class _Family:
         return marked(chosen, group_names(best, map(names_of, near)))
 
     def with_rivals(self) -> FittedSelection:
-        """What is present as it is, with the names of the effects that fit no worse in its place.
+        """The given effects, marked with the names that fit no worse in their place.
 
-        What makes the unit early is no filter.
+        Whatever makes the unit early is not a filter.
         """
         if min(group_delays(self.fit.model, self.names)) <= 0.0:
             return self.fit
@@ -113,8 +113,8 @@ class _Family:
         return [one for one in tried if self._cost(one) - least < INDISTINGUISHABLE]
 
     def _special_case(self, found: Combination) -> Combination:
-        """What was found, or the special case of it that fits no worse in its real form: linear
-        forms see neither what else was refined nor that the standard's own terms make up for it.
+        """The selection, or the special case of it that fits no worse in its exact form: linear
+        forms ignore what else was refined and that the standard's own terms compensate for it.
         """
         for form in self.forms:
             general = HOLDS.get(form[0].name)
@@ -176,9 +176,10 @@ class _Family:
         )
 
     def _delay_with_filter(self) -> list[Combination]:
-        """A delay with a filter of the later triad; and of both, where a filter more fits better.
+        """A delay with a filter of the later triad; of both triads, if one more filter fits better.
 
-        From nothing no step tells a filter from a delay: so it is tried at a usual size.
+        Starting from zero, the first step cannot tell a filter from a delay: so it starts at a
+        usual size.
         """
         delay = next((form for form in self.forms if form[0].name == "time_offset"), None)
         both = next((form[0] for form in self.forms if is_by_triad(form)), None)
@@ -222,7 +223,7 @@ class _Family:
         return gain > DISTINGUISHABLE * self._linear.dispersion
 
     def _hidden_in(self, form: Form, best: Combination) -> bool:
-        """Whether another effect may have made a share of the best, as far as the data tell."""
+        """Whether, as far as the data show, another effect may account for a share of the best."""
         if form[0].name in names_of(best.members) or form[0].name == HOLDS.get(
             best.members[0].name
         ):

@@ -56,8 +56,8 @@ def searched_by_name(candidates: Sequence[Candidate]) -> list[Candidate]:
 def forms_of(
     family: Sequence[str], candidates: Sequence[Candidate], selected: Sequence[Candidate]
 ) -> list[Form]:
-    """The forms of the family's effects, each as candidates that stand for it: those selected of
-    it, else those with the same parameters as selected ones of another effect, else the whole.
+    """The forms of the family's effects, each as candidates to represent it: those selected,
+    else those with the same parameters as selected ones of another effect, else all.
     """
     found: list[Form] = []
     for name in family:
@@ -107,11 +107,11 @@ def common_part(
     model: Model, terms: Sequence[Term], names: Sequence[str], widening: np.ndarray
 ) -> tuple[FoundParameter, ...]:
     """Group delay of gyros and of accelerometers by all the terms together, with its uncertainty;
-    empty for effects that are no delay. names: of the group; where one that is not among the terms
-    makes gyros alone late, the accelerometers are not known to be.
+    empty for effects that are not delays. names: of the group; if one of them is not among the
+    terms and delays gyros only, the delay of the accelerometers is not known.
 
-    widening: (p,) by which what is left, and what the recording's parts differ by, make the
-    uncertainty of each of the model's parameters larger.
+    widening: (p,) factors by which the residual, and the differences between the recording's parts,
+    widen the uncertainty of each of the model's parameters.
     """
     weights = _delay_weights(model, terms)
     widened = weights * widening

@@ -50,12 +50,14 @@ class LinearForms:
 
     @cached_property
     def distinguishable(self) -> float:
-        """Chi-squared that tells real forms apart: more than their equations may be wrong by."""
+        """Chi-squared that separates exact forms: more than the errors of their linear
+        equations.
+        """
         return max(DISTINGUISHABLE, FORM**2 * max(map(self.gain, self.forms)) / self.dispersion)
 
     @cached_property
     def dispersion(self) -> float:
-        """Chi-squared per reading of what is left, at least one."""
+        """Chi-squared per reading of the residual, at least one."""
         used = self.fit.blocks.used
         return max(1.0, chi2_of(self.fit.model, self.fit) / used)
 
@@ -68,9 +70,9 @@ class LinearForms:
 
     @cached_property
     def triads_differ(self) -> bool:
-        """Whether gyros and accelerometers are late unlike each other, which linear forms tell.
+        """Whether gyros and accelerometers have different delays, as linear forms show.
 
-        Of filters alone: a long delay and a filter differ in their linear forms already.
+        For filters alone: a long delay and a filter differ in their linear forms already.
         """
         both = next((form for form in self.forms if is_by_triad(form)), None)
         whole = next((form for form in self.forms

@@ -121,7 +121,9 @@ def adopt(
 
 
 def _adopted_term(finding: Finding, determined: DeterminedModel | None) -> AdoptedTerm:
-    """With the parameters that were taken off; of known physics those that it is checked by."""
+    """The term with the parameters that were corrected for; for known physics, its check
+    parameters.
+    """
     every = determined.parameters(finding.terms) if determined else ()
     taken = [one for one in every if not one.held]
     return AdoptedTerm(
@@ -164,7 +166,7 @@ def _remarks(
     findings: Sequence[Finding],
     terms: Sequence[AdoptedTerm],
 ) -> Iterator[Remark]:
-    """What was taken off with its U, what of it is not determined, and where it is not known."""
+    """What was corrected for, with its U, its undetermined part, and where it is unknown."""
     if not findings:
         return
     described = clauses([_described(*each) for each in zip(findings, terms, strict=True)])
@@ -190,7 +192,7 @@ def _named(finding: Finding) -> Message:
 
 
 def _described(finding: Finding, term: AdoptedTerm) -> Message:
-    """A finding with the parameters that were taken off."""
+    """A finding with the parameters that were corrected for."""
     if not term.parameters:
         return _named(finding)
     values = (

@@ -18,9 +18,9 @@ from tasks.words import message, say
 
 @dataclass(frozen=True)
 class CorrectionLines:
-    """The budget lines of what was taken off: inputs with their correlation (m, m).
+    """The budget lines of the corrections: inputs with their correlation (m, m).
 
-    changes: for each input, by how much each element changes with its standard uncertainty.
+    changes: for each input, the change of each element for its standard uncertainty.
     """
 
     inputs: Sequence[UncertainInput]
@@ -40,7 +40,9 @@ class CorrectionLines:
         return np.array([change.get(element) or 0.0 for change in self.changes])
 
     def u(self, element: str) -> float:
-        """What is taken off adds to the standard uncertainty of an element, in quadrature."""
+        """The contribution of the corrections to the standard uncertainty of an element, in
+        quadrature.
+        """
         return math.sqrt(max(float(variance_terms(self.at(element), self.correlation).sum()), 0.0))
 
     @property

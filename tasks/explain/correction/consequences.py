@@ -44,12 +44,12 @@ class Consequences:
 def consequences(
     recording: Recording, explanation: Explanation, tolerance: Tolerance | None = None
 ) -> Consequences:
-    """Every item by the recording's clause method, as read and less what the findings add.
+    """Every item by the recording's clause method, as read and corrected for the findings.
 
-    Findings whose parameters make up for each other are taken off together: each by itself would
-    move what the others move back. U holds the uncertainty of what was taken off; an element is
-    listed where it moves by more than 0.05 U. Verdicts are compared where limits are given. Empty,
-    with the reason as a remark, where the clauses give no items.
+    Findings whose parameters compensate for each other are corrected for together: one alone would
+    shift what the others shift back. U includes the uncertainty of the corrections; an element is
+    listed if it changes by more than 0.05 U. Verdicts are compared if limits are given. Empty, with
+    the reason as a remark, if the clauses give no items.
     """
     findings = explanation.findings
     count = len(findings)
@@ -96,7 +96,7 @@ def _less_what_they_add(
 
 
 def collinear_sets(explanation: Explanation) -> list[tuple[int, ...]]:
-    """For each finding the numbers of those that it cannot be told from well, its own included."""
+    """For each finding the numbers of those that are nearly collinear with it, its own included."""
     findings, determined = explanation.findings, explanation.determined
     alike = np.eye(len(findings), dtype=bool)
     places = [

@@ -124,7 +124,7 @@ def correlation_of(
 
 
 def in_si(one: DeterminedParameter) -> FoundParameter:
-    """A parameter that was taken off, as it is told."""
+    """A parameter that was corrected for, as it is reported."""
     return FoundParameter(
         name=one.parameter.name, value=one.value, unit=unit_of(one.parameter), u=one.u
     )

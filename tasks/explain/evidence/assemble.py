@@ -42,10 +42,10 @@ def explanation_of(
     reference: ReferencePrediction | None = None,
     ordered: bool = False,
 ) -> Explanation:
-    """The explanation that a fitted selection is, with the events.
+    """The explanation given by a fitted selection and the events.
 
-    reference: the prediction by which the readings were reduced to those of an ideal unit.
-    ordered: just these terms were asked for, and each is told, whatever speaks against it.
+    reference: the prediction by which the readings were reduced to those of an ideal unit. ordered:
+    exactly these terms were requested, and each is reported whatever the evidence.
     """
     evidence = with_smoothing_error(evidence, recording, full, events.masked)
     fit, t, noise = evidence.fit, full.motion.t, np.sqrt(full.rest_variance)

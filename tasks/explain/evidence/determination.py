@@ -19,11 +19,11 @@ from tasks.model.term import TermKey
 def determined_model(
     evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate
 ) -> DeterminedModel:
-    """The fitted model with its undetermined parameters held at nothing and the rest fitted again.
+    """The fitted model with its undetermined parameters set to nothing and the rest fitted again.
 
-    What the standard's parameters make up for would be moved by whatever a parameter happens to
-    be that is no better known than its size. What it may be, with all that makes up for it, stays
-    in the covariance. scrutinies: of the findings, by number.
+    A parameter no better known than its size would otherwise shift the standard's parameters that
+    compensate for it. Its possible size, with everything that compensates for it, stays in the
+    covariance. scrutinies: of the findings, by number.
     """
     fit, model = evidence.fit, evidence.fit.model
     wider = widening(evidence, scrutinies)
@@ -38,13 +38,13 @@ def determined_model(
 
 
 def _spread(evidence: Evidence, key: TermKey) -> float:
-    """By which what is left makes the u of a term's shape larger."""
+    """The factor by which the residual widens u of a term's shape."""
     numbers = [n for n, group in enumerate(evidence.groups) if key in {t.key for t in group.terms}]
     return float(np.sqrt(max((evidence.scatter.dispersion(n) for n in numbers), default=1.0)))
 
 
 def widening(evidence: Evidence, scrutinies: Mapping[int, Scrutiny]) -> np.ndarray:
-    """(p,) by which what is left, and what the parts differ by, make each u larger."""
+    """(p,) factors by which the residual, and the differences between parts, widen each u."""
     model, wider = evidence.fit.model, np.ones(len(evidence.fit.model.values))
     free = np.flatnonzero(model.free)
     for number, scrutiny in scrutinies.items():
@@ -69,11 +69,11 @@ def _undetermined(
 
 
 def undetermined(model: Model, owned: Sequence[set[int]], wider: np.ndarray) -> np.ndarray:
-    """(p,) bool: parameters no larger than their U once those less clear are nothing.
+    """(p,) bool: parameters no larger than their U once the less clear ones are set to nothing.
 
-    One by one, the least clear first, since what makes up for it becomes clearer: of effects that
-    make up for each other one stays, and the last parameter of each does. owned: the places of each
-    effect's parameters. wider: (p,) by which each u is larger than the fit's.
+    One by one, the least clear first, since whatever compensates for it then becomes clearer: of
+    effects that compensate for each other one stays, and the last parameter of each does. owned:
+    the places of each effect's parameters. wider: (p,) factors by which each u exceeds the fit's.
     """
     values, covariance = model.values.copy(), model.covariance.copy()
     left = [set(own) for own in owned]

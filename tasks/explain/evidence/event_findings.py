@@ -100,13 +100,13 @@ def _without(event: Event, events: Events, full: FullRate, predicted: np.ndarray
 
 
 def _gain(event: Event, residual: np.ndarray, change: np.ndarray, left: LeftOver) -> float:
-    """Chi-squared that an event explains, counted against what is left in its channels.
+    """Chi-squared that an event explains, relative to the residual in its channels.
 
-    What changes no mean reading (a pile at a limit, steps, spikes) has its own test's p value;
-    but not where the readings are clearly farther from the model with the event than without,
-    judged by those that it changes by more than the reference's own errors do.
-    residual: (n, 6) readings less what is predicted with all other events. change: (n, 6) of what
-    is predicted, by the event.
+    An event that changes no mean reading (a pile at a limit, steps, spikes) is judged by the p
+    value of its own test; but not if the readings are clearly farther from the model with the event
+    than without, judged by those that it changes by more than the reference's own errors. residual:
+    (n, 6) readings minus the prediction with all other events. change: (n, 6) of the prediction, by
+    the event.
     """
     squares = left.squares(residual)
     gains = squares - left.after

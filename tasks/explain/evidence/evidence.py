@@ -97,7 +97,7 @@ class Evidence:
         return self._chi2(numbers) - self._chi2([])
 
     def evidence(self, number: int) -> float:
-        """The gain counted against what is left, gain/φ, as 2·ln of the likelihood ratio of so many
+        """The gain relative to the residual, gain/φ, as 2·ln of the likelihood ratio of so many
         readings whose noise is not known beforehand (quasi-likelihood).
         """
         gain = max(self.gain(number), 0.0) / self.scatter.dispersion(number)
@@ -105,10 +105,10 @@ class Evidence:
         return float(readings * np.log1p(gain / readings))
 
     def delta_bic(self, number: int) -> float:
-        """The evidence less what the parameters cost that the data determine: ln(1 + n) of each, n
-        the cells that tell of it, since readings within a cell repeat each other (effective sample
-        size; Bayarri and others, Prior-based Bayesian information criterion, 2019). Of a random
-        drift the search has charged all but its strength.
+        """The evidence minus the cost of the determined parameters: ln(1 + n) for each, where n
+        is the number of informative cells, since readings within a cell repeat each other
+        (effective sample size; Bayarri and others, Prior-based Bayesian information criterion,
+        2019). For a random drift the search has charged everything except its strength.
         """
         counts = self.scatter.effective_cells(number)
         if self.groups[number].random:
@@ -127,7 +127,9 @@ class Evidence:
         return 0.5 * (self.gain(*every) - self.gain(*others) + self.gain(number))
 
     def _independent(self, number: int) -> float:
-        """Number of readings that count: n/φ, but not fewer than the cells that tell φ."""
+        """Number of effective readings: n/φ, but not fewer than the cells from which φ is
+        estimated.
+        """
         left, degrees = self.scatter.dispersion(number), self.scatter.degrees(number)
         return max(self.used / left, degrees) if np.isfinite(degrees) else float(self.used)
 
@@ -141,14 +143,14 @@ class Evidence:
         return float(fisher.sf(gain / count, count, degrees))
 
     def held_out_gain(self, number: int) -> float:
-        """Log-likelihood (nats) that one finding adds on segments that a fit did not use, counted
-        against what is left.
+        """Log-likelihood (nats) that one finding adds on held-out segments, relative to the
+        residual.
         """
         gain = self._joint_deviance([number])[0] - self._joint_deviance_after[0]
         return 0.5 * gain / self.scatter.dispersion(number)
 
     def channel_gains(self, number: int) -> np.ndarray:
-        """(6,) the same in each channel beside the others, counted against what is left there."""
+        """(6,) the same in each channel beside the others, relative to the residual there."""
         gains = 0.5 * (self._joint_deviance([number])[1] - self._joint_deviance_after[1])
         left = [self.scatter.channel_dispersion(number, c) for c in range(len(gains))]
         return np.asarray(gains / np.array(left))
@@ -178,8 +180,8 @@ class Evidence:
         return [free[q] if q < len(free) else None for q in self.own[number][0]]
 
     def u(self, number: int) -> np.ndarray:
-        """(k,) standard uncertainties of its own columns, counted against what is left, with what
-        the smoothing of poses may have moved them by.
+        """(k,) standard uncertainties of its own columns, widened by the residual and by what
+        the smoothing of poses may have shifted.
         """
         model, mine = self.fit.model, self.own[number][0]
         u = model.u[model.free] * np.sqrt(self.scatter.dispersion(number))

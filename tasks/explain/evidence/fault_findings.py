@@ -78,7 +78,7 @@ def _verdict(explanation: Explanation) -> Verdict:
 
 
 def _matrix(faults: Sequence[Fault], t: np.ndarray) -> np.ndarray:
-    """(6, 6) what the settings make of the readings of each channel."""
+    """(6, 6) effect of the settings on the readings of each channel."""
     read = np.eye(len(CHANNELS))  # a row for each channel that reads one
     for fault in faults:
         if not isinstance(fault, CodeFault):
@@ -95,7 +95,7 @@ def _moved(finding: Finding, matrix: np.ndarray, place: np.ndarray) -> Finding:
 
 
 def _finding(fault: Fault, contribution: np.ndarray, noise: np.ndarray) -> Finding:
-    """The finding of a fault; what codes are off by is held against the noise (6,)."""
+    """The finding of a fault; the offset of wrong codes is compared with the noise (6,)."""
     gain = float(-2.0 * np.log(fault.p_value))
     if isinstance(fault, CodeFault):
         gain = float(np.nansum((contribution / np.where(noise > 0, noise, np.inf)) ** 2))

@@ -32,11 +32,11 @@ def findings_of(
     evidence: Evidence, scrutinies: Mapping[int, Scrutiny], full: FullRate,
     determined: DeterminedModel, to_noise: Collection[int] = (), ordered: bool = False,
 ) -> list[Finding]:  # fmt: skip
-    """The findings of a fitted selection. determined: what of it is taken off the readings.
+    """The findings of a fitted selection. determined: the part that is corrected for.
 
-    scrutinies: of those that are findings, by number. to_noise: numbers of what only makes the
-    noise of the reference smaller. ordered: somebody asked for just these terms: they keep the
-    names that they were asked for by, with what speaks against them.
+    scrutinies: of the findings, by number. to_noise: numbers of those that only reduce the noise of
+    the reference. ordered: exactly these terms were requested, and they keep the requested names,
+    with the evidence against them.
     """
     scrutinies = dict(scrutinies)
     for number in scrutinies.keys() & set(to_noise):
@@ -113,7 +113,7 @@ def _finding(
 
 
 def _common_part(evidence: Evidence, number: int, scrutiny: Scrutiny) -> tuple[FoundParameter, ...]:
-    """Of effects that make up for each other, with uncertainties as its parameters have them."""
+    """What mutually compensating effects have in common, with U as its parameters have."""
     group = evidence.groups[number]
     names, wider = group.selected[0].group, widening(evidence, {number: scrutiny})
     return common_part(evidence.fit.model, group.terms, names, wider) if names else ()
@@ -127,7 +127,7 @@ def _behaviour(group: FindingGroup) -> Sayable:
 
 
 def _indistinguishable(group: FindingGroup) -> tuple[str, ...]:
-    """Catalogue names that fit so nearly as well that the data do not tell them apart."""
+    """Catalogue names that fit nearly as well, so that the data cannot distinguish them."""
     names = (
         other.candidate.name
         for one in group.selected
@@ -150,7 +150,7 @@ def _channels(contribution: np.ndarray, variance: np.ndarray) -> tuple[int, ...]
 def _parameters(
     evidence: Evidence, number: int, scrutiny: Scrutiny, start: float
 ) -> tuple[FoundParameter, ...]:
-    """With U that covers what is left and what the parts of the recording differ by.
+    """Parameters with U that covers the residual and the differences between parts.
 
     start: of the engine's t = 0 on the recording's own clock, s.
     """
@@ -180,10 +180,10 @@ def _parameters(
 def _checked_parameters(
     fit: FittedSelection, term: Term, absorbed_by: str | None, spread: float
 ) -> list[FoundParameter]:
-    """Parameters of known physics as the data alone have them, all else fitted beside them.
+    """Parameters of known physics from the data alone, with all else fitted beside them.
 
-    absorbed_by: a term of the standard that cannot be told from it, which is taken to be nothing.
-    spread: by which what is left makes their uncertainties larger.
+    absorbed_by: an indistinguishable term of the standard, which is assumed to be zero. spread: the
+    factor by which the residual widens their uncertainties.
     """
     free = term.with_free_size()
     if free is None:
@@ -207,5 +207,5 @@ def _checked_parameters(
 
 
 def _in_si(parameter: Parameter, value: float, u: float) -> FoundParameter:
-    """In SI, so that whoever compares it need not know how it is printed."""
+    """In SI, for comparison independent of the printed unit."""
     return FoundParameter(name=parameter.name, value=value, unit=unit_of(parameter), u=u)

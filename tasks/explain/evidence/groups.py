@@ -53,16 +53,18 @@ class FindingGroup:
 
     @property
     def wandering_bias(self) -> bool:
-        """Whether it is a bias that steps or wanders, which any slow drift makes up for in part."""
+        """Whether it is a bias that steps or wanders, for which any slow drift compensates in
+        part.
+        """
         return self.random or self.terms[0].time_course == "jump"
 
 
 def finding_groups(selection: Selection) -> tuple[FindingGroup, ...]:
-    """Findings of one name are one, as are those that make up for each other; those without a
-    name of one term; several steps are jumps.
+    """Groups of candidates that form one finding: those of one name, those that compensate for each
+    other, those without a name of one term; several steps are jumps.
 
-    A form of a name that was driven to its limit takes the name away where it is the strongest;
-    so do neighbouring orders of what comes so many times a turn.
+    If the strongest form of a name was driven to its limit, the finding loses its name; likewise if
+    neighbouring orders of a once-per-turn component were selected.
     """
     named: dict[object, list[Selected]] = {}
     for one in selection.selected:

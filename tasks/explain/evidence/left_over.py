@@ -24,13 +24,12 @@ KNOWN_WITHIN = 0.1  # share of its power within which the noise at rest is known
 
 @dataclass(frozen=True)
 class LeftOver:
-    """Readings held against the standard's model and against all that was found.
+    """Residuals of the readings from the standard's model and from the model with all findings.
 
-    before, after: (n, 6) squares of the residuals over the noise, NaN where not known.
-    masked: (n, 6) bool, readings that say nothing of a model.
-    noise: (n, 6) variance of a mean over `rows` readings, of the sensor at rest and of the
-    reference together; reference: (n, 6) of it the reference's. rows: as many as the reference
-    tells apart, one of an exact reference.
+    before, after: (n, 6) squares of the residuals over the noise, NaN where unknown. masked: (n, 6)
+    bool, readings that are not used. noise: (n, 6) variance of a mean over `rows` readings, of the
+    sensor at rest and of the reference together; reference: (n, 6) the reference's part of it.
+    rows: as many as the reference resolves, one for an exact reference.
     """
 
     before: np.ndarray
@@ -99,7 +98,7 @@ class LeftOver:
 
     @property
     def explained_share(self) -> float:
-        """Of the mismatch above noise; one where there is none."""
+        """The explained share of the mismatch above noise; one if there is none."""
         mismatch = self.removed + self.remaining
         return self.removed / mismatch if mismatch > 0.0 else 1.0
 
@@ -113,11 +112,11 @@ def block_means_at_rows(values: np.ndarray, rows: int) -> np.ndarray:
 
 
 def rest_noise(full: FullRate, residual: np.ndarray) -> np.ndarray:
-    """(6,) variance of a sample about its mean over a short while at rest.
+    """(6,) variance of a sample about its mean over a short time at rest.
 
-    Of the readings or of what a model leaves (n, 6), whichever is less: the one has lines and
-    steps that were found, the other the noise of the reference. Of a unit that never rests, the
-    white noise of its readings.
+    Of the readings or of the residual of a model (n, 6), whichever is smaller: the readings contain
+    lines and steps that were found, the residual the noise of the reference. For a unit that never
+    rests, the white noise of its readings.
     """
     rate = np.linalg.norm(full.motion.rate, axis=1)
     rows = max(MIN_ROWS, round(WINDOW / max(full.motion.interval, 1e-9)))

@@ -15,7 +15,9 @@ FEWEST = 3  # cells on either side: two tell a change by themselves
 
 
 def jump_at_one_end(evidence: Evidence, number: int) -> Refusal | None:
-    """Where a jump has fewer cells before it, or after it, than tell that a bias is constant."""
+    """The jump that has too few cells before or after it to show that the bias is constant
+    there.
+    """
     group, blocks = evidence.groups[number], evidence.fit.blocks
     times = [term.at[0] for term in group.terms if term.time_course == "jump"]
     if not times:

@@ -29,7 +29,7 @@ def made_by_placing(evidence: Evidence, number: int) -> Refusal | None:
 
 
 def _placements(evidence: Evidence) -> int:
-    """Rests that were each placed anew."""
+    """Rests that were each positioned separately."""
     blocks = evidence.fit.blocks
     rests = np.linalg.norm(np.nan_to_num(blocks.motion.rate, nan=np.inf), axis=1) < SLOW
     return len(np.unique(blocks.segment[rests & (blocks.segment >= 0)]))

@@ -10,12 +10,12 @@ WRONG_MODEL = 2.0  # φ from which on a random drift may be what the rest of the
 
 
 def pruned(fit: FittedSelection, trials: int) -> Evidence:
-    """The fitted selection without the findings that the others have made needless, or that do
-    not stand out of what is left.
+    """The fitted selection without findings that the others make unnecessary, or that do not stand
+    out from the residual.
 
-    The weakest is taken out and the rest is fitted again, until all earn their place. trials:
-    candidates that were tried. The p value of the strongest mismatch is counted against what is
-    left, as its evidence is.
+    The weakest is removed and the rest fitted again, until all remaining ones are significant.
+    trials: number of candidates tried. The p value of the strongest mismatch is relative to the
+    residual, as its evidence is.
     """
     evidence = Evidence.of(fit)
     chance = [1.0] if _searched(evidence) else [fit.selection.p_value]

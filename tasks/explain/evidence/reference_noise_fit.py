@@ -99,9 +99,9 @@ def _gains(evidence: Evidence, normal: np.ndarray, right: np.ndarray) -> np.ndar
 def simulated_reading(
     recording: Recording, full: FullRate, rng: np.random.Generator
 ) -> tuple[Motion, Motion] | None:
-    """The motion at the unit's rows: as it is taken to be, and as the reference would tell it.
+    """The assumed motion at the unit's rows, and that motion as the reference would report it.
 
-    None of a reference that does not err.
+    None for a reference without errors.
     """
     if full.motion.tracking is not None and recording.reference is not None:
         pose = _with_noise(recording.reference, full.motion.tracking, rng)
@@ -139,10 +139,10 @@ def _encoders_on(
     recording: Recording, full: FullRate, table: Stream, encoders: EncoderNoise, axes: TableAxes,
     rng: np.random.Generator,
 ) -> tuple[Stream, Stream]:  # fmt: skip
-    """What encoders without and with noise would read on the motion as it is taken to be.
+    """Readings of encoders without and with noise on the assumed motion.
 
-    Rests are off by their rounding, and taken to lie where they were read: so the motion is a
-    little larger or smaller, and rounded again.
+    Rests are off by their rounding and assumed to lie where they were read: so the motion is made
+    slightly larger or smaller, and rounded again.
     """
     t = table.t - full.start
     thinned = max(1.0, encoders.rate.interval / float(np.median(np.diff(t))))

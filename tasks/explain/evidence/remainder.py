@@ -16,7 +16,7 @@ WINDOW = 20.0  # s of one spectrum
 
 
 def remainder(full: FullRate, found: np.ndarray, left: LeftOver) -> Finding | None:
-    """What is left above the noise as one finding; None where it may be the reference's errors.
+    """The residual above the noise as one finding; None if it may be the reference's errors.
 
     found: (n, 6) predicted readings. It removes nothing and adds nothing to the readings.
     """

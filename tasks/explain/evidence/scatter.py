@@ -39,11 +39,11 @@ class Scatter:
         return self._influences[number][0]
 
     def effective_cells(self, number: int) -> np.ndarray:
-        """(m,) number of equal cells that would tell as much of each column that is determined."""
+        """(m,) number of equal cells that would be as informative about each determined column."""
         return self._influences[number][1].effective_cells
 
     def information_by_cell(self, number: int) -> np.ndarray:
-        """(cells,) share of what is known of a finding's parameters that each cell tells."""
+        """(cells,) share of the information on a finding's parameters that comes from each cell."""
         influence = self._influences[number][1]
         return np.einsum("ij,cji->c", influence.covariance, influence.by_cell)
 
@@ -73,10 +73,10 @@ class Scatter:
 
     @cached_property
     def _influences(self) -> list[tuple[np.ndarray, CellInfluence]]:
-        """For each finding the own columns that are determined, and what each cell asks of them.
+        """For each finding its determined columns, and the influence of each cell on them.
 
-        A random drift takes whatever course the cells ask for: that of its channels' other
-        columns tells how far what is left may be counted as noise.
+        A random drift follows whatever the cells require: the influence of its channels' other
+        columns shows how far the residual may be counted as noise.
         """
         random = [own for own, drifts in zip(self.own, self.drifting, strict=True) if drifts]
         steady = np.setdiff1d(np.arange(len(self.prior)), np.concatenate([*random, []]))

@@ -36,10 +36,11 @@ SIZE = Parameter("size", "size", "1", 1.0, (1.0 - KNOWN_SIZE, 1.0 + KNOWN_SIZE))
 
 @dataclass(frozen=True)
 class Scrutiny:
-    """A finding held against the recording's parts, channels and what is plausible.
+    """A finding tested against the parts and channels of the recording and the plausible range.
 
-    homogeneity_p: corrected for the number of partitions; None where none determines it.
-    u: (k,) standard uncertainties of its own columns, with what is left and what the parts differ.
+    homogeneity_p: corrected for the number of partitions; None if none determines it. u: (k,)
+    standard uncertainties of its own columns, widened by the residual and the differences between
+    parts.
     """
 
     homogeneity_p: float | None
@@ -138,8 +139,8 @@ def _channel_worse(evidence: Evidence, number: int) -> Refusal | None:
 def _undetermined(
     evidence: Evidence, number: int, values: np.ndarray, u: np.ndarray
 ) -> Refusal | None:
-    """Where no parameter is larger than its U, nor, of a finding that is not weak, all of them
-    together where they make up for each other: the clearest.
+    """The clearest parameter, if none exceeds its U, nor, for a finding that is not weak, all
+    mutually compensating ones together.
     """
     parameters = _parameters(evidence, number)
     off = values - np.array([0.0 if one is SIZE else one.nominal for one in parameters])

@@ -34,13 +34,13 @@ def without_shadows(
     left: LeftOver,
     nuisances: Collection[str] = (),
 ) -> list[Finding]:
-    """The findings, those without a name that remove far less than nothing explains beside them.
+    """The findings, those without a name that remove far less than remains unexplained beside them.
 
-    What is much larger and not known has parts that look like anything in the catalogue: a name
-    would be one of its shadows. And a random drift, which has no parameters, takes up part of
-    whatever changes slowly: it has a name only where nothing else is left; weak physics only where
-    it is clear beside what is left. removed: by each, chi-squared at the unit's rows. nuisances:
-    names of what every model of such a recording has.
+    A much larger unknown effect has parts that resemble anything in the catalogue: a name would be
+    one of its shadows. A random drift, which has no parameters, absorbs part of any slow change: it
+    is named only if nothing else is left, and weak physics only if it is clear beside the residual.
+    removed: chi-squared removed by each, at the unit's rows. nuisances: names that every model of
+    such a recording contains.
     """
     findings = [
         one if one.effect in nuisances else _named_or_incomplete(one, left) for one in findings
@@ -97,11 +97,11 @@ def _unnamed(finding: Finding, refusal: Refusal) -> Finding:
 
 
 def small_remainder(finding: Finding, left: LeftOver) -> bool:
-    """Whether a finding is not worth more than a line: it removes little, and has no name or
-    stands beside more in its channels that nothing explains.
+    """Whether a finding deserves only one line: it removes little, and has no name or leaves more
+    unexplained in its channels.
 
-    What a logger or a limit did to the readings has a test of its own and is mended on its own,
-    whatever share of the mismatch the few rows have that it spoilt: it is always told.
+    Faults of a logger or limit have tests of their own and are repaired on their own, whatever
+    share of the mismatch is in the few rows they spoilt: they are always reported.
     """
     if not finding.terms and finding.effect != UNNAMED:
         return False

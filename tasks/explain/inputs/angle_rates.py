@@ -24,10 +24,10 @@ def gives_angles(recording: Recording) -> bool:
 
 
 def as_mean_rates(recording: Recording) -> Recording:
-    """The recording with gyro_* (rad/s) in place of angles, a row in the middle of each interval.
+    """The recording with gyro_* (rad/s) in place of angles, one row in the middle of each interval.
 
-    All else that the unit reads is the mean of both ends. NaN where samples were lost between two
-    readings and where an angle began anew. A recording with rates stays as it is.
+    Other columns are the mean of both ends. NaN where samples were lost between two readings and
+    where an angle was reset. A recording with rates is returned unchanged.
     """
     imu = recording.imu
     if not gives_angles(recording) or len(imu) < 2:

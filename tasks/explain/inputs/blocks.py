@@ -63,12 +63,12 @@ class Blocks:
 def block_means(
     full: FullRate, rate: float, masked: np.ndarray | None = None, fewest: int | None = None
 ) -> Blocks:
-    """Block means at a rate (Hz), or the rows themselves where they are slower.
+    """Block means at a rate (Hz), or the rows themselves if they are slower.
 
-    Where poses tell the motion up to some frequency only, nothing is compared above it. Blocks are
-    not longer for that: effects that follow products of rates do not follow those of their means.
-    masked: (n, 6) bool, samples that must not be used. fewest: 200, or as many as make 30 of the
-    band's, unless it is given. Raises Unusable where there are fewer; where none is known.
+    Where poses show the motion only up to some frequency, nothing is compared above it. Blocks are
+    not made longer for that: effects that follow products of rates do not follow products of their
+    means. masked: (n, 6) bool, samples that must not be used. fewest: 200, or as many as make 30 of
+    the band's, unless given. Raises Unusable if there are fewer, or if none is known.
     """
     t = full.motion.t
     own = 1.0 / max(sample_interval(t), 1e-9)
@@ -145,10 +145,10 @@ def _block_motion(motion: Motion, block: np.ndarray, count: int, width: float) -
 
 
 def _known(motion: Motion) -> np.ndarray:
-    """(n, 6) bool: what is felt is known, and where encoders tell it also just before and after.
+    """(n, 6) bool: the inputs are known, and with encoders also just before and after.
 
-    Every effect is judged by the same blocks: beside a gap of the encoders one that needs no
-    neighbours would have blocks that others cannot say anything about.
+    Every effect is judged by the same blocks: beside a gap of the encoders, one that needs no
+    neighbours would otherwise have blocks that others cannot use.
     """
     if motion.axes is None:
         return motion.felt
@@ -159,9 +159,9 @@ def _corners(motion: Motion, known_errors: np.ndarray, reach: int) -> np.ndarray
     """(n, 6) squared error of a block's rate and force where the motion has a corner, and `reach`
     blocks before and after it.
 
-    Samples do not tell when within their interval a table begins to accelerate; a fourth
-    difference is large there and nowhere else, but for what the noise of the reference makes of it,
-    known_errors (n, 6) its variance. Poses are smoothed and have none.
+    Samples do not show when within their interval a table begins to accelerate; a fourth difference
+    is large there and nowhere else, apart from the noise of the reference, whose variance is
+    known_errors (n, 6). Poses are smoothed and have no corners.
     """
     if motion.tracking is not None:
         return np.zeros((len(motion.t), 6))

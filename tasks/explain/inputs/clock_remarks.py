@@ -11,12 +11,12 @@ COVERAGE = 2.0
 
 
 def clock_remarks(recording: Recording) -> tuple[Sayable, ...]:
-    """The clocks' part of a delay, τ = −offset of the stamps as they were recorded, with its U.
+    """The part of a delay due to the clocks, τ = −offset of the recorded stamps, with its U.
 
-    It is said, and taken for no prior knowledge of the delay: what a unit's own filter needs is not
-    in it. None where the recording keeps no comparison with its half width; where U is more than
-    a delay may plausibly be, as on a virtual station that runs fast; and for a unit that was
-    switched on again, whose clock began anew.
+    It is reported, but not used as a prior of the delay, since the unit's own filter is not part of
+    it. None if the recording has no comparison with its half-width; if U exceeds a plausible delay,
+    as on a virtual station that runs fast; and for a unit that was switched on again, whose clock
+    was reset.
     """
     kept = recording.manifest.model_extra or {}
     try:

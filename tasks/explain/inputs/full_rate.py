@@ -24,13 +24,13 @@ NEAR_LEAST = 1.3  # times the least variance of a segment: still at rest
 
 @dataclass(frozen=True)
 class FullRate:
-    """The recording at the unit's own rows: readings (n, 6), motion with what was recorded.
+    """The recording at the unit's own rows: readings (n, 6), and the motion with recorded signals.
 
-    segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) of a
-    sample's noise in each, by triad; last: between them. steps: (6,) of the outputs as they were
-    read; dithered: (6,) bool, noise is larger, so that means are finer than steps. start: of the
-    motion's t = 0 on the recording's own clock, s. remarks: on what the reference tells.
-    reference_noise: errors of what it predicts. span: s over which each row is a mean.
+    segment: (n,) index into `segments`, −1 between them. segment_variance: (segments + 1, 2) noise
+    variance of a sample in each, by triad; last: between them. steps: (6,) of the outputs;
+    dithered: (6,) bool, noise is larger, so that means are finer than steps. start: of the motion's
+    t = 0 on the recording's own clock, s. remarks: on the reference. reference_noise: errors of its
+    predictions. span: s over which each row is a mean.
     """
 
     readings: np.ndarray
@@ -58,7 +58,7 @@ class FullRate:
 def full_rate(recording: Recording) -> FullRate:
     """Motion and readings at the unit's rows.
 
-    Raises Unusable where the recording has no rates and forces, or tells no motion.
+    Raises Unusable if the recording has no rates and forces, or does not show the motion.
     """
     name = recording.manifest.recording_id
     if not set(CHANNELS) & set(recording.imu.columns):

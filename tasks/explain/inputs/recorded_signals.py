@@ -40,10 +40,10 @@ def recorded_signals(
 
 
 def within_jumps(recording: Recording, t: np.ndarray) -> np.ndarray:
-    """(n,) bool: the rows between two samples of a room's signal between which it jumps.
+    """(n,) bool: rows between two samples of a room's signal between which it jumps.
 
-    When it jumped is not known to the row, so that no law of the signal can be held against these
-    readings: a jump of the unit's own, whose time is fitted, would always fit better.
+    The time of the jump is not known to the row, so no law of the signal can be tested on these
+    readings: a jump of the unit itself, whose time is fitted, would always fit better.
     """
     unknown = np.zeros(len(t), bool)
     if (room := recording.environment) is None:
@@ -98,9 +98,10 @@ def _smoothed(t: np.ndarray, signal: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _fixings(recording: Recording, t: np.ndarray, segments: tuple[Segment, ...]) -> np.ndarray:
     """Number of the fixing at each row: blocks of the procedure between which a unit is re-fixed.
 
-    Where segments have mounts of their own a fixing ends where the mount changes. Else the
-    positions on a table of several axes are one; each upright axis of the rates is another; and a
-    unit is fixed anew right after the last segment of a block, before the move to the next.
+    If segments have mounts of their own, a fixing ends where the mount changes. Otherwise the
+    positions on a table of several axes are one fixing, and each upright axis of the rates is
+    another; a unit is re-fixed right after the last segment of a block, before the move to the
+    next.
     """
     manifest = recording.manifest
     mounted = [(segment, segment.mount or manifest.mount) for segment in segments]

@@ -61,7 +61,7 @@ def _by_segment(course: np.ndarray, segment: np.ndarray, count: int) -> np.ndarr
 
 
 def output_steps(readings: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(6,) steps of the outputs, 0 where there are none, and whether noise is larger than them."""
+    """(6,) steps of the outputs, 0 if there are none, and whether the noise exceeds them."""
     steps, dithered = np.zeros(6), np.ones(6, bool)
     for channel, reading in enumerate(readings.T):
         changes = np.abs(np.diff(reading[np.isfinite(reading)][:MAX_READINGS]))

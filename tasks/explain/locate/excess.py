@@ -91,7 +91,7 @@ class ChannelExcess:
 
 
 def noise_scales(noise: np.ndarray) -> np.ndarray:
-    """The noise (6,), and where there is none (a reading that stands still) that of the triad."""
+    """The noise (6,); for a constant reading, which has none, that of its triad."""
     usable = np.isfinite(noise) & (noise > 0)
     filled = np.where(usable, noise, 1.0)
     for triad in (slice(0, 3), slice(3, 6)):

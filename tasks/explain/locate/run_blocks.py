@@ -28,8 +28,8 @@ class Moments:
 class BlockedRun:
     """A recording of n rows in m blocks of 0.04 s or of one row, whichever is longer.
 
-    motion: at the rows. starts: (m,) first row of each block. t: (m,) s, its middle.
-    names: of the segments. segment: (m,) which one a block lies in, −1 for none.
+    motion: at the rows. starts: (m,) first row of each block. t: (m,) s, its middle. names: of the
+    segments. segment: (m,) the segment of each block, −1 for none.
     """
 
     motion: Motion

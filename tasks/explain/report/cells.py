@@ -116,11 +116,11 @@ def _swing(values: np.ndarray, sigma: float) -> float:
 
 
 def _excess(whitened: Parts, rest: Parts, interval: np.ndarray) -> np.ndarray:
-    """How far each cell's power stands above that of noise, at the block where it shows most.
+    """How far each cell's power exceeds that of noise, at the block length where it shows most.
 
-    rest: what is left when the findings are in the model. Noise that is not white is stronger
-    in long blocks: its size there is the Allan deviation of the rest. The last and longest
-    blocks are whole segments, and the time between two.
+    rest: the residual with the findings in the model. Noise that is not white is stronger in long
+    blocks: its size there is the Allan deviation of the rest. The last and longest blocks are whole
+    segments, and the time between two.
     """
     deviates = []
     for block in BLOCKS:

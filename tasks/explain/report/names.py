@@ -48,7 +48,7 @@ def shift_text(moved: Consequence) -> str:
 
 
 def capital(phrase: Sayable) -> Statement:
-    """What begins like a sentence; a symbol stays as it is."""
+    """The text with a capital initial; a symbol stays as it is."""
     return _beginning(phrase, str.upper)
 
 
@@ -58,7 +58,7 @@ def sentence(phrase: Sayable) -> Statement:
 
 
 def lower(phrase: Sayable) -> Statement:
-    """What continues a sentence; a symbol stays as it is."""
+    """The text with a lower-case initial; a symbol stays as it is."""
     return _beginning(phrase, str.lower)
 
 

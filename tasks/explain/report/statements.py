@@ -79,10 +79,11 @@ def _nothing_removes(finding: ReportedFinding, left_over: Mapping[str, float]) -
 
 
 def what(finding: ReportedFinding) -> Sayable:
-    """What it is and how large, by what is larger than its U (k = 2).
+    """The identity and size of a finding, by the parameters that exceed their U (k = 2).
 
-    The sizes of what was refused a name stand in the reason of the refusal; those of names that
-    make up for each other say nothing, and what they have in common stands with the names.
+    The sizes of a finding that was refused a name are in the reason for the refusal; those of names
+    that compensate for each other are meaningless, and what they have in common is stated with the
+    names.
     """
     if finding.group:
         return message("report-what", title=finding.title, given=0, sizes=(), more=0)
@@ -174,7 +175,7 @@ def times_more_probable(nats: float) -> Message:
 
 
 def alternatives(finding: ReportedFinding) -> Sayable:
-    """What makes up for it here, or would fit this recording as well; empty without either."""
+    """What compensates for it here, or would fit this recording as well; empty without either."""
     parts: list[Sayable] = []
     if finding.group:
         common = tuple(map(parameter_text, finding.common))
@@ -206,7 +207,7 @@ def to_do(finding: ReportedFinding) -> Sayable:
 def on_certificate(finding: ReportedFinding, together: Sequence[Consequence]) -> Sayable:
     """The largest of its consequences in U, and the verdicts it changes; empty without any.
 
-    together: what all findings move. What other findings take back again is told of the set.
+    together: consequences of all findings; those that other findings cancel are stated for the set.
     """
     largest = max(finding.consequences, key=moved_by, default=None)
     parts = [_consequence(largest, together)] if largest and moved_by(largest) > 0.0 else []

@@ -35,10 +35,10 @@ def pattern_of(finding: Finding) -> Sayable:
 
 
 def setting_suspected(finding: Finding, left_over: Mapping[str, float]) -> bool:
-    """Whether an implausible size is likely to be a setting: many times the limit, and with it
-    next to nothing is left.
+    """Whether an implausible size is likely to be a wrong setting: it is many times the limit, and
+    explains nearly everything.
 
-    left_over: χ² per degree of freedom of what is left in each channel.
+    left_over: χ² per degree of freedom of the residual in each channel.
     """
     if finding.refusal is None or not far_beyond(finding.refusal):
         return False
@@ -62,7 +62,7 @@ def _times(refusal: Refusal) -> float:
 
 
 def refused(refusal: Refusal, setting: bool) -> Message:
-    """Why what a finding resembles is not its name, with the numbers that speak against it.
+    """Why a finding does not get the name it resembles, with the figures against it.
 
     setting: a wrong setting is suspected.
     """

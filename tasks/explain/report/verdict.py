@@ -61,7 +61,7 @@ def _summary(answer: Discrepancy) -> Message:
 
 
 def _first(answer: Discrepancy, left: float) -> Sayable:
-    """What to look at first: the largest finding, or what is left where that is more of it."""
+    """What to look at first: the largest finding, or the residual if that is larger."""
     largest = max(answer.findings, key=lambda finding: finding.share, default=None)
     channels = answer.left_over
     if largest is not None and (largest.share >= left or not channels):
@@ -72,7 +72,7 @@ def _first(answer: Discrepancy, left: float) -> Sayable:
 
 
 def _left_over(answer: Discrepancy) -> Sayable:
-    """The channels that stay above noise, with what is left in each; empty where none does."""
+    """The channels whose residual exceeds noise, with its size; empty if none does."""
     high = tuple(
         message("report-left-in", channel=channel_title(channel), chi2=chi2(value))
         for channel, value in sorted(answer.left_over.items(), key=lambda item: -item[1])

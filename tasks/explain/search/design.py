@@ -111,8 +111,8 @@ def _channel_design(
 def with_columns(
     design: BandedDesign, columns: Mapping[int, Column], readings: np.ndarray | None = None
 ) -> BandedDesign:
-    """The design with other columns for some parameters, in the channels that they had, and other
-    readings (n, 6) where they are given; everything else stays as it is.
+    """The design with other columns for some parameters, in the same channels, and other
+    readings (n, 6) if given.
     """
     channels = tuple(
         channel and _with_columns(design, channel, number, columns, readings)
@@ -156,9 +156,10 @@ def _with_columns(
 
 
 def _projected(stack: np.ndarray, basis: np.ndarray) -> np.ndarray:
-    """The rows without what the basis explains of them (ordinary least squares).
+    """The rows minus their projection on the basis (ordinary least squares).
 
-    What is left of a column is small beside it; only so do its products keep their digits.
+    The remainder of a column is small relative to the column; only this way do its products keep
+    their digits.
     """
     before = np.einsum("kn,kn->k", stack, stack)
     stack -= (stack @ basis.T) @ basis

@@ -66,7 +66,7 @@ class FittedSelection:
         return FittedSelection.of(selection, self.blocks, self.search_rate, self.model)
 
     def without(self, selected: Sequence[Selected]) -> "FittedSelection":
-        """The same selection, fitted anew without some."""
+        """The same selection without some members, fitted again."""
         keys = {one.candidate.key for one in selected}
         kept = tuple(one for one in self.selection.selected if one.candidate.key not in keys)
         return self.reselected(replace(self.selection, selected=kept))
@@ -79,9 +79,9 @@ def searched(
     budget: TimeBudget = UNLIMITED,
     done: Callable[[float], None] = lambda share: None,
 ) -> FittedSelection:
-    """Search and fit in turn: after a fit, what is left is searched again about its values.
+    """Alternates search and fit: after each fit, the residual is searched again about its values.
 
-    budget: after which neither goes on. done: is told the share of the searches that are done.
+    budget: after which neither continues. done: is called with the share of searches completed.
     """
     noises = initial_noises(design)
     nuisances = [one for one in candidates if one.nuisance]

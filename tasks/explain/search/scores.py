@@ -54,7 +54,9 @@ def rank(
 
 
 def _projected(equations: NormalEquations, selected: Sequence[Candidate]) -> NormalEquations:
-    """Normal equations without what is selected: fitted ones projected, known ones taken off."""
+    """Normal equations without the selection: fitted members projected out, known ones
+    subtracted.
+    """
     normal, right = equations.normal, equations.right
     for candidate in selected:
         if candidate.known:

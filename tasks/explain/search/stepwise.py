@@ -22,8 +22,8 @@ MAX_ALTERNATIVES = 6
 class Selected:
     """A selected candidate; alternatives: other names that fit nearly as well, best first.
 
-    absorbed_by: the standard's term that absorbs it whole, where it was selected all the same.
-    group: names that make up for each other here, its own included; empty: none does.
+    absorbed_by: the standard's term that absorbs it completely, if it was selected nevertheless.
+    group: names that compensate for each other here, including its own; empty if none does.
     """
 
     candidate: Candidate

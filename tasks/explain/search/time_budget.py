@@ -11,7 +11,7 @@ SEARCH_BUDGET = 20.0
 
 @dataclass(frozen=True)
 class TimeBudget:
-    """Processor time until which a search goes on. clock: s of processor time."""
+    """The processor time until which a search continues. clock: s of processor time."""
 
     until: float
     clock: Callable[[], float] = time.process_time
